@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+
+namespace coslam {
+
+struct Image {
+  FrameId frame;
+  TimeNs capture_ns = 0;  // played time for files: source time minus start_s
+  cv::Mat grey;           // CV_8UC1
+};
+
+// What a source yields next. A frame that cannot be read is counted and skipped, never the end of the source.
+class ImageSource {
+ public:
+  virtual ~ImageSource() = default;
+  // Next image, blocking; empty at the end of the source.
+  virtual std::optional<Image> next() = 0;
+  // Moves over the next image without decoding it (its frame id is used up); false at the end.
+  virtual bool skip() = 0;
+  // Capture time of the next image without reading it; empty at the end or for live sources.
+  virtual std::optional<TimeNs> peek_ns() const = 0;
+  virtual bool live() const { return false; }
+  virtual std::size_t unreadable() const { return 0; }  // images counted as bad so far
+};
+
+struct SourceOptions {
+  double start_s = 0;
+  std::optional<double> duration_s;
+  double rate_hz = 30;      // for image folders and videos without times
+  int width_px = 0;         // of the calibration: the first readable image must have this size
+  int height_px = 0;
+};
+
+// Opens: a folder of images (<6 digits>.jpg|png with times.txt, or names that are nanoseconds), a `t_s,file` CSV, a video
+// file (with an optional <file>.timestamps.csv), an EuRoC mav0 or camN folder, a TUM folder (rgb.txt), v4l2:N, gst:PIPELINE,
+// rtsp://... Throws UserError: nothing there, no image readable, size not that of the calibration.
+std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
+
+}  // namespace coslam

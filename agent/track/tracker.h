@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+struct TrackerConfig {
+  int max_tracks = 300;
+  int window_px = 15;                    // side of the KLT window
+  int levels = 4;                        // pyramid levels, level 0 included
+  double min_distance_px = 12;           // between a new corner and any live track, at 640 px width (scaled with width)
+  double forward_backward_px = 0.7;      // largest return error
+  double min_eigenvalue = 1e-3;          // of the structure tensor, relative to the strongest corner of recent images
+  double border_px = 8;                  // tracks end this close to the image border
+};
+
+// A live feature, raw pixels.
+struct Track {
+  TrackId id;
+  Eigen::Vector2f raw_px = Eigen::Vector2f::Zero();
+  std::uint32_t age_frames = 0;  // 0 in the image where it was found
+};
+
+// Shi-Tomasi corners followed by pyramidal KLT with a gain and offset per window, checked forward and backward. New
+// corners fill the emptiest parts of the image. A track that leaves the image, fails the check or jumps ends for good.
+// Pure and deterministic: the same images give the same tracks. Thread-compatible.
+class Tracker {
+ public:
+  explicit Tracker(const TrackerConfig& config);
+  ~Tracker();
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
+
+  // Follows all tracks into `grey` (CV_8UC1, constant size) and fills up. Returns the live tracks, ascending id.
+  const std::vector<Track>& step(const cv::Mat& grey);
+
+  // Forgets all tracks (after a gap in the images); ids go on.
+  void reset();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Patch of kPatchSide x kPatchSide around raw_px from the image scaled to 30 %: centred on the true sub-pixel position.
+// `small` is that scaled image, see shrink_for_patches().
+cv::Mat shrink_for_patches(const cv::Mat& grey);
+ImagePatch cut_patch(const cv::Mat& small, const Track& track);
+
+}  // namespace coslam

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string_view>
+
+namespace coslam {
+
+// Sets the program's logger (stderr, one line an event). `name` stands in each line.
+void init_log(std::string_view name, bool verbose = false);
+void log_info(std::string_view text);
+void log_warn(std::string_view text);
+void log_error(std::string_view text);
+
+// Lets one event a second through and counts the rest. Not for the pure core.
+class LogLimiter {
+ public:
+  bool pass();
+
+ private:
+  std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace coslam

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace coslam {
+
+// Capture time in nanoseconds: UTC for live sources, played time (0 at the start) for files.
+using TimeNs = std::int64_t;
+
+constexpr double to_seconds(TimeNs t_ns) { return static_cast<double>(t_ns) * 1e-9; }
+inline TimeNs to_ns(double seconds) { return static_cast<TimeNs>(std::llround(seconds * 1e9)); }
+
+}  // namespace coslam

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace coslam {
+
+struct SequenceAgent {
+  std::string name;
+  std::string source;  // URI or absolute path, see agent/capture/source.h
+  std::filesystem::path calibration;
+  double start_s = 0;
+  std::optional<double> duration_s;
+  std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time
+};
+
+// A sequence description (see docs/configuration.md): agents that play at the same time.
+struct Sequence {
+  std::string name;
+  std::filesystem::path file;  // the YAML file it came from
+  double rate_hz = 30;
+  std::optional<double> baseline_m;  // known distance of the first two cameras at the start
+  std::vector<SequenceAgent> agents;
+  std::optional<std::filesystem::path> truth_points;  // t_s,id,x,y,z
+  std::optional<std::filesystem::path> masks;         // <masks>/<agent>/<6-digit frame>.png, non-zero = moving
+  std::string scene;  // name of the simulated scene that rendered it, or empty
+  std::uint64_t scene_seed = 0;
+};
+
+// Reads a YAML file or a folder with sequence.yaml; paths in it are relative to the file. Throws UserError with file, key
+// and reason: unknown key, missing key, bad value, missing file.
+Sequence load_sequence(const std::filesystem::path& path);
+
+}  // namespace coslam

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace coslam {
+
+enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant };
+
+// Pinhole camera. Three spaces, each named in identifiers:
+//   raw px          the image as captured (distorted)
+//   undistorted px  the ideal pinhole image with the same fx, fy, cx, cy (what the estimator and the wire use)
+//   normalized      x / z, y / z in the camera frame (x right, y down, z forward)
+// radtan coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 (4, 5 or 8 used, the rest 0);
+// equidistant k1..k4 (Kannala-Brandt, as Kalibr and OpenCV fisheye).
+struct CameraModel {
+  int width_px = 0;
+  int height_px = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  DistortionModel distortion = DistortionModel::kNone;
+  std::array<double, 8> coefficients{};
+
+  double focal_px() const { return 0.5 * (fx + fy); }
+  bool contains_raw(const Eigen::Vector2d& px, double margin_px = 0) const;
+
+  Eigen::Vector2d pixel_from_normalized(const Eigen::Vector2d& n) const { return {fx * n.x() + cx, fy * n.y() + cy}; }
+  Eigen::Vector2d normalized_from_pixel(const Eigen::Vector2d& p) const { return {(p.x() - cx) / fx, (p.y() - cy) / fy}; }
+
+  // Undistorted pixel of a point in the camera frame; z must be positive.
+  Eigen::Vector2d project(const Eigen::Vector3d& in_cam) const {
+    return {fx * in_cam.x() / in_cam.z() + cx, fy * in_cam.y() / in_cam.z() + cy};
+  }
+  // 2x3 Jacobian of project() by the point in the camera frame.
+  Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d& in_cam) const;
+
+  Eigen::Vector2d distort_normalized(const Eigen::Vector2d& n) const;
+  Eigen::Vector2d raw_from_undistorted(const Eigen::Vector2d& undistorted_px) const;
+  // Inverse of the above; empty where the model cannot be inverted (outside its valid field).
+  std::optional<Eigen::Vector2d> undistorted_from_raw(const Eigen::Vector2d& raw_px) const;
+};
+
+// One sentence that names what is wrong (non-positive focal length, principal point outside, not finite), or empty.
+std::optional<const char*> problem_of(const CameraModel& camera);
+
+}  // namespace coslam

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "common/model/map_patch.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+double pixel_scale(const CameraModel& camera) {
+  // Undistorted coordinates may lie outside the image: leave room for twice its size on either side.
+  const double reach_px = 2.0 * std::max(camera.width_px, camera.height_px);
+  return std::exp2(std::floor(std::log2(32767.0 / reach_px)));
+}
+
+Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale) {
+  const auto grid = [scale](double v) {
+    return static_cast<float>(std::round(std::clamp(v * scale, -32767.0, 32767.0)) / scale);
+  };
+  return {grid(undistorted_px.x()), grid(undistorted_px.y())};
+}
+
+Eigen::Matrix3d unpack_covariance(const Eigen::Matrix<float, 6, 1>& p) {
+  Eigen::Matrix3d m;
+  m << p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5];
+  return m;
+}
+
+Eigen::Matrix<float, 6, 1> pack_covariance(const Eigen::Matrix3d& c) {
+  Eigen::Matrix<double, 6, 1> p;
+  p << c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2);
+  return p.cast<float>();
+}
+
+}  // namespace coslam

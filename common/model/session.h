@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "common/geometry/camera_model.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+constexpr std::uint16_t kProtocolVersion = 1;
+
+// How an agent plays its source.
+enum class Pacing : std::uint8_t {
+  kLive,      // real time: drops what it has no time for
+  kLockstep,  // --rate max: frame n + 1 waits for the server's patch after frame n; nothing is dropped
+};
+
+// Sent once by an agent at start, kept by the middleware for late servers.
+struct Hello {
+  std::string agent;
+  RunId agent_run;
+  std::uint16_t protocol = kProtocolVersion;
+  Pacing pacing = Pacing::kLive;
+  double rate_hz = 30;  // nominal frame rate
+  CameraModel camera;
+};
+
+enum class AgentState : std::uint8_t { kWaiting, kRunning, kFinished };
+
+// Heartbeat of an agent, once a second and on every change of state.
+struct AgentStatus {
+  std::string agent;
+  RunId agent_run;
+  AgentState state = AgentState::kWaiting;
+  PoseState pose_state = PoseState::kNone;
+  FrameId last_frame;            // newest frame sent
+  std::uint32_t frames = 0;      // images read
+  std::uint32_t dropped = 0;     // images skipped for lack of time
+  std::uint32_t tracks = 0;
+  float frame_ms = 0;            // mean time of one step
+  std::string report_json;       // when finished: stage times and byte counts, see docs/wire.md
+};
+
+// Heartbeat of the server, once a second and on every change of state.
+struct ServerStatus {
+  RunId server_run;
+  std::uint16_t protocol = kProtocolVersion;
+  bool started = false;       // all expected agents are here: play
+  bool stopping = false;      // the server ends: finish
+  TimeNs start_utc_ns = 0;    // live replay: played time 0 is this instant
+  std::uint32_t frame_sets = 0;
+  std::uint32_t points = 0;
+  std::vector<std::string> agents;
+  std::string refused;        // one sentence when an agent cannot be accepted (wrong protocol, name taken)
+};
+
+}  // namespace coslam

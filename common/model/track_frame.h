@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+
+// The plain values that agents and server exchange. Numbers are held at wire precision, so that a run in one process
+// and a run over DDS compute with the same bits.
+namespace coslam {
+
+// Coordinates travel as int16 in units of pixel / pixel_scale(camera).
+double pixel_scale(const CameraModel& camera);                                    // a power of two
+Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale);  // clamped to the int16 range
+
+struct TrackObservation {
+  TrackId track;
+  Eigen::Vector2f undistorted_px = Eigen::Vector2f::Zero();  // on the grid of quantised_px()
+  friend bool operator==(const TrackObservation&, const TrackObservation&) = default;
+};
+
+enum class PoseState : std::uint8_t {
+  kNone,     // not placed in the map yet
+  kTracked,  // cam_from_world and its covariance are valid
+  kLost,     // was placed; the pose is the last good one and must not be used
+};
+
+// One image of one agent, understandable alone: a track missing from it has ended or is out of view.
+struct TrackFrame {
+  std::string agent;  // name, at most 32 characters
+  RunId agent_run;
+  FrameId frame;
+  TimeNs capture_ns = 0;
+
+  PoseState pose_state = PoseState::kNone;
+  RunId server_run;  // whose map the pose is in; 0 before the first patch
+  MapEpoch epoch;    // the map epoch in which the pose is expressed
+  Rigid3 cam_from_world;
+  Eigen::Matrix<float, 6, 6> pose_covariance = Eigen::Matrix<float, 6, 6>::Zero();  // order of retract(): rotation, translation
+  std::uint16_t pose_inliers = 0;
+  float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
+
+  std::uint32_t applied_patch = 0;  // sequence number of the last map patch processed, 0 = none
+  bool wants_snapshot = false;      // a patch was missed: send everything bound to my tracks again
+  std::uint16_t patches_sent = 0;       // image patches that travel apart for this frame, see PatchReply
+  bool descriptors_sent = false;        // descriptors that travel apart for this frame, see DescriptorReply
+  std::vector<TrackObservation> tracks;  // ascending track id
+};
+
+// Square of grey values around a track, from the raw image scaled to 30 %, mean and gain removed by the receiver.
+constexpr int kPatchSide = 11;
+constexpr int kPatchBytes = kPatchSide * kPatchSide;
+
+struct ImagePatch {
+  TrackId track;
+  std::array<std::uint8_t, kPatchBytes> grey{};
+};
+
+struct PatchReply {  // answer to MapPatch::patch_requests, cut from the image of `frame`
+  std::string agent;
+  RunId agent_run;
+  FrameId frame;
+  std::vector<ImagePatch> patches;
+};
+
+// SIFT descriptors of one image (OpenCV, 128 bytes, RootSIFT-normalised by the receiver).
+constexpr int kDescriptorBytes = 128;
+
+struct DescriptorReply {
+  std::string agent;
+  RunId agent_run;
+  FrameId frame;
+  std::vector<Eigen::Vector2f> undistorted_px;  // on the grid of quantised_px()
+  std::vector<std::uint8_t> descriptors;        // kDescriptorBytes each
+};
+
+}  // namespace coslam

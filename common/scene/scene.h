@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.h"
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+struct RayHit {
+  Eigen::Vector3d point;   // world, metres
+  Eigen::Vector3d normal;  // unit, towards the viewer
+  std::uint32_t object = 0;
+  double distance_m = 0;
+};
+
+// A simulated world with exact truth: what the cameras see, where they are, what moves.
+class Scene {
+ public:
+  virtual ~Scene() = default;
+  virtual int cameras() const = 0;
+  virtual int frames() const = 0;
+  virtual double rate_hz() const = 0;
+  virtual const CameraModel& camera(int camera) const = 0;
+  virtual Rigid3 cam_from_world(int camera, double t_s) const = 0;
+  // First surface along a ray at time t_s; empty when it leaves the world.
+  virtual std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s) const = 0;
+};
+
+// Names that `sim:NAME` accepts.
+std::vector<std::string> scene_names();
+// Throws UserError for an unknown name (with the list of names). cameras, frames <= 0: the scene's own number.
+std::unique_ptr<Scene> make_scene(const std::string& name, std::uint64_t seed, int cameras = 0, int frames = 0);
+
+struct RenderOptions {
+  std::string scene;
+  std::uint64_t seed = 1;
+  int cameras = 0;
+  int frames = 0;
+  int threads = 2;
+};
+
+// Renders a sequence folder in the form of docs/configuration.md: sequence.yaml, <agent>/<6 digits>.png + times.txt,
+// calibration, truth <agent>.tum, and what eval needs. Written aside and renamed, so that a folder that exists is complete.
+// progress(done, total) is called from one thread.
+void render_sequence(const RenderOptions& options, const std::filesystem::path& folder,
+                     const std::function<void(int, int)>& progress);
+
+// The cached rendering of a scene (rendered when missing): $COSLAM_CACHE or ~/.cache/coslam, a folder per scene, seed, size
+// and version of the renderer.
+std::filesystem::path cached_sequence(const RenderOptions& options, const std::function<void(int, int)>& progress);
+
+}  // namespace coslam

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# One CMake target a folder, sources listed, so that a layer cannot include what it does not link.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# Release keeps no asserts; the estimator's own checks are COSLAM_CHECK (common/base/check.h), always on.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+find_program(COSLAM_CCACHE ccache)
+if(COSLAM_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${COSLAM_CCACHE})
+endif()
+
+add_library(coslam_options INTERFACE)
+target_include_directories(coslam_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(coslam_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+                                                -Wno-psabi)
+if(COSLAM_WERROR)
+  target_compile_options(coslam_options INTERFACE -Werror)
+endif()
+if(COSLAM_SANITIZE)
+  target_compile_options(coslam_options INTERFACE -fsanitize=${COSLAM_SANITIZE} -fno-omit-frame-pointer -g1)
+  target_link_options(coslam_options INTERFACE -fsanitize=${COSLAM_SANITIZE})
+endif()
+
+# coslam_library(NAME SOURCES a.cpp ... DEPS other_target ...): the library of one folder.
+function(coslam_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC coslam_options ${ARG_DEPS})
+endfunction()
+
+# coslam_program(NAME SOURCES main.cpp ... DEPS ...): an installed program.
+function(coslam_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS})
+  install(TARGETS ${name} RUNTIME DESTINATION bin)
+endfunction()
+
+# coslam_test(NAME SOURCES x_test.cpp ... DEPS ...): one GoogleTest program, its cases found by CTest.
+function(coslam_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS} GTest::gtest_main GTest::gmock)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()
