@@ -80,6 +80,7 @@ struct DescriptorReply {
   FrameId frame;
   std::vector<Eigen::Vector2f> undistorted_px;  // on the grid of quantised_px()
   std::vector<std::uint8_t> descriptors;        // kDescriptorBytes each
+  std::vector<TrackId> tracks;                  // the track that follows each feature from this frame on; ascending
 };
 
 }  // namespace coslam

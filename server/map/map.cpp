@@ -19,6 +19,14 @@ auto find_frame(Frames& frames, SetId set) -> decltype(frames.data()) {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
+void sort_observations(MapPoint& p) {
+  std::sort(p.key_observations.begin(), p.key_observations.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.set, a.camera, a.track) < std::tie(b.set, b.camera, b.track);
+  });
+}
+
+bool before(const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; }
+
 void thin_out(std::vector<TrackPoint>& seen) {
   if (seen.size() <= kTrackMost) return;
   const std::size_t old = seen.size() - kTrackKeepAll;
@@ -60,7 +68,7 @@ void Map::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   c.tracks.clear();
   c.run = run;
   c.model = model;
-  c.placed = false;
+  c.map = MapId();
   c.alive = true;
 }
 
@@ -70,7 +78,7 @@ void Map::ingest(const FrameSet& set) {
   now_ns_ = set.t_ns;
   for (const CameraFrame& cf : set.frames) {
     MapCamera& c = camera(cf.camera);
-    c.frames.push_back({set.id, cf.frame.frame, cf.frame.capture_ns, false, {}});
+    c.frames.push_back({set.id, cf.frame.frame, cf.frame.capture_ns, {}, {}});
     for (const TrackObservation& o : cf.frame.tracks) {
       ServerTrack& track = c.tracks[o.track];
       track.id = o.track;
@@ -93,10 +101,12 @@ void Map::ingest(const FrameSet& set) {
   }
 }
 
-MapPoint& Map::create_point(const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now, TimeNs now_ns) {
+MapPoint& Map::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
+                            TimeNs now_ns) {
   const PointId id(next_point_++);
   MapPoint& p = points_[id];
   p.id = id;
+  p.map = map;
   p.position = position;
   p.covariance = covariance;
   p.created = p.last_seen = now;
@@ -110,18 +120,14 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
   track.gate_failures = 0;
   point.bound.push_back({camera_id, track.id});
   for (const TrackPoint& s : track.seen) {
-    if (s.set.value < track.distrusted_before) continue;
-    const bool key = std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{s.set},
-                                        [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
-    if (key) point.key_observations.push_back({s.set, camera_id, track.id, s.undistorted_px});
+    if (s.set.value < track.distrusted_before || !is_key_frame(s.set)) continue;
+    point.key_observations.push_back({s.set, camera_id, track.id, s.undistorted_px});
   }
-  std::sort(point.key_observations.begin(), point.key_observations.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.set, a.camera) < std::tie(b.set, b.camera);
-  });
+  sort_observations(point);
   if (point.descriptor.empty()) point.descriptor = track.descriptor;
   if (track.patch) {
     const FramePose* f = camera(camera_id).frame_at(track.patch_set);
-    if (f != nullptr && f->valid) {
+    if (f != nullptr && f->map == point.map) {
       point.patches.push_back({camera_id, (point.position - f->cam_from_world.center()).normalized(), *track.patch});
     }
   }
@@ -157,15 +163,66 @@ void Map::end_track(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
 }
 
+void Map::fuse(PointId kept, PointId gone) {
+  MapPoint* into = find(kept);
+  MapPoint* from = find(gone);
+  if (into == nullptr || from == nullptr || kept == gone) return;
+  for (const BoundTrack& b : from->bound) {
+    camera(b.camera).tracks.at(b.track).point = kept;
+    into->bound.push_back(b);
+  }
+  into->key_observations.insert(into->key_observations.end(), from->key_observations.begin(), from->key_observations.end());
+  sort_observations(*into);
+  into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
+  into->views += from->views;
+  into->last_seen = std::max(into->last_seen, from->last_seen);
+  into->first_ns = std::min(into->first_ns, from->first_ns);
+  into->last_ns = std::max(into->last_ns, from->last_ns);
+  points_.erase(gone);
+}
+
+bool Map::is_key_frame(SetId set) const { return std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before); }
+
 void Map::add_key_frame(SetId set) {
-  key_frames_.push_back({set});
+  if (is_key_frame(set)) return;
+  key_frames_.insert(std::upper_bound(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before), {set});
   for (auto& [id, p] : points_) {
     for (const BoundTrack& b : p.bound) {
       const ServerTrack& t = camera(b.camera).tracks.at(b.track);
-      if (t.seen.back().set == set && t.gate_failures == 0) {
-        p.key_observations.push_back({set, b.camera, b.track, t.seen.back().undistorted_px});
-      }
+      const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), set, [](const TrackPoint& s, SetId want) { return s.set < want; });
+      if (at == t.seen.end() || at->set != set || set.value < t.distrusted_before || t.gate_failures > 0) continue;
+      p.key_observations.push_back({set, b.camera, b.track, at->undistorted_px});
     }
+    sort_observations(p);
+  }
+}
+
+void Map::transform(MapId map, const Similarity3& new_from_old) {
+  const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
+  for (auto& [id, p] : points_) {
+    if (p.map != map) continue;
+    p.position = new_from_old * p.position;
+    p.covariance = m * p.covariance * m.transpose();
+  }
+  for (MapCamera& c : cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == map) f.cam_from_world = transform_world(f.cam_from_world, new_from_old);
+    }
+    if (c.map == map) c.moved = new_from_old * c.moved;
+  }
+  raise_epoch();
+}
+
+void Map::merge(MapId from, MapId into, const Similarity3& into_from_from) {
+  transform(from, into_from_from);
+  for (auto& [id, p] : points_) {
+    if (p.map == from) p.map = into;
+  }
+  for (MapCamera& c : cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == from) f.map = into;
+    }
+    if (c.map == from) c.map = into;
   }
 }
 
@@ -178,7 +235,7 @@ std::vector<View> Map::views_of(const MapCamera& c, const ServerTrack& track, st
   for (const TrackPoint& s : track.seen) {
     if (s.set.value < track.distrusted_before) continue;
     const FramePose* f = c.frame_at(s.set);
-    if (f != nullptr && f->valid) views.push_back({&c.model, f->cam_from_world, s.undistorted_px.cast<double>()});
+    if (f != nullptr && f->valid() && f->map == c.map) views.push_back({&c.model, f->cam_from_world, s.undistorted_px.cast<double>()});
   }
   if (views.size() <= most) return views;
   std::vector<View> spread;
@@ -191,7 +248,7 @@ std::vector<View> Map::key_views_of(const MapPoint& point) const {
   for (const KeyObservation& o : point.key_observations) {
     const MapCamera& c = camera(o.camera);
     const FramePose* f = c.frame_at(o.set);
-    if (f != nullptr && f->valid) views.push_back({&c.model, f->cam_from_world, o.undistorted_px.cast<double>()});
+    if (f != nullptr && f->map == point.map) views.push_back({&c.model, f->cam_from_world, o.undistorted_px.cast<double>()});
   }
   return views;
 }

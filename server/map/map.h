@@ -46,8 +46,10 @@ struct FramePose {
   SetId set;
   FrameId frame;
   TimeNs capture_ns = 0;
-  bool valid = false;  // placed in the map
+  MapId map;  // whose frame the pose is in; 0 = no pose
   Rigid3 cam_from_world;
+
+  bool valid() const { return map != MapId(); }
 };
 
 struct MapCamera {
@@ -56,7 +58,9 @@ struct MapCamera {
   RunId run;
   CameraModel model;
   double sigma_px = 1.0;          // measured standard deviation of its observations
-  bool placed = false;            // its newest frame has a valid pose
+  MapId map;                      // that it is being localised in; 0 = not placed
+  int lost_sets = 0;              // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;              // how its world was moved since the last patch to its agent
   bool alive = true;
   std::vector<FramePose> frames;  // ascending sets, the whole run
   std::map<TrackId, ServerTrack> tracks;  // live ones
@@ -86,6 +90,7 @@ struct BoundTrack {
 
 struct MapPoint {
   PointId id;
+  MapId map;
   PointState state = PointState::kStatic;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -149,29 +154,37 @@ class Map {
   // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
   void ingest(const FrameSet& set);
 
-  MapPoint& create_point(const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now, TimeNs now_ns);
+  MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now, TimeNs now_ns);
   // Binds a track to a point, with its observations at key frames so far.
   void bind(MapPoint& point, CameraId camera, ServerTrack& track);
   void unbind(CameraId camera, ServerTrack& track);
   // Takes the track's share out of the point too: its observations are believed wrong.
   void unbind_and_forget(CameraId camera, ServerTrack& track);
   void remove_point(PointId id);
+  // `gone` is the same thing as `kept`: its tracks and observations move over.
+  void fuse(PointId kept, PointId gone);
+  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one already.
   void add_key_frame(SetId set);
+  bool is_key_frame(SetId set) const;
 
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
   double gate_sigma_px(const MapCamera& camera) const;
 
-  // Views of a track at frames with a valid pose, at most `most`, spread evenly in time with both ends kept.
+  // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends kept.
   std::vector<View> views_of(const MapCamera& camera, const ServerTrack& track, std::size_t most) const;
   // Views of all key observations of a point whose frames have poses.
   std::vector<View> key_views_of(const MapPoint& point) const;
+
+  MapId new_map() { return MapId(next_map_++); }
+  // Cameras and points of `from` become part of `into`, moved by into_from_from. Every pose ever, too.
+  void merge(MapId from, MapId into, const Similarity3& into_from_from);
+  // Moves a whole map, e.g. to a known scale.
+  void transform(MapId map, const Similarity3& new_from_old);
 
   MapEpoch epoch() const { return epoch_; }
   void raise_epoch() { ++epoch_.value; }
   SetId now() const { return now_; }
   TimeNs now_ns() const { return now_ns_; }
-  bool started() const { return started_; }
-  void set_started() { started_ = true; }
 
   // Bindings that changed since they were last told to the agents.
   struct BindingChange {
@@ -188,10 +201,10 @@ class Map {
   std::map<PointId, MapPoint> points_;
   std::vector<KeyFrame> key_frames_;
   std::uint32_t next_point_ = 1;
+  std::uint32_t next_map_ = 1;
   MapEpoch epoch_;
   SetId now_;
   TimeNs now_ns_ = 0;
-  bool started_ = false;
   std::vector<BindingChange> unbound_;
 };
 

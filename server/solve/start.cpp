@@ -66,9 +66,9 @@ std::vector<cv::Point2d> normalized(const FeatureImage& image, const std::vector
 
 double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
 
-std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b, const StartConfig& config) {
+std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b, const std::vector<FeatureMatch>& matches,
+                                  const StartConfig& config) {
   const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
-  const std::vector<FeatureMatch> matches = match_descriptors(ia.descriptors, ib.descriptors);
   if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
   const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
   const double threshold = 2.0 * config.sigma_px * width_scale(ia.camera) / ia.camera.focal_px();
@@ -241,7 +241,8 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   std::optional<Pair> best;
   for (int a = 0; a < static_cast<int>(images.size()); ++a) {
     for (int b = a + 1; b < static_cast<int>(images.size()); ++b) {
-      const std::optional<Pair> pair = relative_pose(images, a, b, config);
+      const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors, images[static_cast<std::size_t>(b)].descriptors);
+      const std::optional<Pair> pair = relative_pose(images, a, b, matches, config);
       if (pair && (!best || pair->score > best->score)) best = pair;
     }
   }
@@ -269,6 +270,27 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   adjust(images, config, &result);
   result.ok = static_cast<int>(result.points.size()) >= config.min_matches;
   if (!result.ok) result.reason = "too few points after the first bundle adjustment";
+  return result;
+}
+
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second, const std::vector<FeatureMatch>& matches,
+                               const StartConfig& config) {
+  StartResult result;
+  const std::vector<FeatureImage> images{first, second};
+  result.cam_from_world.resize(2);
+  result.second = 1;
+  const std::optional<Pair> pair = relative_pose(images, 0, 1, matches, config);
+  if (!pair) {
+    result.reason = "too little parallax in one camera's motion";
+    return result;
+  }
+  result.cam_from_world[0] = Rigid3();
+  result.cam_from_world[1] = pair->second_from_first;
+  Correspondences links(2);
+  triangulate_pair(images, 0, 1, pair->inliers, config, &result, &links);
+  adjust(images, config, &result);
+  result.ok = result.points.size() >= 40 && result.points.size() * 2 >= matches.size();
+  if (!result.ok) result.reason = "too few points from one camera's motion";
   return result;
 }
 

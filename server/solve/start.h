@@ -53,6 +53,10 @@ struct StartResult {
 // image of the pair; the length unit is the distance between the pair.
 StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config);
 
+// The same from two images whose matches are known (two views of one camera's tracks).
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second, const std::vector<FeatureMatch>& matches,
+                               const StartConfig& config);
+
 struct PlaceResult {
   bool ok = false;
   Rigid3 cam_from_world;
