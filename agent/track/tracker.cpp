@@ -3,86 +3,101 @@
 #include "agent/track/tracker.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
+#include <optional>
 
+#include "agent/track/align.h"
+#include "agent/track/corners.h"
+#include "agent/track/motion.h"
+#include "agent/track/pyramid.h"
 #include "common/base/check.h"
 
 namespace coslam {
 
 struct Tracker::State {
+  explicit State(const TrackerConfig& c) : config(c) {}
+
   TrackerConfig config;
-  cv::Mat previous;
+  Pyramid previous, current;
   std::vector<Track> tracks;
-  std::vector<Eigen::Vector2f> velocity;
+  std::vector<Eigen::Vector2f> velocity_px;  // motion of each track from the image before the previous
+  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();
+  std::optional<CornerFinder> finder;
   std::uint32_t next_id = 1;
 
-  void follow(const cv::Mat& grey);
-  void replenish(const cv::Mat& grey);
+  void follow();
+  bool follow_one(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const;
+  bool inside(const Eigen::Vector2f& px) const;
+  void replenish();
 };
 
-void Tracker::State::follow(const cv::Mat& grey) {
-  if (tracks.empty()) return;
-  const cv::Size window(16, 16);
-  std::vector<cv::Point2f> from, guess, back;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    from.emplace_back(tracks[i].raw_px.x(), tracks[i].raw_px.y());
-    guess.emplace_back(from.back().x + velocity[i].x(), from.back().y + velocity[i].y());
-  }
-  back = from;
-  std::vector<unsigned char> ok, ok_back;
-  std::vector<float> error;
-  const cv::TermCriteria stop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.02);
-  cv::calcOpticalFlowPyrLK(previous, grey, from, guess, ok, error, window, config.levels - 1, stop,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(grey, previous, guess, back, ok_back, error, window, 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
-  std::size_t kept = 0;
+bool Tracker::State::inside(const Eigen::Vector2f& px) const {
   const float border = static_cast<float>(config.border_px);
+  return px.x() >= border && px.y() >= border && px.x() <= static_cast<float>(current.level(0).cols() - 1) - border &&
+         px.y() <= static_cast<float>(current.level(0).rows() - 1) - border;
+}
+
+bool Tracker::State::follow_one(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const {
+  const Alignment forward = align(previous, track.raw_px, current, guess_px, {current.levels() - 1, 0});
+  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return false;
+  const Alignment back = align(current, forward.px, previous, track.raw_px, {1, 0});
+  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return false;
+  px = forward.px;
+  return true;
+}
+
+void Tracker::State::follow() {
+  if (tracks.empty()) return;
+  const Eigen::Vector2f shift = global_shift(previous, current);
+  const Eigen::Vector2f change = shift - shift_px;
+  shift_px = shift;
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const bool inside = guess[i].x >= border && guess[i].y >= border &&
-                        guess[i].x <= static_cast<float>(grey.cols - 1) - border &&
-                        guess[i].y <= static_cast<float>(grey.rows - 1) - border;
-    if (!inside || ok[i] == 0 || ok_back[i] == 0 || cv::norm(back[i] - from[i]) > config.forward_backward_px) continue;
-    const Eigen::Vector2f now(guess[i].x, guess[i].y);
-    velocity[kept] = now - tracks[i].raw_px;
-    tracks[kept++] = {tracks[i].id, now, tracks[i].age_frames + 1};
+    const Track track = tracks[i];
+    const Eigen::Vector2f motion = track.age_frames > 0 ? Eigen::Vector2f(velocity_px[i] + change) : shift;
+    Eigen::Vector2f px;
+    if (!follow_one(track, track.raw_px + motion, px)) continue;
+    velocity_px[kept] = px - track.raw_px;
+    tracks[kept++] = {track.id, px, track.age_frames + 1};
   }
   tracks.resize(kept);
-  velocity.resize(kept);
+  velocity_px.resize(kept);
 }
 
-void Tracker::State::replenish(const cv::Mat& grey) {
+void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
-  const double distance = config.min_distance_px * grey.cols / 640.0;
-  cv::Mat mask(grey.size(), CV_8U, cv::Scalar(0));
-  const int border = static_cast<int>(config.border_px) + 1;
-  mask(cv::Rect(border, border, grey.cols - 2 * border, grey.rows - 2 * border)).setTo(255);
-  for (const Track& t : tracks) {
-    cv::circle(mask, cv::Point2f(t.raw_px.x(), t.raw_px.y()), static_cast<int>(distance), cv::Scalar(0), -1);
+  if (!finder) {
+    CornerConfig c;
+    c.max_tracks = config.max_tracks;
+    c.min_distance_px = static_cast<float>(config.min_distance_px * current.level(0).cols() / 640.0);
+    c.min_eigenvalue = static_cast<float>(config.min_eigenvalue);
+    c.border_px = static_cast<float>(config.border_px) + 4;
+    finder.emplace(c);
   }
-  std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(grey, corners, missing, config.min_eigenvalue, distance, mask);
-  for (const cv::Point2f& c : corners) {
-    tracks.push_back({TrackId(next_id++), {c.x, c.y}, 0});
-    velocity.emplace_back(0, 0);
+  std::vector<Eigen::Vector2f> live;
+  for (const Track& t : tracks) live.push_back(t.raw_px);
+  for (const Eigen::Vector2f& px : finder->find(current.level(0), live, missing)) {
+    tracks.push_back({TrackId(next_id++), px, 0});
+    velocity_px.emplace_back(0, 0);
   }
 }
 
-Tracker::Tracker(const TrackerConfig& config) : state_(std::make_unique<State>()) { state_->config = config; }
+Tracker::Tracker(const TrackerConfig& config) : state_(std::make_unique<State>(config)) {}
 Tracker::~Tracker() = default;
 
 const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   COSLAM_CHECK(grey.type() == CV_8UC1, "a grey 8-bit image");
-  state_->follow(grey);
-  state_->replenish(grey);
-  grey.copyTo(state_->previous);
+  std::swap(state_->previous, state_->current);
+  state_->current.build(grey, state_->config.levels);
+  state_->follow();
+  state_->replenish();
   return state_->tracks;
 }
 
 void Tracker::reset() {
   state_->tracks.clear();
-  state_->velocity.clear();
+  state_->velocity_px.clear();
+  state_->shift_px.setZero();
 }
 
 }  // namespace coslam

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "agent/track/pyramid.h"
+
+namespace coslam {
+
+// Smaller eigenvalue of the structure tensor averaged over 7 x 7 pixels, in (grey levels / pixel)^2, for a part of an
+// image. Buffers are kept from call to call.
+class CornerScore {
+ public:
+  // For the pixels [x0, x0 + cols) x [y0, y0 + rows), which may hang a little over the image into its margin.
+  void compute(const PyramidLevel& image, int x0, int y0, int cols, int rows);
+
+  int cols() const { return cols_; }
+  int rows() const { return rows_; }
+  const float* row(int y) const { return scores_.data() + y * cols_; }
+
+ private:
+  void add_row(const PyramidLevel& image, int x0, int y, int slot);
+  void score_row(float* out) const;
+
+  int cols_ = 0, rows_ = 0;
+  int width_ = 0;              // of a row of products: cols_ and what the window adds
+  std::vector<int> products_;  // a ring of rows, each gx gx, gx gy, gy gy
+  std::vector<int> columns_;   // sums down the ring, laid out like one row of it
+  std::vector<float> scores_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/track/motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace coslam {
+namespace {
+
+constexpr int kRadius = 6;  // shifts tried, pixels of the coarsest level
+constexpr int kSide = 2 * kRadius + 1;
+
+// Zero-mean normalised cross-correlation of the two images where they overlap after the shift.
+float zncc_at_shift(const PyramidLevel& from, const PyramidLevel& to, int dx, int dy) {
+  const int x0 = std::max(0, -dx), x1 = std::min(from.cols(), from.cols() - dx);
+  const int y0 = std::max(0, -dy), y1 = std::min(from.rows(), from.rows() - dy);
+  int a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (int y = y0; y < y1; ++y) {
+    const std::uint8_t* p = from.at(x0, y);
+    const std::uint8_t* q = to.at(x0 + dx, y + dy);
+    for (int x = 0; x < x1 - x0; ++x) {
+      a += p[x];
+      b += q[x];
+      aa += p[x] * p[x];
+      bb += q[x] * q[x];
+      ab += p[x] * q[x];
+    }
+  }
+  const double n = (x1 - x0) * (y1 - y0);
+  const double va = aa - a / n * a, vb = bb - b / n * b;
+  return va > 0 && vb > 0 ? static_cast<float>((ab - a / n * b) / std::sqrt(va * vb)) : 0.0f;
+}
+
+float vertex(float before, float at, float after) {
+  const float curvature = before - 2 * at + after;
+  return curvature < 0 ? std::clamp(0.5f * (before - after) / curvature, -0.5f, 0.5f) : 0.0f;
+}
+
+}  // namespace
+
+Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to) {
+  const int top = from.levels() - 1;
+  const PyramidLevel& a = from.level(top);
+  const PyramidLevel& b = to.level(top);
+  const int rx = std::min(kRadius, a.cols() / 3), ry = std::min(kRadius, a.rows() / 3);
+  std::array<std::array<float, kSide + 2>, kSide + 2> zncc{};
+  int best_x = 0, best_y = 0;
+  const auto at = [&](int dx, int dy) -> float& {
+    return zncc[static_cast<std::size_t>(dy + kRadius + 1)][static_cast<std::size_t>(dx + kRadius + 1)];
+  };
+  for (int dy = -ry; dy <= ry; ++dy) {
+    for (int dx = -rx; dx <= rx; ++dx) {
+      at(dx, dy) = zncc_at_shift(a, b, dx, dy);
+      if (at(dx, dy) > at(best_x, best_y)) best_x = dx, best_y = dy;
+    }
+  }
+  const float best = at(best_x, best_y);
+  const Eigen::Vector2f shift(
+      static_cast<float>(best_x) + vertex(at(best_x - 1, best_y), best, at(best_x + 1, best_y)),
+      static_cast<float>(best_y) + vertex(at(best_x, best_y - 1), best, at(best_x, best_y + 1)));
+  return shift * static_cast<float>(1 << top);
+}
+
+}  // namespace coslam
