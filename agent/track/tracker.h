@@ -13,12 +13,11 @@ namespace coslam {
 
 struct TrackerConfig {
   int max_tracks = 300;
-  int window_px = 15;                    // side of the KLT window
-  int levels = 4;                        // pyramid levels, level 0 included
-  double min_distance_px = 12;           // between a new corner and any live track, at 640 px width (scaled with width)
-  double forward_backward_px = 0.7;      // largest return error
-  double min_eigenvalue = 1e-3;          // of the structure tensor, relative to the strongest corner of recent images
-  double border_px = 8;                  // tracks end this close to the image border
+  int levels = 5;                    // pyramid levels, level 0 included; the KLT window is 16 x 16 at each
+  double min_distance_px = 12;       // between a new corner and any live track, at 640 px width (scaled with width)
+  double forward_backward_px = 0.7;  // largest return error
+  double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
+  double border_px = 8;              // tracks end this close to the image border
 };
 
 // A live feature, raw pixels.
