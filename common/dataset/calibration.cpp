@@ -9,6 +9,7 @@
 #include "common/base/error.h"
 #include "common/base/text.h"
 #include "common/dataset/calibration_dialects.h"
+#include "common/dataset/file.h"
 
 namespace coslam {
 namespace {
@@ -80,16 +81,14 @@ CameraModel load_calibration(const std::filesystem::path& file, const std::strin
 }
 
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
-  std::ofstream stream(file);
+  std::ofstream stream = create_file(file);
   stream << std::setprecision(17);
   stream << "width: " << camera.width_px << "\nheight: " << camera.height_px;
   stream << "\nfx: " << camera.fx << "\nfy: " << camera.fy << "\ncx: " << camera.cx << "\ncy: " << camera.cy;
   stream << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
   for (std::size_t i = 0; i < coefficient_count(camera); ++i) stream << (i == 0 ? "" : ", ") << camera.coefficients[i];
   stream << "]\n";
-  stream.close();
-  if (!stream) throw UserError(file.string() + ": cannot be written");
+  close_file(stream, file);
 }
 
 }  // namespace coslam

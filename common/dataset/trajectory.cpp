@@ -9,6 +9,7 @@
 
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/dataset/file.h"
 
 namespace coslam {
 namespace {
@@ -52,8 +53,7 @@ Trajectory load_tum(const std::filesystem::path& file) {
 }
 
 void save_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
-  std::ofstream stream(file);
+  std::ofstream stream = create_file(file);
   stream << "# t_s tx ty tz qx qy qz qw, camera to world\n";
   for (const StampedPose& pose : trajectory) {
     const Rigid3 w = pose.cam_from_world.inverse();
@@ -62,8 +62,7 @@ void save_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
                   w.translation.z(), w.rotation.x(), w.rotation.y(), w.rotation.z(), w.rotation.w());
     stream << format_seconds(pose.t_ns) << text;
   }
-  stream.close();
-  if (!stream) throw UserError(file.string() + ": cannot be written");
+  close_file(stream, file);
 }
 
 std::optional<Rigid3> pose_at(const Trajectory& trajectory, TimeNs t_ns, TimeNs max_gap_ns) {
