@@ -94,6 +94,24 @@ const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   return state_->tracks;
 }
 
+const std::vector<Track>& Tracker::live() const { return state_->tracks; }
+
+std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, float same_px) {
+  std::vector<TrackId> ids;
+  for (const Eigen::Vector2f& px : raw_px) {
+    const auto same = std::find_if(state_->tracks.begin(), state_->tracks.end(),
+                                   [&](const Track& t) { return (t.raw_px - px).squaredNorm() < same_px * same_px; });
+    if (same != state_->tracks.end()) {
+      ids.push_back(same->id);
+      continue;
+    }
+    ids.push_back(TrackId(state_->next_id++));
+    state_->tracks.push_back({ids.back(), px, 0});
+    state_->velocity_px.emplace_back(0, 0);
+  }
+  return ids;
+}
+
 void Tracker::reset() {
   state_->tracks.clear();
   state_->velocity_px.clear();
