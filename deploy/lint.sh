@@ -48,7 +48,7 @@ tool() {
 
 check_format() {
   local clang_format files
-  clang_format=$(tool clang-format)
+  clang_format=$(tool clang-format) || exit
   mapfile -t files < <(source_files)
   step "format: ${#files[@]} files"
   if [[ $fix == yes ]]; then
@@ -85,8 +85,8 @@ tidy_files() {
 
 check_tidy() {
   local clang_tidy list files directory generated
-  clang_tidy=$(tool clang-tidy)
-  list=$(tidy_files)
+  clang_tidy=$(tool clang-tidy) || exit
+  list=$(tidy_files) || exit
   files=()
   [[ -z $list ]] || mapfile -t files <<<"$list"
   step "clang-tidy: ${#files[@]} files, $jobs at a time"
