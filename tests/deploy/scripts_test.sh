@@ -32,4 +32,11 @@ COSLAM_SETUP=off "$deploy/setup.sh" --lint || fail "setup.sh ignores COSLAM_SETU
 if command -v shellcheck >/dev/null; then
   (cd "$deploy" && shellcheck --external-sources ./*.sh ../tests/deploy/*.sh ../.ci/run) || fail "shellcheck complains"
 fi
+# The services stay fenced in: an exposure of at most 2.0 of 10.
+if command -v systemd-analyze >/dev/null; then
+  for unit in "$deploy"/systemd/*.service; do
+    systemd-analyze security --offline=true --threshold=20 --no-pager "$unit" >/dev/null 2>&1 ||
+      fail "${unit##*/} is too exposed: systemd-analyze security --offline=true shows by what"
+  done
+fi
 echo "all scripts of deploy/ are in order"
