@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/model/map_patch.h"
+#include "common/model/session.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
@@ -31,6 +32,13 @@ Eigen::Matrix<float, 6, 1> pack_covariance(const Eigen::Matrix3d& c) {
   Eigen::Matrix<double, 6, 1> p;
   p << c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2);
   return p.cast<float>();
+}
+
+std::optional<std::string> refusal_of(const ServerStatus& status, RunId agent_run) {
+  for (const Refusal& refusal : status.refused) {
+    if (refusal.agent_run == agent_run) return refusal.reason;
+  }
+  return std::nullopt;
 }
 
 }  // namespace coslam
