@@ -17,7 +17,8 @@ double pixel_scale(const CameraModel& camera) {
 
 Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale) {
   const auto grid = [scale](double v) {
-    return static_cast<float>(std::round(std::clamp(v * scale, -32767.0, 32767.0)) / scale);
+    // + 0.0 makes 0 of -0, which int16 cannot carry.
+    return static_cast<float>(std::round(std::clamp(v * scale, -32767.0, 32767.0)) / scale + 0.0);
   };
   return {grid(undistorted_px.x()), grid(undistorted_px.y())};
 }
