@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,12 @@ struct AgentStatus {
   std::string report_json;       // when finished: stage times and byte counts, see docs/wire.md
 };
 
+// An agent that was turned away, with one sentence for its user (wrong protocol, name taken).
+struct Refusal {
+  RunId agent_run;
+  std::string reason;
+};
+
 // Heartbeat of the server, once a second and on every change of state.
 struct ServerStatus {
   RunId server_run;
@@ -57,7 +64,10 @@ struct ServerStatus {
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
   std::vector<std::string> agents;
-  std::string refused;        // one sentence when an agent cannot be accepted (wrong protocol, name taken)
+  std::vector<Refusal> refused;  // by run, since the agent that holds the name must not take it for itself
 };
+
+// Why the server turned this run away; empty when it did not.
+std::optional<std::string> refusal_of(const ServerStatus& status, RunId agent_run);
 
 }  // namespace coslam
