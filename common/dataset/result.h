@@ -17,7 +17,7 @@
 #include "common/base/time.h"
 #include "common/model/map_patch.h"
 
-// The files of a RESULT folder, see docs/formats.md. Readers throw UserError with file and line.
+// The files of a RESULT folder, see docs/configuration.md. Readers throw UserError with file and line.
 namespace coslam {
 
 // Where each file of a result lies.
