@@ -37,11 +37,16 @@ RunId draw_run_id() {
   return RunId((high << 32U | low) | 1U);
 }
 
-void show_progress(const ServerLoop& loop, std::chrono::steady_clock::time_point* last) {
+void show_progress(const ServerLoop& loop, bool for_programs, std::chrono::steady_clock::time_point* last) {
   const auto now = std::chrono::steady_clock::now();
-  if (now - *last < std::chrono::seconds(1)) return;
+  if (now - *last < std::chrono::seconds(1) || !loop.started()) return;
   *last = now;
   const MapServer& s = loop.map_server();
+  if (for_programs) {
+    std::printf("started\nprogress %d\n", s.counts().frame_sets);
+    std::fflush(stdout);
+    return;
+  }
   if (s.counts().frame_sets == 0) return;
   log_info("frame set " + std::to_string(s.counts().frame_sets) + ", " + std::to_string(s.map().points().size()) +
            " points, " + std::to_string(s.map().key_frames().size()) + " key frames");
@@ -52,11 +57,12 @@ int main_of(int argc, char** argv) {
   std::string file, out;
   std::optional<int> domain;
   std::vector<std::string> sets;
-  bool loopback = false;
+  bool loopback = false, progress = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
   app.add_option("--out", out, "RESULT folder")->type_name("DIR");
   app.add_flag("--loopback", loopback, "talk on this machine only");
+  app.add_flag("--report-progress", progress, "for programs: 'started' and 'progress DONE' lines on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
   try {
     app.parse(argc, argv);
@@ -75,7 +81,9 @@ int main_of(int argc, char** argv) {
   const auto link = open_server_link(o.wire, run);
   ServerLoop loop(*link, run, {.server = o.server, .expected_agents = o.agents, .out = out});
   auto last = std::chrono::steady_clock::now();
-  while (!stop_requested && loop.poll(std::chrono::milliseconds(20))) show_progress(loop, &last);
+  while (!stop_requested && loop.poll(std::chrono::milliseconds(20))) {
+    show_progress(loop, progress, &last);
+  }
   log_info(stop_requested ? "stopped; adjusting the whole map" : "all agents have ended; adjusting the whole map");
   loop.finish(config::dump_json(o));
   return 0;

@@ -242,6 +242,11 @@ void ServerLoop::make_report(const nlohmann::ordered_json& effective) {
     const LinkBytes bytes = link_.bytes(name);
     a["bytes_up"] = bytes.up;
     a["bytes_down"] = bytes.down;
+    // Per second of played time, so that the figure holds at any speed of replay.
+    const auto& played = server_.map().camera(agent.camera).frames;
+    const double seconds = played.size() < 2 ? 0 : to_seconds(played.back().capture_ns - played.front().capture_ns);
+    a["kb_per_s_up"] = seconds > 0 ? static_cast<double>(bytes.up) / 1000.0 / seconds : 0.0;
+    a["kb_per_s_down"] = seconds > 0 ? static_cast<double>(bytes.down) / 1000.0 / seconds : 0.0;
     frames += s.frames;
     dropped += s.dropped;
     agents[name] = a;

@@ -38,6 +38,7 @@ class ServerLoop {
   // Adjusts the whole run, writes the result, tells the agents that the server stops. effective: the configuration for the report.
   void finish(const nlohmann::ordered_json& effective);
 
+  bool started() const { return started_; }
   const MapServer& map_server() const { return server_; }
   const nlohmann::ordered_json& report() const { return report_; }
 
