@@ -149,6 +149,8 @@ Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(impl_->participant);
 }
 
+RejectionCounts& Participant::rejections() { return impl_->rejections; }
+
 const WireConfig& Participant::config() const { return impl_->config; }
 
 std::array<TopicCounts, kTopicCount> Participant::counts() const {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "common/wire/counters.h"
 #include "common/wire/topics.h"
 #include "common/wire/wire_config.h"
 
@@ -35,6 +36,8 @@ class Participant {
 
   const WireConfig& config() const;
   std::array<TopicCounts, kTopicCount> counts() const;
+  // Samples that could not be decoded are counted here; links add what they turn down later.
+  RejectionCounts& rejections();
 
   struct Impl;
   Impl& impl() { return *impl_; }

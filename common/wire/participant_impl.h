@@ -21,23 +21,54 @@ namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::Duration_t;
 using eprosima::fastrtps::types::ReturnCode_t;
 
-// The serialiser of each message.
+// The generated serialiser, safe against strangers: it catches one kind of exception of its decoder only, and the
+// others would end the process from a thread of the middleware.
+template <class Generated>
+struct Guarded : Generated {
+  explicit Guarded(RejectionCounts& counts) : rejections(counts) {}
+
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    try {
+      if (Generated::deserialize(payload, data)) return true;
+    } catch (const std::exception&) {
+    }
+    rejections.add(Rejection::kMalformed);
+    return false;
+  }
+
+  RejectionCounts& rejections;
+};
+
 template <class Message>
 struct Serialiser;
 template <>
-struct Serialiser<idl::Hello> : idl::HelloPubSubType {};
+struct Serialiser<idl::Hello> {
+  using type = Guarded<idl::HelloPubSubType>;
+};
 template <>
-struct Serialiser<idl::TrackFrame> : idl::TrackFramePubSubType {};
+struct Serialiser<idl::TrackFrame> {
+  using type = Guarded<idl::TrackFramePubSubType>;
+};
 template <>
-struct Serialiser<idl::PatchReply> : idl::PatchReplyPubSubType {};
+struct Serialiser<idl::PatchReply> {
+  using type = Guarded<idl::PatchReplyPubSubType>;
+};
 template <>
-struct Serialiser<idl::DescriptorReply> : idl::DescriptorReplyPubSubType {};
+struct Serialiser<idl::DescriptorReply> {
+  using type = Guarded<idl::DescriptorReplyPubSubType>;
+};
 template <>
-struct Serialiser<idl::AgentStatus> : idl::AgentStatusPubSubType {};
+struct Serialiser<idl::AgentStatus> {
+  using type = Guarded<idl::AgentStatusPubSubType>;
+};
 template <>
-struct Serialiser<idl::MapPatch> : idl::MapPatchPubSubType {};
+struct Serialiser<idl::MapPatch> {
+  using type = Guarded<idl::MapPatchPubSubType>;
+};
 template <>
-struct Serialiser<idl::ServerStatus> : idl::ServerStatusPubSubType {};
+struct Serialiser<idl::ServerStatus> {
+  using type = Guarded<idl::ServerStatusPubSubType>;
+};
 
 struct Participant::Impl {
   struct Counts {
@@ -47,6 +78,7 @@ struct Participant::Impl {
   WireConfig config;
   dds::DomainParticipant* participant = nullptr;
   std::array<Counts, kTopicCount> counts;
+  RejectionCounts rejections;
   std::mutex topics_mutex;
 
   Counts& counts_of(coslam::Topic topic) { return counts[static_cast<std::size_t>(topic)]; }
@@ -59,7 +91,7 @@ struct Participant::Impl {
     if (dds::TopicDescription* known = participant->lookup_topicdescription(name)) {
       return static_cast<dds::Topic*>(known);
     }
-    const dds::TypeSupport type(new Serialiser<Message>());
+    const dds::TypeSupport type(new typename Serialiser<Message>::type(rejections));
     type.register_type(participant);
     return participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
   }
