@@ -78,8 +78,10 @@ class Source {
 
   virtual void take_samples() = 0;
 
-  void take_notes() {
-    for (const auto& [writer, presence] : notes_.take()) {
+  // Two steps, so that the samples which came before a note can be handed on between them.
+  void take_notes() { taken_ = notes_.take(); }
+  void hand_on_notes() {
+    for (const auto& [writer, presence] : taken_) {
       if (on_presence_) on_presence_(writer, presence);
     }
   }
@@ -88,6 +90,7 @@ class Source {
 
  protected:
   PresenceNotes notes_;
+  std::vector<std::pair<WriterId, Presence>> taken_;
   Loop::OnPresence on_presence_;
   dds::DataReader* reader_ = nullptr;
 };
@@ -155,8 +158,9 @@ struct Loop::Impl {
       dds::ConditionSeq active;
       wait_set.wait(active, timeout);
       wake.set_trigger_value(false);
-      for (auto& source : sources) source->take_samples();
       for (auto& source : sources) source->take_notes();
+      for (auto& source : sources) source->take_samples();
+      for (auto& source : sources) source->hand_on_notes();
       const auto now = std::chrono::steady_clock::now();
       if (now < next_tick) continue;
       next_tick = now + tick;

@@ -29,8 +29,9 @@ struct Sample {
   std::uint64_t bytes = 0;
 };
 
-// One thread that waits for samples and for changes of presence of any number of topics and hands them on, in this
-// order: samples, presence, tick. The middleware's own threads only leave a note; all work is done here.
+// One thread that waits for samples and for changes of presence of any number of topics and hands them on, the samples
+// that came before a change of presence before it. The middleware's own threads only leave a note; all work is done
+// here.
 class Loop {
  public:
   template <class Message>

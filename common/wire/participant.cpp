@@ -13,6 +13,8 @@
 
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
+#include <cinttypes>
+#include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <filesystem>
 
@@ -124,6 +126,12 @@ WireConfig loopback_config(int domain) {
   return config;
 }
 
+std::string partition_of(RunId agent_run) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "run-%016" PRIx64, agent_run.value);
+  return text.data();
+}
+
 std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes) {
   if (sample_bytes + kDatagramOverhead <= max_message_bytes) return sample_bytes + kDatagramOverhead;
   const std::uint64_t room = max_message_bytes - kFragmentOverhead;
@@ -149,7 +157,7 @@ Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(impl_->participant);
 }
 
-RejectionCounts& Participant::rejections() { return impl_->rejections; }
+RejectionCounts& Participant::rejections() const { return impl_->rejections; }
 
 const WireConfig& Participant::config() const { return impl_->config; }
 

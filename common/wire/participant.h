@@ -37,7 +37,7 @@ class Participant {
   const WireConfig& config() const;
   std::array<TopicCounts, kTopicCount> counts() const;
   // Samples that could not be decoded are counted here; links add what they turn down later.
-  RejectionCounts& rejections();
+  RejectionCounts& rejections() const;
 
   struct Impl;
   Impl& impl() { return *impl_; }

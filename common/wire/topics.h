@@ -5,7 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
+#include "common/base/ids.h"
 #include "idl/coslam.h"
 
 namespace coslam {
@@ -18,6 +20,9 @@ constexpr std::array<const char*, kTopicCount> kTopicNames = {"coslam/hello",   
                                                               "coslam/server"};
 
 constexpr const char* name_of(Topic topic) { return kTopicNames[static_cast<std::size_t>(topic)]; }
+
+// Map patches for one agent run travel in a DDS partition of their own, so that the others do not get them.
+std::string partition_of(RunId agent_run);  // "run-" and 16 hex digits
 
 // Each type of the IDL has one topic.
 template <class Message>
