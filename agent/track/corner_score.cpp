@@ -8,7 +8,7 @@
 namespace coslam {
 namespace {
 
-constexpr int kWindow = 7;
+constexpr int kWindow = 5;
 constexpr int kHalf = kWindow / 2;
 constexpr float kSobelGain = 8.0f;  // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
 

@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-// Smaller eigenvalue of the structure tensor averaged over 7 x 7 pixels, in (grey levels / pixel)^2, for a part of an
+// Smaller eigenvalue of the structure tensor averaged over 5 x 5 pixels, in (grey levels / pixel)^2, for a part of an
 // image. Buffers are kept from call to call.
 class CornerScore {
  public:
