@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "agent/track/align.h"
@@ -16,6 +17,7 @@
 namespace coslam {
 namespace {
 
+constexpr int kRetryTop = 2;     // a start that neighbours lend needs no coarser levels, which their border may spoil
 constexpr int kBackwardTop = 1;  // the way back starts where it should end, so the finest levels do
 // Further than this from where the image before leads, the first patch is not believed.
 constexpr float kKeyAgrees_px = 0.5f;
@@ -54,7 +56,8 @@ struct Tracker::State {
   std::uint32_t next_id = 1;
 
   void follow();
-  bool match(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const;
+  std::optional<Eigen::Vector2f> match(const Track& track, const Eigen::Vector2f& guess_px, int top) const;
+  std::vector<std::optional<Eigen::Vector2f>> match_all();
   bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
   void replenish();
@@ -67,14 +70,34 @@ bool Tracker::State::inside(const Eigen::Vector2f& px) const {
          px.y() <= static_cast<float>(image.rows() - 1) - border;
 }
 
-// From the previous image to this one and back.
-bool Tracker::State::match(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const {
-  const Alignment forward = align(previous, track.raw_px, current, guess_px, current.levels() - 1);
-  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return false;
+// From the previous image to this one, from level `top` down, and back.
+std::optional<Eigen::Vector2f> Tracker::State::match(const Track& track, const Eigen::Vector2f& guess_px,
+                                                     int top) const {
+  const Alignment forward = align(previous, track.raw_px, current, guess_px, top);
+  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return std::nullopt;
   const Alignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
-  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return false;
-  px = forward.px;
-  return true;
+  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return std::nullopt;
+  return forward.px;
+}
+
+// Where each track went, by the two images alone.
+std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
+  const Eigen::Vector2f shift = global_shift(previous, current);
+  const Eigen::Vector2f change = shift - std::exchange(shift_px, shift);
+  std::vector<std::optional<Eigen::Vector2f>> matches;
+  MotionField field;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    // A turn of the camera changes all motions alike; parallax stays with the track.
+    const Eigen::Vector2f at = tracks[i].raw_px, motion = memories[i].motion_px;
+    const std::array<Eigen::Vector2f, 3> guesses = {at + motion, at + motion + change, at + shift};
+    matches.push_back(match(tracks[i], best_guess(previous, at, current, guesses), current.levels() - 1));
+    if (matches.back()) field.add(at, *matches.back() - at);
+  }
+  for (std::size_t i = 0; i < tracks.size() && !field.empty(); ++i) {
+    const Eigen::Vector2f at = tracks[i].raw_px;
+    if (!matches[i]) matches[i] = match(tracks[i], at + field.near(at), kRetryTop);
+  }
+  return matches;
 }
 
 // Moves px to where the track's first patch is found. False when it has not been for a while.
@@ -92,17 +115,14 @@ bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
 
 void Tracker::State::follow() {
   if (tracks.empty()) return;
-  const Eigen::Vector2f shift = global_shift(previous, current);
-  const Eigen::Vector2f change = shift - std::exchange(shift_px, shift);
+  const std::vector<std::optional<Eigen::Vector2f>> matches = match_all();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
     Memory& memory = memories[i];
-    // A turn of the camera changes all motions alike; parallax stays with the track.
-    const std::array<Eigen::Vector2f, 3> guesses = {track.raw_px + memory.motion_px,
-                                                    track.raw_px + memory.motion_px + change, track.raw_px + shift};
-    Eigen::Vector2f px;
-    if (!match(track, best_guess(previous, track.raw_px, current, guesses), px) || !confirm(memory, px)) continue;
+    if (!matches[i]) continue;
+    Eigen::Vector2f px = *matches[i];
+    if (!confirm(memory, px)) continue;
     memory.motion_px = px - track.raw_px;
     tracks[kept] = {track.id, px, track.age_frames + 1};
     if (kept != i) memories[kept] = std::move(memory);
