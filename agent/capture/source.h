@@ -30,19 +30,26 @@ class ImageSource {
   virtual std::optional<TimeNs> peek_ns() const = 0;
   virtual bool live() const { return false; }
   virtual std::size_t unreadable() const { return 0; }  // images counted as bad so far
+  // From any thread: a next() that waits for a live camera returns empty soon after. The rest is for one thread.
+  virtual void stop() {}
 };
 
 struct SourceOptions {
   double start_s = 0;
   std::optional<double> duration_s;
-  double rate_hz = 30;      // for image folders and videos without times
-  int width_px = 0;         // of the calibration: the first readable image must have this size
+  double rate_hz = 30;  // for image folders and videos without times
+  int width_px = 0;     // of the calibration: the first readable image must have this size; 0: any size
   int height_px = 0;
+  std::string calibration;  // the file of that size, named when the size is another
 };
 
-// Opens: a folder of images (<6 digits>.jpg|png with times.txt, or names that are nanoseconds), a `t_s,file` CSV, a video
-// file (with an optional <file>.timestamps.csv), an EuRoC mav0 or camN folder, a TUM folder (rgb.txt), v4l2:N, gst:PIPELINE,
-// rtsp://... Throws UserError: nothing there, no image readable, size not that of the calibration.
+// Frames with source time in [start_s, start_s + duration_s) are played, the first of them is frame 0. The source time
+// is the one in the file; stamps in nanoseconds and UTC seconds count from the first image. Live sources play from now
+// on and are reopened when they fail, except gst: pipelines, whose end is the end.
+//
+// Opens: a folder of images (<6 digits>.jpg|png with times.txt, or names that are nanoseconds), a `t_s,file` CSV, a
+// video file (with an optional <file>.timestamps.csv), an EuRoC mav0 or camN folder, a TUM folder (rgb.txt), v4l2:N,
+// gst:PIPELINE, rtsp://... Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
 
 }  // namespace coslam

@@ -60,6 +60,7 @@ struct Tracker::State {
   std::vector<std::optional<Eigen::Vector2f>> match_all();
   bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
+  TrackId start(const Eigen::Vector2f& px);
   void replenish();
 };
 
@@ -132,19 +133,23 @@ void Tracker::State::follow() {
   memories.resize(kept);
 }
 
+TrackId Tracker::State::start(const Eigen::Vector2f& px) {
+  tracks.push_back({TrackId(next_id++), px, 0});
+  Memory& memory = memories.emplace_back();
+  memory.motion_px = shift_px;
+  memory.key = std::make_unique<KeyPatch>();
+  memory.key->take(current.level(0), px);
+  return tracks.back().id;
+}
+
 void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
-  const PyramidLevel& image = current.level(0);
-  if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, image.cols()));
+  if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, current.level(0).cols()));
   std::vector<Eigen::Vector2f> live_px;
   for (const Track& t : tracks) live_px.push_back(t.raw_px);
   for (const Eigen::Vector2f& px : finder->find(current, live_px, missing)) {
-    tracks.push_back({TrackId(next_id++), px, 0});
-    Memory& memory = memories.emplace_back();
-    memory.motion_px = shift_px;
-    memory.key = std::make_unique<KeyPatch>();
-    memory.key->take(image, px);
+    start(px);
   }
 }
 
@@ -153,11 +158,30 @@ Tracker::~Tracker() = default;
 
 const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   COSLAM_CHECK(grey.type() == CV_8UC1, "a grey 8-bit image");
+  const Pyramid& last = state_->current;
+  COSLAM_CHECK(last.empty() || (last.level(0).cols() == grey.cols && last.level(0).rows() == grey.rows),
+               "constant size");
   std::swap(state_->previous, state_->current);
   state_->current.build(grey, state_->config.levels);
   state_->follow();
   state_->replenish();
   return state_->tracks;
+}
+
+const std::vector<Track>& Tracker::live() const { return state_->tracks; }
+
+std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, float same_px) {
+  std::vector<TrackId> ids;
+  for (const Eigen::Vector2f& px : raw_px) {
+    const auto same = std::find_if(state_->tracks.begin(), state_->tracks.end(),
+                                   [&](const Track& t) { return (t.raw_px - px).squaredNorm() < same_px * same_px; });
+    if (same != state_->tracks.end()) {
+      ids.push_back(same->id);
+      continue;
+    }
+    ids.push_back(state_->start(px));
+  }
+  return ids;
 }
 
 void Tracker::reset() {

@@ -42,6 +42,13 @@ class Tracker {
   // Follows all tracks into `grey` (CV_8UC1, constant size) and fills up. Returns the live tracks, ascending id.
   const std::vector<Track>& step(const cv::Mat& grey);
 
+  // The live tracks, ascending id.
+  const std::vector<Track>& live() const;
+
+  // Starts tracks at these places of the newest image, beyond max_tracks if need be. Returns the id for each: that of a
+  // live track where one is closer than `same_px`.
+  std::vector<TrackId> add(const std::vector<Eigen::Vector2f>& raw_px, float same_px);
+
   // Forgets all tracks (after a gap in the images); ids go on.
   void reset();
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/model/map_patch.h"
+#include "common/model/session.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
@@ -16,7 +17,8 @@ double pixel_scale(const CameraModel& camera) {
 
 Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale) {
   const auto grid = [scale](double v) {
-    return static_cast<float>(std::round(std::clamp(v * scale, -32767.0, 32767.0)) / scale);
+    // + 0.0 makes 0 of -0, which int16 cannot carry.
+    return static_cast<float>(std::round(std::clamp(v * scale, -32767.0, 32767.0)) / scale + 0.0);
   };
   return {grid(undistorted_px.x()), grid(undistorted_px.y())};
 }
@@ -31,6 +33,13 @@ Eigen::Matrix<float, 6, 1> pack_covariance(const Eigen::Matrix3d& c) {
   Eigen::Matrix<double, 6, 1> p;
   p << c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2);
   return p.cast<float>();
+}
+
+std::optional<std::string> refusal_of(const ServerStatus& status, RunId agent_run) {
+  for (const Refusal& refusal : status.refused) {
+    if (refusal.agent_run == agent_run) return refusal.reason;
+  }
+  return std::nullopt;
 }
 
 }  // namespace coslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,25 +40,34 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  FrameId last_frame;            // newest frame sent
-  std::uint32_t frames = 0;      // images read
-  std::uint32_t dropped = 0;     // images skipped for lack of time
+  FrameId last_frame;         // newest frame sent
+  std::uint32_t frames = 0;   // images read
+  std::uint32_t dropped = 0;  // images skipped for lack of time
   std::uint32_t tracks = 0;
-  float frame_ms = 0;            // mean time of one step
-  std::string report_json;       // when finished: stage times and byte counts, see docs/wire.md
+  float frame_ms = 0;       // mean time of one step
+  std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
+};
+
+// An agent that was turned away, with one sentence for its user (wrong protocol, name taken).
+struct Refusal {
+  RunId agent_run;
+  std::string reason;
 };
 
 // Heartbeat of the server, once a second and on every change of state.
 struct ServerStatus {
   RunId server_run;
   std::uint16_t protocol = kProtocolVersion;
-  bool started = false;       // all expected agents are here: play
-  bool stopping = false;      // the server ends: finish
-  TimeNs start_utc_ns = 0;    // live replay: played time 0 is this instant
+  bool started = false;     // all expected agents are here: play
+  bool stopping = false;    // the server ends: finish
+  TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
   std::vector<std::string> agents;
-  std::string refused;        // one sentence when an agent cannot be accepted (wrong protocol, name taken)
+  std::vector<Refusal> refused;  // by run, since the agent that holds the name must not take it for itself
 };
+
+// Why the server turned this run away; empty when it did not.
+std::optional<std::string> refusal_of(const ServerStatus& status, RunId agent_run);
 
 }  // namespace coslam

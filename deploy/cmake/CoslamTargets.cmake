@@ -21,7 +21,7 @@ endif()
 add_library(coslam_options INTERFACE)
 target_include_directories(coslam_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(coslam_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-                                                -Wno-psabi)
+                                                -Wno-psabi -Wno-missing-field-initializers)
 if(COSLAM_WERROR)
   target_compile_options(coslam_options INTERFACE -Werror)
 endif()

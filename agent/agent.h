@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "agent/capture/source.h"
+#include "agent/correct/local_map.h"
+#include "agent/pose/pose_tracker.h"
+#include "agent/track/tracker.h"
+#include "common/base/metrics.h"
+#include "common/model/map_patch.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+struct AgentConfig {
+  TrackerConfig tracker;
+  PoseTrackerConfig pose;
+  int descriptor_features = 500;  // most, in an answer to a descriptor request
+};
+
+// What an agent sends for one image.
+struct AgentOutput {
+  TrackFrame frame;
+  std::optional<PatchReply> patches;
+  std::optional<DescriptorReply> descriptors;
+};
+
+// One camera's agent: images in, tracks and pose out. Pure: no thread, no clock, no network. One step is
+// track(image), which does not depend on the map and so runs while the server still thinks, then finish(patches).
+class Agent {
+ public:
+  Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config);
+
+  void track(const Image& image);
+  AgentOutput finish(std::span<const MapPatch> patches);
+
+  PoseState pose_state() const { return pose_.state(); }
+  RunId server_run() const { return map_.server_run(); }
+  const StageTimes& times() const { return times_; }
+  std::uint32_t tracked_frames() const { return tracked_frames_; }
+  std::size_t tracks() const { return observations_.size(); }
+
+ private:
+  void take(const MapPatch& patch);
+  void observe(const std::vector<Track>& tracks);
+  std::optional<DescriptorReply> describe_image();
+  std::optional<PatchReply> cut_patches();
+  TrackFrame make_frame() const;
+
+  std::string name_;
+  RunId run_;
+  CameraModel camera_;
+  AgentConfig config_;
+  double pixel_scale_;
+  Tracker tracker_;
+  PoseTracker pose_;
+  LocalMap map_;
+
+  Image image_;
+  std::vector<Track> tracks_;  // with an undistorted place, as observations_
+  std::vector<TrackObservation> observations_;
+  std::set<TrackId> patch_requests_;
+  bool descriptors_wanted_ = true;  // the first image introduces the agent
+  StageTimes times_;
+  std::uint32_t tracked_frames_ = 0;
+};
+
+}  // namespace coslam

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/decode.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+Bytes read_bytes(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+// libjpeg fills the missing rest of an image with grey and reports success, so the end marker is looked for here.
+bool is_truncated_jpeg(const Bytes& bytes) {
+  constexpr std::array<unsigned char, 2> kStart = {0xff, 0xd8}, kEnd = {0xff, 0xd9};
+  constexpr std::size_t kPadding = 1024;  // some cameras pad their files
+  if (bytes.size() < 4 || !std::equal(kStart.begin(), kStart.end(), bytes.begin())) return false;
+  const auto tail = bytes.end() - static_cast<std::ptrdiff_t>(std::min(bytes.size(), kPadding));
+  return std::search(tail, bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
+}
+
+std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+
+}  // namespace
+
+cv::Mat read_grey(const std::filesystem::path& file) {
+  const Bytes bytes = read_bytes(file);
+  if (bytes.empty() || is_truncated_jpeg(bytes)) return {};
+  try {
+    // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
+    return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+cv::Mat to_grey(const cv::Mat& frame) {
+  if (frame.empty() || frame.depth() != CV_8U) return {};
+  cv::Mat grey;
+  if (frame.channels() == 1) {
+    grey = frame.clone();  // the reader owns the buffer behind `frame`
+  } else if (frame.channels() == 3) {
+    cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
+  } else if (frame.channels() == 4) {
+    cv::cvtColor(frame, grey, cv::COLOR_BGRA2GRAY);
+  }
+  return grey;
+}
+
+void require_size(const cv::Mat& image, const SourceOptions& options, const std::string& image_name) {
+  if (options.width_px <= 0 || options.height_px <= 0) return;
+  if (image.cols == options.width_px && image.rows == options.height_px) return;
+  throw UserError(image_name + " is " + size_text(image.cols, image.rows) + " pixels, but the calibration " +
+                  (options.calibration.empty() ? "" : options.calibration + " ") + "is for " +
+                  size_text(options.width_px, options.height_px));
+}
+
+}  // namespace coslam

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "agent/capture/decode.h"
+#include "agent/capture/sources.h"
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+// Images in files, with times known beforehand.
+class ListSource final : public ImageSource {
+ public:
+  // frames: those to play, with played times.
+  ListSource(const std::string& name, FrameList frames, const SourceOptions& options) : frames_(std::move(frames)) {
+    // The first readable image tells the size; it is kept for its turn.
+    for (first_ = 0; first_ < frames_.size(); ++first_) {
+      first_image_ = read_grey(frames_[first_].file);
+      if (!first_image_.empty()) break;
+    }
+    if (first_image_.empty()) {
+      throw UserError(name + ": none of the " + std::to_string(frames_.size()) + " images can be read, the first is " +
+                      frames_.front().file.string());
+    }
+    require_size(first_image_, options, frames_[first_].file.string());
+    size_ = first_image_.size();
+  }
+
+  std::optional<Image> next() override {
+    while (position_ < frames_.size()) {
+      const std::size_t i = position_++;
+      cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : read_grey(frames_[i].file);
+      if (grey.size() == size_) return Image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
+      ++unreadable_;
+    }
+    return std::nullopt;
+  }
+
+  bool skip() override {
+    if (position_ >= frames_.size()) return false;
+    if (position_++ == first_) first_image_.release();
+    return true;
+  }
+
+  std::optional<TimeNs> peek_ns() const override {
+    return position_ < frames_.size() ? std::optional(frames_[position_].source_ns) : std::nullopt;
+  }
+  std::size_t unreadable() const override { return unreadable_; }
+
+ private:
+  FrameList frames_;
+  std::size_t position_ = 0;
+  std::size_t first_ = 0;
+  cv::Mat first_image_;
+  cv::Size size_;
+  std::size_t unreadable_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList frames, const SourceOptions& options) {
+  const PlayedSpan span(options);
+  std::erase_if(frames, [&](const ListedFrame& f) { return span.before(f.source_ns) || span.after(f.source_ns); });
+  for (ListedFrame& frame : frames) frame.source_ns = span.played_ns(frame.source_ns);
+  if (frames.empty()) throw UserError(name + ": no image lies in the time span that start_s and duration_s ask for");
+  return std::make_unique<ListSource>(name, std::move(frames), options);
+}
+
+}  // namespace coslam

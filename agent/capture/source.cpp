@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/source.h"
+
+#include <filesystem>
+
+#include "agent/capture/sources.h"
+#include "common/base/error.h"
+
+namespace coslam {
+
+std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options) {
+  if (is_live_uri(uri)) return open_live(uri, options);
+  const std::filesystem::path path = uri;
+  if (uri.find("://") != std::string::npos) {
+    throw UserError("the source '" + uri +
+                    "' is of no known kind: a path, v4l2:N, gst:PIPELINE or rtsp://... is expected");
+  }
+  if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
+  if (std::filesystem::is_directory(path)) return open_list(uri, list_folder(path, options.rate_hz), options);
+  if (path.extension() == ".csv") return open_list(uri, list_csv(path), options);
+  if (path.extension() == ".txt") return open_list(uri, list_tum(path), options);
+  return open_video(path, options);
+}
+
+}  // namespace coslam

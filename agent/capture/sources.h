@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "agent/capture/frame_list.h"
+#include "agent/capture/source.h"
+
+// The kinds of source behind open_source().
+namespace coslam {
+
+// `name` is what the user called the source.
+std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList frames, const SourceOptions& options);
+std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
+std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
+bool is_live_uri(const std::string& uri);
+
+// Whether a source time is played, and as what.
+class PlayedSpan {
+ public:
+  explicit PlayedSpan(const SourceOptions& options)
+      : start_ns_(to_ns(options.start_s)),
+        end_ns_(options.duration_s ? std::optional(start_ns_ + to_ns(*options.duration_s)) : std::nullopt) {}
+  bool before(TimeNs source_ns) const { return source_ns < start_ns_; }
+  bool after(TimeNs source_ns) const { return end_ns_ && source_ns >= *end_ns_; }
+  TimeNs played_ns(TimeNs source_ns) const { return source_ns - start_ns_; }
+
+ private:
+  TimeNs start_ns_;
+  std::optional<TimeNs> end_ns_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/videoio.hpp>
+
+#include "agent/capture/decode.h"
+#include "agent/capture/sources.h"
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+// Times of a video's frames: the sidecar's, or evenly spaced at the container's rate.
+class VideoTimes {
+ public:
+  VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
+      : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
+    std::filesystem::path sidecar = video;
+    sidecar += ".timestamps.csv";
+    if (std::filesystem::exists(sidecar)) stamps_ = read_times(sidecar);
+  }
+  // Empty past the sidecar's last line.
+  std::optional<TimeNs> at(std::size_t frame) const {
+    if (!stamps_) return to_ns(static_cast<double>(frame) / rate_hz_);
+    return frame < stamps_->size() ? std::optional((*stamps_)[frame]) : std::nullopt;
+  }
+
+ private:
+  std::optional<std::vector<TimeNs>> stamps_;
+  double rate_hz_;
+};
+
+// A video file. One frame is grabbed ahead, because only the grab tells whether there is another.
+class VideoSource final : public ImageSource {
+ public:
+  VideoSource(const std::filesystem::path& file, const SourceOptions& options)
+      : capture_(file.string()), span_(options), times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
+    if (!capture_.isOpened()) throw UserError(file.string() + ": neither a list of images (.csv, .txt) nor a video");
+    grab();
+    while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
+    while (grabbed_ns_ && first_image_.empty()) {
+      first_image_ = retrieve();
+      if (first_image_.empty()) drop_unreadable();
+    }
+    if (first_image_.empty())
+      throw UserError(file.string() + ": there is no readable frame in the time span asked for");
+    require_size(first_image_, options, file.string());
+    size_ = first_image_.size();
+  }
+
+  std::optional<Image> next() override {
+    while (grabbed_ns_) {
+      cv::Mat grey = first_image_.empty() ? retrieve() : std::exchange(first_image_, {});
+      if (grey.size() != size_) {
+        drop_unreadable();
+        continue;
+      }
+      const Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), grey};
+      grab();
+      return image;
+    }
+    return std::nullopt;
+  }
+
+  bool skip() override {
+    if (!grabbed_ns_) return false;
+    first_image_.release();
+    ++frame_;
+    grab();
+    return true;
+  }
+
+  std::optional<TimeNs> peek_ns() const override {
+    return grabbed_ns_ ? std::optional(span_.played_ns(*grabbed_ns_)) : std::nullopt;
+  }
+  std::size_t unreadable() const override { return unreadable_; }
+
+ private:
+  void grab() {
+    grabbed_ns_ = capture_.grab() ? times_.at(position_++) : std::nullopt;
+    if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();
+  }
+  cv::Mat retrieve() {
+    cv::Mat frame;
+    return capture_.retrieve(frame) ? to_grey(frame) : cv::Mat();
+  }
+  void drop_unreadable() {
+    ++unreadable_;
+    ++frame_;
+    grab();
+  }
+
+  cv::VideoCapture capture_;
+  PlayedSpan span_;
+  VideoTimes times_;
+  std::size_t position_ = 0;          // frames grabbed from the file
+  std::optional<TimeNs> grabbed_ns_;  // source time of the frame grabbed ahead; empty at the end
+  std::uint32_t frame_ = 0;
+  cv::Mat first_image_;
+  cv::Size size_;
+  std::size_t unreadable_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options) {
+  return std::make_unique<VideoSource>(file, options);
+}
+
+}  // namespace coslam

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+#include "common/wire/counters.h"
+
+namespace coslam {
+
+// An agent's end of the link to the map server: over DDS (dds_agent_link.h) or in one process
+// (server/link/inline_link.h). The hello goes out at construction and stays available to servers that start later.
+// Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads: send,
+// wait_patch and take_patches belong to one thread; everything else may be called from any.
+class AgentLink {
+ public:
+  virtual ~AgentLink() = default;
+
+  // Sends one frame and the replies that belong to it; sets the frame's patches_sent and descriptors_sent from them.
+  virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
+                    const std::optional<DescriptorReply>& descriptors) = 0;
+  virtual void send_status(const AgentStatus& status) = 0;
+
+  // Lock-step replay. The next patch in order of sequence; waits while there is none. Empty at the timeout, and at once
+  // when the patch that answers `after_frame` was returned before. While the answer is due, the last frame sent is sent
+  // again every 300 ms, since frames travel best effort. Use:
+  //   do patch = wait_patch(frame, t); if (patch) apply(*patch); while (patch && patch->after_frame < frame);
+  virtual std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) = 0;
+  // Live. All patches that arrived since the last call, in order of sequence; never waits.
+  virtual std::vector<MapPatch> take_patches() = 0;
+
+  // Newest status of the server; empty before the first. Its server_run changes when the server was restarted.
+  virtual std::optional<ServerStatus> server_status() const = 0;
+  // Waits for a status that arrived after the last call of this function; empty at the timeout.
+  virtual std::optional<ServerStatus> wait_server_status(std::chrono::milliseconds timeout) = 0;
+  // False before the first status and while the server is silent (killed, or the network is cut).
+  virtual bool server_alive() const = 0;
+
+  virtual LinkBytes bytes() const = 0;
+  virtual const RejectionCounts& rejections() const = 0;
+};
+
+}  // namespace coslam

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/pose/pose_tracker.h"
+
+#include <algorithm>
+
+namespace coslam {
+namespace {
+constexpr std::size_t kHistory = 64;
+}
+
+PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
+    : camera_(camera), config_(config) {}
+
+void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map) {
+  if (past_.empty()) {
+    result_ = {};
+    return;  // never placed, or lost and waiting for the server
+  }
+  std::vector<PointObservation> observations;
+  for (const TrackObservation& t : tracks) {
+    const LocalMap::Entry* e = map.find(t.track);
+    if (e == nullptr || e->state != PointState::kStatic) continue;
+    observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>()});
+  }
+  const PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
+  result_ = refine_pose(camera_, observations, predicted(), refinement);
+
+  const bool good = result_.status == PoseStatus::kOk && result_.inliers >= config_.min_inliers &&
+                    result_.inliers >= config_.min_inlier_ratio * static_cast<double>(observations.size());
+  if (!good) {
+    state_ = PoseState::kLost;
+    hull_ = 0;
+    return;
+  }
+  std::vector<Eigen::Vector2d> inliers;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (result_.is_inlier[i]) inliers.push_back(observations[i].undistorted_px);
+  }
+  hull_ = hull_fraction(std::move(inliers), camera_);
+  if (state_ == PoseState::kLost) past_.clear();  // the motion across the gap is unknown
+  state_ = PoseState::kTracked;
+  past_.push_back({frame, result_.cam_from_world});
+  if (past_.size() > kHistory) past_.pop_front();
+}
+
+Rigid3 PoseTracker::predicted() const {
+  const Past& last = past_.back();
+  if (past_.size() < 2 || state_ == PoseState::kLost) return last.cam_from_world;
+  const Past& before = past_[past_.size() - 2];
+  if (last.frame.value != before.frame.value + 1) return last.cam_from_world;
+  return last.cam_from_world * before.cam_from_world.inverse() * last.cam_from_world;
+}
+
+void PoseTracker::rebase(const Similarity3& new_from_old) {
+  for (Past& p : past_) p.cam_from_world = transform_world(p.cam_from_world, new_from_old);
+}
+
+void PoseTracker::place(const PlacedPose& placed) {
+  const auto same = std::find_if(past_.begin(), past_.end(), [&](const Past& p) { return p.frame == placed.frame; });
+  if (same != past_.end() && state_ == PoseState::kTracked) {
+    // Rigid change of the world that moves that pose to the given one; the frames since keep their motion.
+    const Rigid3 old_from_new = same->cam_from_world.inverse() * placed.cam_from_world;
+    for (Past& p : past_) p.cam_from_world = p.cam_from_world * old_from_new;
+    return;
+  }
+  past_ = {{placed.frame, placed.cam_from_world}};
+  if (state_ == PoseState::kNone) state_ = PoseState::kLost;  // placed, not yet tracked
+}
+
+void PoseTracker::reset() {
+  past_.clear();
+  state_ = PoseState::kNone;
+  result_ = {};
+  hull_ = 0;
+}
+
+}  // namespace coslam

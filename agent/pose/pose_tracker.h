@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "agent/correct/local_map.h"
+#include "common/geometry/camera_model.h"
+#include "common/geometry/pose_refinement.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+struct PoseTrackerConfig {
+  double sigma_px = 3.0;          // of detection and tracking, at 640 px image width
+  int min_inliers = 12;           // fewer: lost
+  double min_inlier_ratio = 0.3;  // of the static points seen; fewer: lost
+};
+
+// Where the agent is, frame by frame, from the static points bound to its tracks (paper 4.1). Keeps a short history of
+// its own poses so that a pose that the server gives for an earlier frame can be carried to now.
+class PoseTracker {
+ public:
+  PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config);
+
+  // Estimates the pose of `frame`. `tracks` are its undistorted tracks.
+  void step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map);
+  // The map moved under the agent: every pose so far is re-expressed. What was published stays published.
+  void rebase(const Similarity3& new_from_old);
+  // The server's pose for an earlier frame; the motion since then is kept when it is known.
+  void place(const PlacedPose& placed);
+  // Another server: start from nothing.
+  void reset();
+
+  PoseState state() const { return state_; }
+  const PoseResult& result() const { return result_; }  // of the newest step
+  double inlier_hull_fraction() const { return hull_; }
+
+ private:
+  Rigid3 predicted() const;
+
+  CameraModel camera_;
+  PoseTrackerConfig config_;
+  PoseState state_ = PoseState::kNone;
+  PoseResult result_;
+  double hull_ = 0;
+  struct Past {
+    FrameId frame;
+    Rigid3 cam_from_world;
+  };
+  std::deque<Past> past_;  // newest last, successive good poses
+};
+
+}  // namespace coslam

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+struct DescribedFeatures {
+  std::vector<Eigen::Vector2f> raw_px;
+  std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each
+};
+
+// SIFT features of an image, the strongest `most`, at least border_px from its edge, no two closer than 3 px.
+DescribedFeatures describe(const cv::Mat& grey, int most, double border_px);
+
+}  // namespace coslam

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/dataset/calibration.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+
+#include "common/base/error.h"
+#include "common/base/text.h"
+#include "common/dataset/calibration_dialects.h"
+#include "common/dataset/file.h"
+
+namespace coslam {
+namespace {
+
+bool has_any(const YamlValue& root, std::initializer_list<const char*> keys) {
+  return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return root.has(key); });
+}
+
+bool is_kalibr(const YamlValue& root) {
+  const auto keys = root.keys();
+  if (keys.empty()) return false;
+  const auto first = root.find(keys.front());
+  return first && first->is_map() && keys.front().starts_with("cam") &&
+         !has_any(root, {"camera_matrix", "cameraMatrix"});
+}
+
+CameraModel read_yaml(const YamlValue& root, const std::string& camera) {
+  if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
+  if (root.has("sensor_type")) return calibration::read_euroc(root);
+  if (has_any(root, {"Camera.fx", "Camera1.fx", "Camera.type"})) return calibration::read_orb_slam(root);
+  if (is_kalibr(root)) return calibration::read_kalibr(root, camera);
+  if (root.has("distortion_model") && has_any(root, {"camera_matrix", "k", "K"})) return calibration::read_ros(root);
+  if (has_any(root, {"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"})) return calibration::read_opencv(root);
+  if (root.has("value0")) root.fail("the basalt form of a calibration is not supported");
+  root.fail(
+      "not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or EuRoC "
+      "sensor.yaml keys");
+}
+
+// COLMAP's cameras.txt is the one form that is no YAML: lines `ID MODEL ...`.
+bool is_colmap(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  while (std::getline(stream, line)) {
+    const auto fields = split_fields(line);
+    if (fields.empty() || fields[0].starts_with('#')) continue;
+    return fields.size() >= 2 && parse_integer(fields[0]).has_value();
+  }
+  return false;
+}
+
+const char* name_of(DistortionModel model) {
+  switch (model) {
+    case DistortionModel::kRadTan:
+      return "radtan";
+    case DistortionModel::kEquidistant:
+      return "equidistant";
+    case DistortionModel::kNone:
+      break;
+  }
+  return "none";
+}
+
+std::size_t coefficient_count(const CameraModel& camera) {
+  if (camera.distortion == DistortionModel::kNone) return 0;
+  if (camera.distortion == DistortionModel::kEquidistant) return 4;
+  const auto& k = camera.coefficients;
+  if (k[5] != 0 || k[6] != 0 || k[7] != 0) return 8;
+  return k[4] != 0 ? 5 : 4;
+}
+
+}  // namespace
+
+CameraModel load_calibration(const std::filesystem::path& file, const std::string& camera) {
+  const CameraModel model =
+      is_colmap(file) ? calibration::read_colmap(file, camera) : read_yaml(YamlValue::load(file), camera);
+  if (const auto problem = problem_of(model)) throw UserError(file.string() + ": " + *problem);
+  return model;
+}
+
+void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {
+  std::ofstream stream = create_file(file);
+  stream << std::setprecision(17);
+  stream << "width: " << camera.width_px << "\nheight: " << camera.height_px;
+  stream << "\nfx: " << camera.fx << "\nfy: " << camera.fy << "\ncx: " << camera.cx << "\ncy: " << camera.cy;
+  stream << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
+  for (std::size_t i = 0; i < coefficient_count(camera); ++i) stream << (i == 0 ? "" : ", ") << camera.coefficients[i];
+  stream << "]\n";
+  close_file(stream, file);
+}
+
+}  // namespace coslam

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/config/yaml_value.h"
+#include "common/geometry/camera_model.h"
+
+// One reader per calibration dialect; each throws UserError with the place. Internal to calibration.cpp.
+namespace coslam::calibration {
+
+CameraModel read_plain(const YamlValue& root);
+CameraModel read_opencv(const YamlValue& root);    // camera_matrix as !!opencv-matrix
+CameraModel read_orb_slam(const YamlValue& root);  // Camera.fx or Camera1.fx
+CameraModel read_ros(const YamlValue& root);       // camera_info, from a file or from a topic
+CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
+CameraModel read_euroc(const YamlValue& root);
+CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
+
+// Sets model and coefficients from a model name of any dialect. Refuses unknown models and counts.
+void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
+                    const std::vector<double>& coefficients);
+
+}  // namespace coslam::calibration

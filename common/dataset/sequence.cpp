@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/dataset/sequence.h"
+
+#include <set>
+
+#include "common/base/error.h"
+#include "common/config/yaml_value.h"
+
+namespace coslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMaxSeconds = 1e9;
+
+bool is_uri(const std::string& source) {
+  for (const char* scheme : {"v4l2:", "gst:"}) {
+    if (source.starts_with(scheme)) return true;
+  }
+  return source.find("://") != std::string::npos;
+}
+
+// Paths are relative to the file that names them.
+fs::path existing_path(const YamlValue& value) {
+  const fs::path path = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
+  if (!fs::exists(path)) value.fail("there is no " + path.string());
+  return path;
+}
+
+std::optional<fs::path> optional_path(const YamlValue& parent, const std::string& key) {
+  const auto value = parent.find(key);
+  return value ? std::optional(existing_path(*value)) : std::nullopt;
+}
+
+// Names become file names and travel in every frame.
+std::string agent_name(const YamlValue& value) {
+  constexpr std::size_t kMaxLength = 32;
+  const std::string name = value.text();
+  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  if (name.empty() || name.size() > kMaxLength || name.front() == '.' ||
+      name.find_first_not_of(kAllowed) != std::string::npos) {
+    value.fail("'" + name + "' must be 1 to 32 letters, digits, '_', '-' or '.', not starting with '.'");
+  }
+  return name;
+}
+
+SequenceAgent read_agent(const YamlValue& value) {
+  value.allow_only({"name", "source", "calibration", "start_s", "duration_s", "truth"});
+  SequenceAgent agent;
+  agent.name = agent_name(value.at("name"));
+  const YamlValue source = value.at("source");
+  agent.source = is_uri(source.text()) ? source.text() : existing_path(source).string();
+  agent.calibration = existing_path(value.at("calibration"));
+  if (const auto start = value.find("start_s")) agent.start_s = start->number(0, kMaxSeconds);
+  if (const auto duration = value.find("duration_s")) {
+    agent.duration_s = duration->number(0, kMaxSeconds);
+    if (*agent.duration_s == 0) duration->fail("must be more than 0");
+  }
+  agent.truth = optional_path(value, "truth");
+  return agent;
+}
+
+std::vector<SequenceAgent> read_agents(const YamlValue& value) {
+  std::vector<SequenceAgent> agents;
+  std::set<std::string> names;
+  for (const YamlValue& item : value.items()) {
+    agents.push_back(read_agent(item));
+    if (!names.insert(agents.back().name).second) {
+      item.at("name").fail("'" + agents.back().name + "' is the name of two agents");
+    }
+  }
+  if (agents.empty()) value.fail("at least one agent is needed");
+  return agents;
+}
+
+}  // namespace
+
+Sequence load_sequence(const fs::path& path) {
+  if (!fs::exists(path)) throw UserError(path.string() + ": there is no such sequence");
+  Sequence sequence;
+  sequence.file = fs::is_directory(path) ? path / "sequence.yaml" : path;
+  if (!fs::exists(sequence.file)) throw UserError(path.string() + ": the folder has no sequence.yaml");
+
+  const YamlValue root = YamlValue::load(sequence.file);
+  root.allow_only({"name", "rate_hz", "scale", "agents", "truth_points", "masks", "scene", "scene_seed"});
+  const auto name = root.find("name");
+  sequence.name = name ? name->text() : fs::absolute(sequence.file).stem().string();
+  if (const auto rate = root.find("rate_hz")) sequence.rate_hz = rate->number(0.01, 1000);
+  if (const auto scale = root.find("scale")) {
+    scale->allow_only({"baseline_m"});
+    sequence.baseline_m = scale->at("baseline_m").number(1e-6, 1e6);
+  }
+  sequence.agents = read_agents(root.at("agents"));
+  sequence.truth_points = optional_path(root, "truth_points");
+  sequence.masks = optional_path(root, "masks");
+  if (const auto scene = root.find("scene")) sequence.scene = scene->text();
+  if (const auto seed = root.find("scene_seed")) {
+    if (seed->integer() < 0) seed->fail("must not be negative");
+    sequence.scene_seed = static_cast<std::uint64_t>(seed->integer());
+  }
+  return sequence;
+}
+
+}  // namespace coslam

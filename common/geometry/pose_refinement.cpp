@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/pose_refinement.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/robust.h"
+#include "common/geometry/triangulation.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kMinPoints = 6;
+
+struct Residual {
+  Eigen::Vector2d r = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 6> j;
+  Eigen::Matrix2d point_part = Eigen::Matrix2d::Zero();  // J Sigma J^T
+  bool valid = false;
+};
+
+// By the perturbation of retract(): x' = exp(w) x + t, so d x / d w = -[x]_x, d x / d t = I.
+Residual residual_of(const CameraModel& camera, const PointObservation& o, const Rigid3& pose,
+                     const Eigen::Matrix3d& r) {
+  Residual out;
+  const Eigen::Vector3d x = r * o.point_in_world + pose.translation;
+  if (x.z() < 1e-6) return out;
+  const Eigen::Matrix<double, 2, 3> p = camera.project_jacobian(x);
+  out.r = o.undistorted_px - camera.project(x);
+  out.j.leftCols<3>() = -p * skew(x);
+  out.j.rightCols<3>() = p;
+  const Eigen::Matrix<double, 2, 3> jp = p * r;
+  out.point_part = jp * o.point_covariance * jp.transpose();
+  out.valid = true;
+  return out;
+}
+
+void evaluate(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& pose,
+              std::vector<Residual>* residuals) {
+  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+  residuals->resize(observations.size());
+  for (std::size_t i = 0; i < observations.size(); ++i) (*residuals)[i] = residual_of(camera, observations[i], pose, r);
+}
+
+// Scale of the part that the point covariances do not explain.
+double measured_sigma(const std::vector<Residual>& residuals, const PoseRefinementConfig& config, double cap_px) {
+  std::vector<double> norms;
+  norms.reserve(residuals.size());
+  for (const Residual& r : residuals) {
+    if (!r.valid) continue;
+    // Residual whitened as if sigma were the floor: a far, uncertain point does not speak for the tracker's noise.
+    const double unexplained =
+        r.r.squaredNorm() / (1.0 + 0.5 * r.point_part.trace() / (config.sigma_floor_px * config.sigma_floor_px));
+    norms.push_back(std::sqrt(unexplained));
+  }
+  return std::clamp(robust_sigma_2d(norms), config.sigma_floor_px, cap_px);
+}
+
+struct System {
+  Matrix6d a = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double cost = 0;
+  int inliers = 0;
+};
+
+// Whitened residual norm against t = 3 (in standard deviations).
+System build(const std::vector<Residual>& residuals, double sigma_px, std::vector<bool>* is_inlier) {
+  constexpr double kTukey = 3.0 * 1.2;  // 3 sigma of one axis, for the norm of two
+  System s;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const Residual& r = residuals[i];
+    (*is_inlier)[i] = false;
+    if (!r.valid) {
+      s.cost += tukey_rho(2 * kTukey, kTukey);
+      continue;
+    }
+    const Eigen::Matrix2d information = (sigma_px * sigma_px * Eigen::Matrix2d::Identity() + r.point_part).inverse();
+    const double d = std::sqrt(r.r.dot(information * r.r));
+    const double w = tukey_weight(d, kTukey);
+    s.cost += tukey_rho(d, kTukey);
+    if (w <= 0) continue;
+    (*is_inlier)[i] = true;
+    ++s.inliers;
+    const Eigen::Matrix<double, 6, 2> jw = r.j.transpose() * (w * information);
+    s.a += jw * r.j;
+    s.b += jw * r.r;
+  }
+  return s;
+}
+
+}  // namespace
+
+PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
+                       const PoseRefinementConfig& config) {
+  PoseResult result;
+  result.cam_from_world = initial;
+  result.is_inlier.assign(observations.size(), false);
+  if (observations.size() < kMinPoints) return result;
+
+  std::vector<Residual> residuals;
+  double lambda = 1e-6;
+  // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
+  // end.
+  double cap_px = 1e9;
+  evaluate(camera, observations, result.cam_from_world, &residuals);
+  double sigma = measured_sigma(residuals, config, cap_px);
+  System s = build(residuals, sigma, &result.is_inlier);
+  for (int i = 0; i < config.max_iterations && s.inliers >= kMinPoints; ++i) {
+    ++result.iterations;
+    Matrix6d a = s.a;
+    a.diagonal() *= 1.0 + lambda;
+    const Vector6d step = a.ldlt().solve(s.b);
+    if (!step.allFinite()) break;
+    const Rigid3 candidate = retract(result.cam_from_world, step);
+    std::vector<Residual> next;
+    evaluate(camera, observations, candidate, &next);
+    std::vector<bool> next_inlier(observations.size());
+    const System t = build(next, sigma, &next_inlier);
+    if (t.cost > s.cost * (1 + 1e-9)) {
+      lambda = std::max(lambda * 10, 1e-4);
+      if (lambda > 1e4) break;
+      continue;
+    }
+    lambda = std::max(lambda * 0.1, 1e-9);
+    result.cam_from_world = candidate;
+    residuals.swap(next);
+    const double improved = s.cost - t.cost;
+    const double new_sigma = measured_sigma(residuals, config, cap_px);
+    const bool settled = improved < 1e-4 * s.cost && std::abs(new_sigma - sigma) < 0.02 * sigma;
+    sigma = new_sigma;
+    s = build(residuals, sigma, &result.is_inlier);
+    if (settled && sigma <= config.sigma_px) break;
+    if (settled) cap_px = config.sigma_px;
+  }
+  if (sigma > config.sigma_px) {
+    sigma = config.sigma_px;
+    s = build(residuals, sigma, &result.is_inlier);
+  }
+
+  result.sigma_px = sigma;
+  result.inliers = s.inliers;
+  if (s.inliers < kMinPoints) {
+    result.status = PoseStatus::kTooFewInliers;
+    return result;
+  }
+  const Eigen::LDLT<Matrix6d> ldlt(s.a);
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-9 * ldlt.vectorD().maxCoeff() * 1e-6)) {
+    result.status = PoseStatus::kDegenerate;
+    return result;
+  }
+  result.covariance = ldlt.solve(Matrix6d::Identity());
+  result.status = result.covariance.allFinite() ? PoseStatus::kOk : PoseStatus::kDegenerate;
+  return result;
+}
+
+double hull_fraction(std::vector<Eigen::Vector2d> p, const CameraModel& camera) {
+  if (p.size() < 3) return 0.0;
+  std::sort(p.begin(), p.end(),
+            [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  const auto turn = [](const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
+  };
+  std::vector<Eigen::Vector2d> hull;  // Andrew's monotone chain: lower hull, then upper
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t base = hull.size();
+    for (const Eigen::Vector2d& q : p) {
+      while (hull.size() >= base + 2 && turn(hull[hull.size() - 2], hull.back(), q) <= 0) hull.pop_back();
+      hull.push_back(q);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  double twice_area = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    twice_area += a.x() * b.y() - b.x() * a.y();
+  }
+  return std::min(1.0, 0.5 * std::abs(twice_area) / (static_cast<double>(camera.width_px) * camera.height_px));
+}
+
+}  // namespace coslam

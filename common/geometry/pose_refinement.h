@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+// A known point and where a camera sees it.
+struct PointObservation {
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d point_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
+};
+
+struct PoseRefinementConfig {
+  double sigma_px = 3.0;        // largest believed standard deviation of an observation
+  double sigma_floor_px = 0.4;  // smallest: quantisation and sub-pixel accuracy of the tracker
+  int max_iterations = 15;
+};
+
+enum class PoseStatus : std::uint8_t { kOk, kTooFewPoints, kTooFewInliers, kDegenerate };
+
+struct PoseResult {
+  PoseStatus status = PoseStatus::kTooFewPoints;
+  Rigid3 cam_from_world;
+  Matrix6d covariance = Matrix6d::Zero();  // (sum J^T W J)^-1, order of retract()
+  double sigma_px = 0;                     // scale of the residuals that was measured
+  int inliers = 0;
+  std::vector<bool> is_inlier;  // one per observation
+  int iterations = 0;
+};
+
+// Intra-camera pose (1), (2): argmin sum rho(|m_i - pi(M_i)|), Tukey, by IRLS from `initial`. Each residual is weighted
+// by its own covariance sigma^2 I + J Sigma_i J^T, and sigma is measured from the residuals (median), not above
+// sigma_px.
+PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
+                       const PoseRefinementConfig& config);
+
+// Area of the convex hull of pixels over the area of the image.
+double hull_fraction(std::vector<Eigen::Vector2d> undistorted_px, const CameraModel& camera);
+
+}  // namespace coslam

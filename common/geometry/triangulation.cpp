@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/triangulation.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace coslam {
+namespace {
+
+constexpr double kMinDepth = 1e-6;
+
+double widest_angle(std::span<const View> views, const Eigen::Vector3d& point) {
+  // Angle between the first ray and each other, then between the two extremes: enough for tracks, and linear.
+  const auto direction = [&](const View& v) { return (point - v.cam_from_world.center()).normalized(); };
+  const auto farthest = [&](const Eigen::Vector3d& from) {
+    double least = 1.0;
+    Eigen::Vector3d best = from;
+    for (const View& v : views) {
+      const Eigen::Vector3d d = direction(v);
+      if (d.dot(from) < least) {
+        least = d.dot(from);
+        best = d;
+      }
+    }
+    return std::pair(best, std::acos(std::clamp(least, -1.0, 1.0)));
+  };
+  const auto [one_end, unused] = farthest(direction(views.front()));
+  return farthest(one_end).second;
+}
+
+bool linear_start(std::span<const View> views, Eigen::Vector3d* point) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const View& v : views) {
+    const Eigen::Vector3d d = world_ray(v);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
+    a += across;
+    b += across * v.cam_from_world.center();
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> ldlt(a);
+  if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() < 1e-10) return false;
+  *point = ldlt.solve(b);
+  return point->allFinite();
+}
+
+struct Normal {
+  Eigen::Matrix3d jtj = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d jtr = Eigen::Vector3d::Zero();
+  double cost = 0;
+  double max_error_px = 0;
+};
+
+bool accumulate(std::span<const View> views, const Eigen::Vector3d& point, Normal* n) {
+  for (const View& v : views) {
+    Eigen::Vector2d px;
+    Eigen::Matrix<double, 2, 3> j;
+    if (!project_world(*v.camera, v.cam_from_world, point, &px, &j)) return false;
+    const Eigen::Vector2d r = v.undistorted_px - px;
+    n->jtj += j.transpose() * j;
+    n->jtr += j.transpose() * r;
+    n->cost += r.squaredNorm();
+    n->max_error_px = std::max(n->max_error_px, r.norm());
+  }
+  return true;
+}
+
+}  // namespace
+
+Eigen::Vector3d world_ray(const View& v) {
+  const Eigen::Vector2d n = v.camera->normalized_from_pixel(v.undistorted_px);
+  return (v.cam_from_world.rotation.conjugate() * Eigen::Vector3d(n.x(), n.y(), 1.0)).normalized();
+}
+
+bool project_world(const CameraModel& camera, const Rigid3& cam_from_world, const Eigen::Vector3d& point_in_world,
+                   Eigen::Vector2d* undistorted_px, Eigen::Matrix<double, 2, 3>* jacobian) {
+  const Eigen::Vector3d in_cam = cam_from_world * point_in_world;
+  if (in_cam.z() < kMinDepth) return false;
+  *undistorted_px = camera.project(in_cam);
+  if (jacobian != nullptr) {
+    *jacobian = camera.project_jacobian(in_cam) * cam_from_world.rotation.toRotationMatrix();
+  }
+  return true;
+}
+
+Eigen::Matrix3d triangulation_covariance(std::span<const View> views, const Eigen::Vector3d& position,
+                                         double sigma_px) {
+  Normal n;
+  if (!accumulate(views, position, &n)) return Eigen::Matrix3d::Identity() * 1e12;
+  n.jtj.diagonal().array() += 1e-12 * n.jtj.trace();
+  return n.jtj.inverse() * (sigma_px * sigma_px);
+}
+
+TriangulationResult triangulate(std::span<const View> views, double sigma_px, double min_parallax_rad) {
+  TriangulationResult result;
+  if (views.size() < 2) return result;
+  result.status = TriangulationStatus::kTooLittleParallax;
+  Eigen::Vector3d point;
+  if (!linear_start(views, &point)) return result;
+  result.parallax_rad = widest_angle(views, point);
+  if (result.parallax_rad < min_parallax_rad) return result;
+
+  result.status = TriangulationStatus::kBehindCamera;
+  double last_cost = -1;
+  for (int i = 0; i < 8; ++i) {
+    Normal n;
+    if (!accumulate(views, point, &n)) return result;
+    result.position = point;
+    result.max_error_px = n.max_error_px;
+    result.covariance = n.jtj;
+    if (last_cost >= 0 && std::abs(last_cost - n.cost) < 1e-6 * (1e-9 + last_cost)) break;
+    last_cost = n.cost;
+    const Eigen::Vector3d step = n.jtj.ldlt().solve(n.jtr);
+    if (!step.allFinite()) {
+      result.status = TriangulationStatus::kNotConverged;
+      return result;
+    }
+    point += step;
+  }
+  if (!result.covariance.fullPivLu().isInvertible()) {
+    result.status = TriangulationStatus::kNotConverged;
+    return result;
+  }
+  result.covariance = (result.covariance.inverse() * (sigma_px * sigma_px)).eval();
+  result.parallax_rad = widest_angle(views, result.position);
+  result.status =
+      result.parallax_rad < min_parallax_rad ? TriangulationStatus::kTooLittleParallax : TriangulationStatus::kOk;
+  return result;
+}
+
+}  // namespace coslam

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/scene/caster.h"
+
+#include <embree3/rtcore.h>
+
+#include <cstddef>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace coslam::sim {
+namespace {
+
+// Rays that start on a surface must not meet it again.
+constexpr float kNearM = 1e-4F;
+
+void put_vertex(float* out, const Eigen::Vector3d& p) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(p[i]);
+}
+
+}  // namespace
+
+struct Caster::Handles {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  Handles() = default;
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+  ~Handles() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+};
+
+Caster::Caster(const World& world) : handles_(std::make_unique<Handles>()) {
+  handles_->device = rtcNewDevice("threads=1");  // a world of some thousand facets is built in milliseconds
+  COSLAM_CHECK(handles_->device != nullptr, "no Embree device");
+  handles_->scene = rtcNewScene(handles_->device);
+  rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips through a shared edge
+  RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_QUAD);
+  const std::size_t count = world.facets.size();
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4 * count));
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), count));
+  COSLAM_CHECK(vertices != nullptr && indices != nullptr, "no memory for the world's facets");
+  for (std::size_t i = 0; i < count; ++i) {
+    const Facet& f = world.facets[i];
+    put_vertex(vertices + 12 * i, f.origin);
+    put_vertex(vertices + 12 * i + 3, f.origin + f.edge_u);
+    put_vertex(vertices + 12 * i + 6, f.origin + f.edge_u + f.edge_v);
+    put_vertex(vertices + 12 * i + 9, f.origin + f.edge_v);
+    for (std::size_t k = 0; k < 4; ++k) indices[4 * i + k] = static_cast<unsigned>(4 * i + k);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(handles_->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(handles_->scene);
+}
+
+Caster::~Caster() = default;
+
+std::optional<FacetHit> Caster::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+  const Eigen::Vector3f d = direction.cast<float>();
+  Directions directions;
+  directions << d, d, d, d;
+  const FacetHit hit = cast4(origin.cast<float>(), directions)[0];
+  if (hit.facet == kNoFacet) return std::nullopt;
+  return hit;
+}
+
+std::array<FacetHit, 4> Caster::cast4(const Eigen::Vector3f& origin, const Directions& directions) const {
+  alignas(16) static constexpr int kAll[4] = {-1, -1, -1, -1};
+  alignas(16) RTCRayHit4 query;
+  for (int i = 0; i < 4; ++i) {
+    query.ray.org_x[i] = origin.x();
+    query.ray.org_y[i] = origin.y();
+    query.ray.org_z[i] = origin.z();
+    query.ray.dir_x[i] = directions(0, i);
+    query.ray.dir_y[i] = directions(1, i);
+    query.ray.dir_z[i] = directions(2, i);
+    query.ray.tnear[i] = kNearM;
+    query.ray.tfar[i] = std::numeric_limits<float>::infinity();
+    query.ray.mask[i] = 0xffffffffU;
+    query.ray.flags[i] = 0;
+    query.ray.time[i] = 0;
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect4(kAll, handles_->scene, &context, &query);
+  std::array<FacetHit, 4> out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool met = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    out[i] = {met ? query.hit.primID[i] : kNoFacet, query.hit.u[i], query.hit.v[i], query.ray.tfar[i]};
+  }
+  return out;
+}
+
+bool Caster::blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+  const Eigen::Vector3f origin = from.cast<float>(), direction = (to - from).cast<float>();
+  alignas(16) RTCRay ray{};
+  ray.org_x = origin.x();
+  ray.org_y = origin.y();
+  ray.org_z = origin.z();
+  ray.dir_x = direction.x();
+  ray.dir_y = direction.y();
+  ray.dir_z = direction.z();
+  ray.tnear = 0;
+  ray.tfar = 0.9999F;
+  ray.mask = 0xffffffffU;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(handles_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
+}  // namespace coslam::sim

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "common/scene/caster.h"
+#include "common/scene/world.h"
+
+namespace coslam::sim {
+
+// The light that falls on a facet, on a coarse grid: soft shadows of the rectangular lights, and ambient light where
+// nothing stands close by. The radiance of a Lambertian surface is its albedo times this.
+class LightMap {
+ public:
+  LightMap(const World& world, const Caster& caster, const Facet& facet);
+  // u, v in [0, 1] along the facet's edges.
+  float at(float u, float v) const;
+
+ private:
+  void smooth();
+
+  int columns_ = 0, rows_ = 0;
+  std::vector<float> cells_;
+};
+
+}  // namespace coslam::sim

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/scene/caster.h"
+#include "common/scene/scene.h"
+#include "common/scene/sensor.h"
+#include "common/scene/world.h"
+
+namespace coslam::sim {
+
+struct SceneCamera {
+  CameraModel model;
+  SensorModel sensor;
+  std::function<Rigid3(double)> cam_from_world;  // of the time in seconds; defined for every time
+};
+
+// A scene as its author writes it.
+struct SceneDescription {
+  World world;
+  std::vector<SceneCamera> cameras;
+  int frames = 0;
+  double rate_hz = 30;
+};
+
+inline constexpr int kMaxCameras = 16;
+
+// A furnished room; three cameras on closed paths of 8 m in 10 s, looking into one corner at the start.
+SceneDescription describe_room(std::uint64_t seed, int cameras);
+// Two walls; the cameras turn from one to the other from frame 180 to 256, nearly on the spot.
+SceneDescription describe_wall(std::uint64_t seed, int cameras);
+
+struct SceneSize {
+  int cameras = 0, frames = 0;  // <= 0: the scene's own number
+  double image_scale = 1;       // of the images; tests use small ones
+};
+
+// A static world. Thread-safe.
+class SimulatedScene : public Scene {
+ public:
+  SimulatedScene(SceneDescription description, const SceneSize& size);
+
+  int cameras() const override { return static_cast<int>(description_.cameras.size()); }
+  int frames() const override { return description_.frames; }
+  double rate_hz() const override { return description_.rate_hz; }
+  const CameraModel& camera(int camera) const override { return at(camera).model; }
+  Rigid3 cam_from_world(int camera, double t_s) const override { return at(camera).cam_from_world(t_s); }
+  std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                             double t_s) const override;
+
+  double time_s(int frame) const { return frame / description_.rate_hz; }
+  const SceneCamera& at(int camera) const;
+  const World& world() const { return description_.world; }
+  const Caster& caster() const { return caster_; }
+
+ private:
+  SceneDescription description_;
+  Caster caster_;
+};
+
+// As make_scene(). Throws UserError for an unknown name or too many cameras.
+std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, std::uint64_t seed,
+                                                     const SceneSize& size);
+
+}  // namespace coslam::sim

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+#include "common/wire/counters.h"
+#include "idl/coslam.h"
+
+// Between the values of common/model and those of idl/coslam.idl. Pure functions. decode(encode(x)) == x bit for bit
+// when x is what the model says it is (coordinates on the grid, ids ascending, sizes within the bounds of the IDL;
+// anything else is a bug and stops the program). Decoders trust nothing: each returns a value that is safe to compute
+// with, or the reason why there is none.
+namespace coslam {
+
+template <class T>
+class Decoded {
+ public:
+  Decoded(T value) : content_(std::move(value)) {}  // NOLINT: converts by intent
+  Decoded(Rejection reason) : content_(reason) {}   // NOLINT
+  explicit operator bool() const { return content_.index() == 0; }
+  T& operator*() { return std::get<0>(content_); }
+  T* operator->() { return &std::get<0>(content_); }
+  Rejection rejection() const { return std::get<1>(content_); }
+
+ private:
+  std::variant<T, Rejection> content_;
+};
+
+// px_scale: pixel_scale(camera) of the agent; it travels with the frame.
+idl::TrackFrame encode(const TrackFrame& frame, double px_scale);
+idl::DescriptorReply encode(const DescriptorReply& reply, double px_scale);
+idl::PatchReply encode(const PatchReply& reply);
+idl::Hello encode(const Hello& hello);
+idl::AgentStatus encode(const AgentStatus& status);
+idl::MapPatch encode(const MapPatch& patch);
+idl::ServerStatus encode(const ServerStatus& status);
+
+Decoded<TrackFrame> decode(const idl::TrackFrame& message);
+Decoded<DescriptorReply> decode(const idl::DescriptorReply& message);
+Decoded<PatchReply> decode(const idl::PatchReply& message);
+Decoded<Hello> decode(const idl::Hello& message);  // of any protocol version, see Admission
+Decoded<AgentStatus> decode(const idl::AgentStatus& message);
+Decoded<MapPatch> decode(const idl::MapPatch& message);
+Decoded<ServerStatus> decode(const idl::ServerStatus& message);
+
+// 1 to 32 letters, digits, '_', '-', '.', not starting with '.': names of agents are also names of files.
+bool valid_agent_name(std::string_view name);
+
+// Size of the serialized sample, encapsulation header included.
+template <class Message>
+std::size_t sample_bytes(const Message& message) {
+  return Message::getCdrSerializedSize(message) + 4;
+}
+
+}  // namespace coslam

@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Who takes part and how they are: Hello, AgentStatus, ServerStatus.
+#include <algorithm>
+
+#include "common/base/check.h"
+#include "common/wire/checks.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::size_t kMaxName = 32;
+constexpr std::size_t kMaxSentence = 200;
+
+bool control_character(unsigned char c) { return c < 0x20 || c == 0x7f; }
+
+// Text that goes into a log or onto a terminal.
+Problem check_sentence(std::string_view text) {
+  const bool good = !text.empty() && text.size() <= kMaxSentence && std::ranges::none_of(text, control_character);
+  return good ? std::nullopt : Problem(Rejection::kBadText);
+}
+
+std::string join(const std::vector<std::string>& items, char end) {
+  std::string text;
+  for (const std::string& item : items) text += item + end;
+  return text;
+}
+
+// Each item is followed by `end`; text after the last one is lost, as a cut-off item is.
+std::vector<std::string> split(const std::string& text, char end) {
+  std::vector<std::string> items;
+  std::size_t begin = 0;
+  for (std::size_t at; (at = text.find(end, begin)) != std::string::npos; begin = at + 1) {
+    items.push_back(text.substr(begin, at - begin));
+  }
+  return items;
+}
+
+Problem unpack_names(const idl::ServerStatus& m, std::vector<std::string>& names) {
+  names = split(m.agents().to_string(), ' ');
+  if (const Problem p = check_count(names.size(), idl::MAX_AGENTS)) return p;
+  return std::ranges::all_of(names, valid_agent_name) ? std::nullopt : Problem(Rejection::kBadText);
+}
+
+Problem unpack_refusals(const idl::ServerStatus& m, std::vector<Refusal>& refused) {
+  if (const Problem p = check_count(m.refused().size(), idl::MAX_REFUSALS)) return p;
+  const std::vector<std::string> reasons = split(m.reasons().to_string(), '\n');
+  if (reasons.size() != m.refused().size()) return Rejection::kSizeMismatch;
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    refused.push_back({RunId(m.refused()[i]), reasons[i]});
+    if (const Problem p = first_of({check_id(refused.back().agent_run), check_sentence(reasons[i])})) return p;
+  }
+  return std::nullopt;
+}
+
+CameraModel camera_of(const idl::Hello& m) {
+  CameraModel c;
+  // Far outside the range of an image size becomes 0, which is outside too.
+  c.width_px = m.width_px() > INT32_MAX ? 0 : static_cast<int>(m.width_px());
+  c.height_px = m.height_px() > INT32_MAX ? 0 : static_cast<int>(m.height_px());
+  c.fx = m.fx();
+  c.fy = m.fy();
+  c.cx = m.cx();
+  c.cy = m.cy();
+  c.distortion = static_cast<DistortionModel>(m.distortion());
+  c.coefficients = m.coefficients();
+  return c;
+}
+
+Problem check_camera(const CameraModel& c) {
+  const auto finite = [](double v) { return std::isfinite(v); };
+  if (!std::ranges::all_of(std::array{c.fx, c.fy, c.cx, c.cy}, finite)) return Rejection::kNotFinite;
+  if (!std::ranges::all_of(c.coefficients, finite)) return Rejection::kNotFinite;
+  return problem_of(c) ? Problem(Rejection::kOutOfRange) : std::nullopt;
+}
+
+}  // namespace
+
+bool valid_agent_name(std::string_view name) {
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  };
+  return !name.empty() && name.size() <= kMaxName && name.front() != '.' && std::ranges::all_of(name, good);
+}
+
+idl::Hello encode(const Hello& h) {
+  const CameraModel& c = h.camera;
+  idl::Hello m;
+  m.protocol(h.protocol);
+  m.pacing(static_cast<std::uint8_t>(h.pacing));
+  m.distortion(static_cast<std::uint8_t>(c.distortion));
+  m.width_px(static_cast<std::uint32_t>(c.width_px));
+  m.agent_run(h.agent_run.value);
+  m.height_px(static_cast<std::uint32_t>(c.height_px));
+  m.agent(h.agent);
+  m.rate_hz(h.rate_hz);
+  m.fx(c.fx);
+  m.fy(c.fy);
+  m.cx(c.cx);
+  m.cy(c.cy);
+  m.coefficients(c.coefficients);
+  return m;
+}
+
+Decoded<Hello> decode(const idl::Hello& m) {
+  Hello h;
+  h.agent = m.agent().to_string();
+  h.agent_run = RunId(m.agent_run());
+  h.protocol = m.protocol();
+  h.pacing = static_cast<Pacing>(m.pacing());
+  h.rate_hz = m.rate_hz();
+  h.camera = camera_of(m);
+  const Problem problem = first_of({check_sender(h.agent, h.agent_run), check_enum(m.pacing(), Pacing::kLockstep),
+                                    check_enum(m.distortion(), DistortionModel::kEquidistant),
+                                    check_number(h.rate_hz, 0.001, 10000), check_camera(h.camera)});
+  if (problem) return *problem;
+  return h;
+}
+
+idl::AgentStatus encode(const AgentStatus& s) {
+  COSLAM_CHECK(s.report_json.size() <= idl::MAX_REPORT_BYTES, "the report of an agent is too long");
+  idl::AgentStatus m;
+  m.agent_run(s.agent_run.value);
+  m.last_frame(s.last_frame.value);
+  m.frames(s.frames);
+  m.dropped(s.dropped);
+  m.tracks(s.tracks);
+  m.frame_ms(s.frame_ms);
+  m.state(static_cast<std::uint8_t>(s.state));
+  m.pose_state(static_cast<std::uint8_t>(s.pose_state));
+  m.agent(s.agent);
+  m.report_json().assign(s.report_json.begin(), s.report_json.end());
+  return m;
+}
+
+Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
+  AgentStatus s;
+  s.agent = m.agent().to_string();
+  s.agent_run = RunId(m.agent_run());
+  const Problem problem = first_of({check_sender(s.agent, s.agent_run), check_enum(m.state(), AgentState::kFinished),
+                                    check_enum(m.pose_state(), PoseState::kLost), check_number(m.frame_ms(), 0, 1e9),
+                                    check_count(m.report_json().size(), idl::MAX_REPORT_BYTES)});
+  if (problem) return *problem;
+  s.state = static_cast<AgentState>(m.state());
+  s.pose_state = static_cast<PoseState>(m.pose_state());
+  s.last_frame = FrameId(m.last_frame());
+  s.frames = m.frames();
+  s.dropped = m.dropped();
+  s.tracks = m.tracks();
+  s.frame_ms = m.frame_ms();
+  s.report_json.assign(m.report_json().begin(), m.report_json().end());
+  return s;
+}
+
+idl::ServerStatus encode(const ServerStatus& s) {
+  COSLAM_CHECK(s.agents.size() <= idl::MAX_AGENTS, "more agents than a status may name");
+  COSLAM_CHECK(s.refused.size() <= idl::MAX_REFUSALS, "more refusals than a status may carry");
+  idl::ServerStatus m;
+  m.protocol(s.protocol);
+  m.started(s.started);
+  m.stopping(s.stopping);
+  m.frame_sets(s.frame_sets);
+  m.server_run(s.server_run.value);
+  m.start_utc_ns(s.start_utc_ns);
+  m.points(s.points);
+  std::string reasons;
+  for (const Refusal& r : s.refused) {
+    m.refused().push_back(r.agent_run.value);
+    reasons += r.reason.substr(0, kMaxSentence) + '\n';
+  }
+  m.agents(join(s.agents, ' '));
+  m.reasons(reasons);
+  return m;
+}
+
+Decoded<ServerStatus> decode(const idl::ServerStatus& m) {
+  ServerStatus s;
+  s.server_run = RunId(m.server_run());
+  if (const Problem p = check_id(s.server_run)) return *p;
+  if (const Problem p = unpack_names(m, s.agents)) return *p;
+  if (const Problem p = unpack_refusals(m, s.refused)) return *p;
+  s.protocol = m.protocol();
+  s.started = m.started();
+  s.stopping = m.stopping();
+  s.start_utc_ns = m.start_utc_ns();
+  s.frame_sets = m.frame_sets();
+  s.points = m.points();
+  return s;
+}
+
+}  // namespace coslam

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What agents send with and after a frame: TrackFrame, PatchReply, DescriptorReply.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+#include "common/wire/checks.h"
+#include "common/wire/packing.h"
+
+namespace coslam {
+namespace {
+
+// Of pixel_scale() for images of 16 to 16384 pixels a side.
+constexpr int kMinPxBits = -1;
+constexpr int kMaxPxBits = 10;
+constexpr std::int16_t kCoordinateLimit = 32767;  // -32768 is never sent, see quantised_px()
+
+std::int16_t px_bits(double px_scale) { return static_cast<std::int16_t>(std::ilogb(px_scale)); }
+
+std::int16_t quantise(float px, double px_scale) {
+  COSLAM_CHECK(std::isfinite(px), "coordinates must be finite");
+  const double limit = kCoordinateLimit;
+  return static_cast<std::int16_t>(std::lround(std::clamp(static_cast<double>(px) * px_scale, -limit, limit)));
+}
+
+float dequantise(std::int16_t units, int bits) { return std::ldexp(static_cast<float>(units), -bits); }
+
+Problem check_units(std::int16_t x, std::int16_t y) {
+  return std::min(x, y) >= -kCoordinateLimit ? std::nullopt : Problem(Rejection::kOutOfRange);
+}
+
+std::vector<std::uint8_t> pack_tracks(const std::vector<TrackObservation>& tracks, double px_scale) {
+  std::vector<std::uint8_t> octets;
+  octets.reserve(6 * tracks.size());
+  Packer packer(octets);
+  TrackId before;
+  for (const TrackObservation& t : tracks) {
+    COSLAM_CHECK(t.track > before, "track ids must ascend");
+    packer.put_varint(t.track.value - before.value);
+    before = t.track;
+  }
+  for (const TrackObservation& t : tracks) {
+    packer.put(quantise(t.undistorted_px.x(), px_scale));
+    packer.put(quantise(t.undistorted_px.y(), px_scale));
+  }
+  return octets;
+}
+
+Problem unpack_ids(Unpacker& in, std::size_t count, std::vector<TrackObservation>& tracks) {
+  std::uint32_t id = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto step = in.get_varint();
+    if (!step) return Rejection::kMalformed;
+    if (*step == 0 || *step > std::numeric_limits<std::uint32_t>::max() - id) return Rejection::kIdsNotAscending;
+    id += *step;
+    tracks.emplace_back().track = TrackId(id);
+  }
+  return std::nullopt;
+}
+
+Problem unpack_tracks(const idl::TrackFrame& m, std::vector<TrackObservation>& tracks) {
+  if (const Problem p = check_count(m.track_count(), idl::MAX_TRACKS)) return p;
+  if (const Problem p = check_number(m.px_bits(), kMinPxBits, kMaxPxBits)) return p;
+  Unpacker in(m.tracks());
+  tracks.reserve(m.track_count());
+  if (const Problem p = unpack_ids(in, m.track_count(), tracks)) return p;
+  if (in.left() != 4u * m.track_count()) return Rejection::kSizeMismatch;
+  for (TrackObservation& t : tracks) {
+    const std::int16_t x = *in.get<std::int16_t>(), y = *in.get<std::int16_t>();
+    if (const Problem p = check_units(x, y)) return p;
+    t.undistorted_px = {dequantise(x, m.px_bits()), dequantise(y, m.px_bits())};
+  }
+  return std::nullopt;
+}
+
+std::array<float, 21> pack_upper(const Eigen::Matrix<float, 6, 6>& m) {
+  std::array<float, 21> packed;
+  auto out = packed.begin();
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) *out++ = m(row, col);
+  }
+  return packed;
+}
+
+Problem unpack_upper(const std::array<float, 21>& packed, Eigen::Matrix<float, 6, 6>& m) {
+  auto in = packed.begin();
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) m(row, col) = m(col, row) = *in++;
+  }
+  if (!m.allFinite()) return Rejection::kNotFinite;
+  return m.diagonal().minCoeff() >= 0 ? std::nullopt : Problem(Rejection::kOutOfRange);
+}
+
+}  // namespace
+
+idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
+  COSLAM_CHECK(f.tracks.size() <= idl::MAX_TRACKS, "more tracks than a frame may carry");
+  const Eigen::Quaterniond& q = f.cam_from_world.rotation;
+  const Eigen::Vector3d& t = f.cam_from_world.translation;
+  idl::TrackFrame m;
+  m.agent_run(f.agent_run.value);
+  m.server_run(f.server_run.value);
+  m.capture_ns(f.capture_ns);
+  m.rotation({q.w(), q.x(), q.y(), q.z()});
+  m.translation({t.x(), t.y(), t.z()});
+  m.covariance(pack_upper(f.pose_covariance));
+  m.hull_fraction(f.hull_fraction);
+  m.frame(f.frame.value);
+  m.epoch(f.epoch.value);
+  m.applied_patch(f.applied_patch);
+  m.pose_inliers(f.pose_inliers);
+  m.patches_sent(f.patches_sent);
+  m.track_count(static_cast<std::uint16_t>(f.tracks.size()));
+  m.px_bits(px_bits(px_scale));
+  m.pose_state(static_cast<std::uint8_t>(f.pose_state));
+  m.wants_snapshot(f.wants_snapshot);
+  m.descriptors_sent(f.descriptors_sent);
+  m.agent(f.agent);
+  m.tracks(pack_tracks(f.tracks, px_scale));
+  return m;
+}
+
+Decoded<TrackFrame> decode(const idl::TrackFrame& m) {
+  TrackFrame f;
+  f.agent = m.agent().to_string();
+  f.agent_run = RunId(m.agent_run());
+  f.frame = FrameId(m.frame());
+  f.capture_ns = m.capture_ns();
+  f.server_run = RunId(m.server_run());
+  f.epoch = MapEpoch(m.epoch());
+  f.cam_from_world.rotation = {m.rotation()[0], m.rotation()[1], m.rotation()[2], m.rotation()[3]};
+  f.cam_from_world.translation = {m.translation()[0], m.translation()[1], m.translation()[2]};
+  f.pose_inliers = m.pose_inliers();
+  f.hull_fraction = m.hull_fraction();
+  f.applied_patch = m.applied_patch();
+  f.wants_snapshot = m.wants_snapshot();
+  f.patches_sent = m.patches_sent();
+  f.descriptors_sent = m.descriptors_sent();
+  f.pose_state = static_cast<PoseState>(m.pose_state());
+  // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
+  const Problem problem = first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
+                                    check_pose(f.cam_from_world), unpack_upper(m.covariance(), f.pose_covariance),
+                                    check_number(f.hull_fraction, 0, 100), check_count(f.pose_inliers, idl::MAX_TRACKS),
+                                    check_count(f.patches_sent, idl::MAX_TRACKS), unpack_tracks(m, f.tracks)});
+  if (problem) return *problem;
+  return f;
+}
+
+idl::PatchReply encode(const PatchReply& r) {
+  COSLAM_CHECK(r.patches.size() <= idl::MAX_TRACKS, "more patches than a reply may carry");
+  idl::PatchReply m;
+  m.agent_run(r.agent_run.value);
+  m.frame(r.frame.value);
+  m.agent(r.agent);
+  m.grey().reserve(r.patches.size() * kPatchBytes);
+  for (const ImagePatch& p : r.patches) {
+    m.tracks().push_back(p.track.value);
+    m.grey().insert(m.grey().end(), p.grey.begin(), p.grey.end());
+  }
+  return m;
+}
+
+Decoded<PatchReply> decode(const idl::PatchReply& m) {
+  PatchReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}};
+  if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
+  if (const Problem p = check_count(m.tracks().size(), idl::MAX_TRACKS)) return *p;
+  if (m.grey().size() != m.tracks().size() * kPatchBytes) return Rejection::kSizeMismatch;
+  auto grey = m.grey().begin();
+  for (const std::uint32_t id : m.tracks()) {
+    if (id == 0) return Rejection::kBadId;
+    ImagePatch& patch = r.patches.emplace_back();
+    patch.track = TrackId(id);
+    std::copy_n(grey, kPatchBytes, patch.grey.begin());
+    grey += kPatchBytes;
+  }
+  return r;
+}
+
+idl::DescriptorReply encode(const DescriptorReply& r, double px_scale) {
+  COSLAM_CHECK(r.undistorted_px.size() <= idl::MAX_KEYPOINTS, "more key points than a reply may carry");
+  COSLAM_CHECK(r.descriptors.size() == r.undistorted_px.size() * kDescriptorBytes, "one descriptor a key point");
+  idl::DescriptorReply m;
+  m.agent_run(r.agent_run.value);
+  m.frame(r.frame.value);
+  m.px_bits(px_bits(px_scale));
+  m.agent(r.agent);
+  m.coordinates().reserve(2 * r.undistorted_px.size());
+  for (const Eigen::Vector2f& px : r.undistorted_px) {
+    m.coordinates().push_back(quantise(px.x(), px_scale));
+    m.coordinates().push_back(quantise(px.y(), px_scale));
+  }
+  m.descriptors(r.descriptors);
+  return m;
+}
+
+Decoded<DescriptorReply> decode(const idl::DescriptorReply& m) {
+  DescriptorReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {}};
+  const std::size_t count = m.coordinates().size() / 2;
+  const Problem problem = first_of({check_sender(r.agent, r.agent_run), check_count(count, idl::MAX_KEYPOINTS),
+                                    check_number(m.px_bits(), kMinPxBits, kMaxPxBits)});
+  if (problem) return *problem;
+  if (m.coordinates().size() % 2 != 0 || m.descriptors().size() != count * kDescriptorBytes) {
+    return Rejection::kSizeMismatch;
+  }
+  r.undistorted_px.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int16_t x = m.coordinates()[2 * i], y = m.coordinates()[2 * i + 1];
+    if (const Problem p = check_units(x, y)) return *p;
+    r.undistorted_px.emplace_back(dequantise(x, m.px_bits()), dequantise(y, m.px_bits()));
+  }
+  r.descriptors = m.descriptors();
+  return r;
+}
+
+}  // namespace coslam

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace coslam {
+
+// What the chosen subcommand does; gives the exit code. UserError and UsageError are main's to report.
+using Command = std::function<int()>;
+
+// Each adds one subcommand, whose parsing sets `chosen`. One file a subcommand: <name>_command.cpp.
+void add_eval_command(CLI::App& app, Command& chosen);
+void add_export_command(CLI::App& app, Command& chosen);
+void add_run_command(CLI::App& app, Command& chosen);
+void add_render_command(CLI::App& app, Command& chosen);
+
+}  // namespace coslam

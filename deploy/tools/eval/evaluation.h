@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/dataset/result.h"
+#include "common/dataset/sequence.h"
+#include "common/dataset/trajectory.h"
+#include "common/scene/scene.h"
+#include "deploy/tools/eval/points.h"
+#include "deploy/tools/eval/trajectories.h"
+
+namespace coslam::eval {
+
+// What a result and the truth hold of one agent; empty where there is none.
+struct AgentPaths {
+  std::string name;
+  Trajectory estimate;
+  Trajectory live;
+  Trajectory truth;  // of the played part
+  int frames = 0;    // of its source; 0 = not known
+};
+
+// Lengths are metres of the truth. Empty means not known, never zero.
+struct AgentEvaluation {
+  std::string name;
+  int frames = 0, poses = 0;
+  std::optional<double> tracked_percent;
+  std::optional<double> path_m;
+  std::optional<double> ate_m;      // under the joint alignment
+  std::optional<double> ate_own_m;  // under an alignment of its own
+  std::optional<double> ate_percent;
+  std::optional<double> own_scale;
+  std::optional<double> live_ate_m;  // under the joint alignment of the live poses
+  std::optional<MotionError> motion;
+  std::optional<double> drift_m;
+};
+
+struct ClassificationScore {
+  std::optional<double> precision, recall, static_on_moving;
+  int observations = 0;
+};
+
+struct Evaluation {
+  std::string sequence;
+  std::vector<AgentEvaluation> agents;
+  Alignment alignment;  // truth from map, one for all agents
+  std::string problem;  // why there is no alignment
+  std::optional<double> ate_m, ate_percent, path_m, tracked_percent;
+  std::optional<double> live_ate_m, live_ate_percent, live_scale;
+  std::optional<MotionError> motion;
+  std::optional<RelativePoseError> relative_pose;  // of the first two agents
+  std::optional<PointAccuracy> points;
+  std::optional<ClassificationScore> classification;
+  std::optional<ErrorSpread> dynamic_error_m;          // against the marked points
+  std::optional<ErrorSpread> dynamic_surface_error_m;  // against the surface that the pixels show
+};
+
+// Reads the paths of the agents that took part. Throws UserError when the result has no trajectory at all.
+std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence);
+
+// The trajectory part of the evaluation. rate_hz of the sequence bounds the gaps that truth is interpolated over.
+Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz);
+
+// Everything. scene: the world of a simulated sequence, or null.
+Evaluation evaluate(const ResultFolder& result, const Sequence& sequence, const std::vector<AgentPaths>& agents,
+                    const Scene* scene);
+
+}  // namespace coslam::eval

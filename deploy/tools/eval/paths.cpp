@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "common/base/error.h"
+#include "deploy/tools/eval/evaluation.h"
+
+namespace coslam::eval {
+namespace {
+
+// What the report says of an agent: agents.<name>.frames; null without.
+nlohmann::json agents_in(const ResultFolder& result) {
+  if (!std::filesystem::exists(result.report())) return nullptr;
+  const nlohmann::json report = read_json(result.report());
+  return report.contains("agents") && report["agents"].is_object() ? report["agents"] : nlohmann::json();
+}
+
+int frames_of(const nlohmann::json& agents, const std::string& name) {
+  if (!agents.is_object() || !agents.contains(name) || !agents[name].is_object()) return 0;
+  const auto frames = agents[name].find("frames");
+  return frames != agents[name].end() && frames->is_number_integer() ? frames->get<int>() : 0;
+}
+
+Trajectory load_if_there(const std::filesystem::path& file) {
+  return std::filesystem::exists(file) ? load_tum(file) : Trajectory();
+}
+
+Trajectory played_truth(const SequenceAgent& agent) {
+  if (!agent.truth) return {};
+  Trajectory truth = load_tum(*agent.truth);
+  if (agent.duration_s) std::erase_if(truth, [&](const StampedPose& p) { return p.t_ns >= to_ns(*agent.duration_s); });
+  return truth;
+}
+
+std::optional<double> percent_of(std::optional<double> part, std::optional<double> whole) {
+  if (!part || !whole || *whole <= 0) return std::nullopt;
+  return 100 * *part / *whole;
+}
+
+TimeNs max_gap_ns(double rate_hz) { return to_ns(std::max(0.1, 2.5 / rate_hz)); }
+
+// The part of an agent's figures that needs no joint alignment.
+AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) {
+  AgentEvaluation e;
+  e.name = agent.name;
+  e.frames = agent.frames > 0 ? agent.frames : static_cast<int>(agent.truth.size());
+  e.poses = static_cast<int>(agent.estimate.size());
+  if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
+  if (!agent.truth.empty()) e.path_m = path_length(agent.truth);
+  const Alignment own = align_centers({pairs});
+  if (own.target_from_source) {
+    e.ate_own_m = own.rmse;
+    e.own_scale = own.target_from_source->scale;
+  }
+  return e;
+}
+
+void evaluate_jointly(AgentEvaluation& e, const PosePairs& pairs, const Similarity3& truth_from_map) {
+  e.ate_m = position_rmse(pairs, truth_from_map);
+  e.ate_percent = percent_of(e.ate_m, e.path_m);
+  e.motion = motion_error({pairs}, truth_from_map.scale, to_ns(1));
+  e.drift_m = closing_drift(pairs, truth_from_map);
+}
+
+void evaluate_live(Evaluation& e, const std::vector<AgentPaths>& agents, TimeNs gap_ns) {
+  std::vector<PosePairs> pairs;
+  for (const AgentPaths& agent : agents) pairs.push_back(pair_poses(agent.live, agent.truth, gap_ns));
+  const Alignment alignment = align_centers(pairs);
+  if (!alignment.target_from_source) return;
+  e.live_ate_m = alignment.rmse;
+  e.live_ate_percent = percent_of(e.live_ate_m, e.path_m);
+  e.live_scale = alignment.target_from_source->scale;
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    e.agents[i].live_ate_m = position_rmse(pairs[i], *alignment.target_from_source);
+  }
+}
+
+}  // namespace
+
+std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence) {
+  const nlohmann::json reported = agents_in(result);
+  std::vector<AgentPaths> agents;
+  bool any = false;
+  for (const SequenceAgent& agent : sequence.agents) {
+    const bool has_trajectory = std::filesystem::exists(result.trajectory(agent.name));
+    // A run may leave agents out; one that took part and never found its place counts.
+    const bool took_part = has_trajectory || !reported.is_object() || reported.contains(agent.name);
+    if (!took_part) continue;
+    any = any || has_trajectory;
+    agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
+                      played_truth(agent), frames_of(reported, agent.name)});
+  }
+  if (!any) {
+    throw UserError(result.path().string() + ": there is no trajectory/<agent>.tum of an agent of " +
+                    sequence.file.string());
+  }
+  return agents;
+}
+
+Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz) {
+  Evaluation e;
+  const TimeNs gap_ns = max_gap_ns(rate_hz);
+  std::vector<PosePairs> pairs;
+  double path_m = 0, frames = 0, poses = 0;
+  for (const AgentPaths& agent : agents) {
+    pairs.push_back(pair_poses(agent.estimate, agent.truth, gap_ns));
+    e.agents.push_back(evaluate_alone(agent, pairs.back()));
+    path_m += e.agents.back().path_m.value_or(0);
+    frames += e.agents.back().frames;
+    poses += e.agents.back().poses;
+  }
+  if (path_m > 0) e.path_m = path_m;
+  if (frames > 0) e.tracked_percent = 100 * poses / frames;
+
+  e.alignment = align_centers(pairs);
+  e.problem = e.alignment.problem;
+  if (const auto& truth_from_map = e.alignment.target_from_source) {
+    e.ate_m = e.alignment.rmse;
+    e.ate_percent = percent_of(e.ate_m, e.path_m);
+    e.motion = motion_error(pairs, truth_from_map->scale, to_ns(1));
+    for (std::size_t i = 0; i < agents.size(); ++i) evaluate_jointly(e.agents[i], pairs[i], *truth_from_map);
+  }
+  if (agents.size() >= 2) {
+    const double scale = e.alignment.target_from_source ? e.alignment.target_from_source->scale : 1.0;
+    e.relative_pose = relative_pose_error(pairs[0], pairs[1], scale);
+  }
+  evaluate_live(e, agents, gap_ns);
+  return e;
+}
+
+}  // namespace coslam::eval

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/eval/points.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "deploy/tools/eval/statistics.h"
+
+namespace coslam::eval {
+namespace {
+
+Eigen::Vector3d median_position(const std::vector<SurfacePoint>& seen) {
+  Eigen::Vector3d median;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const SurfacePoint& p : seen) values.push_back(p.position[axis]);
+    median[axis] = percentile(std::move(values), 50);
+  }
+  return median;
+}
+
+// Distances are taken one by one: a point may be near to one camera and far from another.
+bool scatters(const std::vector<SurfacePoint>& seen, const Eigen::Vector3d& center) {
+  constexpr double kMaxScatter = 0.02;
+  return std::any_of(seen.begin(), seen.end(),
+                     [&](const SurfacePoint& p) { return (p.position - center).norm() > kMaxScatter * p.distance_m; });
+}
+
+}  // namespace
+
+void StaticTruth::add(PointId point, const SurfacePoint& seen) { seen_[point].push_back(seen); }
+
+std::unordered_map<PointId, Eigen::Vector3d> StaticTruth::positions() const {
+  std::unordered_map<PointId, Eigen::Vector3d> positions;
+  for (const auto& [point, seen] : seen_) {
+    const Eigen::Vector3d center = median_position(seen);
+    if (seen.size() >= 2 && !scatters(seen, center)) positions.emplace(point, center);
+  }
+  return positions;
+}
+
+PointAccuracy accuracy_of(const std::vector<ResultPoint>& points,
+                          const std::unordered_map<PointId, Eigen::Vector3d>& truth,
+                          const Similarity3& truth_from_map) {
+  const Eigen::Matrix3d linear = truth_from_map.scale * truth_from_map.rotation.toRotationMatrix();
+  std::vector<double> errors, nees;
+  for (const ResultPoint& point : points) {
+    const auto true_position = truth.find(point.id);
+    if (point.state != PointState::kStatic || true_position == truth.end()) continue;
+    const Eigen::Vector3d error = truth_from_map * point.position - true_position->second;
+    errors.push_back(error.norm());
+    const Eigen::LLT<Eigen::Matrix3d> factor(linear * point.covariance * linear.transpose());
+    if (factor.info() == Eigen::Success) nees.push_back(error.dot(factor.solve(error)));
+  }
+  PointAccuracy accuracy;
+  accuracy.count = static_cast<int>(errors.size());
+  accuracy.error_median_m = percentile(errors, 50);
+  accuracy.error_p90_m = percentile(errors, 90);
+  accuracy.nees_median = percentile(nees, 50);
+  accuracy.nees_p90 = percentile(nees, 90);
+  accuracy.nees_count = static_cast<int>(nees.size());
+  return accuracy;
+}
+
+ErrorSpread spread_of(const std::vector<double>& errors) {
+  return {percentile(errors, 50), percentile(errors, 90), static_cast<int>(errors.size())};
+}
+
+}  // namespace coslam::eval

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "common/dataset/result.h"
+#include "common/geometry/rigid3.h"
+
+// Accuracy of map points against a world whose surfaces are known.
+namespace coslam::eval {
+
+struct SurfacePoint {
+  Eigen::Vector3d position;  // truth frame
+  double distance_m = 0;     // from the camera
+};
+// What the agent's pixel shows at a time; empty where that is not known.
+using SurfaceAt =
+    std::function<std::optional<SurfacePoint>(const std::string& agent, TimeNs t_ns, const Eigen::Vector2d& raw_px)>;
+
+// Collects, point by point, the surface under the pixels that observed it. All observations of a static point show the
+// same spot; where they do not, the pixel lies on an edge of depth or the track has slid, and the point has no truth.
+class StaticTruth {
+ public:
+  void add(PointId point, const SurfacePoint& seen);
+  // Median of what was seen, of points seen at least twice that scatter by less than 2 % of their distance.
+  std::unordered_map<PointId, Eigen::Vector3d> positions() const;
+  std::size_t points() const { return seen_.size(); }
+
+ private:
+  std::unordered_map<PointId, std::vector<SurfacePoint>> seen_;
+};
+
+struct PointAccuracy {
+  int count = 0;
+  double error_median_m = 0, error_p90_m = 0;
+  double nees_median = 0, nees_p90 = 0;  // honest covariances: 2.37 and 6.25, chi square with 3 degrees of freedom
+  int nees_count = 0;                    // fewer than count where covariances are singular
+  int without_truth = 0;                 // points that were seen but scattered
+};
+
+// Static points against the truth by id: error e = truth_from_map * estimate - truth, NEES = e^T (s^2 R Sigma R^T)^-1
+// e.
+PointAccuracy accuracy_of(const std::vector<ResultPoint>& points,
+                          const std::unordered_map<PointId, Eigen::Vector3d>& truth, const Similarity3& truth_from_map);
+
+struct ErrorSpread {
+  double median = 0, p90 = 0;
+  int count = 0;
+};
+ErrorSpread spread_of(const std::vector<double>& errors);
+
+}  // namespace coslam::eval

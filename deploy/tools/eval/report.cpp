@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/eval/report.h"
+
+#include <cstdio>
+
+namespace coslam::eval {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const std::optional<double>& v) { return v ? Json(*v) : Json(); }
+
+Json json_of(const std::optional<MotionError>& m) {
+  if (!m) return nullptr;
+  return {{"delta_s", 1},
+          {"translation_m", m->translation_rmse_m},
+          {"translation_median_m", m->translation_median_m},
+          {"rotation_deg", m->rotation_rmse_deg},
+          {"rotation_median_deg", m->rotation_median_deg},
+          {"count", m->count}};
+}
+
+Json json_of(const std::optional<RelativePoseError>& r) {
+  if (!r) return nullptr;
+  return {{"translation_m", r->translation},
+          {"translation_scaled_m", r->translation_scaled},
+          {"rotation_deg", r->rotation_deg},
+          {"baseline_m", r->baseline_m},
+          {"count", r->count}};
+}
+
+Json json_of(const std::optional<ErrorSpread>& s) {
+  if (!s) return nullptr;
+  return {{"median", s->median}, {"p90", s->p90}, {"count", s->count}};
+}
+
+Json json_of(const std::optional<ClassificationScore>& c) {
+  if (!c) return nullptr;
+  return {{"precision", json_of(c->precision)},
+          {"recall", json_of(c->recall)},
+          {"static_on_moving", json_of(c->static_on_moving)},
+          {"observations", c->observations}};
+}
+
+Json json_of(const AgentEvaluation& a) {
+  return {{"frames", a.frames},
+          {"poses", a.poses},
+          {"tracked_percent", json_of(a.tracked_percent)},
+          {"ate_m", json_of(a.ate_m)},
+          {"ate_own_m", json_of(a.ate_own_m)},
+          {"ate_percent", json_of(a.ate_percent)},
+          {"own_scale", json_of(a.own_scale)},
+          {"path_m", json_of(a.path_m)},
+          {"rpe", json_of(a.motion)},
+          {"drift_m", json_of(a.drift_m)},
+          {"live_ate_m", json_of(a.live_ate_m)}};
+}
+
+std::string printed(const char* format, auto... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+// A number in a column, or a dash.
+std::string cell(const std::optional<double>& v, int width, int decimals) {
+  return v ? printed("%*.*f", width, decimals, *v) : printed("%*s", width, "-");
+}
+
+std::string agent_row(const AgentEvaluation& a) {
+  const auto translation = a.motion ? std::optional(a.motion->translation_rmse_m) : std::nullopt;
+  const auto rotation = a.motion ? std::optional(a.motion->rotation_rmse_deg) : std::nullopt;
+  return printed("  %-12s", a.name.c_str()) + cell(a.tracked_percent, 10, 1) + cell(a.ate_m, 10, 4) +
+         cell(a.ate_percent, 8, 3) + cell(a.ate_own_m, 10, 4) + cell(a.live_ate_m, 10, 4) + cell(translation, 9, 4) +
+         cell(rotation, 9, 3) + cell(a.drift_m, 9, 4) + cell(a.path_m, 9, 2) + "\n";
+}
+
+std::string headline(const Evaluation& e) {
+  if (!e.ate_m) return "  no absolute error: " + e.problem + " with truth\n";
+  std::string text = printed("  joint ATE %.4f m", *e.ate_m);
+  if (e.ate_percent) text += printed(", %.3f %% of %.2f m", *e.ate_percent, *e.path_m);
+  text += printed("; scale %.5f", e.alignment.target_from_source->scale);
+  if (e.live_ate_m) text += printed("; live ATE %.4f m", *e.live_ate_m);
+  return text + "\n";
+}
+
+std::string moving_lines(const Evaluation& e) {
+  std::string text;
+  const auto percent = [](const std::optional<double>& v) {
+    return v ? printed("%.1f %%", 100 * *v) : std::string("-");
+  };
+  if (const auto& c = e.classification) {
+    text += "  moving points: precision " + percent(c->precision) + ", recall " + percent(c->recall) +
+            ", taken for static " + percent(c->static_on_moving) + printed(" (%d observations)\n", c->observations);
+  }
+  if (const auto& d = e.dynamic_error_m) {
+    text +=
+        printed("  moving points: %.4f m median, %.4f m p90 to the marked ones (%d)\n", d->median, d->p90, d->count);
+  }
+  if (const auto& d = e.dynamic_surface_error_m) {
+    text +=
+        printed("  moving points: %.4f m median, %.4f m p90 to the true surface (%d)\n", d->median, d->p90, d->count);
+  }
+  return text;
+}
+
+}  // namespace
+
+Json to_json(const Evaluation& e) {
+  Json json;
+  json["sequence"] = e.sequence;
+  json["ate_m"] = json_of(e.ate_m);
+  json["ate_percent"] = json_of(e.ate_percent);
+  json["scale"] = e.alignment.target_from_source ? Json(e.alignment.target_from_source->scale) : Json();
+  json["problem"] = e.problem.empty() ? Json() : Json(e.problem);
+  json["path_m"] = json_of(e.path_m);
+  json["rpe"] = json_of(e.motion);
+  json["tracked_percent"] = json_of(e.tracked_percent);
+  json["live"] = {
+      {"ate_m", json_of(e.live_ate_m)}, {"ate_percent", json_of(e.live_ate_percent)}, {"scale", json_of(e.live_scale)}};
+  json["agents"] = Json::object();
+  for (const AgentEvaluation& agent : e.agents) json["agents"][agent.name] = json_of(agent);
+  json["relative_pose"] = json_of(e.relative_pose);
+  json["points"] = nullptr;
+  json["nees"] = nullptr;
+  if (const auto& p = e.points) {
+    json["points"] = {{"count", p->count},
+                      {"error_median_m", p->error_median_m},
+                      {"error_p90_m", p->error_p90_m},
+                      {"without_truth", p->without_truth}};
+    if (p->nees_count > 0) {
+      json["nees"] = {{"median", p->nees_median}, {"p90", p->nees_p90}, {"count", p->nees_count}};
+    }
+  }
+  json["classification"] = json_of(e.classification);
+  json["dynamic_error_m"] = json_of(e.dynamic_error_m);
+  json["dynamic_surface_error_m"] = json_of(e.dynamic_surface_error_m);
+  return json;
+}
+
+std::string to_text(const Evaluation& e) {
+  std::string text = e.sequence + "\n" + headline(e);
+  text += "  agent        tracked %     ATE m  % path     own m    live m  RPE m/s  deg/s    drift m   path m\n";
+  for (const AgentEvaluation& agent : e.agents) text += agent_row(agent);
+  if (const auto& r = e.relative_pose) {
+    text += printed("  %s to %s: %.4f m as it stands, %.4f m scaled, %.3f deg, medians of %d (true distance %.3f m)\n",
+                    e.agents[0].name.c_str(), e.agents[1].name.c_str(), r->translation, r->translation_scaled,
+                    r->rotation_deg, r->count, r->baseline_m);
+  }
+  if (const auto& p = e.points) {
+    text +=
+        printed("  static points: %.4f m median, %.4f m p90; NEES %.2f median, %.2f p90, ideal 2.37 and 6.25 (%d)\n",
+                p->error_median_m, p->error_p90_m, p->nees_median, p->nees_p90, p->count);
+  }
+  return text + moving_lines(e);
+}
+
+}  // namespace coslam::eval

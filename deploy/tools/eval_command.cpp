@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common/base/error.h"
+#include "common/scene/scene.h"
+#include "deploy/tools/commands.h"
+#include "deploy/tools/eval/evaluation.h"
+#include "deploy/tools/eval/report.h"
+#include "deploy/tools/plot/top_view.h"
+#include "deploy/tools/sequence_argument.h"
+
+namespace coslam {
+namespace {
+
+struct EvalArguments {
+  std::string result;
+  std::string sequence;
+  bool json = false;
+};
+
+plot::Positions centers(const Trajectory& trajectory, const Similarity3& to) {
+  plot::Positions positions;
+  for (const StampedPose& pose : trajectory) positions.push_back(to * pose.cam_from_world.center());
+  return positions;
+}
+
+std::string path_label(const eval::AgentEvaluation& agent) {
+  char text[128];
+  if (agent.ate_m) {
+    std::snprintf(text, sizeof text, "%s: ATE %.4f m", agent.name.c_str(), *agent.ate_m);
+  } else {
+    std::snprintf(text, sizeof text, "%s: %d poses", agent.name.c_str(), agent.poses);
+  }
+  return text;
+}
+
+// In the frame of the truth where there is one, else in that of the map.
+plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::AgentPaths>& agents,
+                          const eval::Evaluation& evaluation) {
+  const bool aligned = evaluation.alignment.target_from_source.has_value();
+  const Similarity3 shown_from_map = evaluation.alignment.target_from_source.value_or(Similarity3());
+  plot::TopView view;
+  view.title = evaluation.sequence;
+  if (evaluation.ate_m) view.title += ": joint ATE " + std::to_string(*evaluation.ate_m) + " m";
+  view.unit = aligned ? "m" : "map units";
+  if (std::filesystem::exists(result.points())) {
+    for (const ResultPoint& point : read_points(result.points())) {
+      if (point.state == PointState::kStatic) view.points.push_back(shown_from_map * point.position);
+    }
+  }
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    view.paths.push_back({path_label(evaluation.agents[i]), centers(agents[i].estimate, shown_from_map),
+                          aligned ? centers(agents[i].truth, Similarity3()) : plot::Positions()});
+    for (const StampedPose& pose : agents[i].estimate) {
+      view.up -= shown_from_map.rotation * (pose.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitY());
+    }
+  }
+  return view;
+}
+
+int evaluate_result(const EvalArguments& arguments) {
+  const ResultFolder result(arguments.result);
+  if (!std::filesystem::is_directory(result.path()))
+    throw UserError(arguments.result + ": there is no such result folder");
+  const Sequence sequence = sequence_argument(arguments.sequence);
+  const auto agents = eval::load_paths(result, sequence);
+  std::unique_ptr<Scene> scene;
+  if (!sequence.scene.empty()) scene = make_scene(sequence.scene, sequence.scene_seed);
+
+  const eval::Evaluation evaluation = eval::evaluate(result, sequence, agents, scene.get());
+  const auto json = eval::to_json(evaluation);
+  write_json(result.evaluation(), json);
+  plot::save_picture(result.top_view(), plot::draw_top_view(top_view_of(result, agents, evaluation)));
+  if (arguments.json) {
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    std::printf("%s  written: %s, %s\n", eval::to_text(evaluation).c_str(), result.evaluation().c_str(),
+                result.top_view().c_str());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<EvalArguments>();
+  CLI::App* command = app.add_subcommand("eval", "Measure a result against the sequence's truth");
+  command->add_option("RESULT", arguments->result, "folder written by a run")->required();
+  command->add_option("SEQUENCE", arguments->sequence, "YAML file, folder with sequence.yaml, or sim:NAME")->required();
+  command->add_flag("--json", arguments->json, "print eval.json instead of a screen of text");
+  command->callback([arguments, &chosen] { chosen = [arguments] { return evaluate_result(*arguments); }; });
+}
+
+}  // namespace coslam

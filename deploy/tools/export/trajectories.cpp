@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+
+#include "common/base/error.h"
+#include "common/dataset/file.h"
+#include "common/dataset/trajectory.h"
+#include "deploy/tools/export/export.h"
+
+namespace coslam::exporting {
+namespace {
+
+using PoseText = std::function<std::string(const StampedPose&)>;
+
+Files export_lines(const ResultFolder& result, const std::filesystem::path& folder, const std::string& extension,
+                   const std::string& header, const PoseText& pose_text) {
+  Files files;
+  for (const std::string& agent : agents_of(result)) {
+    files.push_back(folder / (agent + extension));
+    std::ofstream stream = create_file(files.back());
+    stream << header;
+    for (const StampedPose& pose : load_tum(result.trajectory(agent))) stream << pose_text(pose);
+    close_file(stream, files.back());
+  }
+  return files;
+}
+
+std::string euroc_text(const StampedPose& pose) {
+  const Rigid3 w = pose.cam_from_world.inverse();
+  const auto& [t, q] = std::pair(w.translation, w.rotation);
+  char text[256];
+  std::snprintf(text, sizeof text, "%lld,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", static_cast<long long>(pose.t_ns),
+                t.x(), t.y(), t.z(), q.w(), q.x(), q.y(), q.z());
+  return text;
+}
+
+std::string kitti_text(const StampedPose& pose) {
+  const auto m = pose.cam_from_world.inverse().matrix();
+  std::string line;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%s%.9e", line.empty() ? "" : " ", m(row, column));
+      line += number;
+    }
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+std::vector<std::string> agents_of(const ResultFolder& result) {
+  const auto folder = result.trajectory("x").parent_path();
+  std::vector<std::string> agents;
+  if (std::filesystem::is_directory(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() == ".tum") agents.push_back(entry.path().stem().string());
+    }
+  }
+  if (agents.empty()) throw UserError(result.path().string() + ": there is no trajectory/<agent>.tum in it");
+  std::sort(agents.begin(), agents.end());
+  return agents;
+}
+
+Files export_tum(const ResultFolder& result, const std::filesystem::path& folder) {
+  Files files;
+  for (const std::string& agent : agents_of(result)) {
+    files.push_back(folder / (agent + ".tum"));
+    save_tum(files.back(), load_tum(result.trajectory(agent)));
+  }
+  return files;
+}
+
+Files export_euroc(const ResultFolder& result, const std::filesystem::path& folder) {
+  return export_lines(result, folder, ".csv", "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n",
+                      euroc_text);
+}
+
+Files export_kitti(const ResultFolder& result, const std::filesystem::path& folder) {
+  return export_lines(result, folder, ".txt", "", kitti_text);
+}
+
+Files export_ply(const ResultFolder& result, const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(result.map())) throw UserError(result.map().string() + ": there is no such map");
+  const auto file = folder / "map.ply";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  std::filesystem::copy_file(result.map(), file, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw UserError(file.string() + ": cannot be written");
+  return {file};
+}
+
+}  // namespace coslam::exporting

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <exception>
+
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "deploy/tools/commands.h"
+
+namespace {
+
+constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
+
+int run(int argc, char** argv) {
+  CLI::App app("CoSLAM: collaborative visual SLAM", "coslam");
+  app.require_subcommand(1);
+  coslam::Command chosen;
+  coslam::add_run_command(app, chosen);
+  coslam::add_render_command(app, chosen);
+  coslam::add_eval_command(app, chosen);
+  coslam::add_export_command(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kWrongUsage;
+  }
+  return chosen();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    coslam::init_log("coslam");
+    return run(argc, argv);
+  } catch (const coslam::UsageError& e) {
+    std::fprintf(stderr, "coslam: %s\n", e.what());
+    return kWrongUsage;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "coslam: %s\n", e.what());
+    return kFailed;
+  }
+}

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "common/dataset/trajectory.h"
+
+namespace coslam::plot {
+
+using Positions = std::vector<Eigen::Vector3d>;
+
+struct TopViewPath {
+  std::string label;  // in the legend
+  Positions estimate;
+  Positions truth;  // may be empty
+};
+
+// All in one frame.
+struct TopView {
+  std::string title;
+  std::string unit = "m";  // of the scale bar
+  Positions points;
+  std::vector<TopViewPath> paths;
+  Eigen::Vector3d up =
+      Eigen::Vector3d::Zero();  // mean "up" of the cameras: tells the upper side of the plane; may be 0
+};
+
+// A map as seen from above: the projection on the plane of widest spread (principal axes of paths and points), the
+// window wide enough for all paths and 96 % of the points.
+cv::Mat draw_top_view(const TopView& view, int width_px = 1400, int height_px = 1000);
+
+void save_picture(const std::filesystem::path& file, const cv::Mat& picture);  // throws UserError
+
+}  // namespace coslam::plot

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "common/scene/scene.h"
+#include "deploy/tools/commands.h"
+#include "deploy/tools/console.h"
+
+namespace coslam {
+namespace {
+
+std::string known_scenes() {
+  std::string names;
+  for (const std::string& name : scene_names()) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
+struct RenderArguments {
+  RenderOptions options;
+  std::string folder;
+};
+
+int render(RenderArguments arguments) {
+  constexpr std::string_view kSimulated = "sim:";
+  std::string& scene = arguments.options.scene;
+  if (scene.starts_with(kSimulated)) scene.erase(0, kSimulated.size());
+  {
+    Progress progress("rendering " + scene);
+    render_sequence(arguments.options, arguments.folder, std::ref(progress));
+  }
+  std::printf("%s: a sequence with truth; play it with: coslam run %s\n", arguments.folder.c_str(),
+              arguments.folder.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<RenderArguments>();
+  RenderOptions& options = arguments->options;
+  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  CLI::App* command = app.add_subcommand("render", "Render a simulated sequence with truth");
+  command->add_option("SCENE", options.scene, "one of: " + known_scenes())->required();
+  command->add_option("DIR", arguments->folder, "folder to write, must not exist")->required();
+  command->add_option("--frames", options.frames, "frames a camera; default: the scene's own")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--cameras", options.cameras, "cameras; default: the scene's own")->check(CLI::PositiveNumber);
+  command->add_option("--seed", options.seed, "seed of textures, motion and noise")->capture_default_str();
+  command->callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
+}
+
+}  // namespace coslam

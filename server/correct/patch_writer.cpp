@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/correct/patch_writer.h"
+
+#include <algorithm>
+
+namespace coslam {
+
+bool PatchWriter::worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const {
+  if (told.point != p.id || told.state != p.state) return true;
+  const double trace = p.covariance.trace();
+  if (trace > told.trace * config_.covariance_ratio || trace * config_.covariance_ratio < told.trace) return true;
+  const FramePose& f = camera.frames.back();
+  const double distance = f.valid() ? (p.position - f.cam_from_world.center()).norm() : 1.0;
+  return (p.position - told.position).norm() * camera.model.focal_px() > config_.moved_px * distance;
+}
+
+void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch) {
+  if (snapshot) told_.clear();
+  for (auto at = told_.begin(); at != told_.end();) {
+    const auto track = camera.tracks.find(at->first);
+    const bool ended = track == camera.tracks.end();
+    const bool free = !ended && track->second.point == PointId();
+    if (free) patch->unbound.push_back(at->first);
+    at = ended || free ? told_.erase(at) : std::next(at);
+  }
+  for (const auto& [id, track] : camera.tracks) {
+    const MapPoint* p = map.find(track.point);
+    if (p == nullptr) continue;
+    const auto told = told_.find(id);
+    if (told != told_.end() && !worth_telling(told->second, *p, camera)) continue;
+    told_[id] = {p->id, p->state, p->position, p->covariance.trace()};
+    patch->updated.push_back({id, p->id, p->state, p->position.cast<float>(), pack_covariance(p->covariance)});
+  }
+}
+
+void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* patch) const {
+  std::vector<std::pair<std::uint32_t, TrackId>> wanted;  // those never cut first, then the stalest
+  for (const auto& [id, t] : camera.tracks) {
+    if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
+    if (t.patch && (t.point != PointId() ||
+                    t.patch_set.value + static_cast<std::uint32_t>(config_.patch_refresh_sets) > map.now().value)) {
+      continue;
+    }
+    wanted.emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
+  }
+  const auto most = std::min(wanted.size(), static_cast<std::size_t>(config_.patches_per_frame));
+  std::partial_sort(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(most), wanted.end());
+  for (std::size_t i = 0; i < most; ++i) patch->patch_requests.push_back(wanted[i].second);
+  std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
+}
+
+MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors) {
+  if (frame.agent_run != agent_run_) {
+    agent_run_ = frame.agent_run;
+    sequence_ = 0;
+    told_.clear();
+    epoch_ = map.epoch();
+  }
+  const bool other_map = camera.map != map_;
+  const bool snapshot = sequence_ == 0 || frame.wants_snapshot || other_map;
+  MapPatch patch;
+  patch.agent = camera.name;
+  patch.server_run = server_run_;
+  patch.agent_run = agent_run_;
+  patch.sequence = ++sequence_;
+  patch.after_frame = frame.frame;
+  patch.snapshot = snapshot;
+  patch.epoch = map.epoch();
+  if (epoch_ != map.epoch() && !other_map) {
+    patch.new_from_old = camera.moved;
+    const double s = camera.moved.scale;
+    for (auto& [id, t] : told_) {
+      t.position = camera.moved * t.position;
+      t.trace *= s * s;
+    }
+  }
+  camera.moved = Similarity3();
+  epoch_ = map.epoch();
+  map_ = camera.map;
+
+  const FramePose& f = camera.frames.back();
+  // The agent cannot know where it is: it was just placed, or lost its way, or missed how the map moved.
+  const bool knows = frame.pose_state == PoseState::kTracked && !snapshot;
+  if (f.valid() && !knows) patch.placed = PlacedPose{f.frame, f.cam_from_world};
+  write_bindings(map, camera, snapshot, &patch);
+  write_requests(map, camera, &patch);
+  patch.descriptor_request = wants_descriptors;
+  return patch;
+}
+
+}  // namespace coslam

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "common/model/map_patch.h"
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct PatchWriterConfig {
+  double moved_px = 0.15;         // a point is sent again when it moved so far in this camera's image
+  double covariance_ratio = 1.5;  // or its covariance changed by this factor
+  int patches_per_frame = 10;     // image patches asked for, at most
+  int patch_track_frames = 4;     // a track is asked for its patch when it is so old
+  int patch_refresh_sets = 40;    // and again after so long while it has no point
+};
+
+// Tells one agent what changed for it: keeps what it was told, and writes the difference.
+class PatchWriter {
+ public:
+  PatchWriter(RunId server_run, const PatchWriterConfig& config) : server_run_(server_run), config_(config) {}
+
+  // After a frame set that held `frame` of `camera`. Takes camera.moved (leaves the identity).
+  MapPatch write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors);
+
+ private:
+  struct Told {
+    PointId point;
+    PointState state;
+    Eigen::Vector3d position;
+    double trace;
+  };
+  bool worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const;
+  void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
+  void write_requests(const Map& map, MapCamera& camera, MapPatch* patch) const;
+
+  RunId server_run_;
+  PatchWriterConfig config_;
+  RunId agent_run_;
+  std::uint32_t sequence_ = 0;
+  MapEpoch epoch_;
+  MapId map_;
+  std::map<TrackId, Told> told_;
+};
+
+}  // namespace coslam

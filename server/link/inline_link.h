@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "agent/link/agent_link.h"
+#include "server/link/server_link.h"
+
+namespace coslam {
+
+// Both ends of the link in one process and one thread: no waiting, no clock, no loss, the same order every time. Every
+// value passes through the codec, so that its bits and its byte count are those of a run over DDS.
+class InlineLink {
+ public:
+  explicit InlineLink(RunId server_run);
+  ~InlineLink();
+  InlineLink(const InlineLink&) = delete;
+  InlineLink& operator=(const InlineLink&) = delete;
+
+  ServerLink& server();
+  // An agent starts; deleting the result ends it (AgentGone). It must not outlive this object.
+  std::unique_ptr<AgentLink> connect(const Hello& hello);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace coslam

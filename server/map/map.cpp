@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/map/map.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::size_t kTrackKeepAll = 128;  // newest observations of a track are all kept
+constexpr std::size_t kTrackMost = 256;     // beyond, every other of the old ones goes
+
+template <class Frames>
+auto find_frame(Frames& frames, SetId set) -> decltype(frames.data()) {
+  const auto at =
+      std::lower_bound(frames.begin(), frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
+  return at == frames.end() || at->set != set ? nullptr : &*at;
+}
+
+void sort_observations(MapPoint& p) {
+  std::sort(p.key_observations.begin(), p.key_observations.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.set, a.camera, a.track) < std::tie(b.set, b.camera, b.track);
+  });
+}
+
+bool before(const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; }
+
+void thin_out(std::vector<TrackPoint>& seen) {
+  if (seen.size() <= kTrackMost) return;
+  const std::size_t old = seen.size() - kTrackKeepAll;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (i >= old || i % 2 == 0) seen[kept++] = seen[i];
+  }
+  seen.resize(kept);
+}
+
+}  // namespace
+
+const FramePose* MapCamera::frame_at(SetId set) const { return find_frame(frames, set); }
+FramePose* MapCamera::frame_at(SetId set) { return find_frame(frames, set); }
+
+MapPoint* Map::find(PointId id) {
+  const auto at = points_.find(id);
+  return at == points_.end() ? nullptr : &at->second;
+}
+
+const MapPoint* Map::find(PointId id) const {
+  const auto at = points_.find(id);
+  return at == points_.end() ? nullptr : &at->second;
+}
+
+CameraId Map::add_camera(const std::string& name, RunId run, const CameraModel& model) {
+  MapCamera camera;
+  camera.id = CameraId(static_cast<std::uint16_t>(cameras_.size()));
+  camera.name = name;
+  camera.run = run;
+  camera.model = model;
+  cameras_.push_back(std::move(camera));
+  return cameras_.back().id;
+}
+
+void Map::restart_camera(CameraId id, RunId run, const CameraModel& model) {
+  MapCamera& c = camera(id);
+  for (auto& [track_id, track] : c.tracks) end_track(id, track);
+  c.tracks.clear();
+  c.run = run;
+  c.model = model;
+  c.map = MapId();
+  c.alive = true;
+}
+
+void Map::ingest(const FrameSet& set) {
+  COSLAM_CHECK(set.id.value == 0 || set.id > now_ || cameras_.empty(), "frame sets come in order");
+  now_ = set.id;
+  now_ns_ = set.t_ns;
+  for (const CameraFrame& cf : set.frames) {
+    MapCamera& c = camera(cf.camera);
+    c.frames.push_back({set.id, cf.frame.frame, cf.frame.capture_ns, {}, {}});
+    for (const TrackObservation& o : cf.frame.tracks) {
+      ServerTrack& track = c.tracks[o.track];
+      track.id = o.track;
+      track.seen.push_back({set.id, o.undistorted_px});
+      thin_out(track.seen);
+    }
+    for (auto at = c.tracks.begin(); at != c.tracks.end();) {
+      const bool alive = at->second.seen.back().set == set.id;
+      if (!alive) end_track(cf.camera, at->second);
+      at = alive ? std::next(at) : c.tracks.erase(at);
+    }
+    if (cf.patches) {
+      for (const ImagePatch& p : cf.patches->patches) {
+        const auto at = c.tracks.find(p.track);
+        if (at == c.tracks.end()) continue;
+        at->second.patch = p.grey;
+        at->second.patch_set = set.id;
+      }
+    }
+  }
+}
+
+MapPoint& Map::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
+                            TimeNs now_ns) {
+  const PointId id(next_point_++);
+  MapPoint& p = points_[id];
+  p.id = id;
+  p.map = map;
+  p.position = position;
+  p.covariance = covariance;
+  p.created = p.last_seen = now;
+  p.first_ns = p.last_ns = now_ns;
+  return p;
+}
+
+void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
+  COSLAM_CHECK(track.point == PointId(), "a track is bound once");
+  track.point = point.id;
+  track.gate_failures = 0;
+  point.bound.push_back({camera_id, track.id});
+  for (const TrackPoint& s : track.seen) {
+    if (s.set.value < track.distrusted_before || !is_key_frame(s.set)) continue;
+    point.key_observations.push_back({s.set, camera_id, track.id, s.undistorted_px});
+  }
+  sort_observations(point);
+  if (point.descriptor.empty()) point.descriptor = track.descriptor;
+  if (track.patch) {
+    const FramePose* f = camera(camera_id).frame_at(track.patch_set);
+    if (f != nullptr && f->map == point.map) {
+      point.patches.push_back({camera_id, (point.position - f->cam_from_world.center()).normalized(), *track.patch});
+    }
+  }
+}
+
+void Map::unbind(CameraId camera_id, ServerTrack& track) {
+  if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
+  track.point = PointId();
+  track.gate_failures = 0;
+  unbound_.push_back({camera_id, track.id});
+}
+
+void Map::unbind_and_forget(CameraId camera_id, ServerTrack& track) {
+  if (MapPoint* p = find(track.point)) {
+    std::erase_if(p->key_observations,
+                  [&](const KeyObservation& o) { return o.camera == camera_id && o.track == track.id; });
+  }
+  unbind(camera_id, track);
+}
+
+void Map::remove_point(PointId id) {
+  MapPoint* p = find(id);
+  if (p == nullptr) return;
+  const std::vector<BoundTrack> bound = p->bound;
+  for (const BoundTrack& b : bound) {
+    const auto at = camera(b.camera).tracks.find(b.track);
+    if (at != camera(b.camera).tracks.end()) unbind(b.camera, at->second);
+  }
+  points_.erase(id);
+}
+
+void Map::end_track(CameraId camera_id, ServerTrack& track) {
+  if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
+}
+
+void Map::fuse(PointId kept, PointId gone) {
+  MapPoint* into = find(kept);
+  MapPoint* from = find(gone);
+  if (into == nullptr || from == nullptr || kept == gone) return;
+  for (const BoundTrack& b : from->bound) {
+    camera(b.camera).tracks.at(b.track).point = kept;
+    into->bound.push_back(b);
+  }
+  into->key_observations.insert(into->key_observations.end(), from->key_observations.begin(),
+                                from->key_observations.end());
+  sort_observations(*into);
+  into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
+  into->views += from->views;
+  into->last_seen = std::max(into->last_seen, from->last_seen);
+  into->first_ns = std::min(into->first_ns, from->first_ns);
+  into->last_ns = std::max(into->last_ns, from->last_ns);
+  points_.erase(gone);
+}
+
+bool Map::is_key_frame(SetId set) const {
+  return std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before);
+}
+
+void Map::add_key_frame(SetId set) {
+  if (is_key_frame(set)) return;
+  key_frames_.insert(std::upper_bound(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before), {set});
+  for (auto& [id, p] : points_) {
+    for (const BoundTrack& b : p.bound) {
+      const ServerTrack& t = camera(b.camera).tracks.at(b.track);
+      const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), set,
+                                       [](const TrackPoint& s, SetId want) { return s.set < want; });
+      if (at == t.seen.end() || at->set != set || set.value < t.distrusted_before || t.gate_failures > 0) continue;
+      p.key_observations.push_back({set, b.camera, b.track, at->undistorted_px});
+    }
+    sort_observations(p);
+  }
+}
+
+void Map::transform(MapId map, const Similarity3& new_from_old) {
+  const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
+  for (auto& [id, p] : points_) {
+    if (p.map != map) continue;
+    p.position = new_from_old * p.position;
+    p.covariance = m * p.covariance * m.transpose();
+  }
+  for (MapCamera& c : cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == map) f.cam_from_world = transform_world(f.cam_from_world, new_from_old);
+    }
+    if (c.map == map) c.moved = new_from_old * c.moved;
+  }
+  raise_epoch();
+}
+
+void Map::merge(MapId from, MapId into, const Similarity3& into_from_from) {
+  transform(from, into_from_from);
+  for (auto& [id, p] : points_) {
+    if (p.map == from) p.map = into;
+  }
+  for (MapCamera& c : cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == from) f.map = into;
+    }
+    if (c.map == from) c.map = into;
+  }
+}
+
+double Map::gate_sigma_px(const MapCamera& c) const {
+  return std::clamp(2.5 * c.sigma_px, 1.0, config_.sigma_px * c.model.width_px / 640.0);
+}
+
+std::vector<View> Map::views_of(const MapCamera& c, const ServerTrack& track, std::size_t most) const {
+  std::vector<View> views;
+  for (const TrackPoint& s : track.seen) {
+    if (s.set.value < track.distrusted_before) continue;
+    const FramePose* f = c.frame_at(s.set);
+    if (f != nullptr && f->valid() && f->map == c.map)
+      views.push_back({&c.model, f->cam_from_world, s.undistorted_px.cast<double>()});
+  }
+  if (views.size() <= most) return views;
+  std::vector<View> spread;
+  for (std::size_t i = 0; i < most; ++i) spread.push_back(views[i * (views.size() - 1) / (most - 1)]);
+  return spread;
+}
+
+std::vector<View> Map::key_views_of(const MapPoint& point) const {
+  std::vector<View> views;
+  for (const KeyObservation& o : point.key_observations) {
+    const MapCamera& c = camera(o.camera);
+    const FramePose* f = c.frame_at(o.set);
+    if (f != nullptr && f->map == point.map)
+      views.push_back({&c.model, f->cam_from_world, o.undistorted_px.cast<double>()});
+  }
+  return views;
+}
+
+}  // namespace coslam

@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+#include "common/geometry/triangulation.h"
+#include "common/model/map_patch.h"
+#include "common/model/track_frame.h"
+
+// The map and everything that was observed, owned by one thread. Plain data with invariants kept by Map's verbs; the
+// stages (server/stages) read and change it through them.
+namespace coslam {
+
+using PatchPixels = std::array<std::uint8_t, kPatchBytes>;
+
+struct TrackPoint {
+  SetId set;
+  Eigen::Vector2f undistorted_px;
+};
+
+// A feature track of one camera as the server knows it.
+struct ServerTrack {
+  TrackId id;
+  PointId point;                     // 0 = unmapped
+  std::vector<TrackPoint> seen;      // ascending sets, thinned when old
+  std::optional<PatchPixels> patch;  // newest received
+  SetId patch_set;
+  std::vector<std::uint8_t> descriptor;  // kDescriptorBytes or empty
+  std::uint32_t mapping_after = 0;       // set number before which mapping it is not tried again
+  int gate_failures = 0;                 // in succession
+  std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
+};
+
+// Where one camera was at one frame set.
+struct FramePose {
+  SetId set;
+  FrameId frame;
+  TimeNs capture_ns = 0;
+  MapId map;  // whose frame the pose is in; 0 = no pose
+  Rigid3 cam_from_world;
+
+  bool valid() const { return map != MapId(); }
+};
+
+struct MapCamera {
+  CameraId id;
+  std::string name;
+  RunId run;
+  CameraModel model;
+  double sigma_px = 1.0;  // measured standard deviation of its observations
+  MapId map;              // that it is being localised in; 0 = not placed
+  int lost_sets = 0;      // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;      // how its world was moved since the last patch to its agent
+  bool alive = true;
+  std::vector<FramePose> frames;          // ascending sets, the whole run
+  std::map<TrackId, ServerTrack> tracks;  // live ones
+
+  const FramePose* frame_at(SetId set) const;
+  FramePose* frame_at(SetId set);
+};
+
+struct KeyObservation {
+  SetId set;
+  CameraId camera;
+  TrackId track;
+  Eigen::Vector2f undistorted_px;
+};
+
+struct PointPatch {
+  CameraId camera;
+  Eigen::Vector3d view_direction;  // unit, camera to point
+  PatchPixels pixels;
+};
+
+struct BoundTrack {
+  CameraId camera;
+  TrackId track;
+  friend bool operator==(const BoundTrack&, const BoundTrack&) = default;
+};
+
+struct MapPoint {
+  PointId id;
+  MapId map;
+  PointState state = PointState::kStatic;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  SetId created;
+  SetId last_seen;
+  TimeNs first_ns = 0;
+  TimeNs last_ns = 0;
+  std::vector<KeyObservation> key_observations;  // at key frames, ascending (set, camera)
+  std::vector<BoundTrack> bound;                 // live tracks
+  std::vector<PointPatch> patches;               // from different directions, few
+  std::vector<std::uint8_t> descriptor;
+  std::uint32_t views = 0;                        // observations that were gated in, all frames
+  std::array<Eigen::Vector3d, 4> updated_from{};  // per camera (index modulo 4): ray at the last Kalman update
+  std::uint8_t grey = 128;
+};
+
+struct KeyFrame {
+  SetId set;
+};
+
+// Everything observed at one instant.
+struct CameraFrame {
+  CameraId camera;
+  TrackFrame frame;
+  std::optional<PatchReply> patches;
+  std::optional<DescriptorReply> descriptors;
+};
+
+struct FrameSet {
+  SetId id;
+  TimeNs t_ns = 0;
+  std::vector<CameraFrame> frames;  // ascending camera, at most one each
+};
+
+struct MapConfig {
+  double sigma_px = 3.0;    // largest believed noise of detection and tracking, at 640 px image width
+  double theta = 2.0;       // Mahalanobis gate
+  int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
+};
+
+class Map {
+ public:
+  explicit Map(const MapConfig& config) : config_(config) {}
+
+  const MapConfig& config() const { return config_; }
+  std::vector<MapCamera>& cameras() { return cameras_; }
+  const std::vector<MapCamera>& cameras() const { return cameras_; }
+  MapCamera& camera(CameraId id) { return cameras_[id.value]; }
+  const MapCamera& camera(CameraId id) const { return cameras_[id.value]; }
+  std::map<PointId, MapPoint>& points() { return points_; }
+  const std::map<PointId, MapPoint>& points() const { return points_; }
+  MapPoint* find(PointId id);
+  const MapPoint* find(PointId id) const;
+  std::vector<KeyFrame>& key_frames() { return key_frames_; }
+  const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
+
+  CameraId add_camera(const std::string& name, RunId run, const CameraModel& model);
+  // An agent that restarted: its old tracks are gone, its poses stay.
+  void restart_camera(CameraId id, RunId run, const CameraModel& model);
+
+  // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
+  void ingest(const FrameSet& set);
+
+  MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
+                         TimeNs now_ns);
+  // Binds a track to a point, with its observations at key frames so far.
+  void bind(MapPoint& point, CameraId camera, ServerTrack& track);
+  void unbind(CameraId camera, ServerTrack& track);
+  // Takes the track's share out of the point too: its observations are believed wrong.
+  void unbind_and_forget(CameraId camera, ServerTrack& track);
+  void remove_point(PointId id);
+  // `gone` is the same thing as `kept`: its tracks and observations move over.
+  void fuse(PointId kept, PointId gone);
+  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
+  // already.
+  void add_key_frame(SetId set);
+  bool is_key_frame(SetId set) const;
+
+  // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
+  double gate_sigma_px(const MapCamera& camera) const;
+
+  // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends
+  // kept.
+  std::vector<View> views_of(const MapCamera& camera, const ServerTrack& track, std::size_t most) const;
+  // Views of all key observations of a point whose frames have poses.
+  std::vector<View> key_views_of(const MapPoint& point) const;
+
+  MapId new_map() { return MapId(next_map_++); }
+  // Cameras and points of `from` become part of `into`, moved by into_from_from. Every pose ever, too.
+  void merge(MapId from, MapId into, const Similarity3& into_from_from);
+  // Moves a whole map, e.g. to a known scale.
+  void transform(MapId map, const Similarity3& new_from_old);
+
+  MapEpoch epoch() const { return epoch_; }
+  void raise_epoch() { ++epoch_.value; }
+  SetId now() const { return now_; }
+  TimeNs now_ns() const { return now_ns_; }
+
+  // Bindings that changed since they were last told to the agents.
+  struct BindingChange {
+    CameraId camera;
+    TrackId track;
+  };
+  std::vector<BindingChange> take_unbound() { return std::move(unbound_); }
+
+ private:
+  void end_track(CameraId camera, ServerTrack& track);
+
+  MapConfig config_;
+  std::vector<MapCamera> cameras_;
+  std::map<PointId, MapPoint> points_;
+  std::vector<KeyFrame> key_frames_;
+  std::uint32_t next_point_ = 1;
+  std::uint32_t next_map_ = 1;
+  MapEpoch epoch_;
+  SetId now_;
+  TimeNs now_ns_ = 0;
+  std::vector<BindingChange> unbound_;
+};
+
+}  // namespace coslam

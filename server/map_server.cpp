@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/map_server.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coslam {
+
+MapServer::MapServer(RunId run, const MapServerConfig& config) : run_(run), config_(config), map_(config.map) {}
+
+CameraId MapServer::admit(const Hello& hello) {
+  for (const MapCamera& c : map_.cameras()) {
+    if (c.name != hello.agent) continue;
+    if (c.run != hello.agent_run) map_.restart_camera(c.id, hello.agent_run, hello.camera);
+    return c.id;
+  }
+  const CameraId id = map_.add_camera(hello.agent, hello.agent_run, hello.camera);
+  writers_.emplace(id, PatchWriter(run_, config_.patches));
+  return id;
+}
+
+void MapServer::set_alive(CameraId camera, bool alive) { map_.camera(camera).alive = alive; }
+
+std::vector<MapPatch> MapServer::step(const FrameSet& set) {
+  const auto whole = times_.measure("frame_set");
+  ++counts_.frame_sets;
+  map_.ingest(set);
+  {
+    const auto t = times_.measure("apply_refined");
+    apply_refined();
+  }
+  {
+    const auto t = times_.measure("localise");
+    const LocaliseReport r = localise(map_, set, config_.localise);
+    count("tracked", r.tracked);
+    count("lost", r.lost);
+  }
+  StartReport started;
+  {
+    const auto t = times_.measure("start");
+    started = start(map_, set, config_.start);
+    count("maps_started", started.started);
+    count("placed", started.placed);
+    counts_.merges += started.merged;
+    refine_whole_ |= started.merged > 0;
+  }
+  {
+    const auto t = times_.measure("verify");
+    const VerifyReport r = verify(map_, set, config_.verify);
+    count("gate_inside", r.inside);
+    count("gate_outside", r.outside);
+    count("unbound", r.unbound);
+    count("filter_updates", r.updated);
+  }
+  {
+    const auto t = times_.measure("register");
+    const RegisterReport r = register_tracks(map_, set, config_.registration);
+    count("register_candidates", r.candidates);
+    count("registered", r.registered);
+  }
+  {
+    const auto t = times_.measure("map_intra");
+    count("created_intra", map_intra(map_, set, config_.intra).created);
+  }
+  {
+    const auto t = times_.measure("group");
+    graph_ = view_graph(map_, set);
+  }
+  if (set.id.value % static_cast<std::uint32_t>(config_.inter.period) == 0) {
+    const auto t = times_.measure("map_inter");
+    const MapInterReport r = map_inter(map_, set, graph_, config_.inter);
+    count("inter_matched", r.matched);
+    count("created_inter", r.created);
+  }
+  {
+    const auto t = times_.measure("cull");
+    count("culled", cull(map_, set, config_.cull).removed);
+  }
+  set_scale(set);
+  {
+    const auto t = times_.measure("key_frame");
+    plan_refinement(decide_key_frame(map_, set, config_.key_frame));
+  }
+  const auto t = times_.measure("correct");
+  return write_patches(set, started.wants_descriptors);
+}
+
+std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, bool wants_descriptors) {
+  std::vector<MapPatch> patches;
+  for (const CameraFrame& cf : set.frames) {
+    patches.push_back(writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame, wants_descriptors));
+    patches.back().scale_known = scale_known_;
+    for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
+      const auto& members = graph_.groups[g];
+      if (std::find(members.begin(), members.end(), cf.camera) != members.end()) {
+        patches.back().group = GroupId(static_cast<std::uint32_t>(g + 1));
+      }
+    }
+  }
+  return patches;
+}
+
+MapId MapServer::largest_map() const {
+  std::map<MapId, int> frames;
+  for (const MapCamera& c : map_.cameras()) {
+    for (const FramePose& f : c.frames) {
+      if (f.valid()) ++frames[f.map];
+    }
+  }
+  MapId best;
+  int most = 0;
+  for (const auto& [id, n] : frames) {
+    if (n > most) {
+      most = n;
+      best = id;
+    }
+  }
+  return best;
+}
+
+void MapServer::plan_refinement(bool key_frame) {
+  if (!config_.refine.enabled || in_flight_ || !(key_frame || refine_whole_)) return;
+  std::vector<MapId> maps;
+  for (const MapCamera& c : map_.cameras()) {
+    if (c.map != MapId() && std::find(maps.begin(), maps.end(), c.map) == maps.end()) maps.push_back(c.map);
+  }
+  if (maps.empty()) return;
+  const MapId of = maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
+  planned_ = plan_refine(map_, of, refine_whole_, config_.refine);
+  if (planned_) {
+    refine_whole_ = false;
+    ++counts_.refinements;
+  }
+}
+
+std::optional<RefineJob> MapServer::take_refine_job() {
+  if (!planned_) return std::nullopt;
+  in_flight_ = true;
+  return std::exchange(planned_, std::nullopt);
+}
+
+void MapServer::give_refined(RefineJob job, BundleResult result) {
+  refined_.emplace(std::move(job), std::move(result));
+}
+
+void MapServer::apply_refined() {
+  if (!refined_) return;
+  const RefineReport r = apply_refine(map_, refined_->first, refined_->second);
+  count("refine_applied", r.applied ? 1 : 0);
+  count("refine_outliers", r.outliers);
+  count("refine_observations", r.observations);
+  refined_.reset();
+  in_flight_ = false;
+}
+
+void MapServer::set_scale(const FrameSet& set) {
+  if (scale_known_ || config_.baseline_m <= 0 || map_.cameras().size() < 2) return;
+  const MapCamera &a = map_.cameras()[0], &b = map_.cameras()[1];
+  if (a.map == MapId() || a.map != b.map) return;
+  // The first instant at which both have a pose in the same map.
+  for (const FramePose& fa : a.frames) {
+    const FramePose* fb = b.frame_at(fa.set);
+    if (fa.map != a.map || fb == nullptr || fb->map != a.map) continue;
+    const double length = (fa.cam_from_world.center() - fb->cam_from_world.center()).norm();
+    if (length <= 0) return;
+    map_.transform(a.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
+    scale_known_ = true;
+    break;
+  }
+  (void)set;
+}
+
+void MapServer::finish() {
+  const auto t = times_.measure("finish");
+  apply_refined();
+  if (!config_.refine.enabled) return;
+  for (int round = 0; round < 2; ++round) {
+    const auto job = plan_refine(map_, largest_map(), true, config_.refine);
+    if (!job) return;
+    apply_refine(map_, *job, solve_refine(*job));
+  }
+}
+
+}  // namespace coslam

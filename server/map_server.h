@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/base/metrics.h"
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+#include "server/correct/patch_writer.h"
+#include "server/map/map.h"
+#include "server/stages/cull.h"
+#include "server/stages/group.h"
+#include "server/stages/key_frame.h"
+#include "server/stages/localise.h"
+#include "server/stages/map_inter.h"
+#include "server/stages/map_intra.h"
+#include "server/stages/refine.h"
+#include "server/stages/register.h"
+#include "server/stages/start.h"
+#include "server/stages/verify.h"
+
+namespace coslam {
+
+struct MapServerConfig {
+  MapConfig map;
+  StartStageConfig start;
+  LocaliseConfig localise;
+  VerifyConfig verify;
+  RegisterConfig registration;
+  MapIntraConfig intra;
+  MapInterConfig inter;
+  CullConfig cull;
+  KeyFrameConfig key_frame;
+  RefineConfig refine;
+  PatchWriterConfig patches;
+  double baseline_m = 0;  // known distance of the first two cameras at the start; 0 = unknown
+};
+
+struct MapServerCounts {
+  int frame_sets = 0;
+  int merges = 0;
+  int inter_pose_calls = 0;
+  int refinements = 0;
+  std::map<std::string, long> events;  // what the stages report, summed
+};
+
+// The map and the stages that make it: one frame set in, one patch for each of its agents out. Pure: no thread, no
+// network, no clock but for its stage times. Bundle adjustment is handed out as a job, so that it can run beside.
+class MapServer {
+ public:
+  MapServer(RunId run, const MapServerConfig& config);
+
+  // Agents, in the order in which their cameras are to be numbered. A known name with a new run is a restart.
+  CameraId admit(const Hello& hello);
+  void set_alive(CameraId camera, bool alive);
+
+  std::vector<MapPatch> step(const FrameSet& set);
+
+  // The job that the last step planned, at most one in flight; its solution is taken in at the next step.
+  std::optional<RefineJob> take_refine_job();
+  void give_refined(RefineJob job, BundleResult result);
+
+  // The last word: adjusts the whole run and sets the scale.
+  void finish();
+
+  const Map& map() const { return map_; }
+  const ViewGraph& graph() const { return graph_; }
+  const MapServerCounts& counts() const { return counts_; }
+  const StageTimes& times() const { return times_; }
+  // The map with the most frames: its frame is that of the result.
+  MapId largest_map() const;
+  bool scale_known() const { return scale_known_; }
+  RunId run() const { return run_; }
+
+ private:
+  void apply_refined();
+  void plan_refinement(bool key_frame);
+  void set_scale(const FrameSet& set);
+  std::vector<MapPatch> write_patches(const FrameSet& set, bool wants_descriptors);
+  void count(const char* event, long n) { counts_.events[event] += n; }
+
+  RunId run_;
+  MapServerConfig config_;
+  Map map_;
+  ViewGraph graph_;
+  std::map<CameraId, PatchWriter> writers_;
+  std::optional<RefineJob> planned_;
+  bool in_flight_ = false;
+  std::optional<std::pair<RefineJob, BundleResult>> refined_;
+  bool refine_whole_ = false;  // after a merge
+  bool scale_known_ = false;
+  MapServerCounts counts_;
+  StageTimes times_;
+};
+
+}  // namespace coslam

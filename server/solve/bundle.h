@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+// Bundle adjustment: poses and points that minimise the robust reprojection error. Plain arrays, so that the solver
+// runs on a copy in a thread of its own.
+struct BundleProblem {
+  struct Pose {
+    Rigid3 cam_from_world;
+    int camera = 0;  // index into cameras
+    bool fixed = false;
+  };
+  struct Observation {
+    int pose = 0;
+    int point = 0;
+    Eigen::Vector2d undistorted_px;
+    double sigma_px = 1.0;
+  };
+  std::vector<CameraModel> cameras;
+  std::vector<Pose> poses;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Observation> observations;
+};
+
+struct BundleConfig {
+  int max_iterations = 12;
+  double loss_sigmas = 2.0;     // Cauchy loss beyond so many standard deviations
+  double outlier_sigmas = 4.0;  // an observation farther off after the solution is reported as an outlier
+};
+
+struct BundleResult {
+  bool usable = false;  // false: the input poses and points stand
+  std::vector<Rigid3> poses;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<bool> is_inlier;  // one per observation
+  double initial_cost = 0, final_cost = 0;
+  int iterations = 0;
+  double sigma_px = 0;  // robust standard deviation of the final residuals, pixels
+};
+
+// Deterministic, one thread. At least one fixed pose, or the caller restores the gauge (see fix_gauge).
+BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config);
+
+// Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as
+// before.
+void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, BundleResult* result);
+
+}  // namespace coslam

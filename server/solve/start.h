@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+// Features of one image with descriptors of kDescriptorBytes each.
+struct FeatureImage {
+  CameraModel camera;
+  std::vector<Eigen::Vector2d> undistorted_px;
+  std::vector<std::uint8_t> descriptors;
+};
+
+struct FeatureMatch {
+  int first = 0, second = 0;
+  float distance = 0;
+};
+
+// Mutual nearest neighbours whose distance is below `ratio` times the second best (Lowe), on RootSIFT.
+std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
+                                            const std::vector<std::uint8_t>& second, double ratio = 0.8);
+
+struct StartConfig {
+  double sigma_px = 1.0;           // of a descriptor's keypoint, at 640 px image width
+  int min_matches = 30;            // inliers of the essential matrix between the best pair
+  double min_parallax_rad = 0.02;  // median over the pair's points
+  int min_pnp_inliers = 15;
+};
+
+struct StartResult {
+  bool ok = false;
+  std::string reason;                                 // why not, one sentence
+  std::vector<std::optional<Rigid3>> cam_from_world;  // per image; empty when it could not be placed
+  struct Point {
+    Eigen::Vector3d position;
+    std::vector<std::pair<int, int>> seen;  // image, feature
+  };
+  std::vector<Point> points;
+  int first = 0, second = 0;  // the best pair; `first` is the origin
+};
+
+// Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and
+// enough parallax gives an essential matrix, others are added by PnP, bundle adjustment at the end. The frame is that
+// of the first image of the pair; the length unit is the distance between the pair.
+StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config);
+
+// The same from two images whose matches are known (two views of one camera's tracks).
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second,
+                               const std::vector<FeatureMatch>& matches, const StartConfig& config);
+
+struct PlaceResult {
+  bool ok = false;
+  Rigid3 cam_from_world;
+  std::vector<int> inliers;
+};
+
+// PnP with RANSAC from 2D-3D correspondences, refined.
+PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
+                         const std::vector<Eigen::Vector2d>& undistorted_px, double sigma_px, int min_inliers);
+
+}  // namespace coslam

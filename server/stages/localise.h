@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct LocaliseConfig {
+  int min_inliers = 12;
+  double min_inlier_ratio = 0.3;
+  int lost_after_sets = 15;  // without a pose for so long: the camera leaves its map
+};
+
+struct LocaliseReport {
+  int tracked = 0;
+  int lost = 0;
+};
+
+// Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
+// and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
+// was.
+LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config);
+
+// Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
+bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config);
+
+}  // namespace coslam

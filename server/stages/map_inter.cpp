@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/map_inter.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "server/stages/zncc.h"
+
+namespace coslam {
+namespace {
+
+struct Feature {
+  ServerTrack* track;
+  Eigen::Vector2d px;
+};
+
+struct Seed {
+  Eigen::Vector2d in_first, disparity;
+};
+
+// One pair of cameras at one set.
+struct PairView {
+  MapCamera* first;
+  MapCamera* second;
+  Rigid3 first_pose, second_pose;
+  Eigen::Matrix3d fundamental;  // line in second = F * (pixel in first)
+  std::vector<Seed> seeds;
+};
+
+Eigen::Matrix3d intrinsics_inverse(const CameraModel& c) {
+  Eigen::Matrix3d k;
+  k << 1 / c.fx, 0, -c.cx / c.fx, 0, 1 / c.fy, -c.cy / c.fy, 0, 0, 1;
+  return k;
+}
+
+std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second) {
+  std::vector<Seed> seeds;
+  for (const auto& [id, p] : map.points()) {
+    const ServerTrack* a = nullptr;
+    const ServerTrack* b = nullptr;
+    for (const BoundTrack& bound : p.bound) {
+      if (bound.camera == first) a = &map.camera(first).tracks.at(bound.track);
+      if (bound.camera == second) b = &map.camera(second).tracks.at(bound.track);
+    }
+    if (a == nullptr || b == nullptr) continue;
+    const Eigen::Vector2d pa = a->seen.back().undistorted_px.cast<double>(),
+                          pb = b->seen.back().undistorted_px.cast<double>();
+    seeds.push_back({pa, pb - pa});
+  }
+  return seeds;
+}
+
+PairView make_pair_view(Map& map, const ViewEdge& edge) {
+  PairView v{&map.camera(edge.first), &map.camera(edge.second)};
+  v.first_pose = v.first->frames.back().cam_from_world;
+  v.second_pose = v.second->frames.back().cam_from_world;
+  const Rigid3 second_from_first = v.second_pose * v.first_pose.inverse();
+  const Eigen::Matrix3d essential = skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
+  v.fundamental = intrinsics_inverse(v.second->model).transpose() * essential * intrinsics_inverse(v.first->model);
+  v.seeds = shared_points(map, edge.first, edge.second);
+  return v;
+}
+
+std::vector<Feature> unmapped(MapCamera& camera) {
+  std::vector<Feature> out;
+  for (auto& [id, t] : camera.tracks) {
+    if (t.point == PointId() && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+  }
+  return out;
+}
+
+std::optional<Eigen::Vector2d> expected_disparity(const PairView& view, const Eigen::Vector2d& px, double radius_px) {
+  const Seed* best = nullptr;
+  double least = radius_px * radius_px;
+  for (const Seed& s : view.seeds) {
+    const double d2 = (s.in_first - px).squaredNorm();
+    if (d2 < least) {
+      least = d2;
+      best = &s;
+    }
+  }
+  return best == nullptr ? std::nullopt : std::optional(best->disparity);
+}
+
+struct Score {
+  int best = -1;
+  double first = -2, second = -2;
+  void offer(int index, double value) {
+    if (value > first) {
+      second = first;
+      first = value;
+      best = index;
+    } else {
+      second = std::max(second, value);
+    }
+  }
+};
+
+// All candidate pairs scored by correlation; best per feature on both sides.
+void score_all(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
+               const MapInterConfig& config, std::vector<Score>* of_a, std::vector<Score>* of_b, int* compared) {
+  const double radius_px = config.seed_radius * std::max(view.first->model.width_px, view.first->model.height_px);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector3d line = view.fundamental * a[i].px.homogeneous();
+    const double norm = line.head<2>().norm();
+    if (norm < 1e-12) continue;
+    const auto disparity = expected_disparity(view, a[i].px, radius_px);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      if (std::abs(line.dot(b[j].px.homogeneous())) > band_px * norm) continue;
+      if (disparity && (b[j].px - a[i].px - *disparity).norm() > config.disparity_gate * radius_px) continue;
+      ++*compared;
+      const double s = zncc(*a[i].track->patch, *b[j].track->patch);
+      (*of_a)[i].offer(static_cast<int>(j), s);
+      (*of_b)[j].offer(static_cast<int>(i), s);
+    }
+  }
+}
+
+bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px,
+               int frames) {
+  int checked = 0;
+  for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
+    if (track.seen[i].set.value < track.distrusted_before) break;
+    const FramePose* f = camera.frame_at(track.seen[i].set);
+    if (f == nullptr || f->map != camera.map) continue;
+    Eigen::Vector2d px;
+    if (!project_world(camera.model, f->cam_from_world, position, &px)) return false;
+    if ((px - track.seen[i].undistorted_px.cast<double>()).norm() > most_px) return false;
+    ++checked;
+  }
+  return checked > 0;
+}
+
+bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
+               const MapInterConfig& config) {
+  std::vector<View> views = map.views_of(*view.first, *a.track, 6);
+  const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
+  if (views.empty() || other.empty()) return false;
+  views.insert(views.end(), other.begin(), other.end());
+  const double sigma_px = std::max(view.first->sigma_px, view.second->sigma_px);
+  const TriangulationResult t = triangulate(views, sigma_px, config.min_parallax_rad);
+  if (t.status != TriangulationStatus::kOk) return false;
+  const double theta = map.config().theta;
+  if (!fits_back(*view.first, *a.track, t.position, theta * map.gate_sigma_px(*view.first), config.check_back))
+    return false;
+  if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back))
+    return false;
+  const double distance = (t.position - view.first_pose.center()).norm();
+  if (std::sqrt(t.covariance.trace()) > config.max_relative_sigma * distance) return false;
+  MapPoint& p = map.create_point(view.first->map, t.position, t.covariance, set.id, set.t_ns);
+  map.bind(p, view.first->id, *a.track);
+  map.bind(p, view.second->id, *b.track);
+  return true;
+}
+
+}  // namespace
+
+MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  MapInterReport report;
+  for (const ViewEdge& edge : graph.tree) {
+    const auto here = [&](CameraId id) {
+      const MapCamera& c = map.camera(id);
+      return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
+    };
+    if (!here(edge.first) || !here(edge.second)) continue;
+    const PairView view = make_pair_view(map, edge);
+    const std::vector<Feature> a = unmapped(*view.first), b = unmapped(*view.second);
+    std::vector<Score> of_a(a.size()), of_b(b.size());
+    const double band_px = 3.0 * 0.5 * (map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second)) / 1.5;
+    score_all(view, a, b, band_px, config, &of_a, &of_b, &report.compared);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const Score& s = of_a[i];
+      if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
+      const Score& back = of_b[static_cast<std::size_t>(s.best)];
+      if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
+      ++report.matched;
+      if (try_point(map, view, a[i], b[static_cast<std::size_t>(s.best)], set, config)) ++report.created;
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam

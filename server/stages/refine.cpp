@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/refine.h"
+
+#include <algorithm>
+#include <map>
+
+#include "server/stages/register.h"
+
+namespace coslam {
+namespace {
+
+using PoseIndex = std::map<std::pair<SetId, CameraId>, int>;
+
+// Older poses that see the window's points, the most connected first.
+std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, SetId first, int most) {
+  std::map<std::pair<SetId, CameraId>, int> shared;
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
+    for (const KeyObservation& o : p.key_observations) {
+      if (o.set < first) ++shared[{o.set, o.camera}];
+    }
+  }
+  std::vector<std::pair<int, std::pair<SetId, CameraId>>> order;
+  for (const auto& [key, n] : shared) order.emplace_back(-n, key);
+  std::sort(order.begin(), order.end());
+  std::vector<std::pair<SetId, CameraId>> out;
+  for (const auto& [n, key] : order) {
+    if (static_cast<int>(out.size()) < most && -n >= 8) out.push_back(key);
+  }
+  return out;
+}
+
+void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
+  const FramePose* f = map.camera(camera).frame_at(set);
+  if (f == nullptr || f->map != of) return;
+  (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
+  job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
+  job->poses.push_back({set, camera});
+}
+
+void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of || p.state != PointState::kStatic || p.key_observations.empty()) continue;
+    if (p.key_observations.back().set < first) continue;
+    const auto usable =
+        std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {
+          return index.contains({o.set, o.camera});
+        });
+    if (usable < 2) continue;
+    const int point = static_cast<int>(job->points.size());
+    job->points.push_back(id);
+    job->problem.points.push_back(p.position);
+    for (const KeyObservation& o : p.key_observations) {
+      const auto at = index.find({o.set, o.camera});
+      if (at == index.end()) continue;
+      job->problem.observations.push_back(
+          {at->second, point, o.undistorted_px.cast<double>(), std::max(0.5, map.camera(o.camera).sigma_px)});
+      job->observations.push_back({o.set, o.track});
+    }
+  }
+}
+
+// With no history to hold the window: one pose stays, and the distance to the farthest other is restored afterwards.
+void float_free(RefineJob* job) {
+  job->floating = true;
+  job->problem.poses[0].fixed = true;
+  double farthest = 0;
+  for (std::size_t i = 1; i < job->problem.poses.size(); ++i) {
+    const double d =
+        (job->problem.poses[i].cam_from_world.center() - job->problem.poses[0].cam_from_world.center()).norm();
+    if (d <= farthest) continue;
+    farthest = d;
+    job->baseline_end = static_cast<int>(i);
+  }
+}
+
+// How one camera's world changes at its key frames: old_from_new on the right of cam_from_world.
+struct Change {
+  SetId set;
+  Rigid3 old_from_new;
+};
+
+Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
+  const auto after =
+      std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
+  if (after == changes.end()) return frame.cam_from_world * changes.back().old_from_new;
+  const Rigid3 by_after = frame.cam_from_world * after->old_from_new;
+  if (after == changes.begin() || after->set == frame.set) return by_after;
+  const Change& before = *(after - 1);
+  const double s = static_cast<double>(frame.set.value - before.set.value) / (after->set.value - before.set.value);
+  return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
+}
+
+// All relative poses of neighbours in time change equally little between two key frames: the closed form of the soft
+// constraints (14) along one camera's path with its key frames fixed.
+void carry_frames(MapCamera& camera, const RefineJob& job, std::vector<Change> changes) {
+  if (changes.empty()) return;
+  const SetId first = changes.front().set;
+  bool any = false;
+  for (FramePose& f : camera.frames) {
+    if (f.map != job.map || f.set < first) continue;
+    any = true;
+    f.cam_from_world = carried(f, changes);
+  }
+  if (!any || camera.map != job.map) return;
+  const Rigid3 new_from_old = changes.back().old_from_new.inverse();
+  camera.moved = Similarity3{1.0, new_from_old.rotation, new_from_old.translation} * camera.moved;
+}
+
+void move_frames(Map& map, const RefineJob& job, const BundleResult& result) {
+  std::vector<std::vector<Change>> changes(map.cameras().size());
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    const Rigid3& before = job.problem.poses[i].cam_from_world;
+    changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
+  }
+  // Frames between the newest key frame that stays and the first that moves lead from the one to the other.
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
+  const auto& keys = map.key_frames();
+  const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
+                                   [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
+  for (MapCamera& c : map.cameras()) {
+    auto& list = changes[c.id.value];
+    if (!list.empty() && at != keys.begin() && at != keys.end()) list.push_back({std::prev(at)->set, Rigid3()});
+    std::sort(list.begin(), list.end(), [](const Change& a, const Change& b) { return a.set < b.set; });
+    carry_frames(c, job, std::move(list));
+  }
+}
+
+void drop_outliers(Map& map, const RefineJob& job, const BundleResult& result, RefineReport* report) {
+  for (std::size_t i = 0; i < job.observations.size(); ++i) {
+    if (result.is_inlier[i]) continue;
+    ++report->outliers;
+    const auto& o = job.problem.observations[i];
+    MapPoint* p = map.find(job.points[static_cast<std::size_t>(o.point)]);
+    if (p == nullptr) continue;
+    const CameraId camera = job.poses[static_cast<std::size_t>(o.pose)].camera;
+    std::erase_if(p->key_observations, [&](const KeyObservation& k) {
+      return k.set == job.observations[i].set && k.camera == camera && k.track == job.observations[i].track;
+    });
+  }
+}
+
+void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
+  std::map<PointId, std::size_t> solved;
+  for (std::size_t i = 0; i < job.points.size(); ++i) solved[job.points[i]] = i;
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
+  std::vector<PointId> gone;
+  for (auto& [id, p] : map.points()) {
+    if (p.map != job.map) continue;
+    const auto at = solved.find(id);
+    if (at == solved.end()) {
+      if (p.last_seen >= first) retriangulate(map, p);
+      continue;
+    }
+    if (p.key_observations.size() < 2) {
+      gone.push_back(id);
+      continue;
+    }
+    p.position = result.points[at->second];
+    p.covariance = triangulation_covariance(map.key_views_of(p), p.position, std::max(result.sigma_px, 0.3));
+  }
+  for (const PointId id : gone) map.remove_point(id);
+}
+
+}  // namespace
+
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const RefineConfig& config) {
+  const auto& keys = map.key_frames();
+  if (keys.size() < 2) return std::nullopt;
+  RefineJob job;
+  job.epoch = map.epoch();
+  job.map = of;
+  job.config.max_iterations = whole ? config.final_iterations : config.max_iterations;
+  const std::size_t window = whole ? keys.size() : std::min(keys.size(), static_cast<std::size_t>(config.window));
+  const SetId first = keys[keys.size() - window].set;
+  for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
+  PoseIndex index;
+  for (std::size_t k = keys.size() - window; k < keys.size(); ++k) {
+    for (const MapCamera& c : map.cameras()) add_pose(map, of, keys[k].set, c.id, false, &job, &index);
+  }
+  if (job.poses.size() < 2) return std::nullopt;
+  const std::size_t free_poses = job.poses.size();
+  if (!whole) {
+    for (const auto& [set, camera] : holding_poses(map, of, first, config.most_fixed)) {
+      add_pose(map, of, set, camera, true, &job, &index);
+    }
+  }
+  add_points(map, of, first, index, &job);
+  if (job.points.size() < 20) return std::nullopt;
+  if (job.poses.size() < free_poses + 2) float_free(&job);
+  return job;
+}
+
+BundleResult solve_refine(const RefineJob& job) {
+  BundleResult result = solve_bundle(job.problem, job.config);
+  if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
+  return result;
+}
+
+RefineReport apply_refine(Map& map, const RefineJob& job, const BundleResult& result) {
+  RefineReport report{.poses = static_cast<int>(job.poses.size()),
+                      .points = static_cast<int>(job.points.size()),
+                      .observations = static_cast<int>(job.observations.size()),
+                      .sigma_px = result.sigma_px};
+  if (!result.usable || job.epoch != map.epoch()) return report;
+  drop_outliers(map, job, result, &report);
+  move_frames(map, job, result);
+  move_points(map, job, result);
+  map.raise_epoch();
+  report.applied = true;
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "server/map/map.h"
+#include "server/solve/bundle.h"
+
+namespace coslam {
+
+struct RefineConfig {
+  bool enabled = true;
+  int window = 8;       // K: newest key frames whose poses are free
+  int most_fixed = 24;  // older poses that hold them
+  int max_iterations = 10;
+  int final_iterations = 40;  // over the whole run, at its end
+};
+
+// A bundle adjustment over a copy of part of the map, solved anywhere, applied by the map's owner.
+struct RefineJob {
+  BundleProblem problem;
+  struct PoseKey {
+    SetId set;
+    CameraId camera;
+  };
+  std::vector<PoseKey> poses;   // as problem.poses
+  std::vector<PointId> points;  // as problem.points
+  struct ObservationKey {
+    SetId set;
+    TrackId track;
+  };
+  std::vector<ObservationKey> observations;  // as problem.observations
+  MapEpoch epoch;                            // of the map it was cut from
+  MapId map;
+  bool floating = false;  // no pose was fixed but one: restore the scale after solving
+  int anchor = 0, baseline_end = 0;
+  BundleConfig config;
+};
+
+struct RefineReport {
+  bool applied = false;
+  int poses = 0, points = 0, observations = 0, outliers = 0;
+  double sigma_px = 0;
+};
+
+// Cuts the window out of the map with the most cameras; empty when there is too little. whole: every key frame, all
+// free.
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const RefineConfig& config);
+BundleResult solve_refine(const RefineJob& job);
+// Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
+// epoch (the map was merged meanwhile) is dropped.
+RefineReport apply_refine(Map& map, const RefineJob& job, const BundleResult& result);
+
+}  // namespace coslam

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/register.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/stages/verify.h"
+#include "server/stages/zncc.h"
+
+namespace coslam {
+namespace {
+
+constexpr double kCellPx = 16;
+
+// Unmapped tracks of one camera by place.
+class TrackGrid {
+ public:
+  void add(ServerTrack* t) { cells_[key(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
+  template <class Visit>
+  void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
+    const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)),
+               high = cell(px + Eigen::Vector2d::Constant(radius_px));
+    for (int y = low.second; y <= high.second; ++y) {
+      for (int x = low.first; x <= high.first; ++x) {
+        const auto at = cells_.find({x, y});
+        if (at == cells_.end()) continue;
+        for (ServerTrack* t : at->second) visit(t);
+      }
+    }
+  }
+
+ private:
+  static std::pair<int, int> cell(const Eigen::Vector2d& px) {
+    return {static_cast<int>(std::floor(px.x() / kCellPx)), static_cast<int>(std::floor(px.y() / kCellPx))};
+  }
+  static std::pair<int, int> key(const Eigen::Vector2d& px) { return cell(px); }
+  std::map<std::pair<int, int>, std::vector<ServerTrack*>> cells_;
+};
+
+bool seen_by(const MapPoint& p, CameraId camera) {
+  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
+}
+
+bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const MapPoint& point, double gate_px,
+                     double theta2, int frames) {
+  int checked = 0;
+  for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
+    if (track.seen[i].set.value < track.distrusted_before) break;
+    const FramePose* f = camera.frame_at(track.seen[i].set);
+    if (f == nullptr || f->map != camera.map) continue;
+    const auto d2 =
+        gate_distance2(point, camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>(), gate_px);
+    if (!d2 || *d2 > theta2) return false;
+    ++checked;
+  }
+  return checked > 0;
+}
+
+struct Candidate {
+  double d2;
+  MapPoint* point;
+  ServerTrack* track;
+};
+
+void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vector<Candidate>* out) {
+  TrackGrid grid;
+  for (auto& [id, t] : camera.tracks) {
+    if (t.point == PointId() && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames) grid.add(&t);
+  }
+  const Rigid3& pose = camera.frames.back().cam_from_world;
+  const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
+  for (auto& [id, p] : map.points()) {
+    if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
+    if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
+    Eigen::Vector2d px;
+    Eigen::Matrix<double, 2, 3> j;
+    if (!project_world(camera.model, pose, p.position, &px, &j)) continue;
+    if (px.x() < -0.3 * camera.model.width_px || px.x() > 1.3 * camera.model.width_px ||
+        px.y() < -0.3 * camera.model.height_px || px.y() > 1.3 * camera.model.height_px) {
+      continue;
+    }
+    const Eigen::Matrix2d s = j * p.covariance * j.transpose();
+    const double radius_px = theta * std::sqrt(s.trace() + gate_px * gate_px);
+    if (radius_px > 40) continue;  // too uncertain to be told from its neighbours
+    Candidate best{theta * theta, nullptr, nullptr};
+    grid.near(px, radius_px, [&](ServerTrack* t) {
+      const auto d2 = gate_distance2(p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
+      if (d2 && *d2 < best.d2) best = {*d2, &p, t};
+    });
+    if (best.track != nullptr) out->push_back(best);
+  }
+}
+
+}  // namespace
+
+bool retriangulate(Map& map, MapPoint& point) {
+  std::vector<View> views = map.key_views_of(point);
+  double sigma_px = 0;
+  for (const BoundTrack& b : point.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const ServerTrack& t = c.tracks.at(b.track);
+    const FramePose* f = c.frame_at(t.seen.back().set);
+    if (t.gate_failures > 0 || f == nullptr || f->map != point.map) continue;
+    views.push_back({&c.model, f->cam_from_world, t.seen.back().undistorted_px.cast<double>()});
+    sigma_px = std::max(sigma_px, c.sigma_px);
+  }
+  if (sigma_px == 0) sigma_px = 1.0;
+  const TriangulationResult t = triangulate(views, sigma_px, 0.01);
+  if (t.status != TriangulationStatus::kOk) return false;
+  point.position = t.position;
+  point.covariance = t.covariance;
+  return true;
+}
+
+RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConfig& config) {
+  RegisterReport report;
+  const double theta2 = map.config().theta * map.config().theta;
+  for (const CameraFrame& cf : set.frames) {
+    MapCamera& camera = map.camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    std::vector<Candidate> candidates;
+    collect(map, camera, config, &candidates);
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
+    const Eigen::Vector3d center = camera.frames.back().cam_from_world.center();
+    for (const Candidate& c : candidates) {
+      ++report.candidates;
+      if (c.track->point != PointId()) continue;
+      const PointPatch* patch = nearest_patch(*c.point, (c.point->position - center).normalized());
+      if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min) continue;
+      if (!gate_holds_back(camera, *c.track, *c.point, map.gate_sigma_px(camera), theta2, config.check_back)) continue;
+      map.bind(*c.point, camera.id, *c.track);
+      c.point->last_seen = set.id;
+      retriangulate(map, *c.point);
+      ++report.registered;
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "agent/capture/source.h"
+#include "common/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+constexpr int kWidth = 32, kHeight = 24;
+const SourceOptions kOptions{0, {}, 10, kWidth, kHeight, "calib.yaml"};
+
+class Lists : public ::testing::Test {
+ protected:
+  // An evenly grey image: its value tells which one it is.
+  void image(const std::string& name, int grey, int width = kWidth, int height = kHeight) {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    cv::imwrite(folder_ / name, cv::Mat(height, width, CV_8UC1, cv::Scalar(grey)));
+  }
+  void truncate(const std::string& name) {
+    std::filesystem::resize_file(folder_ / name, std::filesystem::file_size(folder_ / name) * 2 / 3);
+  }
+  std::unique_ptr<ImageSource> open(const std::string& name, SourceOptions options = kOptions) {
+    return open_source((folder_ / name).string(), options);
+  }
+  std::string error(const std::string& name, const SourceOptions& options = kOptions) {
+    return test::error_of<UserError>([&] { open(name, options); });
+  }
+  static std::vector<std::pair<std::uint32_t, TimeNs>> play(ImageSource& source) {
+    std::vector<std::pair<std::uint32_t, TimeNs>> frames;
+    while (const auto image = source.next()) frames.emplace_back(image->frame.value, image->capture_ns);
+    return frames;
+  }
+  test::TempFolder folder_;
+};
+
+TEST_F(Lists, Csv) {
+  for (int i = 0; i < 3; ++i) image("img/" + std::to_string(i) + ".png", 50 * i);
+  folder_.write("list.csv", "# t_s,file\n0.5,img/2.png\n0.75, img/1.png\r\n\n1.0,img/0.png\n");
+  const auto source = open("list.csv");
+  EXPECT_FALSE(source->live());
+  EXPECT_EQ(source->peek_ns(), 500'000'000);
+  const auto first = source->next();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->frame, FrameId(0));
+  EXPECT_EQ(first->grey.type(), CV_8UC1);
+  EXPECT_EQ(first->grey.at<uchar>(5, 5), 100);
+  EXPECT_EQ(source->peek_ns(), 750'000'000);
+  EXPECT_THAT(play(*source), ElementsAre(Pair(1, 750'000'000), Pair(2, 1'000'000'000)));
+  EXPECT_EQ(source->peek_ns(), std::nullopt);
+  EXPECT_FALSE(source->skip());
+}
+
+TEST_F(Lists, SkipUsesUpTheFrameId) {
+  for (int i = 0; i < 3; ++i) image(std::to_string(i) + ".png", i);
+  const auto source = open(".");
+  EXPECT_TRUE(source->skip());
+  EXPECT_EQ(source->peek_ns(), 100'000'000);  // rate_hz of the options: there are no times
+  const auto second = source->next();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->frame, FrameId(1));
+  EXPECT_EQ(second->grey.at<uchar>(0, 0), 1);
+  EXPECT_TRUE(source->skip());
+  EXPECT_FALSE(source->skip());
+  EXPECT_FALSE(source->next());
+}
+
+TEST_F(Lists, FolderWithTimes) {
+  for (const char* name : {"000000.png", "000001.jpg", "000002.png"}) image(name, 9);
+  folder_.write("times.txt", "0.0\n0.04\n0.09\n");
+  EXPECT_THAT(play(*open(".")), ElementsAre(Pair(0, 0), Pair(1, 40'000'000), Pair(2, 90'000'000)));
+  folder_.write("times.txt", "0.0\n0.04\n");
+  EXPECT_THAT(error("."), HasSubstr("times.txt: 2 times for 3 images"));
+  folder_.write("times.txt", "0.0\n0.04\n0.04\n");
+  EXPECT_THAT(error("."), HasSubstr("times.txt:3: the time is not later"));
+}
+
+TEST_F(Lists, NanosecondNames) {
+  for (const char* name : {"1403638518077829376.png", "1403638518127829376.png"}) image(name, 9);
+  EXPECT_THAT(play(*open(".")), ElementsAre(Pair(0, 0), Pair(1, 50'000'000)));
+}
+
+TEST_F(Lists, NumericNamesAreInNumericalOrder) {
+  image("10.png", 10);
+  image("9.png", 9);
+  EXPECT_EQ(open(".")->next()->grey.at<uchar>(0, 0), 9);
+}
+
+TEST_F(Lists, Euroc) {
+  image("mav0/cam0/data/1403638518077829376.png", 9);
+  image("mav0/cam0/data/1403638518127829376.png", 9);
+  folder_.write("mav0/cam0/data.csv",
+                "#timestamp [ns],filename\r\n1403638518077829376,1403638518077829376.png\r\n"
+                "1403638518127829376,1403638518127829376.png\r\n");
+  for (const char* name : {".", "mav0", "mav0/cam0"}) {
+    EXPECT_THAT(play(*open(name)), ElementsAre(Pair(0, 0), Pair(1, 50'000'000))) << name;
+  }
+}
+
+TEST_F(Lists, Tum) {
+  image("rgb/1305031102.175304.png", 9);
+  image("rgb/1305031102.211214.png", 9);
+  folder_.write("rgb.txt",
+                "# color images\n1305031102.175304 rgb/1305031102.175304.png\n"
+                "1305031102.211214 rgb/1305031102.211214.png\n");
+  EXPECT_THAT(play(*open(".")), ElementsAre(Pair(0, 0), Pair(1, 35'910'000)));
+  EXPECT_EQ(play(*open("rgb.txt")).size(), 2u);
+}
+
+TEST_F(Lists, StartAndDurationCutTheSource) {
+  for (int i = 0; i < 10; ++i) image("00000" + std::to_string(i) + ".png", i);
+  SourceOptions options = kOptions;
+  options.start_s = 0.25;
+  options.duration_s = 0.3;
+  const auto source = open(".", options);
+  EXPECT_EQ(source->peek_ns(), 50'000'000);  // the image at 0.3 s
+  EXPECT_THAT(play(*source), ElementsAre(Pair(0, 50'000'000), Pair(1, 150'000'000), Pair(2, 250'000'000)));
+  options.start_s = 5;
+  EXPECT_THAT(error(".", options), HasSubstr("no image lies in the time span"));
+}
+
+TEST_F(Lists, BadImagesAreCountedAndSkipped) {
+  for (int i = 0; i < 6; ++i) image("00000" + std::to_string(i) + ".png", i);
+  for (int i = 6; i < 8; ++i) image("00000" + std::to_string(i) + ".jpg", i);
+  folder_.write("000000.png", "no image");
+  truncate("000002.png");
+  folder_.write("000003.png", "");
+  image("000004.png", 4, kWidth / 2);  // another size in the middle
+  truncate("000006.jpg");
+  const auto source = open(".");
+  std::vector<std::uint32_t> frames;
+  for (const auto& [frame, t_ns] : play(*source)) frames.push_back(frame);
+  EXPECT_THAT(frames, ElementsAre(1, 5, 7));
+  EXPECT_EQ(source->unreadable(), 5u);
+}
+
+TEST_F(Lists, WrongSizeNamesBothSizesAndBothFiles) {
+  image("000000.png", 9, 40, 30);
+  EXPECT_THAT(error("."), AllOf(HasSubstr("000000.png is 40x30 pixels"), HasSubstr("calib.yaml is for 32x24")));
+  SourceOptions any_size = kOptions;
+  any_size.width_px = any_size.height_px = 0;
+  EXPECT_EQ(open(".", any_size)->next()->grey.cols, 40);
+}
+
+TEST_F(Lists, SaysWhatIsWrong) {
+  EXPECT_THAT(error("nothing"), HasSubstr("there is no source"));
+  EXPECT_THAT(error("."), HasSubstr("there is no image in the folder"));
+  folder_.write("000000.png", "no image");
+  EXPECT_THAT(error("."), AllOf(HasSubstr("none of the 1 images can be read"), HasSubstr("000000.png")));
+  folder_.write("bad.csv", "# t_s,file\n0.0,a.png\n0.1;b.png\n");
+  EXPECT_THAT(error("bad.csv"), HasSubstr("bad.csv:3: not a line `t_s,file`"));
+  folder_.write("empty.csv", "t_s,file\n");
+  EXPECT_THAT(error("empty.csv"), HasSubstr("there is no line `t_s,file` in it"));
+  folder_.write("text.dat", "no video");
+  EXPECT_THAT(error("text.dat"), HasSubstr("text.dat: neither a list of images (.csv, .txt) nor a video"));
+  EXPECT_THAT(test::error_of<UserError>([] { open_source("ftp://x", kOptions); }), HasSubstr("of no known kind"));
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/config.h"
+
+#include <gmock/gmock.h>
+
+#include "common/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct TrackerConfig {
+  int max_tracks = 300;
+  double min_quality = 0.01;
+  friend bool operator==(const TrackerConfig&, const TrackerConfig&) = default;
+};
+template <class V>
+void describe(V& v, TrackerConfig& c) {
+  v.field("max_tracks", c.max_tracks, {20, 4000}, "features followed at once");
+  v.field("min_quality", c.min_quality, {0, 1}, "of a corner, relative to the best");
+}
+
+struct AgentConfig {
+  TrackerConfig tracker;
+  bool verbose = false;
+  friend bool operator==(const AgentConfig&, const AgentConfig&) = default;
+};
+template <class V>
+void describe(V& v, AgentConfig& c) {
+  v.section("tracker", c.tracker);
+  v.field("verbose", c.verbose, "log more");
+}
+
+struct RunConfig {
+  std::string out = "result";
+  std::string rate = "max";
+  std::vector<std::string> peers;
+  AgentConfig agent;
+  friend bool operator==(const RunConfig&, const RunConfig&) = default;
+};
+template <class V>
+void describe(V& v, RunConfig& c) {
+  v.field("out", c.out, "result folder");
+  v.field("rate", c.rate, {"max", "live"}, "pacing");
+  v.field("peers", c.peers, "addresses");
+  v.section("agent", c.agent);
+}
+
+class Config : public ::testing::Test {
+ protected:
+  std::string load_error(const std::string& text) {
+    return test::error_of<UserError>([&] { config::load(config_, folder_.write("run.yaml", text)); });
+  }
+  std::string set_error(const std::string& assignment) {
+    return test::error_of<UsageError>([&] { config::apply_set(config_, assignment); });
+  }
+  test::TempFolder folder_;
+  RunConfig config_;
+};
+
+TEST_F(Config, FileOverDefaultAndSetOverFile) {
+  EXPECT_EQ(load_error("agent:\n  tracker: {max_tracks: 500, min_quality: 0.5}\npeers: [a, b]\nout: x y\n"), "");
+  EXPECT_EQ(config_.agent.tracker.max_tracks, 500);
+  EXPECT_EQ(config_.agent.tracker.min_quality, 0.5);
+  EXPECT_EQ(config_.out, "x y");
+  EXPECT_THAT(config_.peers, ElementsAre("a", "b"));
+  EXPECT_EQ(config_.rate, "max");
+
+  EXPECT_EQ(set_error("agent.tracker.max_tracks=200"), "");
+  EXPECT_EQ(set_error("agent.verbose=true"), "");
+  EXPECT_EQ(set_error("peers = c, d"), "");
+  EXPECT_EQ(set_error("out=a=b"), "");
+  EXPECT_EQ(config_.agent.tracker.max_tracks, 200);
+  EXPECT_EQ(config_.agent.tracker.min_quality, 0.5);
+  EXPECT_TRUE(config_.agent.verbose);
+  EXPECT_THAT(config_.peers, ElementsAre("c", "d"));
+  EXPECT_EQ(config_.out, "a=b");
+}
+
+TEST_F(Config, EmptySectionsKeepDefaults) {
+  EXPECT_EQ(load_error("agent:\nout: x\n"), "");
+  EXPECT_EQ(config_.agent, AgentConfig());
+}
+
+TEST_F(Config, FileErrorsNameFileLineKeyPathAndReason) {
+  EXPECT_THAT(load_error("agent:\n  tracker:\n    max_track: 5\n"),
+              HasSubstr("run.yaml:3: agent.tracker.max_track: unknown key, did you mean 'max_tracks'?"));
+  EXPECT_THAT(load_error("agnet: {}\n"), HasSubstr("run.yaml:1: agnet: unknown key, did you mean 'agent'?"));
+  EXPECT_THAT(load_error("zzz: 1\n"), HasSubstr("known are out rate peers agent"));
+  EXPECT_THAT(load_error("agent: {tracker: {max_tracks: 5}}\n"),
+              HasSubstr("agent.tracker.max_tracks: '5' is outside 20 to 4000"));
+  EXPECT_THAT(load_error("agent: {tracker: {max_tracks: 50.5}}\n"), HasSubstr("'50.5' is not a whole number"));
+  EXPECT_THAT(load_error("agent: {tracker: {min_quality: .nan}}\n"), HasSubstr("'.nan' is not a number"));
+  EXPECT_THAT(load_error("agent: {verbose: maybe}\n"), HasSubstr("agent.verbose: 'maybe' is neither true nor false"));
+  EXPECT_THAT(load_error("rate: slow\n"), HasSubstr("rate: 'slow' is none of max, live"));
+  EXPECT_THAT(load_error("peers: a\n"), HasSubstr("peers: a list is expected"));
+  EXPECT_THAT(load_error("out: [a]\n"), HasSubstr("out: a text is expected"));
+  EXPECT_THAT(load_error("agent: 5\n"), HasSubstr("agent: a section (key: value) is expected"));
+  EXPECT_EQ(config_, RunConfig());
+}
+
+TEST_F(Config, SetErrorsNameTheAssignment) {
+  EXPECT_THAT(set_error("agent.tracker.max_track=5"),
+              HasSubstr("--set agent.tracker.max_track=5: unknown key, did you mean 'agent.tracker.max_tracks'?"));
+  EXPECT_THAT(set_error("agent.tracker.max_tracks"), HasSubstr("key=value is expected"));
+  EXPECT_THAT(set_error("agent.tracker.max_tracks=99999999999"), HasSubstr("is outside 20 to 4000"));
+  EXPECT_THAT(set_error("agent.tracker=5"), HasSubstr("unknown key"));
+}
+
+TEST_F(Config, DumpsWhatIsInEffect) {
+  config_.out = "odd \"name\": #1";
+  config_.peers = {"a", "b"};
+  config_.agent.tracker.min_quality = 0.1;
+  const auto json = config::dump_json(config_);
+  EXPECT_EQ(json["agent"]["tracker"]["max_tracks"], 300);
+  EXPECT_EQ(json["agent"]["tracker"]["min_quality"], 0.1);
+  EXPECT_EQ(json["agent"]["verbose"], false);
+  EXPECT_EQ(json["peers"].size(), 2u);
+
+  const std::string yaml = config::dump_yaml(config_);
+  EXPECT_THAT(yaml, HasSubstr("agent:\n  tracker:\n    max_tracks: 300  # features followed at once (20 to 4000)\n"));
+  EXPECT_THAT(yaml, HasSubstr("\n  verbose: false  # log more\n"));
+  RunConfig read;
+  config::load(read, folder_.write("dump.yaml", yaml));
+  EXPECT_EQ(read, config_);
+}
+
+struct TwiceConfig {
+  int a = 1;
+};
+template <class V>
+void describe(V& v, TwiceConfig& c) {
+  v.field("a", c.a, {0, 1}, "");
+  v.field("a", c.a, {0, 1}, "");
+}
+struct OutsideConfig {
+  int a = 5;
+};
+template <class V>
+void describe(V& v, OutsideConfig& c) {
+  v.field("a", c.a, {0, 1}, "");
+}
+
+TEST(ConfigDeathTest, WrongDeclarationsAreBugs) {
+  TwiceConfig twice;
+  OutsideConfig outside;
+  EXPECT_DEATH(config::fields_of(twice), "declared twice");
+  EXPECT_DEATH(config::fields_of(outside), "outside its bounds");
+}
+
+}  // namespace
+}  // namespace coslam

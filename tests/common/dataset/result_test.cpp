@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/dataset/result.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "common/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const Eigen::Matrix3d kCovariance = (Eigen::Matrix3d() << 4, 0.1, 0.2, 0.1, 5, 0.3, 0.2, 0.3, 7).finished();
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+class Result : public ::testing::Test {
+ protected:
+  test::TempFolder temp_;
+  ResultFolder folder_{temp_ / "out"};
+};
+
+TEST_F(Result, PointsRoundTrip) {
+  ResultPoint point;
+  point.id = PointId(7);
+  point.position = {1.25, -2, 1e-3};
+  point.covariance = kCovariance;
+  point.state = PointState::kUncertain;
+  point.first_ns = 1'500'000'000;
+  point.last_ns = 1403638518377829376;
+  point.views = 12;
+  PointWriter writer(folder_.points());
+  writer.write(point);
+  writer.close();
+  EXPECT_EQ(text_of(folder_.points()),
+            "id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,state,first_t_s,last_t_s,views\n"
+            "7,1.25,-2,0.001,4,0.1,0.2,5,0.3,7,uncertain,1.500000000,1403638518.377829376,12\n");
+  const auto read = read_points(folder_.points());
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].id, point.id);
+  EXPECT_EQ(read[0].position, point.position);
+  EXPECT_EQ(read[0].covariance, point.covariance);
+  EXPECT_EQ(read[0].state, point.state);
+  EXPECT_EQ(read[0].last_ns, point.last_ns);
+  EXPECT_EQ(read[0].views, 12);
+}
+
+TEST_F(Result, TracksRoundTrip) {
+  TrackWriter writer(folder_.tracks("cam0"));
+  writer.write({FrameId(10), 333'000'000, TrackId(5), {10.5, 20.25}, PointId(3), PointState::kDynamic});
+  writer.write({FrameId(10), 333'000'000, TrackId(6), {0, 0}, PointId(), std::nullopt});
+  writer.close();
+  EXPECT_THAT(text_of(folder_.tracks("cam0")),
+              StartsWith("frame,t_s,track,u,v,point,state\n10,0.333000000,5,10.500,20.250,3,dynamic\n"));
+  std::vector<ResultTrackRow> rows;
+  for_each_track_row(folder_.tracks("cam0"), [&](const ResultTrackRow& r) { rows.push_back(r); });
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].frame, FrameId(10));
+  EXPECT_EQ(rows[0].t_ns, 333'000'000);
+  EXPECT_EQ(rows[0].track, TrackId(5));
+  EXPECT_EQ(rows[0].raw_px, Eigen::Vector2d(10.5, 20.25));
+  EXPECT_EQ(rows[0].state, PointState::kDynamic);
+  EXPECT_EQ(rows[1].state, std::nullopt);
+  EXPECT_EQ(rows[1].point, PointId());
+}
+
+TEST_F(Result, DynamicAndGroupsRoundTrip) {
+  DynamicWriter dynamic(folder_.dynamic());
+  dynamic.write({500'000'000, PointId(9), {1, 2, 3}, kCovariance, 2});
+  dynamic.close();
+  int rows = 0;
+  for_each_dynamic_row(folder_.dynamic(), [&](const ResultDynamicRow& r) {
+    ++rows;
+    EXPECT_EQ(r.id, PointId(9));
+    EXPECT_EQ(r.position, Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(r.covariance, kCovariance);
+    EXPECT_EQ(r.views, 2);
+  });
+  EXPECT_EQ(rows, 1);
+
+  GroupWriter groups(folder_.groups());
+  groups.write({0, GroupId(1), {"cam0", "cam1"}});
+  groups.write({5, GroupId(2), {}});
+  groups.close();
+  const auto read = read_groups(folder_.groups());
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_THAT(read[0].agents, ElementsAre("cam0", "cam1"));
+  EXPECT_TRUE(read[1].agents.empty());
+}
+
+TEST_F(Result, ReadersNameFileAndLine) {
+  const auto error = [&](const std::string& text) {
+    const auto file = temp_.write("t.csv", text);
+    return test::error_of<UserError>([&] { for_each_track_row(file, [](const ResultTrackRow&) {}); });
+  };
+  const std::string header = "frame,t_s,track,u,v,point,state\n";
+  EXPECT_EQ(error(header + "\n"), "");
+  EXPECT_THAT(error("frame,t_s\n"), HasSubstr("t.csv:1: the header"));
+  for (const char* bad : {"1,0,2,3,4,5", "1,0,2,3,4,5,static,6", "1,0,2,3,4,5,still", "-1,0,2,3,4,5,static",
+                          "1,x,2,3,4,5,static", "1,0,2,nan,4,5,static", "4294967296,0,2,3,4,5,static"}) {
+    EXPECT_THAT(error(header + "1,0,2,3,4,5,static\n" + bad + "\n"), HasSubstr("t.csv:3: not a line")) << bad;
+  }
+  EXPECT_THAT(error(""), HasSubstr("cannot be read"));
+}
+
+TEST_F(Result, PlyHoldsTheStaticPoints) {
+  std::vector<ResultPoint> points(3);
+  points[0].position = {1, 2, 3};
+  points[0].covariance = kCovariance;
+  points[0].grey = 200;
+  points[1].state = PointState::kDynamic;
+  write_ply(folder_.map(), points);
+  const std::string text = text_of(folder_.map());
+  const std::string end = "end_header\n";
+  EXPECT_THAT(text, StartsWith("ply\nformat binary_little_endian 1.0\n"));
+  EXPECT_THAT(text, HasSubstr("element vertex 2\n"));
+  const std::string body = text.substr(text.find(end) + end.size());
+  ASSERT_EQ(body.size(), 2u * 19u);
+  float position[3], sigma = 0;
+  std::memcpy(position, body.data(), 12);
+  std::memcpy(&sigma, body.data() + 15, 4);
+  EXPECT_THAT(position, ElementsAre(1, 2, 3));
+  EXPECT_EQ(static_cast<unsigned char>(body[12]), 200);
+  EXPECT_FLOAT_EQ(sigma, 4);  // sqrt(4 + 5 + 7)
+}
+
+TEST_F(Result, Json) {
+  write_json(folder_.report(), {{"frames", 5}});
+  EXPECT_EQ(read_json(folder_.report())["frames"], 5);
+  const auto bad = temp_.write("bad.json", "{");
+  EXPECT_THAT(test::error_of<UserError>([&] { read_json(bad); }), HasSubstr("bad.json: not valid JSON"));
+}
+
+TEST_F(Result, SaysWhatCannotBeWritten) {
+  temp_.write("file", "");
+  EXPECT_THAT(test::error_of<UserError>([&] { PointWriter(temp_ / "file/points.csv"); }),
+              HasSubstr("points.csv: cannot be written"));
+}
+
+}  // namespace
+}  // namespace coslam

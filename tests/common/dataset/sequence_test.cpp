@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/dataset/sequence.h"
+
+#include <gmock/gmock.h>
+
+#include "common/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SequenceFile : public ::testing::Test {
+ protected:
+  SequenceFile() {
+    for (const char* name : {"cam0.csv", "cam1.csv", "calib.yaml", "cam0.tum", "points.csv", "masks/x"}) {
+      folder_.write(name, "");
+    }
+  }
+  Sequence load(const std::string& text) { return load_sequence(folder_.write("sequence.yaml", text)); }
+  std::string error(const std::string& text) {
+    return test::error_of<UserError>([&] { load(text); });
+  }
+
+  test::TempFolder folder_;
+  const std::string agent_ = "agents: [{name: cam0, source: cam0.csv, calibration: calib.yaml}]\n";
+};
+
+TEST_F(SequenceFile, BlockStyle) {
+  const Sequence s = load(R"(
+name: walking-man
+rate_hz: 25
+scale:
+  baseline_m: 0.8
+agents:
+  - name: cam0
+    source: cam0.csv
+    calibration: calib.yaml
+    start_s: 1.5
+    duration_s: 10
+    truth: cam0.tum
+  - name: cam1
+    source: v4l2:0
+    calibration: calib.yaml
+truth_points: points.csv
+masks: masks
+scene: walking-man
+scene_seed: 7
+)");
+  EXPECT_EQ(s.name, "walking-man");
+  EXPECT_EQ(s.rate_hz, 25);
+  EXPECT_EQ(s.baseline_m, 0.8);
+  ASSERT_EQ(s.agents.size(), 2u);
+  EXPECT_EQ(s.agents[0].name, "cam0");
+  EXPECT_EQ(s.agents[0].source, (folder_ / "cam0.csv").string());
+  EXPECT_EQ(s.agents[0].calibration, folder_ / "calib.yaml");
+  EXPECT_EQ(s.agents[0].start_s, 1.5);
+  EXPECT_EQ(s.agents[0].duration_s, 10);
+  EXPECT_EQ(s.agents[0].truth, folder_ / "cam0.tum");
+  EXPECT_EQ(s.agents[1].source, "v4l2:0");
+  EXPECT_EQ(s.agents[1].start_s, 0);
+  EXPECT_FALSE(s.agents[1].duration_s);
+  EXPECT_FALSE(s.agents[1].truth);
+  EXPECT_EQ(s.truth_points, folder_ / "points.csv");
+  EXPECT_EQ(s.masks, folder_ / "masks");
+  EXPECT_EQ(s.scene, "walking-man");
+  EXPECT_EQ(s.scene_seed, 7u);
+}
+
+TEST_F(SequenceFile, FlowStyleAndDefaults) {
+  const Sequence s = load("scale: {baseline_m: 0.12}\n" + agent_);
+  EXPECT_EQ(s.name, "sequence");
+  EXPECT_EQ(s.rate_hz, 30);
+  EXPECT_EQ(s.baseline_m, 0.12);
+  EXPECT_TRUE(s.scene.empty());
+  EXPECT_EQ(load_sequence(folder_.path()).agents.size(), 1u);
+}
+
+TEST_F(SequenceFile, ErrorsNameFileLineKeyAndReason) {
+  EXPECT_THAT(error("rate: 30\n" + agent_), HasSubstr("sequence.yaml:1: rate: unknown key, did you mean 'rate_hz'?"));
+  EXPECT_THAT(error("colour: red\n" + agent_), HasSubstr("colour: unknown key, known are name rate_hz"));
+  EXPECT_THAT(error(agent_ + "agnets: []\n"),
+              HasSubstr("sequence.yaml:2: agnets: unknown key, did you mean 'agents'?"));
+  EXPECT_THAT(error("agents:\n  - name: a\n    sorce: cam0.csv\n"),
+              HasSubstr("sequence.yaml:3: agents[0].sorce: unknown key, did you mean 'source'?"));
+  EXPECT_THAT(error("agents:\n  - name: a\n    source: cam0.csv\n"),
+              HasSubstr("agents[0]: the key 'calibration' is missing"));
+  EXPECT_THAT(error("agents: [{name: a, source: nothing, calibration: calib.yaml}]"),
+              HasSubstr("agents[0].source: there is no " + (folder_ / "nothing").string()));
+  EXPECT_THAT(error("rate_hz: fast\n" + agent_), HasSubstr("rate_hz: 'fast' is not a number"));
+  EXPECT_THAT(error("rate_hz: -1\n" + agent_), HasSubstr("rate_hz: '-1' is outside 0.01 to 1000"));
+  EXPECT_THAT(error("rate_hz: 30\nrate_hz: 20\n" + agent_),
+              HasSubstr("sequence.yaml:2: rate_hz: the key stands twice"));
+  EXPECT_THAT(error("scale: {}\n" + agent_), HasSubstr("scale: the key 'baseline_m' is missing"));
+  EXPECT_THAT(error("scale: 1\n" + agent_), HasSubstr("scale: a section"));
+  EXPECT_THAT(error("name: x\n"), HasSubstr("the key 'agents' is missing"));
+  EXPECT_THAT(error("agents: []\n"), HasSubstr("agents: at least one agent"));
+  EXPECT_THAT(error("agents: {}\n"), HasSubstr("agents: a list is expected"));
+  EXPECT_THAT(error("agents: [\n"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(error("just text"), HasSubstr("a YAML map"));
+  EXPECT_THAT(error(""), HasSubstr("a YAML map"));
+}
+
+TEST_F(SequenceFile, AgentNamesAreUniqueAndFitForFiles) {
+  const auto named = [&](const std::string& name) {
+    return error("agents: [{name: " + name + ", source: cam0.csv, calibration: calib.yaml}]");
+  };
+  EXPECT_THAT(named("a/b"), HasSubstr("agents[0].name: 'a/b' must be"));
+  EXPECT_THAT(named(".."), HasSubstr("must be"));
+  EXPECT_THAT(named(std::string(33, 'x')), HasSubstr("must be"));
+  EXPECT_EQ(named("uav_1-left.b"), "");
+  EXPECT_THAT(error("agents:\n- {name: a, source: cam0.csv, calibration: calib.yaml}\n"
+                    "- {name: a, source: cam1.csv, calibration: calib.yaml}"),
+              HasSubstr("agents[1].name: 'a' is the name of two agents"));
+}
+
+TEST_F(SequenceFile, MissingFiles) {
+  EXPECT_THAT(test::error_of<UserError>([&] { load_sequence(folder_ / "no.yaml"); }), HasSubstr("no such sequence"));
+  EXPECT_THAT(test::error_of<UserError>([&] { load_sequence(folder_ / "masks"); }), HasSubstr("has no sequence.yaml"));
+}
+
+}  // namespace
+}  // namespace coslam

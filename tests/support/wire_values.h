@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+
+// Random but valid values of everything that crosses the wire, for tests of the codec and the links.
+namespace coslam::test {
+
+inline CameraModel vga_camera() {
+  CameraModel camera;
+  camera.width_px = 640;
+  camera.height_px = 480;
+  camera.fx = 525.25;
+  camera.fy = 524.75;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  camera.distortion = DistortionModel::kRadTan;
+  camera.coefficients = {-0.28, 0.07, 1e-4, -2e-4};
+  return camera;
+}
+
+class WireValues {
+ public:
+  explicit WireValues(std::uint64_t seed) : random_(seed) {}
+
+  double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
+  std::uint32_t below(std::uint32_t bound) {
+    return std::uniform_int_distribution<std::uint32_t>(0, bound - 1)(random_);
+  }
+
+  Eigen::Vector2f grid_px(double scale) { return quantised_px({uniform(-100, 740), uniform(-100, 580)}, scale); }
+  Rigid3 pose() {
+    const Vector6d d = Vector6d::NullaryExpr([this] { return uniform(-2, 2); });
+    return retract({}, d);
+  }
+  Eigen::Matrix<float, 6, 6> pose_covariance() {
+    const Matrix6d a = Matrix6d::NullaryExpr([this] { return uniform(-1e-2, 1e-2); });
+    const Matrix6d symmetric = a * a.transpose();
+    return Matrix6d(symmetric.selfadjointView<Eigen::Upper>()).cast<float>();
+  }
+
+  Hello hello(const std::string& agent, RunId run, Pacing pacing = Pacing::kLockstep) {
+    return {agent, run, kProtocolVersion, pacing, 29.97, vga_camera()};
+  }
+
+  TrackFrame frame(const std::string& agent, RunId run, std::uint32_t number, int tracks = 300) {
+    TrackFrame f;
+    f.agent = agent;
+    f.agent_run = run;
+    f.frame = FrameId(number);
+    f.capture_ns = 1'700'000'000'000'000'000 + 33'333'333LL * number;
+    f.pose_state = PoseState::kTracked;
+    f.server_run = RunId(77);
+    f.epoch = MapEpoch(below(100));
+    f.cam_from_world = pose();
+    f.pose_covariance = pose_covariance();
+    f.pose_inliers = static_cast<std::uint16_t>(tracks / 2);
+    f.hull_fraction = static_cast<float>(uniform(0, 1));
+    f.applied_patch = number;
+    std::uint32_t id = 1 + below(100000);
+    for (int i = 0; i < tracks; ++i) {
+      f.tracks.push_back({TrackId(id), grid_px(pixel_scale(vga_camera()))});
+      id += 1 + (below(10) == 0 ? below(500) : below(8));
+    }
+    return f;
+  }
+
+  PatchReply patches(const TrackFrame& frame, int count) {
+    PatchReply reply{frame.agent, frame.agent_run, frame.frame, {}};
+    for (int i = 0; i < count; ++i) {
+      ImagePatch& patch = reply.patches.emplace_back();
+      patch.track = TrackId(1 + below(1000000));
+      for (auto& grey : patch.grey) grey = static_cast<std::uint8_t>(below(256));
+    }
+    return reply;
+  }
+
+  DescriptorReply descriptors(const TrackFrame& frame, int count) {
+    DescriptorReply reply{frame.agent, frame.agent_run, frame.frame, {}, {}};
+    for (int i = 0; i < count; ++i) reply.undistorted_px.push_back(grid_px(pixel_scale(vga_camera())));
+    for (int i = 0; i < count * kDescriptorBytes; ++i) {
+      reply.descriptors.push_back(static_cast<std::uint8_t>(below(256)));
+    }
+    return reply;
+  }
+
+  AgentStatus agent_status(const std::string& agent, RunId run, AgentState state = AgentState::kRunning) {
+    AgentStatus s{agent, run, state, PoseState::kTracked, FrameId(below(1000)), below(1000), below(10), 300, 8.5f, {}};
+    if (state == AgentState::kFinished) s.report_json = R"({"tracked_percent":99.5})";
+    return s;
+  }
+
+  MapPatch map_patch(const std::string& agent, RunId run, std::uint32_t sequence, int points = 100) {
+    MapPatch p;
+    p.agent = agent;
+    p.agent_run = run;
+    p.server_run = RunId(77);
+    p.sequence = sequence;
+    p.after_frame = FrameId(sequence);
+    p.epoch = MapEpoch(3);
+    p.group = GroupId(1);
+    p.scale_known = true;
+    for (int i = 0; i < points; ++i) p.updated.push_back(point());
+    for (int i = 0; i < points / 10; ++i) p.unbound.emplace_back(1 + below(1000));
+    for (int i = 0; i < points / 10; ++i) p.patch_requests.emplace_back(1 + below(1000));
+    return p;
+  }
+
+  BoundPoint point() {
+    BoundPoint b;
+    b.track = TrackId(1 + below(1000000));
+    b.point = PointId(1 + below(1000000));
+    b.state = static_cast<PointState>(below(4));
+    for (float& v : b.position) v = static_cast<float>(uniform(-50, 50));
+    for (float& v : b.covariance) v = static_cast<float>(uniform(0, 0.1));
+    return b;
+  }
+
+  ServerStatus server_status(RunId run) {
+    ServerStatus s;
+    s.server_run = run;
+    s.started = true;
+    s.start_utc_ns = 1'700'000'000'000'000'000;
+    s.frame_sets = below(1000);
+    s.points = below(10000);
+    s.agents = {"cam0", "cam1"};
+    return s;
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+}  // namespace coslam::test
