@@ -13,10 +13,12 @@ constexpr int kTracksPerCell = 2;      // in a full, even image
 constexpr int kBarrenRest_images = 5;  // a cell without corners is not looked at again at once
 constexpr std::size_t kMostCandidates = 12;
 constexpr float kStrongestDecay = 0.995f;  // an image
-// Noise of 4 grey levels gives a score of about 0.3 in the halved image; a corner must stand well out of that.
-constexpr float kNoiseScore = 2.5f;
-// A corner this many times above the mean score of its cell is distinct, however dark the cell.
-constexpr float kDistinct = 6.0f;
+// Noise of 4 grey levels gives scores of 0.2 to 0.7 in the halved image. A corner must stand well out of that, or,
+// where the image is dark and therefore calm, be distinct: so many times above the mean score of its cell as noise
+// never is.
+constexpr float kSureScore = 2.5f;
+constexpr float kLeastScore = 0.3f;
+constexpr float kDistinct = 4.5f;
 
 // Vertex of the parabola through three values around a maximum, -0.5 to 0.5.
 float peak_offset(float before, float at, float after) {
@@ -91,7 +93,7 @@ void CornerFinder::evaluate(Cell& cell) {
     for (int x = 1; x <= cols; ++x) {
       const float s = score_.row(y)[x];
       total += s;
-      if (s < kNoiseScore || !is_maximum(score_, x, y)) continue;
+      if (s < kLeastScore || !is_maximum(score_, x, y)) continue;
       const Eigen::Vector2f origin(static_cast<float>(x0), static_cast<float>(y0));
       cell.candidates.push_back({origin + sub_pixel(score_, x, y), s});
       strongest_ = std::max(strongest_, s);
@@ -101,7 +103,7 @@ void CornerFinder::evaluate(Cell& cell) {
 }
 
 void CornerFinder::keep_good(Cell& cell, float mean_score) {
-  const float least = std::min(config_.min_eigenvalue * strongest_, kDistinct * mean_score);
+  const float least = std::min(std::max(config_.min_eigenvalue * strongest_, kSureScore), kDistinct * mean_score);
   std::erase_if(cell.candidates, [&](const Candidate& c) { return c.score < least; });
   std::stable_sort(cell.candidates.begin(), cell.candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
@@ -152,6 +154,9 @@ const std::vector<Eigen::Vector2f>& CornerFinder::find(const Pyramid& pyramid,
   clear_cells();
   found_px_.clear();
   strongest_ *= kStrongestDecay;
+  if (4 * live_px.size() < static_cast<std::size_t>(config_.max_tracks)) {
+    for (Cell& cell : cells_) cell.rest_images = 0;  // too few tracks to be choosy: the image may just have come back
+  }
   for (const Eigen::Vector2f& px : live_px) cells_[cell_index(px / scale_)].tracks.push_back(px / scale_);
   // Rounds: cells with no track, then those with one, and so on. The cells of a round in an order that favours no part
   // of the image when only a few corners are wanted.
