@@ -13,6 +13,7 @@ void describe(V& v, TrackerConfig& c) {
   v.field("levels", c.levels, {1, 8}, "pyramid levels, the full image included");
   v.field("min_distance_px", c.min_distance_px, {2, 200}, "of a new corner to any live track, at 640 px image width");
   v.field("forward_backward_px", c.forward_backward_px, {0.05, 10}, "largest return error of a track");
+  v.field("min_zncc", c.min_zncc, {0, 1}, "of a track with the image before and with where it started");
   v.field("min_eigenvalue", c.min_eigenvalue, {0, 1}, "of a corner, relative to the strongest of recent images");
   v.field("border_px", c.border_px, {1, 100}, "tracks end this close to the image border");
 }

@@ -2,38 +2,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/track/corner_score.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace coslam {
 namespace {
 
-constexpr int kWindow = 7;
-constexpr int kHalf = kWindow / 2;
-constexpr float kSobelGain = 8.0f;  // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
+constexpr int kHalf = 3;                        // of the window
+constexpr float kWindowWeight = 64.0F * 64.0F;  // binomial weights 1 6 15 20 15 6 1, down and across
+constexpr float kSobelGain = 8.0F;              // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
+// Products are stored this many bits smaller, so that the weighted sums fit: (4 * 255)^2 / 4 * 64 * 64 < 2^31.
+constexpr int kProductShift = 2;
+
+inline int binomial(int a, int b, int c, int d, int e, int f, int g) {
+  return (a + g) + 6 * (b + f) + 15 * (c + e) + 20 * d;
+}
 
 }  // namespace
 
-// The newest row of products replaces the oldest in the ring and in the column sums.
-void CornerScore::add_row(const PyramidLevel& image, int x0, int y, int slot) {
+void CornerScore::differentiate_row(const PyramidLevel& image, int x0, int y, int* xx) {
   const std::uint8_t* p = image.at(x0 - kHalf, y);
   const std::uint8_t* up = p - image.stride();
   const std::uint8_t* down = p + image.stride();
-  int* xx = products_.data() + slot * 3 * width_;
   int* xy = xx + width_;
   int* yy = xy + width_;
-  int* sum_xx = columns_.data();
-  int* sum_xy = sum_xx + width_;
-  int* sum_yy = sum_xy + width_;
   for (int i = 0; i < width_; ++i) {
     const int gx = (up[i + 1] - up[i - 1]) + 2 * (p[i + 1] - p[i - 1]) + (down[i + 1] - down[i - 1]);
     const int gy = (down[i - 1] - up[i - 1]) + 2 * (down[i] - up[i]) + (down[i + 1] - up[i + 1]);
-    sum_xx[i] += gx * gx - xx[i];
-    sum_xy[i] += gx * gy - xy[i];
-    sum_yy[i] += gy * gy - yy[i];
-    xx[i] = gx * gx;
-    xy[i] = gx * gy;
-    yy[i] = gy * gy;
+    xx[i] = (gx * gx) >> kProductShift;
+    xy[i] = (gx * gy) >> kProductShift;
+    yy[i] = (gy * gy) >> kProductShift;
+  }
+}
+
+void CornerScore::sum_columns(int y) {
+  const int row_size = 3 * width_;
+  const int* r = products_.data() + y * row_size;
+  int* out = columns_.data();
+  for (int i = 0; i < row_size; ++i) {
+    out[i] = binomial(r[i], r[i + row_size], r[i + 2 * row_size], r[i + 3 * row_size], r[i + 4 * row_size],
+                      r[i + 5 * row_size], r[i + 6 * row_size]);
   }
 }
 
@@ -41,17 +48,14 @@ void CornerScore::score_row(float* out) const {
   const int* xx = columns_.data();
   const int* xy = xx + width_;
   const int* yy = xy + width_;
-  constexpr float kScale = 1.0f / (kSobelGain * kSobelGain * kWindow * kWindow);
+  constexpr float kScale = (1 << kProductShift) / (kSobelGain * kSobelGain * kWindowWeight);
+  const auto across = [](const int* p) {
+    return static_cast<float>(binomial(p[0], p[1], p[2], p[3], p[4], p[5], p[6]));
+  };
   for (int i = 0; i < cols_; ++i) {
-    int sum_xx = 0, sum_xy = 0, sum_yy = 0;
-    for (int k = 0; k < kWindow; ++k) {
-      sum_xx += xx[i + k];
-      sum_xy += xy[i + k];
-      sum_yy += yy[i + k];
-    }
-    const float a = static_cast<float>(sum_xx), b = static_cast<float>(sum_xy), c = static_cast<float>(sum_yy);
-    const float half = 0.5f * (a - c);
-    out[i] = kScale * (0.5f * (a + c) - std::sqrt(half * half + b * b));
+    const float a = across(xx + i), b = across(xy + i), c = across(yy + i);
+    const float half = 0.5F * (a - c);
+    out[i] = kScale * (0.5F * (a + c) - std::sqrt(half * half + b * b));
   }
 }
 
@@ -59,13 +63,16 @@ void CornerScore::compute(const PyramidLevel& image, int x0, int y0, int cols, i
   cols_ = cols;
   rows_ = rows;
   width_ = cols + 2 * kHalf;
-  const auto row_size = static_cast<std::size_t>(3 * width_);
-  products_.assign(row_size * kWindow, 0);
-  columns_.assign(row_size, 0);
-  scores_.resize(static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows));
+  const int row_size = 3 * width_;
+  products_.resize(static_cast<std::size_t>(row_size * (rows + 2 * kHalf)));
+  columns_.resize(static_cast<std::size_t>(row_size));
+  scores_.resize(static_cast<std::size_t>(cols * rows));
   for (int y = 0; y < rows + 2 * kHalf; ++y) {
-    add_row(image, x0, y0 - kHalf + y, y % kWindow);
-    if (y >= 2 * kHalf) score_row(scores_.data() + (y - 2 * kHalf) * cols);
+    differentiate_row(image, x0, y0 - kHalf + y, products_.data() + y * row_size);
+  }
+  for (int y = 0; y < rows; ++y) {
+    sum_columns(y);
+    score_row(scores_.data() + y * cols);
   }
 }
 

@@ -9,8 +9,8 @@
 
 namespace coslam {
 
-// Smaller eigenvalue of the structure tensor averaged over 7 x 7 pixels, in (grey levels / pixel)^2, for a part of an
-// image. Buffers are kept from call to call.
+// Smaller eigenvalue of the structure tensor, in (grey levels / pixel)^2, for a part of an image. The tensor is averaged
+// under a bell of 7 x 7 pixels: a box would make plateaus of ideal corners. Buffers are kept from call to call.
 class CornerScore {
  public:
   // For the pixels [x0, x0 + cols) x [y0, y0 + rows), which may hang a little over the image into its margin.
@@ -21,13 +21,14 @@ class CornerScore {
   const float* row(int y) const { return scores_.data() + y * cols_; }
 
  private:
-  void add_row(const PyramidLevel& image, int x0, int y, int slot);
+  void differentiate_row(const PyramidLevel& image, int x0, int y, int* xx);
+  void sum_columns(int y);
   void score_row(float* out) const;
 
   int cols_ = 0, rows_ = 0;
   int width_ = 0;              // of a row of products: cols_ and what the window adds
-  std::vector<int> products_;  // a ring of rows, each gx gx, gx gy, gy gy
-  std::vector<int> columns_;   // sums down the ring, laid out like one row of it
+  std::vector<int> products_;  // rows, each gx gx, gx gy, gy gy
+  std::vector<int> columns_;   // weighted sums down the window, laid out like one row of them
   std::vector<float> scores_;
 };
 

@@ -13,23 +13,25 @@ namespace coslam {
 
 struct CornerConfig {
   int max_tracks = 300;
-  float min_distance_px = 12;    // at the size of the images given
+  float min_distance_px = 12;
   float min_eigenvalue = 1e-3f;  // relative to the strongest corner of recent images
   float border_px = 12;
 };
 
-// Finds new Shi-Tomasi corners in the emptiest cells of a grid, and evaluates only the cells that it needs. A corner is
-// weighed against the strongest of recent images or, so that dark parts get tracks too, against its own surroundings.
-// Deterministic; thread-compatible.
+// Finds new Shi-Tomasi corners in the emptiest cells of a grid, and evaluates only the cells that it needs. It looks at
+// the image halved, where the noise of the camera makes no corners. A corner is weighed against the strongest of recent
+// images or, so that dark parts get tracks too, against its own surroundings. Deterministic; thread-compatible.
 class CornerFinder {
  public:
   explicit CornerFinder(const CornerConfig& config) : config_(config) {}
 
   // At most `wanted` corners, none closer than min_distance_px to another or to a live track.
-  const std::vector<Eigen::Vector2f>& find(const PyramidLevel& image, const std::vector<Eigen::Vector2f>& live_px,
+  // All places are pixels of level 0.
+  const std::vector<Eigen::Vector2f>& find(const Pyramid& pyramid, const std::vector<Eigen::Vector2f>& live_px,
                                            int wanted);
 
  private:
+  // Below, all pixels are those of the level looked at.
   struct Candidate {
     Eigen::Vector2f px;
     float score;
@@ -43,15 +45,21 @@ class CornerFinder {
   };
 
   void lay_grid(const PyramidLevel& image);
+  void clear_cells();
   std::size_t cell_index(const Eigen::Vector2f& px) const;
-  void evaluate(const PyramidLevel& image, Cell& cell);
+  void evaluate(Cell& cell);
+  void keep_good(Cell& cell, float mean_score);
   bool has_room(const Eigen::Vector2f& px) const;
-  bool take_best(const PyramidLevel& image, Cell& cell);
+  bool take_best(Cell& cell);
+  bool serve(Cell& cell, std::size_t round);
 
   CornerConfig config_;
+  const PyramidLevel* image_ = nullptr;  // during find()
+  float scale_ = 1;                      // pixels of level 0 a pixel of it
   int image_cols_ = 0, image_rows_ = 0;
   int grid_cols_ = 0, grid_rows_ = 0;
   std::vector<Cell> cells_;
+  std::size_t first_cell_ = 0;  // to be served, moves on from image to image
   std::vector<Eigen::Vector2f> found_px_;
   CornerScore score_;
   float strongest_ = 0;  // corner of recent images, (grey levels / pixel)^2

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace coslam {
@@ -62,6 +63,25 @@ Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to) {
       static_cast<float>(best_x) + vertex(at(best_x - 1, best_y), best, at(best_x + 1, best_y)),
       static_cast<float>(best_y) + vertex(at(best_x, best_y - 1), best, at(best_x, best_y + 1)));
   return shift * static_cast<float>(1 << top);
+}
+
+Eigen::Vector2f MotionField::near(const Eigen::Vector2f& px) {
+  constexpr std::size_t kMost = 5;
+  const std::size_t count = std::min(kMost, samples_.size());
+  const auto middle = samples_.begin() + static_cast<std::ptrdiff_t>(count);
+  std::partial_sort(samples_.begin(), middle, samples_.end(), [&](const Sample& a, const Sample& b) {
+    return (a.at_px - px).squaredNorm() < (b.at_px - px).squaredNorm();
+  });
+  std::array<float, kMost> x{}, y{};
+  for (std::size_t i = 0; i < count; ++i) {
+    x[i] = samples_[i].motion_px.x();
+    y[i] = samples_[i].motion_px.y();
+  }
+  const auto median = [count](std::array<float, kMost>& values) {
+    std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+    return values[count / 2];
+  };
+  return {median(x), median(y)};
 }
 
 }  // namespace coslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "agent/track/pyramid.h"
 
@@ -11,5 +12,20 @@ namespace coslam {
 // Shift of the image content from one image to the next, as a whole, found by trying every shift of the coarsest level:
 // it cannot be misled by a wrong start, and a fast turn of the camera is mostly a shift. Pixels of level 0.
 Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to);
+
+// Motions of tracks from one image to the next, asked for the motion at another place.
+class MotionField {
+ public:
+  void add(const Eigen::Vector2f& at_px, const Eigen::Vector2f& motion_px) { samples_.push_back({at_px, motion_px}); }
+  bool empty() const { return samples_.empty(); }
+  // Median, in x and in y, of the motions of the five nearest. The field must not be empty.
+  Eigen::Vector2f near(const Eigen::Vector2f& px);
+
+ private:
+  struct Sample {
+    Eigen::Vector2f at_px, motion_px;
+  };
+  std::vector<Sample> samples_;
+};
 
 }  // namespace coslam

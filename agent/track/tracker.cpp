@@ -3,82 +3,153 @@
 #include "agent/track/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <utility>
 
 #include "agent/track/align.h"
 #include "agent/track/corners.h"
+#include "agent/track/key_patch.h"
 #include "agent/track/motion.h"
 #include "agent/track/pyramid.h"
 #include "common/base/check.h"
 
 namespace coslam {
+namespace {
+
+constexpr int kRetryTop = 2;     // a start that neighbours lend needs no coarser levels, which their border may spoil
+constexpr int kBackwardTop = 1;  // the way back starts where it should end, so the finest levels do
+// Further than this from where the image before leads, the first patch is not believed.
+constexpr float kKeyAgrees_px = 0.5f;
+// Further than this one of the two is wrong: the track slides, or no longer looks like its first patch.
+constexpr float kKeyDisagrees_px = 1.5f;
+constexpr int kMostDoubts = 3;        // images in a row in which the first patch may not be found
+constexpr float kCornerInset_px = 4;  // new corners keep off the border, where they would end at once
+
+CornerConfig corner_config(const TrackerConfig& config, int image_cols) {
+  CornerConfig c;
+  c.max_tracks = config.max_tracks;
+  c.min_distance_px = static_cast<float>(config.min_distance_px * image_cols / 640.0);
+  c.min_eigenvalue = static_cast<float>(config.min_eigenvalue);
+  c.border_px = static_cast<float>(config.border_px) + kCornerInset_px;
+  return c;
+}
+
+}  // namespace
 
 struct Tracker::State {
+  // What a track remembers beside its place.
+  struct Memory {
+    Eigen::Vector2f motion_px = Eigen::Vector2f::Zero();  // from the image before to the last
+    std::unique_ptr<KeyPatch> key;
+    int doubts = 0;
+  };
+
   explicit State(const TrackerConfig& c) : config(c) {}
 
-  TrackerConfig config;
+  const TrackerConfig config;
   Pyramid previous, current;
   std::vector<Track> tracks;
-  std::vector<Eigen::Vector2f> velocity_px;  // motion of each track from the image before the previous
-  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();
-  std::optional<CornerFinder> finder;
+  std::vector<Memory> memories;                        // by track
+  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the whole image, last time
+  std::unique_ptr<CornerFinder> finder;
   std::uint32_t next_id = 1;
 
   void follow();
-  bool follow_one(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const;
+  std::optional<Eigen::Vector2f> match(const Track& track, const Eigen::Vector2f& guess_px, int top) const;
+  std::vector<std::optional<Eigen::Vector2f>> match_all();
+  bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
+  TrackId start(const Eigen::Vector2f& px);
   void replenish();
 };
 
 bool Tracker::State::inside(const Eigen::Vector2f& px) const {
   const float border = static_cast<float>(config.border_px);
-  return px.x() >= border && px.y() >= border && px.x() <= static_cast<float>(current.level(0).cols() - 1) - border &&
-         px.y() <= static_cast<float>(current.level(0).rows() - 1) - border;
+  const PyramidLevel& image = current.level(0);
+  return px.x() >= border && px.y() >= border && px.x() <= static_cast<float>(image.cols() - 1) - border &&
+         px.y() <= static_cast<float>(image.rows() - 1) - border;
 }
 
-bool Tracker::State::follow_one(const Track& track, const Eigen::Vector2f& guess_px, Eigen::Vector2f& px) const {
-  const Alignment forward = align(previous, track.raw_px, current, guess_px, {current.levels() - 1, 0});
-  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return false;
-  const Alignment back = align(current, forward.px, previous, track.raw_px, {1, 0});
-  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return false;
-  px = forward.px;
+// From the previous image to this one, from level `top` down, and back.
+std::optional<Eigen::Vector2f> Tracker::State::match(const Track& track, const Eigen::Vector2f& guess_px,
+                                                     int top) const {
+  const Alignment forward = align(previous, track.raw_px, current, guess_px, top);
+  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return std::nullopt;
+  const Alignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
+  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return std::nullopt;
+  return forward.px;
+}
+
+// Where each track went, by the two images alone.
+std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
+  const Eigen::Vector2f shift = global_shift(previous, current);
+  const Eigen::Vector2f change = shift - std::exchange(shift_px, shift);
+  std::vector<std::optional<Eigen::Vector2f>> matches;
+  MotionField field;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    // A turn of the camera changes all motions alike; parallax stays with the track.
+    const Eigen::Vector2f at = tracks[i].raw_px, motion = memories[i].motion_px;
+    const std::array<Eigen::Vector2f, 3> guesses = {at + motion, at + motion + change, at + shift};
+    matches.push_back(match(tracks[i], best_guess(previous, at, current, guesses), current.levels() - 1));
+    if (matches.back()) field.add(at, *matches.back() - at);
+  }
+  for (std::size_t i = 0; i < tracks.size() && !field.empty(); ++i) {
+    const Eigen::Vector2f at = tracks[i].raw_px;
+    if (!matches[i]) matches[i] = match(tracks[i], at + field.near(at), kRetryTop);
+  }
+  return matches;
+}
+
+// Moves px to where the track's first patch is found. False when it has not been for a while.
+bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
+  const KeyAlignment key = find_key_patch(*memory.key, current, px);
+  const float distance_px = (key.px - px).norm();
+  if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) return ++memory.doubts < kMostDoubts;
+  memory.doubts = 0;
+  if (distance_px < kKeyAgrees_px) {
+    px = key.px;
+    memory.key->warp = key.warp;
+  }
   return true;
 }
 
 void Tracker::State::follow() {
   if (tracks.empty()) return;
-  const Eigen::Vector2f shift = global_shift(previous, current);
-  const Eigen::Vector2f change = shift - shift_px;
-  shift_px = shift;
+  const std::vector<std::optional<Eigen::Vector2f>> matches = match_all();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
-    const Eigen::Vector2f motion = track.age_frames > 0 ? Eigen::Vector2f(velocity_px[i] + change) : shift;
-    Eigen::Vector2f px;
-    if (!follow_one(track, track.raw_px + motion, px)) continue;
-    velocity_px[kept] = px - track.raw_px;
-    tracks[kept++] = {track.id, px, track.age_frames + 1};
+    Memory& memory = memories[i];
+    if (!matches[i]) continue;
+    Eigen::Vector2f px = *matches[i];
+    if (!confirm(memory, px)) continue;
+    memory.motion_px = px - track.raw_px;
+    tracks[kept] = {track.id, px, track.age_frames + 1};
+    if (kept != i) memories[kept] = std::move(memory);
+    ++kept;
   }
   tracks.resize(kept);
-  velocity_px.resize(kept);
+  memories.resize(kept);
+}
+
+TrackId Tracker::State::start(const Eigen::Vector2f& px) {
+  tracks.push_back({TrackId(next_id++), px, 0});
+  Memory& memory = memories.emplace_back();
+  memory.motion_px = shift_px;
+  memory.key = std::make_unique<KeyPatch>();
+  memory.key->take(current.level(0), px);
+  return tracks.back().id;
 }
 
 void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
-  if (!finder) {
-    CornerConfig c;
-    c.max_tracks = config.max_tracks;
-    c.min_distance_px = static_cast<float>(config.min_distance_px * current.level(0).cols() / 640.0);
-    c.min_eigenvalue = static_cast<float>(config.min_eigenvalue);
-    c.border_px = static_cast<float>(config.border_px) + 4;
-    finder.emplace(c);
-  }
-  std::vector<Eigen::Vector2f> live;
-  for (const Track& t : tracks) live.push_back(t.raw_px);
-  for (const Eigen::Vector2f& px : finder->find(current.level(0), live, missing)) {
-    tracks.push_back({TrackId(next_id++), px, 0});
-    velocity_px.emplace_back(0, 0);
+  if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, current.level(0).cols()));
+  std::vector<Eigen::Vector2f> live_px;
+  for (const Track& t : tracks) live_px.push_back(t.raw_px);
+  for (const Eigen::Vector2f& px : finder->find(current, live_px, missing)) {
+    start(px);
   }
 }
 
@@ -87,6 +158,9 @@ Tracker::~Tracker() = default;
 
 const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   COSLAM_CHECK(grey.type() == CV_8UC1, "a grey 8-bit image");
+  const Pyramid& last = state_->current;
+  COSLAM_CHECK(last.empty() || (last.level(0).cols() == grey.cols && last.level(0).rows() == grey.rows),
+               "constant size");
   std::swap(state_->previous, state_->current);
   state_->current.build(grey, state_->config.levels);
   state_->follow();
@@ -105,16 +179,14 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
       ids.push_back(same->id);
       continue;
     }
-    ids.push_back(TrackId(state_->next_id++));
-    state_->tracks.push_back({ids.back(), px, 0});
-    state_->velocity_px.emplace_back(0, 0);
+    ids.push_back(state_->start(px));
   }
   return ids;
 }
 
 void Tracker::reset() {
   state_->tracks.clear();
-  state_->velocity_px.clear();
+  state_->memories.clear();
   state_->shift_px.setZero();
 }
 

@@ -13,12 +13,12 @@ namespace coslam {
 
 struct TrackerConfig {
   int max_tracks = 300;
-  int levels = 5;                    // pyramid levels, level 0 included; the KLT window is 16 x 16 at each
+  int levels = 5;                    // pyramid levels, level 0 included; the KLT window is 16 x 16 pixels of each
   double min_distance_px = 12;       // between a new corner and any live track, at 640 px width (scaled with width)
-  double forward_backward_px = 0.7;  // largest return error
-  double min_zncc = 0.8;
-  double min_eigenvalue = 1e-3;  // of the structure tensor, relative to the strongest corner of recent images
-  double border_px = 8;          // tracks end this close to the image border
+  double forward_backward_px = 0.5;  // largest return error
+  double min_zncc = 0.75;            // of a track's window with the one in the previous image, and with its first
+  double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
+  double border_px = 8;              // tracks end this close to the image border
 };
 
 // A live feature, raw pixels.
@@ -28,8 +28,9 @@ struct Track {
   std::uint32_t age_frames = 0;  // 0 in the image where it was found
 };
 
-// Shi-Tomasi corners followed by pyramidal KLT with a gain and offset per window, checked forward and backward. New
-// corners fill the emptiest parts of the image. A track that leaves the image, fails the check or jumps ends for good.
+// Shi-Tomasi corners followed by pyramidal KLT with a gain and offset per window, checked forward and backward and
+// against the patch that was seen first, which also keeps a track from drifting. New corners fill the emptiest parts of
+// the image. A track that leaves the image, fails a check or jumps ends for good.
 // Pure and deterministic: the same images give the same tracks. Thread-compatible.
 class Tracker {
  public:

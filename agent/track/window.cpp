@@ -9,22 +9,18 @@
 namespace coslam {
 namespace {
 
-// Samples carry 5 bits below a grey level and are centred, so that they lie within +-4096; template values carry 3
-// bits. By Cauchy and Schwarz any sum of products over the window then stays below 256 * 4096 * 1024 = 2^30.
-constexpr int kSampleUnit = 32;
-constexpr int kSampleCentre = 128 * kSampleUnit;
-constexpr int kTemplateShift = 2;
-constexpr double kTemplateUnit = kSampleUnit >> kTemplateShift;
-constexpr int kWeightSum = 256;  // of the four bilinear weights: 255 * 256 just fits 16 bits
-constexpr int kWeightShift = 3;  // kWeightSum / kSampleUnit = 2^3
+constexpr int kWeightSum = 256;    // of the four bilinear weights: 255 * 256 just fits 16 bits
+constexpr int kWeightShift = 3;    // kWeightSum / kSampleUnit = 2^3
+constexpr int kTemplateCols = 24;  // a pixel more on either side than the window, and up to whole vectors
+constexpr int kTemplateRows = kWindowSide + 2;
 
-// Whole pixel and bilinear weights of a window's first sample.
-struct Corner16 {
-  const std::uint8_t* first;
+// Whole pixel and bilinear weights of the first sample; the others of a window share its fractions.
+struct FirstSample {
+  const std::uint8_t* pixel;
   std::uint16_t w00, w01, w10, w11;
 };
 
-Corner16 corner_of(const PyramidLevel& level, float x, float y) {
+FirstSample first_sample(const PyramidLevel& level, float x, float y) {
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
   const float a = x - static_cast<float>(ix), b = y - static_cast<float>(iy);
   const auto weight = [](float w) { return static_cast<int>(w * kWeightSum + 0.5f); };
@@ -35,9 +31,9 @@ Corner16 corner_of(const PyramidLevel& level, float x, float y) {
 }
 
 template <int kCols, int kRows>
-inline void sample(const Corner16& corner, std::ptrdiff_t stride, std::int16_t* out) {
-  const std::uint16_t w00 = corner.w00, w01 = corner.w01, w10 = corner.w10, w11 = corner.w11;
-  const std::uint8_t* upper = corner.first;
+inline void sample(const FirstSample& first, std::ptrdiff_t stride, std::int16_t* out) {
+  const std::uint16_t w00 = first.w00, w01 = first.w01, w10 = first.w10, w11 = first.w11;
+  const std::uint8_t* upper = first.pixel;
   for (int r = 0; r < kRows; ++r, upper += stride, out += kCols) {
     const std::uint8_t* lower = upper + stride;
     for (int c = 0; c < kCols; ++c) {
@@ -48,102 +44,81 @@ inline void sample(const Corner16& corner, std::ptrdiff_t stride, std::int16_t* 
   }
 }
 
-using Samples = std::array<std::int16_t, kWindowArea>;
-
-inline int dot(const Samples& a, const Samples& b) {
-  int sum = 0;
-  for (int i = 0; i < kWindowArea; ++i) sum += a[static_cast<std::size_t>(i)] * b[static_cast<std::size_t>(i)];
-  return sum;
-}
-
-inline int total(const Samples& a) {
-  int sum = 0;
-  for (int i = 0; i < kWindowArea; ++i) sum += a[static_cast<std::size_t>(i)];
-  return sum;
-}
-
-double centred(int products, int sum_a, int sum_b) {
-  return static_cast<double>(products) - static_cast<double>(sum_a) * sum_b / kWindowArea;
-}
-
 void sample_window(const PyramidLevel& level, const Eigen::Vector2f& centre_px, Samples& out) {
-  const Corner16 corner = corner_of(level, centre_px.x() - kWindowHalf_px, centre_px.y() - kWindowHalf_px);
-  sample<kWindowSide, kWindowSide>(corner, level.stride(), out.data());
+  const FirstSample first = first_sample(level, centre_px.x() - kWindowHalf_px, centre_px.y() - kWindowHalf_px);
+  sample<kWindowSide, kWindowSide>(first, level.stride(), out.data());
+}
+
+void prepare(WindowTemplate& w) {
+  w.total_dx = total(w.dx);
+  w.total_dy = total(w.dy);
+  w.total_grey = total(w.grey);
+  Eigen::Matrix3d products;
+  products(0, 0) = centred(dot(w.dx, w.dx), w.total_dx, w.total_dx);
+  products(1, 1) = centred(dot(w.dy, w.dy), w.total_dy, w.total_dy);
+  products(2, 2) = w.squares = centred(dot(w.grey, w.grey), w.total_grey, w.total_grey);
+  products(0, 1) = products(1, 0) = centred(dot(w.dx, w.dy), w.total_dx, w.total_dy);
+  products(0, 2) = products(2, 0) = centred(dot(w.dx, w.grey), w.total_dx, w.total_grey);
+  products(1, 2) = products(2, 1) = centred(dot(w.dy, w.grey), w.total_dy, w.total_grey);
+  w.min_eigenvalue = 0;
+  if (w.squares <= 0) return;
+  const Eigen::Vector2d g = products.topRightCorner<2, 1>();
+  const Eigen::Matrix2d tensor = products.topLeftCorner<2, 2>() - g * g.transpose() / w.squares;
+  const double spread = std::hypot(0.5 * (tensor(0, 0) - tensor(1, 1)), tensor(0, 1));
+  w.min_eigenvalue = (0.5 * tensor.trace() - spread) / (kTemplateUnit * kTemplateUnit);
+  if (w.min_eigenvalue > 0) w.inverse = products.inverse();
 }
 
 }  // namespace
 
 bool window_readable(const PyramidLevel& level, const Eigen::Vector2f& centre_px) {
-  // Half a window, a pixel for the derivative and up to 7 more that the wide loads of cut_template() touch.
-  constexpr float kReach = PyramidLevel::kMargin - kWindowHalf_px - 9;
+  // Half a window, a pixel for the derivative, one for the interpolation, and what kTemplateCols reads beyond.
+  constexpr float kReach = PyramidLevel::kMargin - kWindowHalf_px - 2 - (kTemplateCols - kTemplateRows);
   return centre_px.x() >= -kReach && centre_px.y() >= -kReach &&
          centre_px.x() <= static_cast<float>(level.cols() - 1) + kReach &&
          centre_px.y() <= static_cast<float>(level.rows() - 1) + kReach;
 }
 
-void WindowTemplate::prepare() {
-  sums = {total(dx), total(dy), total(grey)};
-  products(0, 0) = centred(dot(dx, dx), sums[0], sums[0]);
-  products(1, 1) = centred(dot(dy, dy), sums[1], sums[1]);
-  products(2, 2) = centred(dot(grey, grey), sums[2], sums[2]);
-  products(0, 1) = products(1, 0) = centred(dot(dx, dy), sums[0], sums[1]);
-  products(0, 2) = products(2, 0) = centred(dot(dx, grey), sums[0], sums[2]);
-  products(1, 2) = products(2, 1) = centred(dot(dy, grey), sums[1], sums[2]);
-  min_eigenvalue = 0;
-  const double greys = products(2, 2);
-  if (greys <= 0) return;
-  const Eigen::Vector2d g = products.topRightCorner<2, 1>();
-  const Eigen::Matrix2d tensor = products.topLeftCorner<2, 2>() - g * g.transpose() / greys;
-  const double mean = 0.5 * tensor.trace();
-  const double spread = std::hypot(0.5 * (tensor(0, 0) - tensor(1, 1)), tensor(0, 1));
-  min_eigenvalue = (mean - spread) / (kTemplateUnit * kTemplateUnit);
-  if (min_eigenvalue > 0) inverse = products.inverse();
-}
-
 void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, WindowTemplate& window) {
-  constexpr int kCols = 24, kRows = kWindowSide + 2;  // a pixel more on every side, and columns up to whole vectors
-  alignas(64) std::array<std::int16_t, kCols * kRows> samples;
-  const Corner16 corner = corner_of(level, centre_px.x() - kWindowHalf_px - 1, centre_px.y() - kWindowHalf_px - 1);
-  sample<kCols, kRows>(corner, level.stride(), samples.data());
-  constexpr int kDoubled = 1;  // central differences over two pixels
+  alignas(64) std::array<std::int16_t, kTemplateCols * kTemplateRows> samples;
+  const FirstSample first = first_sample(level, centre_px.x() - kWindowHalf_px - 1, centre_px.y() - kWindowHalf_px - 1);
+  sample<kTemplateCols, kTemplateRows>(first, level.stride(), samples.data());
+  constexpr int kDifferenceShift = kTemplateShift + 1;  // central differences span two pixels
   for (int r = 0; r < kWindowSide; ++r) {
-    const std::int16_t* row = samples.data() + (r + 1) * kCols + 1;
+    const std::int16_t* row = samples.data() + (r + 1) * kTemplateCols + 1;
     std::int16_t* grey = window.grey.data() + r * kWindowSide;
     std::int16_t* dx = window.dx.data() + r * kWindowSide;
     std::int16_t* dy = window.dy.data() + r * kWindowSide;
     for (int c = 0; c < kWindowSide; ++c) {
       grey[c] = static_cast<std::int16_t>(row[c] >> kTemplateShift);
-      dx[c] = static_cast<std::int16_t>((row[c + 1] - row[c - 1]) >> (kTemplateShift + kDoubled));
-      dy[c] = static_cast<std::int16_t>((row[c + kCols] - row[c - kCols]) >> (kTemplateShift + kDoubled));
+      dx[c] = static_cast<std::int16_t>((row[c + 1] - row[c - 1]) >> kDifferenceShift);
+      dy[c] = static_cast<std::int16_t>((row[c + kTemplateCols] - row[c - kTemplateCols]) >> kDifferenceShift);
     }
   }
-  window.prepare();
+  prepare(window);
 }
 
 WindowStep window_step(const PyramidLevel& level, const Eigen::Vector2f& centre_px, const WindowTemplate& window) {
-  alignas(64) Samples samples;
+  Samples samples;
   sample_window(level, centre_px, samples);
   const int sum = total(samples);
-  const Eigen::Vector3d with(centred(dot(samples, window.dx), sum, window.sums[0]),
-                             centred(dot(samples, window.dy), sum, window.sums[1]),
-                             centred(dot(samples, window.grey), sum, window.sums[2]));
-  const Eigen::Vector3d solution = window.inverse * with;  // gain * d, gain
+  const Eigen::Vector3d with(centred(dot(samples, window.dx), sum, window.total_dx),
+                             centred(dot(samples, window.dy), sum, window.total_dy),
+                             centred(dot(samples, window.grey), sum, window.total_grey));
+  const Eigen::Vector3d solution = window.inverse * with;  // gain * offset, gain
   WindowStep step;
   step.gain = static_cast<float>(solution.z() * kTemplateUnit / kSampleUnit);
-  step.d_px = (solution.head<2>() / solution.z()).cast<float>();
+  if (step.gain > 0) step.offset_px = (solution.head<2>() / solution.z()).cast<float>();
   return step;
 }
 
 float window_zncc(const PyramidLevel& level, const Eigen::Vector2f& centre_px, const WindowTemplate& window) {
-  alignas(64) Samples samples;
+  Samples samples;
   sample_window(level, centre_px, samples);
-  const int sum = total(samples);
-  const double with = centred(dot(samples, window.grey), sum, window.sums[2]);
-  for (std::int16_t& s : samples) s = static_cast<std::int16_t>(s >> kTemplateShift);  // so that squares fit
-  const int small_sum = total(samples);
-  const double own = centred(dot(samples, samples), small_sum, small_sum);
-  if (own <= 0 || window.products(2, 2) <= 0) return 0.0f;
-  return static_cast<float>(with / (1 << kTemplateShift) / std::sqrt(own * window.products(2, 2)));
+  const double squares = centred_squares(samples);
+  if (squares <= 0 || window.squares <= 0) return 0.0f;
+  const double with = centred(dot(samples, window.grey), total(samples), window.total_grey);
+  return static_cast<float>(with / ((1 << kTemplateShift) * std::sqrt(squares * window.squares)));
 }
 
 }  // namespace coslam

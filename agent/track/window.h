@@ -3,33 +3,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
 
 #include "agent/track/pyramid.h"
+#include "agent/track/samples.h"
 
-// The inner loops of the tracker: sums over a 16 x 16 window at a sub-pixel place. All in 16-bit integers, which every
-// processor's vector unit does well without special builds, and which give the same bits on all of them.
 namespace coslam {
 
-constexpr int kWindowSide = 16;
-constexpr int kWindowArea = kWindowSide * kWindowSide;
-// The window's pixels lie at centre - 7.5 ... centre + 7.5 in x and y.
-constexpr float kWindowHalf_px = 0.5f * (kWindowSide - 1);
-
-// A window of one image, to be found in another, with what Gauss-Newton needs of it. `products` are the sums of
-// products of (dx, dy, grey) with each other, means removed: to eliminate grey and the constant is to allow a gain and
-// an offset.
+// A window of one image, to be found in another, with what Gauss-Newton needs of it. Another window is explained as
+// gain * template(moved) + offset: taking means out eliminates the offset, the third row the gain.
 struct WindowTemplate {
-  alignas(64) std::array<std::int16_t, kWindowArea> grey;
-  alignas(64) std::array<std::int16_t, kWindowArea> dx;
-  alignas(64) std::array<std::int16_t, kWindowArea> dy;
-  std::array<int, 3> sums{};  // of dx, dy, grey
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-  double min_eigenvalue = 0;  // of the structure tensor, gain and offset eliminated: (grey / pixel)^2, summed
-
-  void prepare();  // computes everything below `dy` from the three arrays
+  Samples grey, dx, dy;
+  int total_grey = 0, total_dx = 0, total_dy = 0;
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of the products of (dx, dy, grey), means taken out
+  double squares = 0;                                 // of grey, mean taken out
+  double min_eigenvalue = 0;  // of the structure tensor, gain and offset eliminated: (grey levels / pixel)^2, summed
 };
 
 // Whether the window centred there, with a pixel around it, lies in the level and its margin.
@@ -38,10 +25,10 @@ bool window_readable(const PyramidLevel& level, const Eigen::Vector2f& centre_px
 // The centres below must be readable.
 void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, WindowTemplate& window);
 
-// The window at centre_px explained as gain * template(moved by d) + offset, linearised: d, and the gain.
+// How far centre_px lies from where the template is found, to first order, and with which gain.
 struct WindowStep {
-  Eigen::Vector2f d_px;  // from where the template's content is to centre_px; subtract it
-  float gain = 0.0f;
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
+  float gain = 0.0f;  // offset_px means nothing unless this is positive
 };
 WindowStep window_step(const PyramidLevel& level, const Eigen::Vector2f& centre_px, const WindowTemplate& window);
 

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a tracker promises of its tracks whatever the motion.
+#include "agent/track/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "tests/support/synthetic_view.h"
+
+namespace coslam {
+namespace {
+
+const cv::Size kImage(640, 480);
+
+cv::Mat image_at(const cv::Mat& texture, double x, double y, std::uint64_t noise_seed = 1) {
+  test::View view = test::View::at({500 + x, 400 + y}, 0, 1, kImage);
+  view.noise = 2;
+  return test::render(texture, view, kImage, noise_seed);
+}
+
+TEST(Tracker, IdsAscendAndAreNeverUsedAgain) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 1);
+  Tracker tracker({});
+  std::set<TrackId> ended;
+  std::set<TrackId> before;
+  for (int i = 0; i < 25; ++i) {
+    if (i == 15) tracker.reset();
+    const auto& tracks = tracker.step(image_at(texture, 12.0 * (i % 9), 7.0 * (i % 5)));
+    EXPECT_LE(tracks.size(), 300U);
+    EXPECT_GE(tracks.size(), 200U);
+    std::set<TrackId> now;
+    TrackId last;
+    for (const Track& t : tracks) {
+      EXPECT_GT(t.id, last);
+      last = t.id;
+      now.insert(t.id);
+      EXPECT_FALSE(ended.contains(t.id));
+      EXPECT_EQ(t.age_frames > 0, before.contains(t.id));
+      EXPECT_TRUE(i != 15 || t.age_frames == 0);
+    }
+    for (const TrackId& id : before) {
+      if (!now.contains(id)) ended.insert(id);
+    }
+    before = now;
+  }
+  EXPECT_FALSE(ended.empty());
+}
+
+TEST(Tracker, TracksThatLeaveTheImageEnd) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 2);
+  Tracker tracker({});
+  std::map<TrackId, float> first_x;
+  for (int i = 0; i < 30; ++i) {
+    for (const Track& t : tracker.step(image_at(texture, 8.0 * i, 0))) {
+      EXPECT_GE(t.raw_px.x(), 7.5);
+      EXPECT_LE(t.raw_px.x(), 639 - 7.5);
+      if (i == 0) first_x[t.id] = t.raw_px.x();
+      const auto first = first_x.find(t.id);
+      EXPECT_TRUE(first == first_x.end() || first->second - 8.0F * static_cast<float>(i) > 5)
+          << "out of view, yet alive";
+    }
+  }
+}
+
+TEST(Tracker, AnOccluderEndsTracksRatherThanDragsThem) {
+  const cv::Mat background = test::plane_texture(1000, 800, 3);
+  const cv::Mat block = test::plane_texture(80, 150, 4);
+  Tracker tracker({});
+  std::map<TrackId, Eigen::Vector2f> first;  // the background stands still
+  int slid = 0;
+  int still = 0;
+  for (int i = 0; i < 60; ++i) {
+    cv::Mat image = image_at(background, 0, 0, static_cast<std::uint64_t>(i + 1));
+    if (i >= 5) block.copyTo(image(cv::Rect((i - 5) * 8, 90, 160, 300)));
+    const auto& tracks = tracker.step(image);
+    if (i == 0) {
+      for (const Track& t : tracks) first[t.id] = t.raw_px;
+      continue;
+    }
+    if (i < 59) continue;
+    for (const Track& t : tracks) {
+      if (!first.contains(t.id)) continue;
+      ((t.raw_px - first[t.id]).norm() > 1.5F ? slid : still) += 1;
+    }
+  }
+  EXPECT_LE(slid, 1);
+  EXPECT_GT(still, 60);  // of about 300, half of which the block swept over
+}
+
+TEST(Tracker, CoversEveryPartThatHasTexture) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 5);
+  Tracker tracker({});
+  std::vector<Track> tracks;
+  for (int i = 0; i < 12; ++i) tracks = tracker.step(image_at(texture, 9.0 * i, 4.0 * i));
+  std::array<int, 48> counts{};
+  for (const Track& t : tracks)
+    ++counts.at(static_cast<std::size_t>(t.raw_px.y()) / 80 * 8 + static_cast<std::size_t>(t.raw_px.x()) / 80);
+  for (const int count : counts) EXPECT_GE(count, 1);
+}
+
+TEST(Tracker, SameImagesSameBits) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 6);
+  Tracker one({});
+  Tracker two({});
+  for (int i = 0; i < 10; ++i) {
+    const cv::Mat image = image_at(texture, 5.0 * i, 3.0 * i, static_cast<std::uint64_t>(i + 1));
+    const auto& a = one.step(image);
+    const auto& b = two.step(image);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      EXPECT_EQ(a[k].id, b[k].id);
+      EXPECT_EQ(a[k].raw_px, b[k].raw_px);
+    }
+  }
+}
+
+TEST(Tracker, AddedPlacesAreFollowed) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 7);
+  Tracker tracker({});
+  const Track known = tracker.step(image_at(texture, 0, 0)).front();
+  const std::vector<TrackId> ids = tracker.add({known.raw_px + Eigen::Vector2f(1, 1), {303.3F, 207.7F}}, 2.5F);
+  ASSERT_EQ(ids.size(), 2U);
+  EXPECT_EQ(ids[0], known.id);
+  const auto follow = tracker.step(image_at(texture, 4, 2));
+  for (const TrackId& id : ids) {
+    const auto t = std::find_if(follow.begin(), follow.end(), [&](const Track& x) { return x.id == id; });
+    ASSERT_NE(t, follow.end());
+    EXPECT_EQ(t->age_frames, 1U);
+  }
+}
+
+TEST(Tracker, BearsImagesWithoutTexture) {
+  Tracker tracker({});
+  const cv::Mat texture = test::plane_texture(1000, 800, 8);
+  EXPECT_FALSE(tracker.step(image_at(texture, 0, 0)).empty());
+  EXPECT_TRUE(tracker.step(cv::Mat(kImage, CV_8U, cv::Scalar(0))).empty());
+  EXPECT_TRUE(tracker.step(cv::Mat(kImage, CV_8U, cv::Scalar(255))).empty());
+  EXPECT_FALSE(tracker.step(image_at(texture, 0, 0)).empty());
+}
+
+TEST(Tracker, SmallImagesWork) {
+  const cv::Mat texture = test::plane_texture(300, 200, 9);
+  for (const cv::Size& size : {cv::Size(64, 48), cv::Size(33, 35)}) {
+    Tracker tracker({});
+    for (int i = 0; i < 4; ++i) {
+      const test::View view = test::View::at({150.0 + i, 100}, 0, 1, size);
+      tracker.step(test::render(texture, view, size));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace coslam
