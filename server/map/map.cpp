@@ -141,7 +141,6 @@ void Map::unbind(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
   track.point = PointId();
   track.gate_failures = 0;
-  unbound_.push_back({camera_id, track.id});
 }
 
 void Map::unbind_and_forget(CameraId camera_id, ServerTrack& track) {
