@@ -14,6 +14,7 @@ namespace coslam {
 namespace {
 
 constexpr int kMinPoints = 6;
+constexpr double kMinPivot = 1e-10;  // of the scaled normal equations; a true degeneracy leaves rounding errors
 
 struct Residual {
   Eigen::Vector2d r = Eigen::Vector2d::Zero();
@@ -149,12 +150,14 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
     result.status = PoseStatus::kTooFewInliers;
     return result;
   }
-  const Eigen::LDLT<Matrix6d> ldlt(s.a);
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-9 * ldlt.vectorD().maxCoeff() * 1e-6)) {
+  // Scaled to a unit diagonal, so that the test does not depend on the units of angle and length.
+  const Vector6d scale = s.a.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Matrix6d> ldlt(scale.asDiagonal() * s.a * scale.asDiagonal());
+  if (!scale.allFinite() || ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kMinPivot)) {
     result.status = PoseStatus::kDegenerate;
     return result;
   }
-  result.covariance = ldlt.solve(Matrix6d::Identity());
+  result.covariance = scale.asDiagonal() * ldlt.solve(Matrix6d::Identity()) * scale.asDiagonal();
   result.status = result.covariance.allFinite() ? PoseStatus::kOk : PoseStatus::kDegenerate;
   return result;
 }

@@ -21,10 +21,13 @@ auto find_frame(Frames& frames, SetId set) -> decltype(frames.data()) {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
+// A track may come back to a point, or its point be fused with one that it was bound to before: each observation once.
 void sort_observations(MapPoint& p) {
-  std::sort(p.key_observations.begin(), p.key_observations.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.set, a.camera, a.track) < std::tie(b.set, b.camera, b.track);
-  });
+  const auto key = [](const KeyObservation& o) { return std::tie(o.set, o.camera, o.track); };
+  auto& all = p.key_observations;
+  std::sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  all.erase(std::unique(all.begin(), all.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
+            all.end());
 }
 
 bool before(const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; }
@@ -159,7 +162,6 @@ void Map::unbind(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
   track.point = PointId();
   track.gate_failures = 0;
-  unbound_.push_back({camera_id, track.id});
 }
 
 void Map::unbind_and_forget(CameraId camera_id, ServerTrack& track) {

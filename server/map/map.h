@@ -199,13 +199,6 @@ class Map {
   SetId now() const { return now_; }
   TimeNs now_ns() const { return now_ns_; }
 
-  // Bindings that changed since they were last told to the agents.
-  struct BindingChange {
-    CameraId camera;
-    TrackId track;
-  };
-  std::vector<BindingChange> take_unbound() { return std::move(unbound_); }
-
  private:
   void end_track(CameraId camera, ServerTrack& track);
 
@@ -218,7 +211,6 @@ class Map {
   MapEpoch epoch_;
   SetId now_;
   TimeNs now_ns_ = 0;
-  std::vector<BindingChange> unbound_;
 };
 
 }  // namespace coslam

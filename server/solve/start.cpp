@@ -14,6 +14,7 @@
 #include "common/geometry/triangulation.h"
 #include "common/model/track_frame.h"
 #include "server/solve/bundle.h"
+#include "server/solve/two_view.h"
 
 namespace coslam {
 namespace {
@@ -54,12 +55,12 @@ struct Pair {
   double score = 0;
 };
 
-std::vector<cv::Point2d> normalized(const FeatureImage& image, const std::vector<FeatureMatch>& matches, bool second) {
-  std::vector<cv::Point2d> out;
+std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::vector<FeatureMatch>& matches,
+                                        bool second) {
+  std::vector<Eigen::Vector2d> out;
   for (const FeatureMatch& m : matches) {
-    const Eigen::Vector2d n =
-        image.camera.normalized_from_pixel(image.undistorted_px[static_cast<std::size_t>(second ? m.second : m.first)]);
-    out.emplace_back(n.x(), n.y());
+    const auto feature = static_cast<std::size_t>(second ? m.second : m.first);
+    out.push_back(image.camera.normalized_from_pixel(image.undistorted_px[feature]));
   }
   return out;
 }
@@ -72,22 +73,15 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
   if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
   const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
   const double threshold = 2.0 * config.sigma_px * width_scale(ia.camera) / ia.camera.focal_px();
-  cv::Mat mask;
-  cv::setRNGSeed(1);
-  const cv::Mat e = cv::findEssentialMat(pa, pb, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC, 0.9999, threshold, 5000, mask);
-  if (e.rows != 3 || e.cols != 3) return std::nullopt;
-  cv::Mat r, t;
-  if (cv::recoverPose(e, pa, pb, cv::Mat::eye(3, 3, CV_64F), r, t, mask) < config.min_matches) return std::nullopt;
+  const std::optional<TwoViewMotion> motion = two_view_motion(pa, pb, threshold);
+  if (!motion || motion->support < config.min_matches) return std::nullopt;
   Pair pair{.first = a, .second = b};
-  Eigen::Matrix3d rotation;
-  cv::cv2eigen(r, rotation);
-  cv::cv2eigen(t, pair.second_from_first.translation);
-  pair.second_from_first.rotation = Eigen::Quaterniond(rotation).normalized();
+  pair.second_from_first = motion->second_from_first;
 
   std::vector<double> parallax;
   std::set<std::pair<int, int>> cells;
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (mask.at<std::uint8_t>(static_cast<int>(i)) == 0) continue;
+    if (!motion->fits[i]) continue;
     const View views[] = {
         {&ia.camera, {}, ia.undistorted_px[static_cast<std::size_t>(matches[i].first)]},
         {&ib.camera, pair.second_from_first, ib.undistorted_px[static_cast<std::size_t>(matches[i].second)]}};

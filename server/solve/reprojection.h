@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/manifold.h>
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "common/geometry/camera_model.h"
+
+// What bundle.cpp gives to Ceres. A pose block holds a quaternion (x y z w) and a translation of cam_from_world.
+namespace coslam {
+
+// Moves a pose block by retract().
+std::unique_ptr<ceres::Manifold> make_pose_manifold();
+
+// (projection - observation) / sigma_px of a pose block (7) and a point block (3). Its Jacobian by the pose is by the
+// six local coordinates of the manifold above and stands in the first six columns; it is of use with that manifold
+// only. Holds a reference to the camera.
+std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
+                                                            const Eigen::Vector2d& undistorted_px, double sigma_px);
+
+}  // namespace coslam

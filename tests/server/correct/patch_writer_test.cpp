@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/correct/patch_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr CameraId kCam(0);
+
+class PatchWriterTest : public testing::Test {
+ protected:
+  PatchWriterTest() : sim_(world_, test::paths_side_by_side(1)) { next(); }
+
+  void next(bool patches = false) {
+    sim_.ingest(patches);
+    sim_.place_truly();
+  }
+  MapCamera& camera() { return sim_.map.camera(kCam); }
+  // As an agent that tracks and missed nothing; `change` makes it another.
+  template <class Change>
+  MapPatch write(Change change, bool wants_descriptors = false) {
+    TrackFrame frame = sim_.set.frames[0].frame;
+    frame.pose_state = PoseState::kTracked;
+    change(frame);
+    return writer_.write(sim_.map, camera(), frame, wants_descriptors);
+  }
+  MapPatch write() {
+    return write([](TrackFrame&) {});
+  }
+  // A world point that is seen and has no map point.
+  int unmapped() {
+    for (int p = 0; p < world_.size(); ++p) {
+      const ServerTrack* t = sim_.track_of(kCam, p);
+      if (t != nullptr && t->point == PointId()) return p;
+    }
+    return -1;
+  }
+  TrackId track_of(const MapPoint& p) { return p.bound.front().track; }
+
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+  PatchWriter writer_{RunId(9), PatchWriterConfig{}};
+};
+
+TEST_F(PatchWriterTest, TheFirstPatchIsASnapshot) {
+  const MapPoint& p = sim_.add_point(unmapped());
+  const MapPatch patch = write();
+  EXPECT_EQ(patch.agent, "cam0");
+  EXPECT_EQ(patch.agent_run, sim_.trackers[0].run());
+  EXPECT_EQ(patch.server_run, RunId(9));
+  EXPECT_EQ(patch.sequence, 1U);
+  EXPECT_TRUE(patch.snapshot);
+  EXPECT_EQ(patch.after_frame, sim_.set.frames[0].frame.frame);
+  ASSERT_EQ(patch.updated.size(), 1U);
+  EXPECT_EQ(patch.updated[0].track, track_of(p));
+  EXPECT_EQ(patch.updated[0].point, p.id);
+  EXPECT_EQ(patch.updated[0].position, p.position.cast<float>());
+  EXPECT_EQ(patch.updated[0].covariance, pack_covariance(p.covariance));
+}
+
+TEST_F(PatchWriterTest, ThenOnlyWhatChanged) {
+  sim_.add_point(unmapped());
+  MapPoint& removed = sim_.add_point(unmapped());
+  const TrackId freed = track_of(removed);
+  write();
+  EXPECT_THAT(write().updated, IsEmpty());
+  const MapPoint& added = sim_.add_point(unmapped());
+  sim_.map.remove_point(removed.id);
+  const MapPatch patch = write();
+  EXPECT_EQ(patch.sequence, 3U);
+  EXPECT_FALSE(patch.snapshot);
+  ASSERT_EQ(patch.updated.size(), 1U);
+  EXPECT_EQ(patch.updated[0].track, track_of(added));
+  EXPECT_THAT(patch.unbound, ElementsAre(freed));
+  EXPECT_THAT(write().unbound, IsEmpty());
+}
+
+TEST_F(PatchWriterTest, AMoveIsToldWhenItShowsInTheImage) {
+  MapPoint& p = sim_.add_point(unmapped());
+  write();
+  const double distance_m = (p.position - camera().frames.back().cam_from_world.center()).norm();
+  const double pixel_m = distance_m / camera().model.focal_px();
+  p.position.x() += 0.1 * pixel_m;
+  EXPECT_THAT(write().updated, IsEmpty()) << "0.1 px";
+  p.position.x() += 0.1 * pixel_m;
+  EXPECT_EQ(write().updated.size(), 1U) << "0.2 px since it was told";
+  EXPECT_THAT(write().updated, IsEmpty());
+}
+
+TEST_F(PatchWriterTest, CovarianceAndStateAreToldWhenTheyChange) {
+  MapPoint& p = sim_.add_point(unmapped());
+  write();
+  p.covariance *= 1.3;
+  EXPECT_THAT(write().updated, IsEmpty());
+  p.covariance *= 1.3;
+  EXPECT_EQ(write().updated.size(), 1U);
+  p.covariance /= 1.6;
+  EXPECT_EQ(write().updated.size(), 1U);
+  p.state = PointState::kDynamic;
+  const MapPatch patch = write();
+  ASSERT_EQ(patch.updated.size(), 1U);
+  EXPECT_EQ(patch.updated[0].state, PointState::kDynamic);
+}
+
+TEST_F(PatchWriterTest, ATrackThatChangesItsPointIsToldAsAnUpdate) {
+  MapPoint& a = sim_.add_point(unmapped());
+  MapPoint& b = sim_.map.create_point(sim_.id, a.position, a.covariance, sim_.set.id, 0);
+  write();
+  sim_.map.fuse(b.id, a.id);
+  const MapPatch patch = write();
+  ASSERT_EQ(patch.updated.size(), 1U);
+  EXPECT_EQ(patch.updated[0].point, b.id);
+  EXPECT_THAT(patch.unbound, IsEmpty());
+}
+
+TEST_F(PatchWriterTest, ASnapshotOnRequestAndForAnotherMap) {
+  sim_.add_points();
+  const std::size_t all = write().updated.size();
+  EXPECT_GT(all, 50U);
+  const MapPatch asked = write([](TrackFrame& f) { f.wants_snapshot = true; });
+  EXPECT_TRUE(asked.snapshot);
+  EXPECT_EQ(asked.sequence, 2U) << "the sequence goes on";
+  EXPECT_EQ(asked.updated.size(), all);
+  camera().map = sim_.map.new_map();
+  EXPECT_TRUE(write().snapshot);
+  EXPECT_FALSE(write().snapshot);
+}
+
+TEST_F(PatchWriterTest, AnotherAgentRunStartsFromNothing) {
+  sim_.add_points();
+  write();
+  write();
+  const MapPatch patch = write([](TrackFrame& f) { f.agent_run = RunId(77); });
+  EXPECT_EQ(patch.agent_run, RunId(77));
+  EXPECT_EQ(patch.sequence, 1U);
+  EXPECT_TRUE(patch.snapshot);
+}
+
+TEST_F(PatchWriterTest, APoseIsGivenToThoseWhoDoNotKnow) {
+  EXPECT_TRUE(write().placed) << "a snapshot";
+  EXPECT_FALSE(write().placed);
+  const MapPatch lost = write([](TrackFrame& f) { f.pose_state = PoseState::kLost; });
+  ASSERT_TRUE(lost.placed);
+  EXPECT_EQ(lost.placed->frame, sim_.set.frames[0].frame.frame);
+  EXPECT_THAT(lost.placed->cam_from_world, test::PoseNear(sim_.truth(kCam, sim_.set.id), 1e-9, 1e-9));
+  EXPECT_TRUE(write([](TrackFrame& f) { f.pose_state = PoseState::kNone; }).placed);
+  sim_.ingest();  // a set without a pose
+  EXPECT_FALSE(write([](TrackFrame& f) { f.pose_state = PoseState::kLost; }).placed);
+}
+
+TEST_F(PatchWriterTest, AMoveOfTheMapIsToldOnce) {
+  sim_.add_points();
+  write();
+  const Similarity3 move{2.0, so3_exp({0, 1, 0}), {1, 2, 3}};
+  sim_.map.transform(sim_.id, move);
+  const MapPatch patch = write();
+  EXPECT_EQ(patch.epoch, sim_.map.epoch());
+  EXPECT_THAT(patch.new_from_old, test::SimilarityNear(move, 1e-7, 1e-9, 1e-12));
+  EXPECT_THAT(patch.updated, IsEmpty()) << "the points moved with the map";
+  const MapPatch next = write();
+  EXPECT_THAT(next.new_from_old, test::SimilarityNear(Similarity3(), 1e-9, 1e-12, 1e-12));
+  EXPECT_EQ(next.epoch, patch.epoch);
+}
+
+TEST_F(PatchWriterTest, AsksForPatchesOfTracksThatLasted) {
+  EXPECT_THAT(write().patch_requests, IsEmpty()) << "all tracks are new";
+  for (int i = 0; i < 3; ++i) next();
+  const MapPatch patch = write();
+  EXPECT_EQ(patch.patch_requests.size(), 10U);
+  EXPECT_TRUE(std::is_sorted(patch.patch_requests.begin(), patch.patch_requests.end()));
+  for (const TrackId id : patch.patch_requests) EXPECT_EQ(camera().tracks.at(id).seen.size(), 4U);
+}
+
+TEST_F(PatchWriterTest, ThePatchOfAMappedTrackIsKeptAndOthersRefreshed) {
+  for (int i = 0; i < 5; ++i) next(true);
+  EXPECT_THAT(write().patch_requests, IsEmpty());
+  const MapPoint& p = sim_.add_point(unmapped());
+  const TrackId mapped = track_of(p);
+  for (int i = 0; i < 60; ++i) next();
+  std::vector<TrackId> asked;
+  for (int i = 0; i < 40; ++i) {
+    for (const TrackId id : write().patch_requests) {
+      asked.push_back(id);
+      camera().tracks.at(id).patch_set = sim_.set.id;  // as if it had been answered
+      camera().tracks.at(id).patch = PatchPixels{};
+    }
+  }
+  EXPECT_EQ(std::count(asked.begin(), asked.end(), mapped), 0);
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(std::adjacent_find(asked.begin(), asked.end()), asked.end()) << "each once";
+  for (const auto& [id, t] : camera().tracks) {
+    const bool old = t.seen.size() > 50 && id != mapped;
+    EXPECT_TRUE(!old || std::binary_search(asked.begin(), asked.end(), id));
+  }
+}
+
+TEST_F(PatchWriterTest, PassesTheWishForDescriptorsOn) {
+  EXPECT_TRUE(write([](TrackFrame&) {}, true).descriptor_request);
+  EXPECT_FALSE(write().descriptor_request);
+}
+
+}  // namespace
+}  // namespace coslam

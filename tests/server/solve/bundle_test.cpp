@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/solve/bundle.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "common/geometry/triangulation.h"
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+#include "tests/support/sim_world.h"
+
+namespace coslam {
+namespace {
+
+using test::looking;
+using test::PoseNear;
+using test::VectorNear;
+
+struct Scene {
+  double noise_px = 0.5;
+  double outliers = 0;
+  double off_m = 0.05, off_rad = 0.02;  // standard deviation of the initial values, each coordinate
+  int fixed = 2;                        // of the poses, from the first; these are true
+};
+
+// Twelve images of 150 points from two cameras that move side by side, with truth.
+class BundleTest : public testing::Test {
+ protected:
+  BundleProblem make(const Scene& scene, unsigned seed = 1) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform(0, 1);
+    const test::SimWorld world({.seed = 3, .points = 150});
+    BundleProblem p;
+    p.cameras = {test::sim_camera(), test::sim_camera()};
+    for (int i = 0; i < 12; ++i) {
+      const int camera = i % 2;
+      poses_.push_back(looking({0.3 * (i / 2) - 1 + camera, 0.05 * i, 0}, 0.02 * i - 0.1));
+      Vector6d d;
+      for (int k = 0; k < 6; ++k) d[k] = (k < 3 ? scene.off_rad : scene.off_m) * normal(random);
+      const bool fixed = i < scene.fixed;
+      p.poses.push_back({fixed ? poses_.back() : retract(poses_.back(), d), camera, fixed});
+    }
+    for (int j = 0; j < world.size(); ++j) {
+      points_.push_back(world.position(j));
+      p.points.push_back(world.position(j) +
+                         scene.off_m * Eigen::Vector3d(normal(random), normal(random), normal(random)));
+      for (int i = 0; i < 12; ++i) {
+        const Eigen::Vector3d x = poses_[static_cast<std::size_t>(i)] * world.position(j);
+        if (x.z() < 0.5 || !p.cameras[0].contains_raw(p.cameras[0].project(x))) continue;
+        Eigen::Vector2d px = p.cameras[0].project(x) + scene.noise_px * Eigen::Vector2d(normal(random), normal(random));
+        wrong_.push_back(uniform(random) < scene.outliers);
+        if (wrong_.back()) px += Eigen::Vector2d(15 + 40 * uniform(random), 15 - 60 * uniform(random));
+        p.observations.push_back({i, j, px, std::max(scene.noise_px, 0.1)});
+      }
+    }
+    return p;
+  }
+  double worst_pose_m(const BundleResult& r) const {
+    double worst = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      worst = std::max(worst, (r.poses[i].center() - poses_[i].center()).norm());
+    }
+    return worst;
+  }
+  double median_point_m(const BundleResult& r) const {
+    std::vector<double> errors;
+    for (std::size_t j = 0; j < points_.size(); ++j) errors.push_back((r.points[j] - points_[j]).norm());
+    return test::median(errors);
+  }
+  // Against what the observations of a point can tell from true poses.
+  double median_point_nees(const BundleResult& r, double sigma_px) const {
+    const CameraModel camera = test::sim_camera();
+    std::vector<double> values;
+    for (std::size_t j = 0; j < points_.size(); ++j) {
+      std::vector<View> views;
+      for (const Rigid3& pose : poses_) {
+        const Eigen::Vector3d x = pose * points_[j];
+        if (x.z() > 0.5 && camera.contains_raw(camera.project(x))) views.push_back({&camera, pose, camera.project(x)});
+      }
+      if (views.size() < 2) continue;
+      values.push_back(test::nees(r.points[j] - points_[j], triangulation_covariance(views, points_[j], sigma_px)));
+    }
+    return test::median(values);
+  }
+  std::vector<Rigid3> poses_;
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<bool> wrong_;
+};
+
+TEST_F(BundleTest, ExactObservationsGiveTruth) {
+  const BundleResult r = solve_bundle(make({.noise_px = 0}), {.max_iterations = 50});
+  ASSERT_TRUE(r.usable);
+  for (std::size_t i = 0; i < poses_.size(); ++i) EXPECT_THAT(r.poses[i], PoseNear(poses_[i], 1e-4, 1e-4)) << i;
+  EXPECT_LT(median_point_m(r), 1e-4);
+  EXPECT_LT(r.final_cost, 1e-3 * r.initial_cost);
+}
+
+TEST_F(BundleTest, ConvergesThroughNoise) {
+  const BundleResult r = solve_bundle(make({.noise_px = 0.5}), {.max_iterations = 30});
+  ASSERT_TRUE(r.usable);
+  EXPECT_LT(worst_pose_m(r), 0.01);
+  EXPECT_LT(median_point_nees(r, 0.5), 4);  // 2.4 if the poses were exact
+  EXPECT_LT(r.final_cost, 0.1 * r.initial_cost);
+  EXPECT_GT(r.iterations, 1);
+  EXPECT_NEAR(r.sigma_px, 0.5, 0.1);
+}
+
+TEST_F(BundleTest, OutliersAreFlaggedAndHarmless) {
+  const BundleResult r = solve_bundle(make({.noise_px = 0.5, .outliers = 0.1}), {.max_iterations = 30});
+  ASSERT_TRUE(r.usable);
+  EXPECT_LT(worst_pose_m(r), 0.02);
+  ASSERT_EQ(r.is_inlier.size(), wrong_.size());
+  int missed = 0, accused = 0, wrong = 0;
+  for (std::size_t i = 0; i < wrong_.size(); ++i) {
+    wrong += wrong_[i];
+    missed += wrong_[i] && r.is_inlier[i];
+    accused += !wrong_[i] && !r.is_inlier[i];
+  }
+  EXPECT_GT(wrong, 50);
+  EXPECT_LT(missed, 0.03 * wrong);
+  // 4 sigma on a norm of two is passed by 0.03 %; a point with a wrong observation takes few others along.
+  EXPECT_LT(accused, 0.01 * static_cast<double>(wrong_.size()));
+}
+
+TEST_F(BundleTest, FixedPosesStay) {
+  const BundleProblem p = make({.fixed = 5});
+  const BundleResult r = solve_bundle(p, {});
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_THAT(r.poses[i], PoseNear(p.poses[i].cam_from_world, 1e-7, 1e-12)) << i;
+  }
+  EXPECT_GT((r.poses[5].center() - p.poses[5].cam_from_world.center()).norm(), 1e-4);
+}
+
+TEST_F(BundleTest, TheSameBitsEveryTime) {
+  const BundleProblem p = make({.outliers = 0.05});
+  const BundleResult a = solve_bundle(p, {}), b = solve_bundle(p, {});
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].rotation.coeffs(), b.poses[i].rotation.coeffs());
+    EXPECT_EQ(a.poses[i].translation, b.poses[i].translation);
+  }
+  for (std::size_t i = 0; i < a.points.size(); ++i) EXPECT_EQ(a.points[i], b.points[i]);
+}
+
+TEST_F(BundleTest, FixGaugeRestoresAnchorAndBaseline) {
+  const BundleProblem p = make({.fixed = 0});
+  BundleResult r = solve_bundle(p, {.max_iterations = 30});
+  ASSERT_TRUE(r.usable);
+  // Wherever a free solution floats to:
+  const Similarity3 floated{1.7, so3_exp({0.3, -0.5, 0.1}), {1, 2, 3}};
+  for (Rigid3& pose : r.poses) pose = transform_world(pose, floated);
+  for (Eigen::Vector3d& point : r.points) point = floated * point;
+  const Eigen::Vector2d px = p.cameras[0].project(r.poses[5] * r.points[7]);
+
+  constexpr int kAnchor = 3, kEnd = 10;
+  fix_gauge(p, kAnchor, kEnd, &r);
+  EXPECT_THAT(r.poses[kAnchor], PoseNear(p.poses[kAnchor].cam_from_world, 1e-7, 1e-9));
+  const auto baseline = [](const Rigid3& a, const Rigid3& b) { return (a.center() - b.center()).norm(); };
+  EXPECT_NEAR(baseline(r.poses[kAnchor], r.poses[kEnd]),
+              baseline(p.poses[kAnchor].cam_from_world, p.poses[kEnd].cam_from_world), 1e-9);
+  EXPECT_THAT(p.cameras[0].project(r.poses[5] * r.points[7]), VectorNear(px, 1e-6)) << "images do not change";
+}
+
+TEST_F(BundleTest, FixGaugeLeavesASolutionWithoutBaselineAlone) {
+  BundleProblem p = make({});
+  p.poses[1].cam_from_world = p.poses[0].cam_from_world;
+  BundleResult r;
+  for (const auto& pose : p.poses) r.poses.push_back(pose.cam_from_world);
+  r.points = p.points;
+  fix_gauge(p, 0, 1, &r);
+  EXPECT_THAT(r.poses[4], PoseNear(p.poses[4].cam_from_world, 1e-9, 1e-12));
+}
+
+TEST_F(BundleTest, APointBehindACameraIsAnOutlier) {
+  BundleProblem p = make({.noise_px = 0.2});
+  p.points.emplace_back(0, 0, -5);
+  const int point = static_cast<int>(p.points.size()) - 1;
+  for (const int pose : {0, 1, 2}) p.observations.push_back({pose, point, {320, 240}, 0.5});
+  const BundleResult r = solve_bundle(p, {.max_iterations = 30});
+  ASSERT_TRUE(r.usable);
+  for (std::size_t i = p.observations.size() - 3; i < p.observations.size(); ++i) EXPECT_FALSE(r.is_inlier[i]);
+  EXPECT_LT(worst_pose_m(r), 0.02);
+}
+
+}  // namespace
+}  // namespace coslam

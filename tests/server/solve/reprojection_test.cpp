@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/solve/reprojection.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <random>
+
+#include "common/geometry/rigid3.h"
+#include "tests/support/matchers.h"
+#include "tests/support/sim_world.h"
+
+namespace coslam {
+namespace {
+
+using Block = std::array<double, 7>;
+
+Block block_of(const Rigid3& pose) {
+  Block b{};
+  Eigen::Map<Eigen::Quaterniond>(b.data()) = pose.rotation;
+  Eigen::Map<Eigen::Vector3d>(b.data() + 4) = pose.translation;
+  return b;
+}
+
+Rigid3 pose_of(const Block& b) {
+  return {Eigen::Map<const Eigen::Quaterniond>(b.data()), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
+}
+
+Vector6d random_tangent(std::mt19937& random, double most) {
+  std::uniform_real_distribution<double> uniform(-most, most);
+  return Vector6d::NullaryExpr([&] { return uniform(random); });
+}
+
+const CameraModel kCamera = test::sim_camera();
+const Eigen::Vector2d kPx(300, 200);
+
+Eigen::Vector2d residual_at(const ceres::CostFunction& cost, const Block& pose, const Eigen::Vector3d& point) {
+  const double* parameters[] = {pose.data(), point.data()};
+  Eigen::Vector2d r;
+  EXPECT_TRUE(cost.Evaluate(parameters, r.data(), nullptr));
+  return r;
+}
+
+TEST(PoseManifold, PlusIsRetractAndMinusIsLocal) {
+  const auto manifold = make_pose_manifold();
+  ASSERT_EQ(manifold->AmbientSize(), 7);
+  ASSERT_EQ(manifold->TangentSize(), 6);
+  std::mt19937 random(1);
+  for (int i = 0; i < 20; ++i) {
+    const Rigid3 pose = retract({}, random_tangent(random, 2));
+    const Vector6d d = random_tangent(random, 0.7);
+    const Block from = block_of(pose);
+    Block to{};
+    ASSERT_TRUE(manifold->Plus(from.data(), d.data(), to.data()));
+    EXPECT_THAT(pose_of(to), test::PoseNear(retract(pose, d), 1e-7, 1e-12));
+    Vector6d back;
+    ASSERT_TRUE(manifold->Minus(to.data(), from.data(), back.data()));
+    EXPECT_LT((back - d).norm(), 1e-9);
+  }
+}
+
+TEST(ReprojectionCost, IsTheWeightedReprojectionError) {
+  const auto cost = make_reprojection_cost(kCamera, kPx, 0.5);
+  const Rigid3 pose = test::looking({0.3, 0.1, -0.5}, 0.2);
+  const Eigen::Vector3d point(0.5, -0.4, 5);
+  const Eigen::Vector2d expected = (kCamera.project(pose * point) - kPx) / 0.5;
+  EXPECT_THAT(residual_at(*cost, block_of(pose), point), test::VectorNear(expected, 1e-9));
+}
+
+// The Jacobian that the solver sees is the one by the manifold's local coordinates.
+TEST(ReprojectionCost, JacobiansNumerically) {
+  const auto cost = make_reprojection_cost(kCamera, kPx, 0.7);
+  const auto manifold = make_pose_manifold();
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> side(-2, 2), depth(1.5, 9);
+  constexpr double h = 1e-6;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Rigid3 pose = retract({}, random_tangent(random, 1.5));
+    const Block block = block_of(pose);
+    const Eigen::Vector3d point = pose.inverse() * Eigen::Vector3d(side(random), side(random), depth(random));
+    const double* parameters[] = {block.data(), point.data()};
+    Eigen::Vector2d r;
+    Eigen::Matrix<double, 2, 7, Eigen::RowMajor> by_block;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+    double* jacobians[] = {by_block.data(), by_point.data()};
+    ASSERT_TRUE(cost->Evaluate(parameters, r.data(), jacobians));
+    Eigen::Matrix<double, 7, 6, Eigen::RowMajor> plus;
+    ASSERT_TRUE(manifold->PlusJacobian(block.data(), plus.data()));
+    const Eigen::Matrix<double, 2, 6> by_pose = by_block * plus;
+
+    for (int i = 0; i < 6; ++i) {
+      const Vector6d d = h * Vector6d::Unit(i), minus_d = -d;
+      Block above{}, below{};
+      ASSERT_TRUE(manifold->Plus(block.data(), d.data(), above.data()));
+      ASSERT_TRUE(manifold->Plus(block.data(), minus_d.data(), below.data()));
+      const Eigen::Vector2d numeric = (residual_at(*cost, above, point) - residual_at(*cost, below, point)) / (2 * h);
+      EXPECT_THAT(by_pose.col(i), test::VectorNear(numeric, 1e-5 * by_pose.norm())) << i;
+    }
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d d = h * Eigen::Vector3d::Unit(i);
+      const Eigen::Vector2d numeric =
+          (residual_at(*cost, block, point + d) - residual_at(*cost, block, point - d)) / (2 * h);
+      EXPECT_THAT(by_point.col(i), test::VectorNear(numeric, 1e-5 * by_point.norm())) << i;
+    }
+  }
+}
+
+TEST(ReprojectionCost, BehindTheCameraIsAConstantThatPullsNothing) {
+  const auto cost = make_reprojection_cost(kCamera, kPx, 1.0);
+  const Block block = block_of({});
+  const Eigen::Vector3d point(0.1, 0.1, -2);
+  const double* parameters[] = {block.data(), point.data()};
+  Eigen::Vector2d r;
+  std::array<double, 14> by_block;
+  std::array<double, 6> by_point;
+  by_block.fill(7);
+  by_point.fill(7);
+  double* jacobians[] = {by_block.data(), by_point.data()};
+  ASSERT_TRUE(cost->Evaluate(parameters, r.data(), jacobians));
+  EXPECT_GT(r.norm(), 1000);
+  for (const double v : by_block) EXPECT_EQ(v, 0);
+  for (const double v : by_point) EXPECT_EQ(v, 0);
+  double* one[] = {nullptr, by_point.data()};
+  EXPECT_TRUE(cost->Evaluate(parameters, r.data(), one)) << "a fixed pose asks for no Jacobian";
+}
+
+}  // namespace
+}  // namespace coslam

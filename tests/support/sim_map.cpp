@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/sim_map.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <string>
+
+namespace coslam::test {
+
+SimMap::SimMap(const SimWorld& w, const std::vector<CameraPath>& paths, const TrackingConfig& tracking,
+               const MapConfig& config)
+    : world(w), map(config) {
+  for (const CameraPath& path : paths) {
+    const std::size_t i = trackers.size();
+    trackers.emplace_back(world, path, tracking, "cam" + std::to_string(i), RunId(100 + i));
+    map.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
+  }
+  id = map.new_map();
+}
+
+const FrameSet& SimMap::ingest(bool patches, bool descriptors) {
+  set = FrameSet{SetId(next_set_), kPeriodNs * next_set_, {}};
+  for (std::size_t i = 0; i < trackers.size(); ++i) {
+    CameraFrame cf{CameraId(static_cast<std::uint16_t>(i)), trackers[i].observe(FrameId(next_set_), set.t_ns), {}, {}};
+    std::vector<TrackId> all;
+    for (const TrackObservation& o : cf.frame.tracks) all.push_back(o.track);
+    if (patches) cf.patches = trackers[i].cut(cf.frame, all);
+    if (descriptors) cf.descriptors = trackers[i].describe(cf.frame);
+    set.frames.push_back(std::move(cf));
+  }
+  ++next_set_;
+  map.ingest(set);
+  return set;
+}
+
+void SimMap::place_truly(CameraId camera) {
+  MapCamera& c = map.camera(camera);
+  c.map = id;
+  c.frames.back().map = id;
+  c.frames.back().cam_from_world = truth(camera, set.id);
+}
+
+void SimMap::place_truly() {
+  for (const CameraFrame& cf : set.frames) place_truly(cf.camera);
+}
+
+void SimMap::advance(int sets, bool patches) {
+  for (int i = 0; i < sets; ++i) {
+    ingest(patches);
+    place_truly();
+  }
+}
+
+MapPoint& SimMap::add_point(int point, double sigma_m, const Eigen::Vector3d& off_m) {
+  MapPoint& p = map.create_point(id, world.position(point, set.t_ns) + off_m,
+                                 sigma_m * sigma_m * Eigen::Matrix3d::Identity(), set.id, set.t_ns);
+  for (MapCamera& c : map.cameras()) {
+    ServerTrack* t = track_of(c.id, point);
+    if (c.map == id && t != nullptr && t->point == PointId()) map.bind(p, c.id, *t);
+  }
+  return p;
+}
+
+void SimMap::add_points(double sigma_m) {
+  std::normal_distribution<double> normal(0, sigma_m);
+  std::vector<bool> has(static_cast<std::size_t>(world.size()), false);
+  for (const auto& [point_id, p] : map.points()) {
+    const int point = world_point(p);
+    if (point >= 0) has[static_cast<std::size_t>(point)] = true;
+  }
+  for (int point = 0; point < world.size(); ++point) {
+    if (has[static_cast<std::size_t>(point)] || world.moves(point)) continue;
+    const bool seen = std::any_of(map.cameras().begin(), map.cameras().end(),
+                                  [&](const MapCamera& c) { return c.map == id && track_of(c.id, point) != nullptr; });
+    if (seen) add_point(point, sigma_m, {normal(random_), normal(random_), normal(random_)});
+  }
+}
+
+int SimMap::world_point(const MapPoint& point) const {
+  if (!point.bound.empty()) return world_point(point.bound.front().camera, point.bound.front().track);
+  if (!point.key_observations.empty()) {
+    return world_point(point.key_observations.front().camera, point.key_observations.front().track);
+  }
+  return -1;
+}
+
+ServerTrack* SimMap::track_of(CameraId camera, int point) {
+  const auto id_of = trackers[camera.value].track_of(point);
+  if (!id_of) return nullptr;
+  const auto at = map.camera(camera).tracks.find(*id_of);
+  return at == map.camera(camera).tracks.end() ? nullptr : &at->second;
+}
+
+Rigid3 SimMap::truth(CameraId camera, SetId at) const { return trackers[camera.value].truth(kPeriodNs * at.value); }
+
+double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace coslam::test

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "server/map/map.h"
+#include "tests/support/sim_tracker.h"
+#include "tests/support/sim_world.h"
+
+namespace coslam::test {
+
+// Between frame sets: 30 a second.
+constexpr TimeNs kPeriodNs = 33'333'333;
+
+// A server map for the tests of one stage: frame sets are ingested in order, poses and points are put in as truth has
+// them, or a little off, and what the stage then does is compared with truth. Map coordinates are world coordinates.
+class SimMap {
+ public:
+  SimMap(const SimWorld& world, const std::vector<CameraPath>& paths, const TrackingConfig& tracking = {},
+         const MapConfig& config = {});
+
+  // The next frame set. Poses stay unset. patches: every track brings its patch.
+  const FrameSet& ingest(bool patches = false, bool descriptors = false);
+  // Puts cameras of the newest set into the map, at their true poses.
+  void place_truly();
+  void place_truly(CameraId camera);
+  // Both, `sets` times.
+  void advance(int sets = 1, bool patches = false);
+
+  // A map point for a point of the world, `off_m` from its true place, bound to its live tracks in all placed cameras;
+  // the covariance is sigma_m^2 I.
+  MapPoint& add_point(int world_point, double sigma_m = 0.01, const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero());
+  // All static points that some placed camera sees and that have none yet, each off by Gaussian noise of sigma_m.
+  void add_points(double sigma_m = 0.01);
+
+  // World point behind a track or behind the first binding or observation of a map point; -1 when there is none.
+  int world_point(CameraId camera, TrackId track) const { return trackers[camera.value].point_of(track); }
+  int world_point(const MapPoint& point) const;
+  // Live track of a world point in a camera; null when it has none.
+  ServerTrack* track_of(CameraId camera, int world_point);
+  Rigid3 truth(CameraId camera, SetId at) const;
+
+  const SimWorld& world;
+  std::vector<SimTracker> trackers;  // one for each camera
+  Map map;
+  MapId id;
+  FrameSet set;
+
+ private:
+  std::uint32_t next_set_ = 0;
+  std::mt19937_64 random_{99};
+};
+
+// (x - truth)^T covariance^-1 (x - truth)
+double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance);
+double median(std::vector<double> values);
+
+}  // namespace coslam::test

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/sim_run.h"
+
+#include <utility>
+
+#include "common/geometry/alignment.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam::test {
+namespace {
+
+constexpr std::uint32_t kRefineDueSets = 3;
+
+}  // namespace
+
+SimAgent::SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name,
+                   RunId run)
+    : tracker_(world, std::move(path), tracking, name, run), map_(run), pose_(sim_camera(), PoseTrackerConfig{}) {}
+
+void SimAgent::take(const MapPatch& patch) {
+  const PatchEffect effect = map_.apply(patch);
+  if (effect.new_server) {
+    pose_.reset();
+    descriptors_wanted_ = true;
+    wanted_.clear();
+  }
+  if (!effect.accepted) return;
+  if (effect.rebase) pose_.rebase(*effect.rebase);
+  if (effect.placed) pose_.place(*effect.placed);
+  wanted_.insert(effect.patch_requests.begin(), effect.patch_requests.end());
+  descriptors_wanted_ |= effect.descriptor_request;
+}
+
+CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
+  for (const MapPatch& p : patches_) take(p);
+  patches_.clear();
+  CameraFrame out{camera, tracker_.observe(FrameId(next_frame_++), t_ns), {}, {}};
+  TrackFrame& f = out.frame;
+  map_.keep_only(f.tracks);
+  pose_.step(f.frame, f.tracks, map_);
+  f.pose_state = pose_.state();
+  f.server_run = map_.server_run();
+  f.epoch = map_.epoch();
+  f.cam_from_world = pose_.result().cam_from_world;
+  f.pose_covariance = pose_.result().covariance.cast<float>();
+  f.pose_inliers = static_cast<std::uint16_t>(pose_.result().inliers);
+  f.hull_fraction = static_cast<float>(pose_.inlier_hull_fraction());
+  f.applied_patch = map_.applied_sequence();
+  f.wants_snapshot = map_.wants_snapshot();
+  if (!wanted_.empty()) out.patches = tracker_.cut(f, {wanted_.begin(), wanted_.end()});
+  if (std::exchange(descriptors_wanted_, false)) out.descriptors = tracker_.describe(f);
+  wanted_.clear();
+  return out;
+}
+
+SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
+    : world_(world), tracking_(tracking), server_(RunId(7), server) {}
+
+CameraId SimRun::add_agent(const CameraPath& path) {
+  Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size())};
+  slot.agent = std::make_unique<SimAgent>(world_, path, tracking_, slot.name, RunId(100 + slots_.size()));
+  const CameraId id = server_.admit(slot.agent->tracker().hello());
+  slots_.push_back(std::move(slot));
+  return id;
+}
+
+void SimRun::stop(CameraId camera) {
+  slots_[camera.value].running = false;
+  server_.set_alive(camera, false);
+}
+
+void SimRun::stall(CameraId camera) { slots_[camera.value].running = false; }
+void SimRun::resume(CameraId camera) { slots_[camera.value].running = true; }
+
+void SimRun::restart(CameraId camera) {
+  Slot& s = slots_[camera.value];
+  const RunId run(100 + camera.value + 1000U * static_cast<unsigned>(s.runs++));
+  s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run);
+  s.running = true;
+  server_.admit(s.agent->tracker().hello());
+}
+
+void SimRun::step(int sets) {
+  for (int i = 0; i < sets; ++i) {
+    FrameSet set{SetId(next_set_), kPeriodNs * next_set_, {}};
+    ++next_set_;
+    for (std::size_t c = 0; c < slots_.size(); ++c) {
+      if (!slots_[c].running) continue;
+      set.frames.push_back(slots_[c].agent->step(CameraId(static_cast<std::uint16_t>(c)), set.t_ns));
+    }
+    exchange_refinement();
+    last_patches_ = server_.step(set);
+    for (std::size_t k = 0; k < set.frames.size(); ++k) {
+      slots_[set.frames[k].camera.value].agent->give(last_patches_[k]);
+    }
+    if (auto job = server_.take_refine_job()) {
+      job_ = std::move(job);
+      job_due_ = set.id.value + kRefineDueSets;
+    }
+  }
+}
+
+void SimRun::exchange_refinement() {
+  if (!job_ || next_set_ - 1 < job_due_) return;
+  BundleResult result = solve_refine(*job_);
+  server_.give_refined(std::move(*job_), std::move(result));
+  job_.reset();
+}
+
+int SimRun::world_point(const MapPoint& point) const {
+  for (const BoundTrack& b : point.bound) {
+    const int at = slots_[b.camera.value].agent->tracker().point_of(b.track);
+    if (at >= 0) return at;
+  }
+  for (const KeyObservation& o : point.key_observations) {
+    const int at = slots_[o.camera.value].agent->tracker().point_of(o.track);
+    if (at >= 0) return at;
+  }
+  return -1;
+}
+
+PathError SimRun::path_error(std::optional<CameraId> only) const {
+  PathError error;
+  const MapId of = server_.largest_map();
+  std::vector<Eigen::Vector3d> estimated, truth_centers;
+  for (const MapCamera& c : map().cameras()) {
+    if (only && c.id != *only) continue;
+    std::optional<Eigen::Vector3d> last;
+    for (const FramePose& f : c.frames) {
+      ++error.all_frames;
+      const Eigen::Vector3d center = truth(c.id, f.capture_ns).center();
+      if (last) error.path_m += (center - *last).norm();
+      last = center;
+      if (f.map != of) continue;
+      estimated.push_back(f.cam_from_world.center());
+      truth_centers.push_back(center);
+    }
+  }
+  error.frames = static_cast<int>(estimated.size());
+  const Alignment a = align_points(estimated, truth_centers, AlignmentScale::kFree);
+  error.ate = a.target_from_source ? a.rmse : 1e9;
+  if (a.target_from_source) error.truth_from_map = *a.target_from_source;
+  error.scale = error.truth_from_map.scale;
+  return error;
+}
+
+}  // namespace coslam::test

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "agent/correct/local_map.h"
+#include "agent/pose/pose_tracker.h"
+#include "server/map_server.h"
+#include "tests/support/sim_tracker.h"
+#include "tests/support/sim_world.h"
+
+namespace coslam::test {
+
+// An agent whose tracker is simulated; its local map, pose and answers are the product's.
+class SimAgent {
+ public:
+  SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name, RunId run);
+
+  // The next image, after the patches given since the last.
+  CameraFrame step(CameraId camera, TimeNs t_ns);
+  void give(MapPatch patch) { patches_.push_back(std::move(patch)); }
+
+  const SimTracker& tracker() const { return tracker_; }
+  const LocalMap& local_map() const { return map_; }
+  PoseState pose_state() const { return pose_.state(); }
+  const PoseResult& pose() const { return pose_.result(); }
+
+ private:
+  void take(const MapPatch& patch);
+
+  SimTracker tracker_;
+  LocalMap map_;
+  PoseTracker pose_;
+  std::vector<MapPatch> patches_;
+  std::set<TrackId> wanted_;
+  bool descriptors_wanted_ = true;
+  std::uint32_t next_frame_ = 0;
+};
+
+// How far the estimated path of some cameras is from truth, after the best similarity.
+struct PathError {
+  double ate = 0;      // rmse of the camera centres, metres of truth
+  double path_m = 0;   // true length of the path, all cameras together
+  int frames = 0;      // with a pose in the largest map
+  int all_frames = 0;  // that were taken
+  double scale = 0;    // truth over map
+  Similarity3 truth_from_map;
+};
+
+// Agents and a map server in lock-step in one process, with the bundle adjustment taken in a fixed number of frame sets
+// after its plan, as the server's loop does. Deterministic.
+class SimRun {
+ public:
+  SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking = {});
+
+  // Joins now. Cameras are numbered in this order.
+  CameraId add_agent(const CameraPath& path);
+  void stop(CameraId camera);   // ends like a process that was told to
+  void stall(CameraId camera);  // no frames until it is started again; nobody is told
+  void resume(CameraId camera);
+  void restart(CameraId camera);  // as another run of the same name
+  void step(int sets = 1);
+
+  MapServer& server() { return server_; }
+  const Map& map() const { return server_.map(); }
+  SimAgent& agent(CameraId camera) { return *slots_[camera.value].agent; }
+  const std::vector<MapPatch>& last_patches() const { return last_patches_; }
+  // Truth of any frame of any run of this camera.
+  Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].path(to_seconds(t_ns)); }
+  // World point behind a map point; -1 when no track of the present runs tells.
+  int world_point(const MapPoint& point) const;
+  // empty: all cameras.
+  PathError path_error(std::optional<CameraId> only = std::nullopt) const;
+
+ private:
+  struct Slot {
+    std::unique_ptr<SimAgent> agent;
+    CameraPath path;
+    std::string name;
+    bool running = true;
+    int runs = 1;
+  };
+  void exchange_refinement();
+
+  const SimWorld& world_;
+  TrackingConfig tracking_;
+  MapServer server_;
+  std::vector<Slot> slots_;
+  std::uint32_t next_set_ = 0;
+  std::optional<RefineJob> job_;
+  std::uint32_t job_due_ = 0;
+  std::vector<MapPatch> last_patches_;
+};
+
+}  // namespace coslam::test

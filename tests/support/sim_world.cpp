@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/sim_world.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace coslam::test {
+namespace {
+
+constexpr double kHalfWidth_m = 6, kHalfHeight_m = 2, kNear_m = 3, kFar_m = 9;
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double low, double high) { return std::uniform_real_distribution<>(low, high)(random); }
+
+// Walls, floor and ceiling, and things in between.
+Eigen::Vector3d in_room(Random& random) {
+  const Eigen::Vector3d p{uniform(random, -kHalfWidth_m, kHalfWidth_m), uniform(random, -kHalfHeight_m, kHalfHeight_m),
+                          uniform(random, kNear_m, kFar_m)};
+  const double kind = uniform(random, 0, 1);
+  if (kind < 0.35) return {p.x(), p.y(), kFar_m};
+  if (kind < 0.45) return {p.x(), p.y() < 0 ? -kHalfHeight_m : kHalfHeight_m, p.z()};
+  if (kind < 0.55) return {p.x() < 0 ? -kHalfWidth_m : kHalfWidth_m, p.y(), p.z()};
+  return p;
+}
+
+Eigen::Vector3d on_plane(Random& random) {
+  const double x = uniform(random, -kHalfWidth_m, kHalfWidth_m), y = uniform(random, -3, 3);
+  return {x, y, 6 + 0.3 * x - 0.1 * y};
+}
+
+}  // namespace
+
+SimWorld::SimWorld(const WorldConfig& config) {
+  Random random(config.seed);
+  std::uniform_int_distribution<int> grey(20, 235);
+  for (int i = 0; i < config.points + config.moving_points; ++i) {
+    Point& p = points_.emplace_back();
+    p.position = config.layout == Layout::kPlane ? on_plane(random) : in_room(random);
+    for (auto& byte : p.descriptor) byte = static_cast<std::uint8_t>(255 * std::pow(uniform(random, 0, 1), 3));
+    for (auto& g : p.patch) g = static_cast<std::uint8_t>(grey(random));
+    if (i < config.points) continue;
+    p.position.z() = uniform(random, 4, 6);
+    p.radius_m = uniform(random, 0.3, 0.6);
+    p.rate_rad_s = uniform(random, 1.0, 2.0);
+    p.phase_rad = uniform(random, 0, 6.28);
+  }
+}
+
+Eigen::Vector3d SimWorld::position(int point, TimeNs t_ns) const {
+  const Point& p = points_[static_cast<std::size_t>(point)];
+  if (p.radius_m == 0) return p.position;
+  const double angle = p.phase_rad + p.rate_rad_s * to_seconds(t_ns);
+  return p.position + p.radius_m * Eigen::Vector3d(std::cos(angle), 0.3 * std::sin(angle), std::sin(angle));
+}
+
+CameraModel sim_camera() {
+  CameraModel c;
+  c.width_px = 640;
+  c.height_px = 480;
+  c.fx = c.fy = 417;
+  c.cx = 320;
+  c.cy = 240;
+  return c;
+}
+
+Rigid3 looking(const Eigen::Vector3d& center_m, double yaw_rad, double pitch_rad) {
+  const Eigen::Quaterniond world_from_cam(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY()) *
+                                          Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()));
+  return Rigid3(world_from_cam, center_m).inverse();
+}
+
+CameraPath wave_path(const Wave& wave) {
+  return [wave](double t_s) {
+    const double a = 2 * std::numbers::pi * t_s / wave.period_s;
+    const Eigen::Vector3d shape{std::sin(a), std::sin(2 * a), 1 - std::cos(a)};
+    return looking(wave.center_m + wave.amplitude_m.cwiseProduct(shape),
+                   wave.yaw_rad + wave.yaw_sweep_rad * std::sin(a), 0.05 * std::sin(a));
+  };
+}
+
+CameraPath still_path(const Rigid3& cam_from_world) {
+  return [cam_from_world](double) { return cam_from_world; };
+}
+
+std::vector<CameraPath> paths_side_by_side(int cameras) {
+  std::vector<CameraPath> paths;
+  for (int i = 0; i < cameras; ++i) {
+    const double side = i - 0.5 * (cameras - 1);
+    paths.push_back(wave_path({.center_m = {1.2 * side, 0.1 * side, 0},
+                               .amplitude_m = {1.0 + 0.1 * i, 0.2, 0.3},
+                               .period_s = 6.0 + 0.7 * i,
+                               .yaw_rad = -0.08 * side}));
+  }
+  return paths;
+}
+
+}  // namespace coslam::test
