@@ -71,6 +71,8 @@ class MapServer {
   const ViewGraph& graph() const { return graph_; }
   const MapServerCounts& counts() const { return counts_; }
   const StageTimes& times() const { return times_; }
+  // The map with the most frames: its frame is that of the result.
+  MapId largest_map() const;
   bool scale_known() const { return scale_known_; }
   RunId run() const { return run_; }
 
@@ -78,7 +80,6 @@ class MapServer {
   void apply_refined();
   void plan_refinement(bool key_frame);
   void set_scale(const FrameSet& set);
-  MapId largest_map() const;
   std::vector<MapPatch> write_patches(const FrameSet& set, bool wants_descriptors);
   void count(const char* event, long n) { counts_.events[event] += n; }
 

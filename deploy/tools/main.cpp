@@ -15,6 +15,7 @@ int run(int argc, char** argv) {
   CLI::App app("CoSLAM: collaborative visual SLAM", "coslam");
   app.require_subcommand(1);
   coslam::Command chosen;
+  coslam::add_run_command(app, chosen);
   coslam::add_render_command(app, chosen);
   coslam::add_eval_command(app, chosen);
   coslam::add_export_command(app, chosen);

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agent/agent.h"
+
+// The keys of agent.yaml below `agent`, with unit and bounds (see common/config/config.h).
+namespace coslam {
+
+template <class V>
+void describe(V& v, TrackerConfig& c) {
+  v.field("max_tracks", c.max_tracks, {20, 4000}, "features followed at once");
+  v.field("levels", c.levels, {1, 8}, "pyramid levels, the full image included");
+  v.field("min_distance_px", c.min_distance_px, {2, 200}, "of a new corner to any live track, at 640 px image width");
+  v.field("forward_backward_px", c.forward_backward_px, {0.05, 10}, "largest return error of a track");
+  v.field("min_eigenvalue", c.min_eigenvalue, {0, 1}, "of a corner, relative to the strongest of recent images");
+  v.field("border_px", c.border_px, {1, 100}, "tracks end this close to the image border");
+}
+
+template <class V>
+void describe(V& v, PoseTrackerConfig& c) {
+  v.field("sigma_px", c.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
+  v.field("min_inliers", c.min_inliers, {6, 1000}, "fewer: lost");
+  v.field("min_inlier_ratio", c.min_inlier_ratio, {0, 1}, "of the static points seen; fewer: lost");
+}
+
+template <class V>
+void describe(V& v, AgentConfig& c) {
+  v.section("tracker", c.tracker);
+  v.section("pose", c.pose);
+  v.field("descriptor_features", c.descriptor_features, {50, 5000}, "most in an answer to a descriptor request");
+}
+
+}  // namespace coslam

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/agent_loop.h"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+constexpr auto kServerPatience = std::chrono::seconds(20);
+constexpr auto kStatusPeriod = std::chrono::seconds(1);
+
+}  // namespace
+
+AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config)
+    : link_(link), feed_(std::move(feed)), hello_(hello), agent_(hello.agent, hello.agent_run, hello.camera, config) {}
+
+bool AgentLoop::step(const std::atomic<bool>& stop) {
+  const std::optional<Image> image = feed_->next();
+  if (!image) return false;
+  ++frames_;
+  agent_.track(*image);
+  const std::vector<MapPatch> patches = collect_patches(stop);
+  if (stop) return false;
+  AgentOutput out = agent_.finish(patches);
+  last_sent_ = out.frame.frame;
+  link_.send(std::move(out.frame), out.patches, out.descriptors);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
+    last_status_ = now;
+    last_pose_state_ = agent_.pose_state();
+    throw_if_refused();
+    link_.send_status(status(AgentState::kRunning));
+  }
+  return true;
+}
+
+std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) {
+  if (hello_.pacing == Pacing::kLive) return link_.take_patches();
+  std::vector<MapPatch> patches;
+  if (!last_sent_) return patches;
+  const auto give_up = std::chrono::steady_clock::now() + kServerPatience;
+  while (!stop) {
+    std::optional<MapPatch> patch = link_.wait_patch(*last_sent_, std::chrono::milliseconds(200));
+    if (patch) {
+      const bool answered = patch->after_frame >= *last_sent_;
+      patches.push_back(std::move(*patch));
+      if (answered) return patches;
+      continue;
+    }
+    throw_if_refused();
+    if (std::chrono::steady_clock::now() > give_up && !link_.server_alive()) {
+      throw UserError("the map server no longer answers; a replay at full speed cannot go on without it");
+    }
+  }
+  return patches;
+}
+
+void AgentLoop::throw_if_refused() const {
+  const auto server = link_.server_status();
+  if (!server) return;
+  if (const auto reason = refusal_of(*server, hello_.agent_run)) throw UserError(*reason);
+}
+
+AgentStatus AgentLoop::status(AgentState state) const {
+  AgentStatus s;
+  s.agent = hello_.agent;
+  s.agent_run = hello_.agent_run;
+  s.state = state;
+  s.pose_state = agent_.pose_state();
+  s.last_frame = last_sent_.value_or(FrameId());
+  s.frames = frames_;
+  s.dropped = feed_->dropped();
+  s.tracks = static_cast<std::uint32_t>(agent_.tracks());
+  double total_ms = 0;
+  for (const auto& [name, h] : agent_.times().stages()) total_ms += h.mean_ms() * static_cast<double>(h.count());
+  s.frame_ms = frames_ == 0 ? 0.0F : static_cast<float>(total_ms / frames_);
+  return s;
+}
+
+std::string AgentLoop::report() const {
+  nlohmann::ordered_json ms = nlohmann::ordered_json::object();
+  double total_ms = 0;
+  for (const auto& [name, h] : agent_.times().stages()) {
+    ms[name] = {{"p50", h.percentile_ms(50)}, {"p95", h.percentile_ms(95)}, {"mean", h.mean_ms()}};
+    total_ms += h.mean_ms() * static_cast<double>(h.count());
+  }
+  nlohmann::ordered_json out;
+  out["frames"] = frames_ + feed_->dropped();
+  out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
+  out["ms_per_frame"] = total_ms / std::max(1U, frames_);
+  out["ms"] = ms;
+  out["peak_memory_mib"] = peak_memory_mib();
+  return out.dump();
+}
+
+void AgentLoop::finish() {
+  // In lock-step the answer to the last frame is still to come; without it the server may not have used that frame.
+  const std::atomic<bool> go_on{false};
+  try {
+    if (hello_.pacing == Pacing::kLockstep && link_.server_alive()) collect_patches(go_on);
+  } catch (const UserError&) {
+    // It is gone: there is nobody to report to either.
+  }
+  AgentStatus last = status(AgentState::kFinished);
+  last.report_json = report();
+  link_.send_status(last);
+}
+
+}  // namespace coslam

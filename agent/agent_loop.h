@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "agent/agent.h"
+#include "agent/feed.h"
+#include "agent/link/agent_link.h"
+#include "common/model/session.h"
+
+namespace coslam {
+
+// One agent's step thread: images from the feed, patches from the link, frames to the link. Live it never waits for the server; in
+// lock-step the patch that answers frame n comes before frame n + 1 is finished (its tracking runs meanwhile).
+class AgentLoop {
+ public:
+  AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config);
+
+  // One image; false at the end of the feed. stop: give up waiting. Throws UserError when the server is gone in lock-step or
+  // turned this agent away.
+  bool step(const std::atomic<bool>& stop);
+  // Tells the server that this agent has ended, with its report.
+  void finish();
+
+ private:
+  std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
+  void throw_if_refused() const;
+  AgentStatus status(AgentState state) const;
+  std::string report() const;
+
+  AgentLink& link_;
+  std::unique_ptr<Feed> feed_;
+  Hello hello_;
+  Agent agent_;
+  std::optional<FrameId> last_sent_;
+  std::uint32_t frames_ = 0;
+  std::chrono::steady_clock::time_point last_status_{};
+  PoseState last_pose_state_ = PoseState::kNone;
+};
+
+}  // namespace coslam

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/feed.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "common/flow/bounded_queue.h"
+#include "common/flow/worker.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::size_t kReadAhead = 3;
+constexpr std::size_t kRealTimeQueue = 8;  // a quarter of a second: one slow step costs no image
+
+class DirectFeed final : public Feed {
+ public:
+  explicit DirectFeed(std::unique_ptr<ImageSource> source) : source_(std::move(source)) {}
+  std::optional<Image> next() override { return source_->next(); }
+  std::uint32_t dropped() const override { return 0; }
+
+ private:
+  std::unique_ptr<ImageSource> source_;
+};
+
+class ThreadedFeed final : public Feed {
+ public:
+  // rate 0: no clock, nothing dropped.
+  ThreadedFeed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns)
+      : source_(std::move(source)),
+        rate_(rate),
+        start_utc_ns_(start_utc_ns),
+        queue_(rate > 0 ? kRealTimeQueue : kReadAhead, rate > 0 ? QueuePolicy::kDropOldest : QueuePolicy::kBlock),
+        worker_("capture", [this](const std::stop_token& stop) { read(stop); }) {}
+  ~ThreadedFeed() override {
+    worker_.request_stop();
+    queue_.close();
+  }
+  ThreadedFeed(const ThreadedFeed&) = delete;
+  ThreadedFeed& operator=(const ThreadedFeed&) = delete;
+
+  std::optional<Image> next() override { return queue_.pop(); }
+  std::uint32_t dropped() const override { return skipped_ + static_cast<std::uint32_t>(queue_.counts().dropped); }
+
+ private:
+  using Clock = std::chrono::system_clock;
+
+  void read(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      if (rate_ > 0 && !source_->live() && !wait_until_due(stop)) break;
+      std::optional<Image> image = source_->next();
+      if (!image || !queue_.push(std::move(*image))) break;
+    }
+    queue_.close();
+  }
+
+  // Sleeps until the next image is due; passes over images that are late by more than the queue could hide.
+  bool wait_until_due(const std::stop_token& stop) {
+    for (;;) {
+      const std::optional<TimeNs> t_ns = source_->peek_ns();
+      if (!t_ns) return true;  // the end, told by next()
+      const auto due = Clock::time_point(std::chrono::duration_cast<Clock::duration>(
+          std::chrono::nanoseconds(start_utc_ns_ + static_cast<TimeNs>(static_cast<double>(*t_ns) / rate_))));
+      if (Clock::now() - due > std::chrono::milliseconds(200)) {
+        if (!source_->skip()) return true;
+        ++skipped_;
+        continue;
+      }
+      std::mutex mutex;
+      std::unique_lock lock(mutex);
+      sleep_.wait_until(lock, stop, due, [] { return false; });
+      return !stop.stop_requested();
+    }
+  }
+
+  std::unique_ptr<ImageSource> source_;
+  double rate_;
+  TimeNs start_utc_ns_;
+  std::atomic<std::uint32_t> skipped_{0};
+  std::condition_variable_any sleep_;
+  BoundedQueue<Image> queue_;
+  Worker worker_;  // last: joins before what it uses goes
+};
+
+}  // namespace
+
+std::unique_ptr<Feed> direct_feed(std::unique_ptr<ImageSource> source) {
+  return std::make_unique<DirectFeed>(std::move(source));
+}
+
+std::unique_ptr<Feed> prefetching_feed(std::unique_ptr<ImageSource> source) {
+  return std::make_unique<ThreadedFeed>(std::move(source), 0.0, 0);
+}
+
+std::unique_ptr<Feed> real_time_feed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns) {
+  return std::make_unique<ThreadedFeed>(std::move(source), rate, start_utc_ns);
+}
+
+}  // namespace coslam

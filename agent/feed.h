@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "agent/capture/source.h"
+
+namespace coslam {
+
+// Hands out the images of a source at the pace wanted.
+class Feed {
+ public:
+  virtual ~Feed() = default;
+  virtual std::optional<Image> next() = 0;  // blocking; empty at the end
+  virtual std::uint32_t dropped() const = 0;
+};
+
+// As fast as they are taken, in the caller's thread.
+std::unique_ptr<Feed> direct_feed(std::unique_ptr<ImageSource> source);
+// The same, read ahead in a thread.
+std::unique_ptr<Feed> prefetching_feed(std::unique_ptr<ImageSource> source);
+// In real time: played time 0 is at start_utc_ns, and time runs `rate` times as fast. Images that the taker has no time for, beyond a
+// short queue, are dropped, oldest first, and counted. Live sources set the pace themselves.
+std::unique_ptr<Feed> real_time_feed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns);
+
+}  // namespace coslam

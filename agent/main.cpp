@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+#include <random>
+
+#include "agent/agent_config.h"
+#include "agent/agent_loop.h"
+#include "agent/link/dds_agent_link.h"
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/config/config.h"
+#include "common/dataset/calibration.h"
+#include "common/wire/wire_options.h"
+
+namespace coslam {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+struct Options {
+  std::string id = "cam0";
+  std::string source;
+  std::string calibration;
+  std::string rate = "1";
+  SourceOptions play;
+  WireConfig wire;
+  AgentConfig agent;
+};
+
+template <class V>
+void describe(V& v, Options& o) {
+  v.field("id", o.id, "name of this agent, unique among those of one server");
+  v.field("source", o.source, "image folder, list.csv, video, EuRoC or TUM folder, v4l2:N, gst:PIPELINE, rtsp://...");
+  v.field("calibration", o.calibration, "camera calibration file");
+  v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
+  v.field("start_s", o.play.start_s, {0, 1e9}, "offset into the source");
+  v.field("rate_hz", o.play.rate_hz, {0.1, 1000}, "nominal frame rate");
+  v.section("wire", o.wire);
+  v.section("agent", o.agent);
+}
+
+RunId draw_run_id() {
+  std::random_device device;
+  const std::uint64_t high = device(), low = device();
+  return RunId((high << 32U | low) | 1U);
+}
+
+// 0: as fast as the server answers.
+double parse_rate(const std::string& text) {
+  if (text == "max") return 0;
+  try {
+    std::size_t used = 0;
+    const double rate = std::stod(text, &used);
+    if (used == text.size() && rate > 0 && rate <= 1000) return rate;
+  } catch (const std::logic_error&) {
+  }
+  throw UsageError("--rate takes a positive number or max, not '" + text + "'");
+}
+
+// Waits until the server says that everybody is here. Returns when to start, or nothing when told to stop.
+std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
+  auto told = std::chrono::steady_clock::now();
+  while (!stop_requested) {
+    const auto status = link.wait_server_status(std::chrono::milliseconds(200));
+    if (status) {
+      if (const auto reason = refusal_of(*status, hello.agent_run)) throw UserError(*reason);
+      if (status->started) return status->start_utc_ns;
+    }
+    if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
+      told = std::chrono::steady_clock::now();
+      log_info(link.server_status() ? "waiting for the other agents"
+                                    : "waiting for a map server in domain " + std::to_string(wire.domain));
+    }
+  }
+  return std::nullopt;
+}
+
+std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns) {
+  if (rate == 0) return prefetching_feed(std::move(source));
+  return real_time_feed(std::move(source), rate, start_utc_ns);
+}
+
+void run(Options& o) {
+  if (o.source.empty()) throw UsageError("--source is missing (see --help)");
+  if (o.calibration.empty()) throw UsageError("--calibration is missing (see --help)");
+  const double rate = parse_rate(o.rate);
+  Hello hello;
+  hello.agent = o.id;
+  hello.agent_run = draw_run_id();
+  hello.camera = load_calibration(o.calibration);
+  hello.rate_hz = o.play.rate_hz;
+  o.play.width_px = hello.camera.width_px;
+  o.play.height_px = hello.camera.height_px;
+  std::unique_ptr<ImageSource> source = open_source(o.source, o.play);
+  hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
+  o.wire.name = o.id;
+  const std::unique_ptr<AgentLink> link = open_agent_link(o.wire, hello);
+  TimeNs start_utc_ns = 0;
+  if (!source->live()) {
+    const auto start = wait_for_start(*link, hello, o.wire);
+    if (!start) return;
+    start_utc_ns = *start;
+  }
+  AgentLoop loop(*link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
+                 hello, o.agent);
+  while (!stop_requested && loop.step(stop_requested)) {
+  }
+  loop.finish();
+  // The last status travels while the server writes its result; leave when it has, or is gone.
+  for (int i = 0; i < 50 && !stop_requested; ++i) {
+    const auto status = link->wait_server_status(std::chrono::milliseconds(100));
+    if ((status && status->stopping) || !link->server_alive()) break;
+  }
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app("Camera agent: tracks features in one camera and localises it; see docs/configuration.md");
+  std::string file;
+  std::vector<std::string> sets;
+  std::string id, source, calibration, rate;
+  std::optional<int> domain;
+  std::optional<double> start_s, duration_s, rate_hz;
+  bool loopback = false;
+  app.add_option("--config", file, "agent.yaml")->type_name("FILE");
+  app.add_option("--id", id, "name of this agent")->type_name("NAME");
+  app.add_option("--source", source, "images")->type_name("URI");
+  app.add_option("--calibration", calibration, "camera calibration")->type_name("FILE");
+  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--rate", rate, "speed of replay: a factor, or max")->type_name("R");
+  app.add_option("--start", start_s, "offset into the source, seconds")->type_name("S");
+  app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
+  app.add_option("--fps", rate_hz, "nominal frame rate")->type_name("HZ");
+  app.add_flag("--loopback", loopback, "talk on this machine only");
+  app.add_option("--set", sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")->type_name("KEY=VALUE");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  Options o;
+  if (loopback) o.wire = loopback_config(0);
+  if (!file.empty()) config::load(o, file);
+  for (const std::string& s : sets) config::apply_set(o, s);
+  if (!id.empty()) o.id = id;
+  if (!source.empty()) o.source = source;
+  if (!calibration.empty()) o.calibration = calibration;
+  if (!rate.empty()) o.rate = rate;
+  if (domain) o.wire.domain = *domain;
+  if (start_s) o.play.start_s = *start_s;
+  if (duration_s) o.play.duration_s = *duration_s;
+  if (rate_hz) o.play.rate_hz = *rate_hz;
+  init_log(o.id);
+  run(o);
+  return 0;
+}
+
+}  // namespace
+}  // namespace coslam
+
+int main(int argc, char** argv) {
+  std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
+  std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  cv::setNumThreads(1);  // the other cores belong to the other processes of this machine
+  try {
+    return coslam::main_of(argc, argv);
+  } catch (const coslam::UsageError& e) {
+    std::cerr << "coslam-agent: " << e.what() << "\n";
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "coslam-agent: " << e.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <opencv2/core/utility.hpp>
+
+#include "agent/agent_loop.h"
+#include "common/config/config.h"
+#include "common/dataset/calibration.h"
+#include "deploy/tools/console.h"
+#include "deploy/tools/run/run.h"
+#include "server/link/inline_link.h"
+#include "server/server_loop.h"
+
+namespace coslam {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+struct InlineAgent {
+  std::unique_ptr<AgentLink> link;
+  std::unique_ptr<AgentLoop> loop;
+  bool running = true;
+};
+
+InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const SequenceAgent& agent, RunId run, const AgentConfig& config) {
+  Hello hello;
+  hello.agent = agent.name;
+  hello.agent_run = run;
+  hello.pacing = Pacing::kLockstep;
+  hello.rate_hz = options.sequence.rate_hz;
+  hello.camera = load_calibration(agent.calibration);
+  auto source = open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz, hello.camera.width_px, hello.camera.height_px});
+  InlineAgent out;
+  out.link = link.connect(hello);
+  out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(source)), hello, config);
+  return out;
+}
+
+}  // namespace
+
+int run_inline(const RunOptions& options) {
+  std::signal(SIGINT, [](int) { stop_requested = true; });
+  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  cv::setNumThreads(1);
+  RunConfig config;
+  if (options.sequence.baseline_m) config.server.map.baseline_m = *options.sequence.baseline_m;
+  for (const std::string& s : options.sets) config::apply_set(config, s);
+
+  const RunId server_run(1);
+  InlineLink link(server_run);
+  ServerLoopConfig server_config{.server = config.server, .out = options.out, .refine_in_thread = false};
+  for (const SequenceAgent& a : options.sequence.agents) server_config.expected_agents.push_back(a.name);
+  ServerLoop server(link.server(), server_run, server_config);
+  std::vector<InlineAgent> agents;
+  std::uint64_t run = 2;
+  for (const SequenceAgent& a : options.sequence.agents) agents.push_back(connect_agent(link, options, a, RunId(run++), config.agent));
+
+  const std::chrono::milliseconds no_wait(0);
+  Progress progress("mapping");
+  while (server.poll(no_wait) && !stop_requested) {
+    for (InlineAgent& a : agents) {
+      if (!a.running || a.loop->step(stop_requested)) continue;
+      a.loop->finish();
+      a.running = false;
+    }
+    progress(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);
+  }
+  server.finish(config::dump_json(config));
+  return 0;
+}
+
+}  // namespace coslam

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include "deploy/tools/console.h"
+#include "deploy/tools/run/child.h"
+#include "deploy/tools/run/run.h"
+
+namespace coslam {
+namespace {
+
+std::atomic<int> interrupts{0};
+
+std::string join(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : ",") + w;
+  return out;
+}
+
+void add_sets(const RunOptions& options, const std::string& prefix, std::vector<std::string>* command) {
+  for (const std::string& s : options.sets) {
+    if (s.starts_with(prefix)) command->insert(command->end(), {"--set", s});
+  }
+}
+
+Child start_server(const RunOptions& options, int domain) {
+  std::vector<std::string> names;
+  for (const SequenceAgent& a : options.sequence.agents) names.push_back(a.name);
+  std::vector<std::string> command{sibling_program("coslam-server"), "--loopback", "--domain", std::to_string(domain), "--out",
+                                   options.out.string(), "--report-progress", "--set", "agents=" + join(names)};
+  if (options.sequence.baseline_m) command.insert(command.end(), {"--set", "server.baseline_m=" + std::to_string(*options.sequence.baseline_m)});
+  add_sets(options, "server.", &command);
+  return Child("the map server", command);
+}
+
+Child start_agent(const RunOptions& options, const SequenceAgent& agent, int domain) {
+  std::vector<std::string> command{sibling_program("coslam-agent"), "--loopback", "--domain", std::to_string(domain), "--id", agent.name,
+                                   "--source", agent.source, "--calibration", agent.calibration.string(), "--rate", options.rate,
+                                   "--fps", std::to_string(options.sequence.rate_hz), "--start", std::to_string(agent.start_s)};
+  if (agent.duration_s) command.insert(command.end(), {"--duration", std::to_string(*agent.duration_s)});
+  add_sets(options, "agent.", &command);
+  return Child("agent " + agent.name, command);
+}
+
+// The children of one run, watched until the server has written its result.
+class Supervisor {
+ public:
+  Supervisor(const RunOptions& options, int domain)
+      : server_(start_server(options, domain)), frame_sets_(options.frame_sets) {
+    for (const SequenceAgent& a : options.sequence.agents) agents_.push_back(start_agent(options, a, domain));
+  }
+
+  int watch() {
+    while (!server_.ended()) {
+      read_progress();
+      for (Child& a : agents_) {
+        // Before the start the server would wait for it for ever.
+        if (a.ended() && !a.problem().empty() && !started_) server_.interrupt();
+      }
+      if (interrupts > passed_on_) pass_on_interrupt();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    read_progress();
+    if (server_.problem().empty()) wait_for_agents();
+    int code = server_.problem().empty() && started_ ? 0 : 1;
+    for (Child& a : agents_) {
+      if (!server_.problem().empty() || !a.ended()) a.kill();
+      if (a.problem().empty()) continue;
+      std::fprintf(stderr, "coslam run: %s%s\n", a.problem().c_str(), started_ ? "; the others went on without it" : "");
+      code = 1;
+    }
+    if (!server_.problem().empty()) std::fprintf(stderr, "coslam run: %s\n", server_.problem().c_str());
+    return code;
+  }
+
+ private:
+  void read_progress() {
+    for (const std::string& line : server_.lines()) {
+      if (line == "started") started_ = true;
+      int done = 0;
+      if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_(std::min(done, frame_sets_), frame_sets_);
+    }
+  }
+  void pass_on_interrupt() {
+    ++passed_on_;
+    server_.interrupt();
+    for (const Child& a : agents_) a.interrupt();
+  }
+  void wait_for_agents() {
+    for (int i = 0; i < 100; ++i) {
+      bool all = true;
+      for (Child& a : agents_) all &= a.ended();
+      if (all) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+
+  Child server_;
+  int frame_sets_;
+  std::vector<Child> agents_;
+  Progress progress_{"mapping"};
+  bool started_ = false;
+  int passed_on_ = 0;
+};
+
+}  // namespace
+
+int run_processes(const RunOptions& options) {
+  // Domains up to 232 have ports below 65536; a process of its own should not meet another run's.
+  const int domain = options.domain >= 0 ? options.domain : 20 + static_cast<int>(getpid() % 200);
+  std::signal(SIGINT, [](int) { ++interrupts; });
+  std::signal(SIGTERM, [](int) { ++interrupts; });
+  Supervisor supervisor(options, domain);
+  return supervisor.watch();
+}
+
+}  // namespace coslam

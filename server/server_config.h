@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map_server.h"
+#include "server/sync/frame_set_sync.h"
+
+// The keys of server.yaml below `server`, with unit and bounds (see common/config/config.h). Where the paper names a threshold,
+// its name and value are used.
+namespace coslam {
+
+struct ServerConfig {
+  MapServerConfig map;
+  SyncConfig sync;
+};
+
+template <class V>
+void describe(V& v, StartStageConfig& c) {
+  v.field("min_matches", c.pair.min_matches, {10, 1000}, "between two cameras that start a map together");
+  v.field("min_parallax_rad", c.pair.min_parallax_rad, {0.001, 1}, "median over their points");
+  v.field("request_period_sets", c.request_period, {1, 1000}, "between requests for descriptors while a camera is to be placed");
+  v.field("alone_after_sets", c.alone_after_sets, {0, 10000}, "a camera that nobody placed starts a map of its own");
+  v.field("min_flow_px", c.min_flow_px, {1, 200}, "median displacement of its tracks for that, at 640 px image width");
+  v.field("min_place_inliers", c.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
+  v.field("min_merge_inliers", c.min_merge_inliers, {8, 1000}, "to join two maps");
+}
+
+template <class V>
+void describe(V& v, LocaliseConfig& c) {
+  v.field("min_inliers", c.min_inliers, {6, 1000}, "static points that agree with a pose; fewer: lost");
+  v.field("min_inlier_ratio", c.min_inlier_ratio, {0, 1}, "of the static points seen; fewer: lost");
+  v.field("lost_after_sets", c.lost_after_sets, {1, 10000}, "without a pose for so long, a camera leaves its map");
+}
+
+template <class V>
+void describe(V& v, VerifyConfig& c) {
+  v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
+  v.field("update_turn_rad", c.update_turn_rad, {0, 1}, "turn of the viewing ray between two filter updates of a point");
+}
+
+template <class V>
+void describe(V& v, RegisterConfig& c) {
+  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
+  v.field("check_back", c.check_back, {1, 1000}, "frames of the track in which the gate must hold");
+  v.field("min_track_frames", c.min_track_frames, {1, 1000}, "younger tracks wait");
+}
+
+template <class V>
+void describe(V& v, MapIntraConfig& c) {
+  v.field("min_track_frames", c.min_track_frames, {2, 10000}, "N_min: such tracks may become points");
+  v.field("min_parallax_rad", c.min_parallax_rad, {0, 1}, "of a track that long");
+  v.field("early_track_frames", c.early_track_frames, {2, 10000}, "shorter tracks down to this may too, with more parallax");
+  v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
+  v.field("max_relative_sigma", c.max_relative_sigma, {0, 10}, "sqrt(trace Sigma) of a new point over its distance");
+}
+
+template <class V>
+void describe(V& v, MapInterConfig& c) {
+  v.field("inter_mapping_period", c.period, {1, 1000}, "frame sets between runs");
+  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
+  v.field("zncc_margin", c.zncc_margin, {0, 1}, "of the best match over the second best");
+  v.field("seed_radius", c.seed_radius, {0, 1}, "phi_r, of the larger image side");
+  v.field("disparity_gate", c.disparity_gate, {0, 100}, "phi_d over phi_r");
+  v.field("min_parallax_rad", c.min_parallax_rad, {0, 1}, "between the two cameras");
+  v.field("max_relative_sigma", c.max_relative_sigma, {0, 10}, "sqrt(trace Sigma) of a new point over its distance");
+  v.field("check_back", c.check_back, {1, 1000}, "earlier frames in which the point must fit both tracks");
+}
+
+template <class V>
+void describe(V& v, CullConfig& c) {
+  v.field("probation_sets", c.probation_sets, {1, 10000}, "by when a new point must have been seen well");
+  v.field("min_views", c.min_views, {1, 10000}, "frames in which it passed the gate by then");
+}
+
+template <class V>
+void describe(V& v, KeyFrameConfig& c) {
+  v.field("keyframe_drop", c.drop, {0.01, 1}, "of a camera's points since the last key frame");
+  v.field("min_sets", c.min_sets, {1, 1000}, "between key frames");
+  v.field("max_sets", c.max_sets, {1, 10000}, "between key frames while a camera moves");
+  v.field("moved_rad", c.moved_rad, {0, 1}, "median turn of the rays to a camera's points that counts as having moved");
+}
+
+template <class V>
+void describe(V& v, RefineConfig& c) {
+  v.field("enabled", c.enabled, "bundle adjustment");
+  v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
+  v.field("most_fixed", c.most_fixed, {0, 1000}, "older poses that hold them");
+  v.field("max_iterations", c.max_iterations, {1, 200}, "of one bundle adjustment");
+  v.field("final_iterations", c.final_iterations, {1, 1000}, "over the whole run, at its end");
+}
+
+template <class V>
+void describe(V& v, PatchWriterConfig& c) {
+  v.field("moved_px", c.moved_px, {0, 100}, "a point is sent again when it moved so far in the agent's image");
+  v.field("covariance_ratio", c.covariance_ratio, {1, 1000}, "or its covariance changed by this factor");
+  v.field("patches_per_frame", c.patches_per_frame, {0, 1000}, "image patches asked for, at most");
+  v.field("patch_track_frames", c.patch_track_frames, {1, 1000}, "age at which a track is asked for its patch");
+  v.field("patch_refresh_sets", c.patch_refresh_sets, {1, 10000}, "after which an unmapped track is asked again");
+}
+
+template <class V>
+void describe(V& v, SyncConfig& c) {
+  v.field("tolerance_frames", c.tolerance_frames, {0, 1}, "frames this close (of the period) belong to one instant");
+  v.field("deadline_s", c.deadline_s, {0, 10}, "live: how long a frame set waits for the last agent");
+  v.field("queue_frames", c.queue_frames, {1, 10000}, "waiting per agent at most");
+}
+
+template <class V>
+void describe(V& v, ServerConfig& c) {
+  v.field("sigma_px", c.map.map.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
+  v.field("theta", c.map.map.theta, {0.5, 10}, "Mahalanobis gate");
+  v.field("active_frames", c.map.map.active_frames, {1, 100000}, "N_rec: points seen in so many last sets take part in registration");
+  v.field("baseline_m", c.map.baseline_m, {0, 1000}, "known distance of the first two cameras at the start; 0 = unknown");
+  v.section("sync", c.sync);
+  v.section("start", c.map.start);
+  v.section("localise", c.map.localise);
+  v.section("verify", c.map.verify);
+  v.section("register", c.map.registration);
+  v.section("map_intra", c.map.intra);
+  v.section("map_inter", c.map.inter);
+  v.section("cull", c.map.cull);
+  v.section("key_frame", c.map.key_frame);
+  v.section("refine", c.map.refine);
+  v.section("patches", c.map.patches);
+}
+
+}  // namespace coslam

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/flow/worker.h"
+#include "server/link/server_link.h"
+#include "server/server_config.h"
+#include "server/store/result_store.h"
+
+namespace coslam {
+
+struct ServerLoopConfig {
+  ServerConfig server;
+  std::vector<std::string> expected_agents;  // wait for all of these, number cameras in this order, end when they have; empty: run on
+  std::filesystem::path out;                 // RESULT folder; empty: none
+  bool refine_in_thread = true;              // false: in the caller's thread, where its result is due
+};
+
+// The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
+class ServerLoop {
+ public:
+  ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
+  ~ServerLoop();
+
+  // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done: all
+  // expected agents have ended and their frames are used.
+  bool poll(std::chrono::milliseconds timeout);
+  // Adjusts the whole run, writes the result, tells the agents that the server stops. effective: the configuration for the report.
+  void finish(const nlohmann::ordered_json& effective);
+
+  bool started() const { return started_; }
+  const MapServer& map_server() const { return server_; }
+  const nlohmann::ordered_json& report() const { return report_; }
+
+ private:
+  class Refiner;
+  struct Agent {
+    CameraId camera;
+    RunId run;
+    bool ended = false;
+    AgentStatus last_status;
+  };
+
+  void handle(const ServerEvent& event);
+  void on_hello(const Hello& hello);
+  void on_frame(const JoinedFrame& joined);
+  void on_status(const AgentStatus& status);
+  void on_gone(const std::string& agent, RunId run);
+  void admit(const Hello& hello);
+  void start_if_complete();
+  void run_set(const FrameSet& set);
+  void exchange_refinement(SetId now);
+  void send_status();
+  void make_report(const nlohmann::ordered_json& effective);
+  bool lockstep() const { return lockstep_; }
+
+  ServerLink& link_;
+  ServerLoopConfig config_;
+  MapServer server_;
+  FrameSetSync sync_;
+  std::optional<ResultStore> store_;
+  std::unique_ptr<Refiner> refiner_;
+  std::map<std::string, Hello> waiting_;  // before the start
+  std::map<std::string, Agent> agents_;
+  bool started_ = false, stopping_ = false, lockstep_ = false;
+  std::chrono::steady_clock::time_point last_status_{};
+  TimeNs start_utc_ns_ = 0;
+  nlohmann::ordered_json report_;
+};
+
+}  // namespace coslam

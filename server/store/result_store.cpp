@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/result_store.h"
+
+#include <algorithm>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::uint32_t kTrackEvery = 10;  // frames
+
+std::uint8_t grey_of(const MapPoint& p) {
+  return p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2];
+}
+
+std::vector<ResultPoint> result_points(const Map& map, MapId of) {
+  std::vector<ResultPoint> out;
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of) continue;
+    out.push_back({id, p.position, p.covariance, p.state, p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
+  }
+  return out;
+}
+
+Trajectory final_trajectory(const MapCamera& camera, MapId of) {
+  Trajectory t;
+  for (const FramePose& f : camera.frames) {
+    if (f.map == of) t.push_back({f.capture_ns, f.cam_from_world});
+  }
+  return t;
+}
+
+}  // namespace
+
+ResultStore::ResultStore(const std::filesystem::path& folder)
+    : folder_([&] {
+        std::error_code error;
+        for (const char* sub : {"trajectory", "live", "tracks"}) {
+          std::filesystem::create_directories(folder / sub, error);
+          if (error) throw UserError("cannot make the result folder " + (folder / sub).string() + ": " + error.message());
+        }
+        return folder;
+      }()),
+      groups_(folder_.groups()),
+      dynamic_(folder_.dynamic()) {}
+
+void ResultStore::record(const FrameSet& set, const MapServer& server) {
+  for (const CameraFrame& cf : set.frames) {
+    const TrackFrame& f = cf.frame;
+    if (f.pose_state == PoseState::kTracked && f.server_run == server.run()) {
+      live_[f.agent].push_back({f.capture_ns, f.cam_from_world});
+    }
+    if (f.frame.value % kTrackEvery == 0) record_tracks(cf, server);
+  }
+  record_groups(set, server);
+}
+
+void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) {
+  const MapCamera& camera = server.map().camera(cf.camera);
+  auto& writer = tracks_[camera.name];
+  if (!writer) writer = std::make_unique<TrackWriter>(folder_.tracks(camera.name));
+  for (const auto& [id, track] : camera.tracks) {
+    ResultTrackRow row;
+    row.frame = cf.frame.frame;
+    row.t_ns = cf.frame.capture_ns;
+    row.track = id;
+    row.raw_px = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
+    row.point = track.point;
+    if (const MapPoint* p = server.map().find(track.point)) row.state = p->state;
+    writer->write(row);
+  }
+}
+
+void ResultStore::record_groups(const FrameSet& set, const MapServer& server) {
+  const auto& groups = server.graph().groups;
+  if (groups == last_groups_) return;
+  last_groups_ = groups;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    ResultGroupRow row{.t_ns = set.t_ns, .group = GroupId(static_cast<std::uint32_t>(g + 1))};
+    for (const CameraId c : groups[g]) row.agents.push_back(server.map().camera(c).name);
+    groups_.write(row);
+  }
+}
+
+void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& report) {
+  const MapId of = server.largest_map();
+  for (const MapCamera& c : server.map().cameras()) {
+    save_tum(folder_.trajectory(c.name), final_trajectory(c, of));
+    save_tum(folder_.live(c.name), live_[c.name]);
+  }
+  const std::vector<ResultPoint> points = result_points(server.map(), of);
+  PointWriter writer(folder_.points());
+  for (const ResultPoint& p : points) writer.write(p);
+  writer.close();
+  write_ply(folder_.map(), points);
+  for (auto& [name, tracks] : tracks_) tracks->close();
+  groups_.close();
+  dynamic_.close();
+  write_json(folder_.report(), report);
+}
+
+nlohmann::ordered_json times_report(const StageTimes& times) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::object();
+  for (const auto& [name, h] : times.stages()) {
+    out[name] = {{"p50", h.percentile_ms(50)}, {"p95", h.percentile_ms(95)}, {"p99", h.percentile_ms(99)}, {"mean", h.mean_ms()}, {"count", h.count()}};
+  }
+  return out;
+}
+
+nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
+  const MapCamera& camera = server.map().camera(id);
+  const MapId of = server.largest_map();
+  nlohmann::ordered_json lost = nlohmann::ordered_json::array();
+  std::size_t tracked = 0;
+  const FramePose* lost_from = nullptr;
+  for (const FramePose& f : camera.frames) {
+    tracked += f.map == of ? 1 : 0;
+    if (f.map != of && lost_from == nullptr) lost_from = &f;
+    if (f.map == of && lost_from != nullptr) {
+      lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(f.capture_ns)});
+      lost_from = nullptr;
+    }
+  }
+  if (lost_from != nullptr) lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
+  const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
+  return {{"frames", camera.frames.size()}, {"tracked_percent", 100.0 * static_cast<double>(tracked) / n}, {"lost_intervals", lost}};
+}
+
+nlohmann::ordered_json server_report(const MapServer& server) {
+  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}, {"false", 0}};
+  const MapId of = server.largest_map();
+  for (const auto& [id, p] : server.map().points()) by_state[state_name(p.state)] += p.map == of ? 1 : 0;
+  nlohmann::ordered_json out;
+  out["ms"] = times_report(server.times());
+  out["points"] = by_state;
+  out["key_frames"] = server.map().key_frames().size();
+  out["merges"] = server.counts().merges;
+  out["inter_pose_calls"] = server.counts().inter_pose_calls;
+  out["refinements"] = server.counts().refinements;
+  out["scale_known"] = server.scale_known();
+  out["events"] = server.counts().events;
+  out["peak_memory_mib"] = peak_memory_mib();
+  return out;
+}
+
+}  // namespace coslam

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/dataset/result.h"
+#include "common/dataset/trajectory.h"
+#include "server/map_server.h"
+
+namespace coslam {
+
+// Writes the RESULT folder: what belongs to an instant as it happens, the rest at the end.
+class ResultStore {
+ public:
+  // Makes the folder. Throws UserError when it cannot be written.
+  explicit ResultStore(const std::filesystem::path& folder);
+
+  // After each step of the server.
+  void record(const FrameSet& set, const MapServer& server);
+  // Trajectories, points and the report (see make_report). Throws UserError, e.g. for a full disk.
+  void finish(const MapServer& server, const nlohmann::ordered_json& report);
+
+ private:
+  void record_tracks(const CameraFrame& frame, const MapServer& server);
+  void record_groups(const FrameSet& set, const MapServer& server);
+
+  ResultFolder folder_;
+  std::map<std::string, Trajectory> live_;
+  std::map<std::string, std::unique_ptr<TrackWriter>> tracks_;
+  GroupWriter groups_;
+  DynamicWriter dynamic_;
+  std::vector<std::vector<CameraId>> last_groups_;
+};
+
+// Server side of report.json: counts, stage times, points by state.
+nlohmann::ordered_json server_report(const MapServer& server);
+// Of one agent as the server saw it: frames, tracked_percent, lost_intervals.
+nlohmann::ordered_json camera_report(const MapServer& server, CameraId camera);
+// {"stage": {"p50":, "p95":, "p99":, "mean":}}
+nlohmann::ordered_json times_report(const StageTimes& times);
+
+}  // namespace coslam

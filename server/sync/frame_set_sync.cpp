@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/sync/frame_set_sync.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coslam {
+
+void FrameSetSync::add(CameraId camera, double rate_hz, bool lockstep) {
+  Member& m = members_[camera];
+  m = {};
+  m.lockstep = lockstep;
+  m.period_ns = to_ns(1.0 / rate_hz);
+}
+
+void FrameSetSync::finish(CameraId camera) {
+  const auto at = members_.find(camera);
+  if (at != members_.end()) at->second.finished = true;
+}
+
+void FrameSetSync::set_silent(CameraId camera) {
+  const auto at = members_.find(camera);
+  if (at != members_.end()) at->second.silent = true;
+}
+
+bool FrameSetSync::push(CameraFrame frame, TimeNs now_ns) {
+  const auto at = members_.find(frame.camera);
+  if (at == members_.end()) return false;
+  Member& m = at->second;
+  m.silent = false;
+  const TimeNs tolerance_ns = static_cast<TimeNs>(config_.tolerance_frames * static_cast<double>(m.period_ns));
+  if (last_t_ns_ && frame.frame.capture_ns < *last_t_ns_ - tolerance_ns) {
+    ++late_;
+    return false;
+  }
+  m.queue.push_back({std::move(frame), now_ns});
+  if (!m.lockstep && static_cast<int>(m.queue.size()) > config_.queue_frames) {
+    m.queue.pop_front();
+    ++overflowed_;
+  }
+  return true;
+}
+
+std::vector<CameraId> FrameSetSync::blocking() const {
+  std::vector<CameraId> out;
+  for (const auto& [id, m] : members_) {
+    if (m.queue.empty() && !m.finished && !m.silent) out.push_back(id);
+  }
+  return out;
+}
+
+std::optional<FrameSet> FrameSetSync::pop(TimeNs now_ns) {
+  const CameraFrame* oldest = nullptr;
+  TimeNs waiting_since_ns = now_ns;
+  for (const auto& [id, m] : members_) {
+    if (m.queue.empty()) continue;
+    const Waiting& head = m.queue.front();
+    if (oldest == nullptr || head.frame.frame.capture_ns < oldest->frame.capture_ns) oldest = &head.frame;
+    waiting_since_ns = std::min(waiting_since_ns, head.arrived_ns);
+  }
+  if (oldest == nullptr) return std::nullopt;
+  const bool overdue = now_ns - waiting_since_ns > to_ns(config_.deadline_s);
+  for (const CameraId id : blocking()) {
+    if (members_.at(id).lockstep || !overdue) return std::nullopt;
+  }
+
+  FrameSet set;
+  set.id = SetId(next_set_++);
+  const TimeNs first_ns = oldest->frame.capture_ns;
+  TimeNs sum_ns = 0;
+  for (auto& [id, m] : members_) {
+    if (m.queue.empty()) continue;
+    const TimeNs after_ns = m.queue.front().frame.frame.capture_ns - first_ns;
+    if (after_ns > static_cast<TimeNs>(config_.tolerance_frames * static_cast<double>(m.period_ns))) continue;
+    sum_ns += after_ns;
+    set.frames.push_back(std::move(m.queue.front().frame));
+    m.queue.pop_front();
+  }
+  set.t_ns = first_ns + sum_ns / static_cast<TimeNs>(set.frames.size());
+  last_t_ns_ = first_ns;
+  return set;
+}
+
+}  // namespace coslam

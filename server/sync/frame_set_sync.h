@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct SyncConfig {
+  double tolerance_frames = 0.55;  // of the frame period: frames this close belong to one instant
+  double deadline_s = 0.12;        // live: how long the others wait for the last
+  int queue_frames = 90;           // waiting per agent at most; the oldest goes first
+};
+
+// Gathers the frames of all agents into frame sets, in the order of capture time. Pure: the time comes as an argument.
+class FrameSetSync {
+ public:
+  explicit FrameSetSync(const SyncConfig& config) : config_(config) {}
+
+  // lockstep: this agent's frames are waited for as long as it takes.
+  void add(CameraId camera, double rate_hz, bool lockstep);
+  // It will send no more; what it sent is still used.
+  void finish(CameraId camera);
+  // Not waited for until it sends again.
+  void set_silent(CameraId camera);
+
+  // False when the frame is older than the last set made (too late to use).
+  bool push(CameraFrame frame, TimeNs now_ns);
+  // The next set when everyone who is waited for is there, or the deadline has passed.
+  std::optional<FrameSet> pop(TimeNs now_ns);
+
+  // Whom the next set waits for.
+  std::vector<CameraId> blocking() const;
+  std::uint32_t late() const { return late_; }
+  std::uint32_t overflowed() const { return overflowed_; }
+
+ private:
+  struct Waiting {
+    CameraFrame frame;
+    TimeNs arrived_ns;
+  };
+  struct Member {
+    bool lockstep = false, finished = false, silent = false;
+    TimeNs period_ns = 0;
+    std::deque<Waiting> queue;
+  };
+
+  SyncConfig config_;
+  std::map<CameraId, Member> members_;
+  std::uint32_t next_set_ = 0;
+  std::optional<TimeNs> last_t_ns_;
+  std::uint32_t late_ = 0, overflowed_ = 0;
+};
+
+}  // namespace coslam
