@@ -52,13 +52,16 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
       if (point.state == PointState::kStatic) view.points.push_back(shown_from_map * point.position);
     }
   }
+  double poses = 0;
   for (std::size_t i = 0; i < agents.size(); ++i) {
+    poses += static_cast<double>(agents[i].estimate.size());
     view.paths.push_back({path_label(evaluation.agents[i]), centers(agents[i].estimate, shown_from_map),
                           aligned ? centers(agents[i].truth, Similarity3()) : plot::Positions()});
     for (const StampedPose& pose : agents[i].estimate) {
       view.up -= shown_from_map.rotation * (pose.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitY());
     }
   }
+  if (poses > 0) view.up /= poses;
   return view;
 }
 

@@ -31,12 +31,26 @@ TopView flat_world() {
   return view;
 }
 
+Eigen::Vector3d normal_of(const Projection& p) {
+  return Eigen::Vector3d(p.axes.row(0)).cross(Eigen::Vector3d(p.axes.row(1)));
+}
+
 TEST(Projection, ShowsThePlaneOfWidestSpreadFromAbove) {
   const Projection p = widest_plane(flat_world());
   EXPECT_GT(std::abs(p.axes.row(0).dot(Eigen::Vector3d::UnitX())), 0.99);
   EXPECT_GT(std::abs(p.axes.row(1).dot(Eigen::Vector3d::UnitZ())), 0.99);
   // Seen from above: the axes to the right and upwards span a normal along "up".
-  EXPECT_LT(p.axes.row(0).cross(p.axes.row(1)).y(), -0.99);
+  EXPECT_LT(normal_of(p).y(), -0.99);
+}
+
+TEST(Projection, CamerasThatAgreeTellUp) {
+  TopView view = flat_world();
+  view.up = Eigen::Vector3d(0.5, -1, 0).normalized();
+  EXPECT_LT((normal_of(widest_plane(view)) - view.up).norm(), 1e-9);
+  view.up *= 0.5;  // they do not agree: only the side
+  EXPECT_LT(normal_of(widest_plane(view)).y(), -0.99);
+  view.up = Eigen::Vector3d::UnitX();  // they look down
+  EXPECT_GT(std::abs(normal_of(widest_plane(view)).y()), 0.99);
 }
 
 TEST(Projection, WildPointsDoNotWidenTheWindow) {
