@@ -63,10 +63,10 @@ class Agent {
   LocalMap map_;
 
   Image image_;
-  std::vector<Track> tracks_;                   // with an undistorted place, as observations_
+  std::vector<Track> tracks_;  // with an undistorted place, as observations_
   std::vector<TrackObservation> observations_;
   std::set<TrackId> patch_requests_;
-  bool descriptors_wanted_ = true;              // the first image introduces the agent
+  bool descriptors_wanted_ = true;  // the first image introduces the agent
   StageTimes times_;
   std::uint32_t tracked_frames_ = 0;
 };

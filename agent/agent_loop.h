@@ -15,14 +15,15 @@
 
 namespace coslam {
 
-// One agent's step thread: images from the feed, patches from the link, frames to the link. Live it never waits for the server; in
-// lock-step the patch that answers frame n comes before frame n + 1 is finished (its tracking runs meanwhile).
+// One agent's step thread: images from the feed, patches from the link, frames to the link. Live it never waits for the
+// server; in lock-step the patch that answers frame n comes before frame n + 1 is finished (its tracking runs
+// meanwhile).
 class AgentLoop {
  public:
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config);
 
-  // One image; false at the end of the feed. stop: give up waiting. Throws UserError when the server is gone in lock-step or
-  // turned this agent away.
+  // One image; false at the end of the feed. stop: give up waiting. Throws UserError when the server is gone in
+  // lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
   // Tells the server that this agent has ended, with its report.
   void finish();

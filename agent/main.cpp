@@ -105,8 +105,9 @@ void run(Options& o) {
     if (!start) return;
     start_utc_ns = *start;
   }
-  AgentLoop loop(*link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
-                 hello, o.agent);
+  AgentLoop loop(
+      *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
+      hello, o.agent);
   while (!stop_requested && loop.step(stop_requested)) {
   }
   loop.finish();
@@ -135,7 +136,8 @@ int main_of(int argc, char** argv) {
   app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
   app.add_option("--fps", rate_hz, "nominal frame rate")->type_name("HZ");
   app.add_flag("--loopback", loopback, "talk on this machine only");
-  app.add_option("--set", sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")->type_name("KEY=VALUE");
+  app.add_option("--set", sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")
+      ->type_name("KEY=VALUE");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -26,7 +26,8 @@ struct Options {
 
 template <class V>
 void describe(V& v, Options& o) {
-  v.field("agents", o.agents, "wait for these, number cameras in this order, end when they have ended; empty: run until stopped");
+  v.field("agents", o.agents,
+          "wait for these, number cameras in this order, end when they have ended; empty: run until stopped");
   v.section("wire", o.wire);
   v.section("server", o.server);
 }

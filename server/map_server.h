@@ -48,8 +48,8 @@ struct MapServerCounts {
   std::map<std::string, long> events;  // what the stages report, summed
 };
 
-// The map and the stages that make it: one frame set in, one patch for each of its agents out. Pure: no thread, no network, no
-// clock but for its stage times. Bundle adjustment is handed out as a job, so that it can run beside.
+// The map and the stages that make it: one frame set in, one patch for each of its agents out. Pure: no thread, no
+// network, no clock but for its stage times. Bundle adjustment is handed out as a job, so that it can run beside.
 class MapServer {
  public:
   MapServer(RunId run, const MapServerConfig& config);

@@ -5,8 +5,8 @@
 #include "server/map_server.h"
 #include "server/sync/frame_set_sync.h"
 
-// The keys of server.yaml below `server`, with unit and bounds (see common/config/config.h). Where the paper names a threshold,
-// its name and value are used.
+// The keys of server.yaml below `server`, with unit and bounds (see common/config/config.h). Where the paper names a
+// threshold, its name and value are used.
 namespace coslam {
 
 struct ServerConfig {
@@ -18,7 +18,8 @@ template <class V>
 void describe(V& v, StartStageConfig& c) {
   v.field("min_matches", c.pair.min_matches, {10, 1000}, "between two cameras that start a map together");
   v.field("min_parallax_rad", c.pair.min_parallax_rad, {0.001, 1}, "median over their points");
-  v.field("request_period_sets", c.request_period, {1, 1000}, "between requests for descriptors while a camera is to be placed");
+  v.field("request_period_sets", c.request_period, {1, 1000},
+          "between requests for descriptors while a camera is to be placed");
   v.field("alone_after_sets", c.alone_after_sets, {0, 10000}, "a camera that nobody placed starts a map of its own");
   v.field("min_flow_px", c.min_flow_px, {1, 200}, "median displacement of its tracks for that, at 640 px image width");
   v.field("min_place_inliers", c.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
@@ -35,7 +36,8 @@ void describe(V& v, LocaliseConfig& c) {
 template <class V>
 void describe(V& v, VerifyConfig& c) {
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
-  v.field("update_turn_rad", c.update_turn_rad, {0, 1}, "turn of the viewing ray between two filter updates of a point");
+  v.field("update_turn_rad", c.update_turn_rad, {0, 1},
+          "turn of the viewing ray between two filter updates of a point");
 }
 
 template <class V>
@@ -49,7 +51,8 @@ template <class V>
 void describe(V& v, MapIntraConfig& c) {
   v.field("min_track_frames", c.min_track_frames, {2, 10000}, "N_min: such tracks may become points");
   v.field("min_parallax_rad", c.min_parallax_rad, {0, 1}, "of a track that long");
-  v.field("early_track_frames", c.early_track_frames, {2, 10000}, "shorter tracks down to this may too, with more parallax");
+  v.field("early_track_frames", c.early_track_frames, {2, 10000},
+          "shorter tracks down to this may too, with more parallax");
   v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
   v.field("max_relative_sigma", c.max_relative_sigma, {0, 10}, "sqrt(trace Sigma) of a new point over its distance");
 }
@@ -109,8 +112,10 @@ template <class V>
 void describe(V& v, ServerConfig& c) {
   v.field("sigma_px", c.map.map.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
   v.field("theta", c.map.map.theta, {0.5, 10}, "Mahalanobis gate");
-  v.field("active_frames", c.map.map.active_frames, {1, 100000}, "N_rec: points seen in so many last sets take part in registration");
-  v.field("baseline_m", c.map.baseline_m, {0, 1000}, "known distance of the first two cameras at the start; 0 = unknown");
+  v.field("active_frames", c.map.map.active_frames, {1, 100000},
+          "N_rec: points seen in so many last sets take part in registration");
+  v.field("baseline_m", c.map.baseline_m, {0, 1000},
+          "known distance of the first two cameras at the start; 0 = unknown");
   v.section("sync", c.sync);
   v.section("start", c.map.start);
   v.section("localise", c.map.localise);

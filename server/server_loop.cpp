@@ -12,16 +12,19 @@
 namespace coslam {
 namespace {
 
-constexpr std::uint32_t kRefineDueSets = 3;  // lock-step: the solution is taken in so many sets after its plan, no sooner or later
+constexpr std::uint32_t kRefineDueSets =
+    3;  // lock-step: the solution is taken in so many sets after its plan, no sooner or later
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
-constexpr double kStartDelay_s = 0.3;        // between the word to start and played time 0
+constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
 
 TimeNs utc_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 TimeNs monotonic_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 }  // namespace
@@ -202,7 +205,8 @@ void ServerLoop::exchange_refinement(SetId now) {
   // Lock-step: at a fixed set, so that the machine's speed does not show in the result.
   const bool due = now.value >= refiner_->planned_at().value + kRefineDueSets;
   if (lockstep() && !due) return;
-  if (auto solved = refiner_->take(lockstep())) server_.give_refined(std::move(solved->first), std::move(solved->second));
+  if (auto solved = refiner_->take(lockstep()))
+    server_.give_refined(std::move(solved->first), std::move(solved->second));
 }
 
 void ServerLoop::send_status() {

@@ -21,9 +21,10 @@ namespace coslam {
 
 struct ServerLoopConfig {
   ServerConfig server;
-  std::vector<std::string> expected_agents;  // wait for all of these, number cameras in this order, end when they have; empty: run on
-  std::filesystem::path out;                 // RESULT folder; empty: none
-  bool refine_in_thread = true;              // false: in the caller's thread, where its result is due
+  std::vector<std::string>
+      expected_agents;        // wait for all of these, number cameras in this order, end when they have; empty: run on
+  std::filesystem::path out;  // RESULT folder; empty: none
+  bool refine_in_thread = true;  // false: in the caller's thread, where its result is due
 };
 
 // The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
@@ -32,10 +33,11 @@ class ServerLoop {
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
   ~ServerLoop();
 
-  // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done: all
-  // expected agents have ended and their frames are used.
+  // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done:
+  // all expected agents have ended and their frames are used.
   bool poll(std::chrono::milliseconds timeout);
-  // Adjusts the whole run, writes the result, tells the agents that the server stops. effective: the configuration for the report.
+  // Adjusts the whole run, writes the result, tells the agents that the server stops. effective: the configuration for
+  // the report.
   void finish(const nlohmann::ordered_json& effective);
 
   bool started() const { return started_; }

@@ -17,9 +17,9 @@ namespace coslam {
 // What the agent must do to its own pose after a patch.
 struct PatchEffect {
   bool accepted = false;
-  bool new_server = false;                       // another server run: every earlier pose is meaningless
-  std::optional<Similarity3> rebase;             // the map moved: re-express poses
-  std::optional<PlacedPose> placed;              // the server says where this agent was at a frame
+  bool new_server = false;            // another server run: every earlier pose is meaningless
+  std::optional<Similarity3> rebase;  // the map moved: re-express poses
+  std::optional<PlacedPose> placed;   // the server says where this agent was at a frame
   std::vector<TrackId> patch_requests;
   bool descriptor_request = false;
 };

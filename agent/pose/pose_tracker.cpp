@@ -9,7 +9,8 @@ namespace {
 constexpr std::size_t kHistory = 64;
 }
 
-PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config) : camera_(camera), config_(config) {}
+PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
+    : camera_(camera), config_(config) {}
 
 void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map) {
   if (past_.empty()) {

@@ -13,9 +13,9 @@
 namespace coslam {
 
 struct PoseTrackerConfig {
-  double sigma_px = 3.0;         // of detection and tracking, at 640 px image width
-  int min_inliers = 12;          // fewer: lost
-  double min_inlier_ratio = 0.3; // of the static points seen; fewer: lost
+  double sigma_px = 3.0;          // of detection and tracking, at 640 px image width
+  int min_inliers = 12;           // fewer: lost
+  double min_inlier_ratio = 0.3;  // of the static points seen; fewer: lost
 };
 
 // Where the agent is, frame by frame, from the static points bound to its tracks (paper 4.1). Keeps a short history of

@@ -6,10 +6,10 @@
 #include <cstdlib>
 
 // A broken invariant is a bug: say where, and stop. Never used for bad input.
-#define COSLAM_CHECK(condition, message)                                                          \
-  do {                                                                                            \
-    if (!(condition)) {                                                                           \
+#define COSLAM_CHECK(condition, message)                                                               \
+  do {                                                                                                 \
+    if (!(condition)) {                                                                                \
       std::fprintf(stderr, "%s:%d: check failed: %s (%s)\n", __FILE__, __LINE__, #condition, message); \
-      std::abort();                                                                               \
-    }                                                                                             \
+      std::abort();                                                                                    \
+    }                                                                                                  \
   } while (false)

@@ -28,12 +28,12 @@ struct Sequence {
   std::vector<SequenceAgent> agents;
   std::optional<std::filesystem::path> truth_points;  // t_s,id,x,y,z
   std::optional<std::filesystem::path> masks;         // <masks>/<agent>/<6-digit frame>.png, non-zero = moving
-  std::string scene;  // name of the simulated scene that rendered it, or empty
+  std::string scene;                                  // name of the simulated scene that rendered it, or empty
   std::uint64_t scene_seed = 0;
 };
 
-// Reads a YAML file or a folder with sequence.yaml; paths in it are relative to the file. Throws UserError with file, key
-// and reason: unknown key, missing key, bad value, missing file.
+// Reads a YAML file or a folder with sequence.yaml; paths in it are relative to the file. Throws UserError with file,
+// key and reason: unknown key, missing key, bad value, missing file.
 Sequence load_sequence(const std::filesystem::path& path);
 
 }  // namespace coslam

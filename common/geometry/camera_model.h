@@ -28,7 +28,9 @@ struct CameraModel {
   bool contains_raw(const Eigen::Vector2d& px, double margin_px = 0) const;
 
   Eigen::Vector2d pixel_from_normalized(const Eigen::Vector2d& n) const { return {fx * n.x() + cx, fy * n.y() + cy}; }
-  Eigen::Vector2d normalized_from_pixel(const Eigen::Vector2d& p) const { return {(p.x() - cx) / fx, (p.y() - cy) / fy}; }
+  Eigen::Vector2d normalized_from_pixel(const Eigen::Vector2d& p) const {
+    return {(p.x() - cx) / fx, (p.y() - cy) / fy};
+  }
 
   // Undistorted pixel of a point in the camera frame; z must be positive.
   Eigen::Vector2d project(const Eigen::Vector3d& in_cam) const {

@@ -23,7 +23,8 @@ struct Residual {
 };
 
 // By the perturbation of retract(): x' = exp(w) x + t, so d x / d w = -[x]_x, d x / d t = I.
-Residual residual_of(const CameraModel& camera, const PointObservation& o, const Rigid3& pose, const Eigen::Matrix3d& r) {
+Residual residual_of(const CameraModel& camera, const PointObservation& o, const Rigid3& pose,
+                     const Eigen::Matrix3d& r) {
   Residual out;
   const Eigen::Vector3d x = r * o.point_in_world + pose.translation;
   if (x.z() < 1e-6) return out;
@@ -51,7 +52,8 @@ double measured_sigma(const std::vector<Residual>& residuals, const PoseRefineme
   for (const Residual& r : residuals) {
     if (!r.valid) continue;
     // Residual whitened as if sigma were the floor: a far, uncertain point does not speak for the tracker's noise.
-    const double unexplained = r.r.squaredNorm() / (1.0 + 0.5 * r.point_part.trace() / (config.sigma_floor_px * config.sigma_floor_px));
+    const double unexplained =
+        r.r.squaredNorm() / (1.0 + 0.5 * r.point_part.trace() / (config.sigma_floor_px * config.sigma_floor_px));
     norms.push_back(std::sqrt(unexplained));
   }
   return std::clamp(robust_sigma_2d(norms), config.sigma_floor_px, cap_px);
@@ -100,7 +102,8 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
 
   std::vector<Residual> residuals;
   double lambda = 1e-6;
-  // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the end.
+  // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
+  // end.
   double cap_px = 1e9;
   evaluate(camera, observations, result.cam_from_world, &residuals);
   double sigma = measured_sigma(residuals, config, cap_px);
@@ -155,7 +158,8 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
 
 double hull_fraction(std::vector<Eigen::Vector2d> p, const CameraModel& camera) {
   if (p.size() < 3) return 0.0;
-  std::sort(p.begin(), p.end(), [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  std::sort(p.begin(), p.end(),
+            [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   const auto turn = [](const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
   };

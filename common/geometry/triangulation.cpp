@@ -125,7 +125,8 @@ TriangulationResult triangulate(std::span<const View> views, double sigma_px, do
   }
   result.covariance = (result.covariance.inverse() * (sigma_px * sigma_px)).eval();
   result.parallax_rad = widest_angle(views, result.position);
-  result.status = result.parallax_rad < min_parallax_rad ? TriangulationStatus::kTooLittleParallax : TriangulationStatus::kOk;
+  result.status =
+      result.parallax_rad < min_parallax_rad ? TriangulationStatus::kTooLittleParallax : TriangulationStatus::kOk;
   return result;
 }
 

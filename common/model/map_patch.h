@@ -21,7 +21,7 @@ struct BoundPoint {
   TrackId track;
   PointId point;
   PointState state = PointState::kStatic;
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();                    // map frame, metres when scale_known
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();                          // map frame, metres when scale_known
   Eigen::Matrix<float, 6, 1> covariance = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz
 };
 
@@ -38,17 +38,17 @@ struct PlacedPose {
 struct MapPatch {
   std::string agent;
   RunId server_run;
-  RunId agent_run;           // addressee; another run ignores it
+  RunId agent_run;             // addressee; another run ignores it
   std::uint32_t sequence = 0;  // from 1, without gaps for one pair of runs; a gap makes the agent ask for a snapshot
-  FrameId after_frame;       // the agent's newest frame that this patch has seen; the credit of lock-step replay
-  bool snapshot = false;     // `updated` is the whole local map: forget all other bindings
-  MapEpoch epoch;            // of every position and pose in here
-  Similarity3 new_from_old;  // maps the epoch before to `epoch`; identity when the epoch did not change
+  FrameId after_frame;         // the agent's newest frame that this patch has seen; the credit of lock-step replay
+  bool snapshot = false;       // `updated` is the whole local map: forget all other bindings
+  MapEpoch epoch;              // of every position and pose in here
+  Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
   std::optional<PlacedPose> placed;
-  std::vector<BoundPoint> updated;       // new bindings and new positions
-  std::vector<TrackId> unbound;          // tracks that no longer have a point
-  std::vector<TrackId> patch_requests;   // answer with PatchReply at the next frame
-  bool descriptor_request = false;       // answer with DescriptorReply at the next frame
+  std::vector<BoundPoint> updated;      // new bindings and new positions
+  std::vector<TrackId> unbound;         // tracks that no longer have a point
+  std::vector<TrackId> patch_requests;  // answer with PatchReply at the next frame
+  bool descriptor_request = false;      // answer with DescriptorReply at the next frame
   GroupId group;
   bool scale_known = false;
 };

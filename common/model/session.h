@@ -40,12 +40,12 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  FrameId last_frame;            // newest frame sent
-  std::uint32_t frames = 0;      // images read
-  std::uint32_t dropped = 0;     // images skipped for lack of time
+  FrameId last_frame;         // newest frame sent
+  std::uint32_t frames = 0;   // images read
+  std::uint32_t dropped = 0;  // images skipped for lack of time
   std::uint32_t tracks = 0;
-  float frame_ms = 0;            // mean time of one step
-  std::string report_json;       // when finished: stage times and byte counts, see docs/wire.md
+  float frame_ms = 0;       // mean time of one step
+  std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
 };
 
 // An agent that was turned away, with one sentence for its user (wrong protocol, name taken).
@@ -58,9 +58,9 @@ struct Refusal {
 struct ServerStatus {
   RunId server_run;
   std::uint16_t protocol = kProtocolVersion;
-  bool started = false;       // all expected agents are here: play
-  bool stopping = false;      // the server ends: finish
-  TimeNs start_utc_ns = 0;    // live replay: played time 0 is this instant
+  bool started = false;     // all expected agents are here: play
+  bool stopping = false;    // the server ends: finish
+  TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
   std::vector<std::string> agents;

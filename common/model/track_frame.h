@@ -18,7 +18,7 @@
 namespace coslam {
 
 // Coordinates travel as int16 in units of pixel / pixel_scale(camera).
-double pixel_scale(const CameraModel& camera);                                    // a power of two
+double pixel_scale(const CameraModel& camera);                                      // a power of two
 Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale);  // clamped to the int16 range
 
 struct TrackObservation {
@@ -44,14 +44,15 @@ struct TrackFrame {
   RunId server_run;  // whose map the pose is in; 0 before the first patch
   MapEpoch epoch;    // the map epoch in which the pose is expressed
   Rigid3 cam_from_world;
-  Eigen::Matrix<float, 6, 6> pose_covariance = Eigen::Matrix<float, 6, 6>::Zero();  // order of retract(): rotation, translation
+  Eigen::Matrix<float, 6, 6> pose_covariance =
+      Eigen::Matrix<float, 6, 6>::Zero();  // order of retract(): rotation, translation
   std::uint16_t pose_inliers = 0;
   float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
 
-  std::uint32_t applied_patch = 0;  // sequence number of the last map patch processed, 0 = none
-  bool wants_snapshot = false;      // a patch was missed: send everything bound to my tracks again
-  std::uint16_t patches_sent = 0;       // image patches that travel apart for this frame, see PatchReply
-  bool descriptors_sent = false;        // descriptors that travel apart for this frame, see DescriptorReply
+  std::uint32_t applied_patch = 0;       // sequence number of the last map patch processed, 0 = none
+  bool wants_snapshot = false;           // a patch was missed: send everything bound to my tracks again
+  std::uint16_t patches_sent = 0;        // image patches that travel apart for this frame, see PatchReply
+  bool descriptors_sent = false;         // descriptors that travel apart for this frame, see DescriptorReply
   std::vector<TrackObservation> tracks;  // ascending track id
 };
 

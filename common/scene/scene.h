@@ -34,7 +34,8 @@ class Scene {
   virtual const CameraModel& camera(int camera) const = 0;
   virtual Rigid3 cam_from_world(int camera, double t_s) const = 0;
   // First surface along a ray at time t_s; empty when it leaves the world.
-  virtual std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s) const = 0;
+  virtual std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                     double t_s) const = 0;
 };
 
 // Names that `sim:NAME` accepts.
@@ -51,13 +52,13 @@ struct RenderOptions {
 };
 
 // Renders a sequence folder in the form of docs/configuration.md: sequence.yaml, <agent>/<6 digits>.png + times.txt,
-// calibration, truth <agent>.tum, and what eval needs. Written aside and renamed, so that a folder that exists is complete.
-// progress(done, total) is called from one thread.
+// calibration, truth <agent>.tum, and what eval needs. Written aside and renamed, so that a folder that exists is
+// complete. progress(done, total) is called from one thread.
 void render_sequence(const RenderOptions& options, const std::filesystem::path& folder,
                      const std::function<void(int, int)>& progress);
 
-// The cached rendering of a scene (rendered when missing): $COSLAM_CACHE or ~/.cache/coslam, a folder per scene, seed, size
-// and version of the renderer.
+// The cached rendering of a scene (rendered when missing): $COSLAM_CACHE or ~/.cache/coslam, a folder per scene, seed,
+// size and version of the renderer.
 std::filesystem::path cached_sequence(const RenderOptions& options, const std::function<void(int, int)>& progress);
 
 }  // namespace coslam

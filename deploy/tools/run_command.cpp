@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "agent/capture/source.h"
 #include "common/base/error.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/result.h"
-#include "agent/capture/source.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/run/run.h"
 #include "deploy/tools/sequence_argument.h"
@@ -28,23 +28,26 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
   if (names.empty()) return;
   std::vector<SequenceAgent> chosen;
   for (const std::string& name : names) {
-    const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(), [&](const SequenceAgent& a) { return a.name == name; });
+    const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
+                                 [&](const SequenceAgent& a) { return a.name == name; });
     if (at == sequence.agents.end()) throw UsageError("the sequence " + sequence.name + " has no agent " + name);
     chosen.push_back(*at);
   }
   // The known baseline is that of the sequence's own first two.
-  const bool same_pair = chosen.size() >= 2 && sequence.agents.size() >= 2 && chosen[0].name == sequence.agents[0].name &&
-                         chosen[1].name == sequence.agents[1].name;
+  const bool same_pair = chosen.size() >= 2 && sequence.agents.size() >= 2 &&
+                         chosen[0].name == sequence.agents[0].name && chosen[1].name == sequence.agents[1].name;
   if (!same_pair) sequence.baseline_m.reset();
   sequence.agents = std::move(chosen);
 }
 
-// Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the longest.
+// Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the
+// longest.
 int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
     const CameraModel camera = load_calibration(a.calibration);
-    const auto source = open_source(a.source, {a.start_s, a.duration_s, sequence.rate_hz, camera.width_px, camera.height_px});
+    const auto source =
+        open_source(a.source, {a.start_s, a.duration_s, sequence.rate_hz, camera.width_px, camera.height_px});
     int frames = 0;
     while (!source->live() && source->skip()) ++frames;
     most = std::max(most, frames);
@@ -64,10 +67,12 @@ double number(const nlohmann::json& j, const char* a, const char* b = nullptr, c
 
 void print_summary(const std::filesystem::path& out) {
   const nlohmann::json report = read_json(ResultFolder(out).report());
-  std::printf("%-12s %7s %8s %9s %9s %10s %10s\n", "agent", "frames", "dropped", "tracked", "ms/frame", "kB/s up", "kB/s down");
+  std::printf("%-12s %7s %8s %9s %9s %10s %10s\n", "agent", "frames", "dropped", "tracked", "ms/frame", "kB/s up",
+              "kB/s down");
   for (const auto& [name, a] : report["agents"].items()) {
-    std::printf("%-12s %7.0f %8.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"), number(a, "dropped"),
-                number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"), number(a, "kb_per_s_down"));
+    std::printf("%-12s %7.0f %8.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"),
+                number(a, "dropped"), number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"),
+                number(a, "kb_per_s_down"));
   }
   const auto& s = report["server"];
   std::printf("server: %.1f ms a frame set (p99 %.0f), %.0f static points, %.0f key frames, %.0f merges\nresult: %s\n",
@@ -95,13 +100,17 @@ void add_run_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   RunOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand("run", "Build one map from all cameras of a sequence");
-  command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, or sim:NAME")->required();
+  command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, or sim:NAME")
+      ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
   command->add_option("--agents", arguments->agents, "only these, in this order: a,b")->delimiter(',');
-  command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")->capture_default_str();
+  command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
+      ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");
-  command->add_option("--domain", options.domain, "DDS domain, 0 to 232; default: one that depends on the process")->check(CLI::Range(0, 232));
-  command->add_option("--set", options.sets, "override a key of the configuration: agent.KEY=VALUE or server.KEY=VALUE");
+  command->add_option("--domain", options.domain, "DDS domain, 0 to 232; default: one that depends on the process")
+      ->check(CLI::Range(0, 232));
+  command->add_option("--set", options.sets,
+                      "override a key of the configuration: agent.KEY=VALUE or server.KEY=VALUE");
   command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -38,7 +38,8 @@ void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* pa
   std::vector<std::pair<std::uint32_t, TrackId>> wanted;  // those never cut first, then the stalest
   for (const auto& [id, t] : camera.tracks) {
     if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
-    if (t.patch && (t.point != PointId() || t.patch_set.value + static_cast<std::uint32_t>(config_.patch_refresh_sets) > map.now().value)) {
+    if (t.patch && (t.point != PointId() ||
+                    t.patch_set.value + static_cast<std::uint32_t>(config_.patch_refresh_sets) > map.now().value)) {
       continue;
     }
     wanted.emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);

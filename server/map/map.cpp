@@ -15,7 +15,8 @@ constexpr std::size_t kTrackMost = 256;     // beyond, every other of the old on
 
 template <class Frames>
 auto find_frame(Frames& frames, SetId set) -> decltype(frames.data()) {
-  const auto at = std::lower_bound(frames.begin(), frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
+  const auto at =
+      std::lower_bound(frames.begin(), frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
@@ -171,7 +172,8 @@ void Map::fuse(PointId kept, PointId gone) {
     camera(b.camera).tracks.at(b.track).point = kept;
     into->bound.push_back(b);
   }
-  into->key_observations.insert(into->key_observations.end(), from->key_observations.begin(), from->key_observations.end());
+  into->key_observations.insert(into->key_observations.end(), from->key_observations.begin(),
+                                from->key_observations.end());
   sort_observations(*into);
   into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
   into->views += from->views;
@@ -181,7 +183,9 @@ void Map::fuse(PointId kept, PointId gone) {
   points_.erase(gone);
 }
 
-bool Map::is_key_frame(SetId set) const { return std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before); }
+bool Map::is_key_frame(SetId set) const {
+  return std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before);
+}
 
 void Map::add_key_frame(SetId set) {
   if (is_key_frame(set)) return;
@@ -189,7 +193,8 @@ void Map::add_key_frame(SetId set) {
   for (auto& [id, p] : points_) {
     for (const BoundTrack& b : p.bound) {
       const ServerTrack& t = camera(b.camera).tracks.at(b.track);
-      const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), set, [](const TrackPoint& s, SetId want) { return s.set < want; });
+      const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), set,
+                                       [](const TrackPoint& s, SetId want) { return s.set < want; });
       if (at == t.seen.end() || at->set != set || set.value < t.distrusted_before || t.gate_failures > 0) continue;
       p.key_observations.push_back({set, b.camera, b.track, at->undistorted_px});
     }
@@ -235,7 +240,8 @@ std::vector<View> Map::views_of(const MapCamera& c, const ServerTrack& track, st
   for (const TrackPoint& s : track.seen) {
     if (s.set.value < track.distrusted_before) continue;
     const FramePose* f = c.frame_at(s.set);
-    if (f != nullptr && f->valid() && f->map == c.map) views.push_back({&c.model, f->cam_from_world, s.undistorted_px.cast<double>()});
+    if (f != nullptr && f->valid() && f->map == c.map)
+      views.push_back({&c.model, f->cam_from_world, s.undistorted_px.cast<double>()});
   }
   if (views.size() <= most) return views;
   std::vector<View> spread;
@@ -248,7 +254,8 @@ std::vector<View> Map::key_views_of(const MapPoint& point) const {
   for (const KeyObservation& o : point.key_observations) {
     const MapCamera& c = camera(o.camera);
     const FramePose* f = c.frame_at(o.set);
-    if (f != nullptr && f->map == point.map) views.push_back({&c.model, f->cam_from_world, o.undistorted_px.cast<double>()});
+    if (f != nullptr && f->map == point.map)
+      views.push_back({&c.model, f->cam_from_world, o.undistorted_px.cast<double>()});
   }
   return views;
 }

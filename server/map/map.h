@@ -17,8 +17,8 @@
 #include "common/model/map_patch.h"
 #include "common/model/track_frame.h"
 
-// The map and everything that was observed, owned by one thread. Plain data with invariants kept by Map's verbs; the stages
-// (server/stages) read and change it through them.
+// The map and everything that was observed, owned by one thread. Plain data with invariants kept by Map's verbs; the
+// stages (server/stages) read and change it through them.
 namespace coslam {
 
 using PatchPixels = std::array<std::uint8_t, kPatchBytes>;
@@ -31,14 +31,14 @@ struct TrackPoint {
 // A feature track of one camera as the server knows it.
 struct ServerTrack {
   TrackId id;
-  PointId point;                        // 0 = unmapped
-  std::vector<TrackPoint> seen;         // ascending sets, thinned when old
-  std::optional<PatchPixels> patch;     // newest received
+  PointId point;                     // 0 = unmapped
+  std::vector<TrackPoint> seen;      // ascending sets, thinned when old
+  std::optional<PatchPixels> patch;  // newest received
   SetId patch_set;
-  std::vector<std::uint8_t> descriptor; // kDescriptorBytes or empty
-  std::uint32_t mapping_after = 0;      // set number before which mapping it is not tried again
-  int gate_failures = 0;                // in succession
-  std::uint32_t distrusted_before = 0;  // observations of earlier sets are not used (it slid or was mismatched)
+  std::vector<std::uint8_t> descriptor;  // kDescriptorBytes or empty
+  std::uint32_t mapping_after = 0;       // set number before which mapping it is not tried again
+  int gate_failures = 0;                 // in succession
+  std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
 };
 
 // Where one camera was at one frame set.
@@ -57,12 +57,12 @@ struct MapCamera {
   std::string name;
   RunId run;
   CameraModel model;
-  double sigma_px = 1.0;          // measured standard deviation of its observations
-  MapId map;                      // that it is being localised in; 0 = not placed
-  int lost_sets = 0;              // frame sets in succession without a pose, while it has a map
-  Similarity3 moved;              // how its world was moved since the last patch to its agent
+  double sigma_px = 1.0;  // measured standard deviation of its observations
+  MapId map;              // that it is being localised in; 0 = not placed
+  int lost_sets = 0;      // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;      // how its world was moved since the last patch to its agent
   bool alive = true;
-  std::vector<FramePose> frames;  // ascending sets, the whole run
+  std::vector<FramePose> frames;          // ascending sets, the whole run
   std::map<TrackId, ServerTrack> tracks;  // live ones
 
   const FramePose* frame_at(SetId set) const;
@@ -102,8 +102,8 @@ struct MapPoint {
   std::vector<BoundTrack> bound;                 // live tracks
   std::vector<PointPatch> patches;               // from different directions, few
   std::vector<std::uint8_t> descriptor;
-  std::uint32_t views = 0;                       // observations that were gated in, all frames
-  std::array<Eigen::Vector3d, 4> updated_from{}; // per camera (index modulo 4): ray at the last Kalman update
+  std::uint32_t views = 0;                        // observations that were gated in, all frames
+  std::array<Eigen::Vector3d, 4> updated_from{};  // per camera (index modulo 4): ray at the last Kalman update
   std::uint8_t grey = 128;
 };
 
@@ -126,9 +126,9 @@ struct FrameSet {
 };
 
 struct MapConfig {
-  double sigma_px = 3.0;      // largest believed noise of detection and tracking, at 640 px image width
-  double theta = 2.0;         // Mahalanobis gate
-  int active_frames = 200;    // N_rec: a point is active when it was seen in the last so many sets
+  double sigma_px = 3.0;    // largest believed noise of detection and tracking, at 640 px image width
+  double theta = 2.0;       // Mahalanobis gate
+  int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
 };
 
 class Map {
@@ -154,7 +154,8 @@ class Map {
   // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
   void ingest(const FrameSet& set);
 
-  MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now, TimeNs now_ns);
+  MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
+                         TimeNs now_ns);
   // Binds a track to a point, with its observations at key frames so far.
   void bind(MapPoint& point, CameraId camera, ServerTrack& track);
   void unbind(CameraId camera, ServerTrack& track);
@@ -163,14 +164,16 @@ class Map {
   void remove_point(PointId id);
   // `gone` is the same thing as `kept`: its tracks and observations move over.
   void fuse(PointId kept, PointId gone);
-  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one already.
+  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
+  // already.
   void add_key_frame(SetId set);
   bool is_key_frame(SetId set) const;
 
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
   double gate_sigma_px(const MapCamera& camera) const;
 
-  // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends kept.
+  // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends
+  // kept.
   std::vector<View> views_of(const MapCamera& camera, const ServerTrack& track, std::size_t most) const;
   // Views of all key observations of a point whose frames have poses.
   std::vector<View> key_views_of(const MapPoint& point) const;

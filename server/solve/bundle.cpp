@@ -117,9 +117,11 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
   result->is_inlier.resize(problem.observations.size());
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
-    const Eigen::Vector3d x = result->poses[static_cast<std::size_t>(o.pose)] * result->points[static_cast<std::size_t>(o.point)];
+    const Eigen::Vector3d x =
+        result->poses[static_cast<std::size_t>(o.pose)] * result->points[static_cast<std::size_t>(o.point)];
     if (x.z() < 1e-4) continue;
-    const CameraModel& camera = problem.cameras[static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera)];
+    const CameraModel& camera =
+        problem.cameras[static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera)];
     const double error_px = (camera.project(x) - o.undistorted_px).norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
@@ -151,8 +153,8 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   for (const auto& o : problem.observations) {
     const auto pose = static_cast<std::size_t>(o.pose);
     const CameraModel& camera = problem.cameras[static_cast<std::size_t>(problem.poses[pose].camera)];
-    ceres_problem.AddResidualBlock(new ReprojectionCost(camera, o.undistorted_px, o.sigma_px), &loss, poses[pose].data(),
-                                   result.points[static_cast<std::size_t>(o.point)].data());
+    ceres_problem.AddResidualBlock(new ReprojectionCost(camera, o.undistorted_px, o.sigma_px), &loss,
+                                   poses[pose].data(), result.points[static_cast<std::size_t>(o.point)].data());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (problem.poses[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());

@@ -10,12 +10,12 @@
 
 namespace coslam {
 
-// Bundle adjustment: poses and points that minimise the robust reprojection error. Plain arrays, so that the solver runs on
-// a copy in a thread of its own.
+// Bundle adjustment: poses and points that minimise the robust reprojection error. Plain arrays, so that the solver
+// runs on a copy in a thread of its own.
 struct BundleProblem {
   struct Pose {
     Rigid3 cam_from_world;
-    int camera = 0;      // index into cameras
+    int camera = 0;  // index into cameras
     bool fixed = false;
   };
   struct Observation {
@@ -37,19 +37,20 @@ struct BundleConfig {
 };
 
 struct BundleResult {
-  bool usable = false;              // false: the input poses and points stand
+  bool usable = false;  // false: the input poses and points stand
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
-  std::vector<bool> is_inlier;      // one per observation
+  std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;
-  double sigma_px = 0;              // robust standard deviation of the final residuals, pixels
+  double sigma_px = 0;  // robust standard deviation of the final residuals, pixels
 };
 
 // Deterministic, one thread. At least one fixed pose, or the caller restores the gauge (see fix_gauge).
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config);
 
-// Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as before.
+// Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as
+// before.
 void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, BundleResult* result);
 
 }  // namespace coslam

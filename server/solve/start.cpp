@@ -66,8 +66,8 @@ std::vector<cv::Point2d> normalized(const FeatureImage& image, const std::vector
 
 double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
 
-std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b, const std::vector<FeatureMatch>& matches,
-                                  const StartConfig& config) {
+std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b,
+                                  const std::vector<FeatureMatch>& matches, const StartConfig& config) {
   const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
   if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
   const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
@@ -88,15 +88,17 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
   std::set<std::pair<int, int>> cells;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (mask.at<std::uint8_t>(static_cast<int>(i)) == 0) continue;
-    const View views[] = {{&ia.camera, {}, ia.undistorted_px[static_cast<std::size_t>(matches[i].first)]},
-                          {&ib.camera, pair.second_from_first, ib.undistorted_px[static_cast<std::size_t>(matches[i].second)]}};
+    const View views[] = {
+        {&ia.camera, {}, ia.undistorted_px[static_cast<std::size_t>(matches[i].first)]},
+        {&ib.camera, pair.second_from_first, ib.undistorted_px[static_cast<std::size_t>(matches[i].second)]}};
     const double cosine = world_ray(views[0]).dot(world_ray(views[1]));
     parallax.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
     pair.inliers.push_back(matches[i]);
     cells.insert({static_cast<int>(8 * views[0].undistorted_px.x() / ia.camera.width_px),
                   static_cast<int>(6 * views[0].undistorted_px.y() / ia.camera.height_px)});
   }
-  std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2), parallax.end());
+  std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2),
+                   parallax.end());
   pair.median_parallax_rad = parallax[parallax.size() / 2];
   if (pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
   // Many, spread over the image, and with depth to be gained up to about 8 degrees.
@@ -125,8 +127,10 @@ void triangulate_pair(const std::vector<FeatureImage>& images, int a, int b, con
   const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
   for (const FeatureMatch& m : matches) {
     if (links->point_of(a, m.first) >= 0 || links->point_of(b, m.second) >= 0) continue;
-    const View views[] = {{&ia.camera, *result->cam_from_world[static_cast<std::size_t>(a)], ia.undistorted_px[static_cast<std::size_t>(m.first)]},
-                          {&ib.camera, *result->cam_from_world[static_cast<std::size_t>(b)], ib.undistorted_px[static_cast<std::size_t>(m.second)]}};
+    const View views[] = {{&ia.camera, *result->cam_from_world[static_cast<std::size_t>(a)],
+                           ia.undistorted_px[static_cast<std::size_t>(m.first)]},
+                          {&ib.camera, *result->cam_from_world[static_cast<std::size_t>(b)],
+                           ib.undistorted_px[static_cast<std::size_t>(m.second)]}};
     const TriangulationResult t = triangulate(views, config.sigma_px, 0.5 * config.min_parallax_rad);
     if (t.status != TriangulationStatus::kOk || t.max_error_px > 3 * config.sigma_px * width_scale(ia.camera)) continue;
     const int point = static_cast<int>(result->points.size());
@@ -195,7 +199,8 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
   }
   BundleResult solved = solve_bundle(problem, {.max_iterations = 30});
   if (!solved.usable) return;
-  fix_gauge(problem, pose_of[static_cast<std::size_t>(result->first)], pose_of[static_cast<std::size_t>(result->second)], &solved);
+  fix_gauge(problem, pose_of[static_cast<std::size_t>(result->first)],
+            pose_of[static_cast<std::size_t>(result->second)], &solved);
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (pose_of[i] >= 0) result->cam_from_world[i] = solved.poses[static_cast<std::size_t>(pose_of[i])];
   }
@@ -210,8 +215,8 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
 
 }  // namespace
 
-std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first, const std::vector<std::uint8_t>& second,
-                                            double ratio) {
+std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
+                                            const std::vector<std::uint8_t>& second, double ratio) {
   if (first.empty() || second.empty()) return {};
   const cv::Mat a = root_sift(first), b = root_sift(second);
   const cv::Mat similarity = a * b.t();  // of unit vectors: squared distance = 2 - 2 s
@@ -241,7 +246,8 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   std::optional<Pair> best;
   for (int a = 0; a < static_cast<int>(images.size()); ++a) {
     for (int b = a + 1; b < static_cast<int>(images.size()); ++b) {
-      const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors, images[static_cast<std::size_t>(b)].descriptors);
+      const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors,
+                                             images[static_cast<std::size_t>(b)].descriptors);
       const std::optional<Pair> pair = relative_pose(images, a, b, matches, config);
       if (pair && (!best || pair->score > best->score)) best = pair;
     }
@@ -273,8 +279,8 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   return result;
 }
 
-StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second, const std::vector<FeatureMatch>& matches,
-                               const StartConfig& config) {
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second,
+                               const std::vector<FeatureMatch>& matches, const StartConfig& config) {
   StartResult result;
   const std::vector<FeatureImage> images{first, second};
   result.cam_from_world.resize(2);
@@ -308,8 +314,8 @@ PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vec
   cv::Mat rvec, tvec, inliers;
   const double threshold_px = 4.0 * sigma_px * width_scale(camera);
   cv::setRNGSeed(1);
-  if (!cv::solvePnPRansac(object, image, k, cv::noArray(), rvec, tvec, false, 2000, static_cast<float>(threshold_px), 0.9999,
-                          inliers, cv::SOLVEPNP_AP3P)) {
+  if (!cv::solvePnPRansac(object, image, k, cv::noArray(), rvec, tvec, false, 2000, static_cast<float>(threshold_px),
+                          0.9999, inliers, cv::SOLVEPNP_AP3P)) {
     return result;
   }
   cv::Mat r;
@@ -319,7 +325,8 @@ PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vec
   cv::cv2eigen(r, rotation);
   cv::cv2eigen(tvec, translation);
   std::vector<PointObservation> observations;
-  for (std::size_t i = 0; i < points.size(); ++i) observations.push_back({points[i], Eigen::Matrix3d::Zero(), undistorted_px[i]});
+  for (std::size_t i = 0; i < points.size(); ++i)
+    observations.push_back({points[i], Eigen::Matrix3d::Zero(), undistorted_px[i]});
   const PoseResult refined = refine_pose(camera, observations, {Eigen::Quaterniond(rotation).normalized(), translation},
                                          {.sigma_px = 1.5 * sigma_px * width_scale(camera)});
   if (refined.status != PoseStatus::kOk || refined.inliers < min_inliers) return result;

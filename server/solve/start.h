@@ -26,36 +26,36 @@ struct FeatureMatch {
 };
 
 // Mutual nearest neighbours whose distance is below `ratio` times the second best (Lowe), on RootSIFT.
-std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first, const std::vector<std::uint8_t>& second,
-                                            double ratio = 0.8);
+std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
+                                            const std::vector<std::uint8_t>& second, double ratio = 0.8);
 
 struct StartConfig {
-  double sigma_px = 1.0;             // of a descriptor's keypoint, at 640 px image width
-  int min_matches = 30;              // inliers of the essential matrix between the best pair
-  double min_parallax_rad = 0.02;    // median over the pair's points
+  double sigma_px = 1.0;           // of a descriptor's keypoint, at 640 px image width
+  int min_matches = 30;            // inliers of the essential matrix between the best pair
+  double min_parallax_rad = 0.02;  // median over the pair's points
   int min_pnp_inliers = 15;
 };
 
 struct StartResult {
   bool ok = false;
-  std::string reason;                                  // why not, one sentence
-  std::vector<std::optional<Rigid3>> cam_from_world;   // per image; empty when it could not be placed
+  std::string reason;                                 // why not, one sentence
+  std::vector<std::optional<Rigid3>> cam_from_world;  // per image; empty when it could not be placed
   struct Point {
     Eigen::Vector3d position;
-    std::vector<std::pair<int, int>> seen;             // image, feature
+    std::vector<std::pair<int, int>> seen;  // image, feature
   };
   std::vector<Point> points;
-  int first = 0, second = 0;                           // the best pair; `first` is the origin
+  int first = 0, second = 0;  // the best pair; `first` is the origin
 };
 
-// Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and enough
-// parallax gives an essential matrix, others are added by PnP, bundle adjustment at the end. The frame is that of the first
-// image of the pair; the length unit is the distance between the pair.
+// Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and
+// enough parallax gives an essential matrix, others are added by PnP, bundle adjustment at the end. The frame is that
+// of the first image of the pair; the length unit is the distance between the pair.
 StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config);
 
 // The same from two images whose matches are known (two views of one camera's tracks).
-StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second, const std::vector<FeatureMatch>& matches,
-                               const StartConfig& config);
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second,
+                               const std::vector<FeatureMatch>& matches, const StartConfig& config);
 
 struct PlaceResult {
   bool ok = false;

@@ -7,8 +7,8 @@
 namespace coslam {
 
 struct CullConfig {
-  int probation_sets = 30;   // a new point must have been seen well by then
-  int min_views = 12;        // frames in which it passed the gate during probation
+  int probation_sets = 30;  // a new point must have been seen well by then
+  int min_views = 12;       // frames in which it passed the gate during probation
 };
 
 struct CullReport {

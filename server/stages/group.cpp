@@ -48,7 +48,8 @@ ViewGraph view_graph(const Map& map, const FrameSet& set) {
     }
   }
   std::vector<ViewEdge> by_weight = graph.edges;
-  std::stable_sort(by_weight.begin(), by_weight.end(), [](const auto& x, const auto& y) { return x.shared > y.shared; });
+  std::stable_sort(by_weight.begin(), by_weight.end(),
+                   [](const auto& x, const auto& y) { return x.shared > y.shared; });
   DisjointSets sets(n);
   for (const ViewEdge& e : by_weight) {
     if (sets.unite(e.first.value, e.second.value)) graph.tree.push_back(e);

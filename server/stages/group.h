@@ -14,8 +14,8 @@ struct ViewEdge {
 };
 
 struct ViewGraph {
-  std::vector<ViewEdge> edges;              // N_ij > 0
-  std::vector<ViewEdge> tree;               // maximum-weight spanning forest
+  std::vector<ViewEdge> edges;                // N_ij > 0
+  std::vector<ViewEdge> tree;                 // maximum-weight spanning forest
   std::vector<std::vector<CameraId>> groups;  // connected components, ascending
 };
 

@@ -9,7 +9,7 @@ namespace coslam {
 namespace {
 
 struct SinceLast {
-  int then = 0, still = 0;   // points seen at the last key frame, and of those seen now
+  int then = 0, still = 0;  // points seen at the last key frame, and of those seen now
   double median_turn_rad = 0;
 };
 
@@ -26,7 +26,8 @@ SinceLast since_last(const Map& map, const MapCamera& camera, SetId last) {
     for (auto o = seen; o != p.key_observations.rend() && o->set == last; ++o) had |= o->camera == camera.id;
     if (!had) continue;
     ++out.then;
-    const bool has = std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera.id; });
+    const bool has =
+        std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera.id; });
     if (!has) continue;
     ++out.still;
     const Eigen::Vector3d a = (p.position - then->cam_from_world.center()).normalized();

@@ -7,14 +7,14 @@
 namespace coslam {
 
 struct KeyFrameConfig {
-  double drop = 0.30;           // of a camera's points since the last key frame (paper)
-  int min_sets = 3;             // between key frames
-  int max_sets = 20;            // while any camera moves
-  double moved_rad = 0.02;      // median turn of the rays to a camera's points that counts as having moved
+  double drop = 0.30;       // of a camera's points since the last key frame (paper)
+  int min_sets = 3;         // between key frames
+  int max_sets = 20;        // while any camera moves
+  double moved_rad = 0.02;  // median turn of the rays to a camera's points that counts as having moved
 };
 
-// Key frame for all cameras when any camera lost 30 % of the points it had at the last one, or moved for long (paper 4).
-// Returns true when the set became one.
+// Key frame for all cameras when any camera lost 30 % of the points it had at the last one, or moved for long (paper
+// 4). Returns true when the set became one.
 bool decide_key_frame(Map& map, const FrameSet& set, const KeyFrameConfig& config);
 
 }  // namespace coslam

@@ -17,8 +17,9 @@ struct LocaliseReport {
   int lost = 0;
 };
 
-// Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start, and it is
-// refined on the server's newest points, so that map and pose always fit, however late the agent's local map was.
+// Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
+// and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
+// was.
 LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config);
 
 // Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.

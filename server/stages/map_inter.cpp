@@ -46,7 +46,8 @@ std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second)
       if (bound.camera == second) b = &map.camera(second).tracks.at(bound.track);
     }
     if (a == nullptr || b == nullptr) continue;
-    const Eigen::Vector2d pa = a->seen.back().undistorted_px.cast<double>(), pb = b->seen.back().undistorted_px.cast<double>();
+    const Eigen::Vector2d pa = a->seen.back().undistorted_px.cast<double>(),
+                          pb = b->seen.back().undistorted_px.cast<double>();
     seeds.push_back({pa, pb - pa});
   }
   return seeds;
@@ -118,7 +119,8 @@ void score_all(const PairView& view, const std::vector<Feature>& a, const std::v
   }
 }
 
-bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px, int frames) {
+bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px,
+               int frames) {
   int checked = 0;
   for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
     if (track.seen[i].set.value < track.distrusted_before) break;
@@ -142,8 +144,10 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   const TriangulationResult t = triangulate(views, sigma_px, config.min_parallax_rad);
   if (t.status != TriangulationStatus::kOk) return false;
   const double theta = map.config().theta;
-  if (!fits_back(*view.first, *a.track, t.position, theta * map.gate_sigma_px(*view.first), config.check_back)) return false;
-  if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back)) return false;
+  if (!fits_back(*view.first, *a.track, t.position, theta * map.gate_sigma_px(*view.first), config.check_back))
+    return false;
+  if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back))
+    return false;
   const double distance = (t.position - view.first_pose.center()).norm();
   if (std::sqrt(t.covariance.trace()) > config.max_relative_sigma * distance) return false;
   MapPoint& p = map.create_point(view.first->map, t.position, t.covariance, set.id, set.t_ns);

@@ -43,8 +43,10 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, R
   for (const auto& [id, p] : map.points()) {
     if (p.map != of || p.state != PointState::kStatic || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
-    const auto usable = std::count_if(p.key_observations.begin(), p.key_observations.end(),
-                                      [&](const KeyObservation& o) { return index.contains({o.set, o.camera}); });
+    const auto usable =
+        std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {
+          return index.contains({o.set, o.camera});
+        });
     if (usable < 2) continue;
     const int point = static_cast<int>(job->points.size());
     job->points.push_back(id);
@@ -52,8 +54,8 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, R
     for (const KeyObservation& o : p.key_observations) {
       const auto at = index.find({o.set, o.camera});
       if (at == index.end()) continue;
-      job->problem.observations.push_back({at->second, point, o.undistorted_px.cast<double>(),
-                                           std::max(0.5, map.camera(o.camera).sigma_px)});
+      job->problem.observations.push_back(
+          {at->second, point, o.undistorted_px.cast<double>(), std::max(0.5, map.camera(o.camera).sigma_px)});
       job->observations.push_back({o.set, o.track});
     }
   }
@@ -65,7 +67,8 @@ void float_free(RefineJob* job) {
   job->problem.poses[0].fixed = true;
   double farthest = 0;
   for (std::size_t i = 1; i < job->problem.poses.size(); ++i) {
-    const double d = (job->problem.poses[i].cam_from_world.center() - job->problem.poses[0].cam_from_world.center()).norm();
+    const double d =
+        (job->problem.poses[i].cam_from_world.center() - job->problem.poses[0].cam_from_world.center()).norm();
     if (d <= farthest) continue;
     farthest = d;
     job->baseline_end = static_cast<int>(i);
@@ -79,7 +82,8 @@ struct Change {
 };
 
 Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
-  const auto after = std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
+  const auto after =
+      std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
   if (after == changes.end()) return frame.cam_from_world * changes.back().old_from_new;
   const Rigid3 by_after = frame.cam_from_world * after->old_from_new;
   if (after == changes.begin() || after->set == frame.set) return by_after;
@@ -111,9 +115,12 @@ void move_frames(Map& map, const RefineJob& job, const BundleResult& result) {
     changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
   }
   // Frames between the newest key frame that stays and the first that moves lead from the one to the other.
-  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) { return a.set < b.set; })->set;
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
   const auto& keys = map.key_frames();
-  const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first}, [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
+  const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
+                                   [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
   for (MapCamera& c : map.cameras()) {
     auto& list = changes[c.id.value];
     if (!list.empty() && at != keys.begin() && at != keys.end()) list.push_back({std::prev(at)->set, Rigid3()});
@@ -139,7 +146,9 @@ void drop_outliers(Map& map, const RefineJob& job, const BundleResult& result, R
 void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
   std::map<PointId, std::size_t> solved;
   for (std::size_t i = 0; i < job.points.size(); ++i) solved[job.points[i]] = i;
-  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) { return a.set < b.set; })->set;
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
   std::vector<PointId> gone;
   for (auto& [id, p] : map.points()) {
     if (p.map != job.map) continue;

@@ -12,8 +12,8 @@ namespace coslam {
 
 struct RefineConfig {
   bool enabled = true;
-  int window = 8;             // K: newest key frames whose poses are free
-  int most_fixed = 24;        // older poses that hold them
+  int window = 8;       // K: newest key frames whose poses are free
+  int most_fixed = 24;  // older poses that hold them
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
 };
@@ -25,16 +25,16 @@ struct RefineJob {
     SetId set;
     CameraId camera;
   };
-  std::vector<PoseKey> poses;         // as problem.poses
-  std::vector<PointId> points;        // as problem.points
+  std::vector<PoseKey> poses;   // as problem.poses
+  std::vector<PointId> points;  // as problem.points
   struct ObservationKey {
     SetId set;
     TrackId track;
   };
   std::vector<ObservationKey> observations;  // as problem.observations
-  MapEpoch epoch;                     // of the map it was cut from
+  MapEpoch epoch;                            // of the map it was cut from
   MapId map;
-  bool floating = false;              // no pose was fixed but one: restore the scale after solving
+  bool floating = false;  // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;
 };
@@ -45,7 +45,8 @@ struct RefineReport {
   double sigma_px = 0;
 };
 
-// Cuts the window out of the map with the most cameras; empty when there is too little. whole: every key frame, all free.
+// Cuts the window out of the map with the most cameras; empty when there is too little. whole: every key frame, all
+// free.
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const RefineConfig& config);
 BundleResult solve_refine(const RefineJob& job);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older

@@ -19,7 +19,8 @@ class TrackGrid {
   void add(ServerTrack* t) { cells_[key(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
   template <class Visit>
   void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
-    const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)), high = cell(px + Eigen::Vector2d::Constant(radius_px));
+    const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)),
+               high = cell(px + Eigen::Vector2d::Constant(radius_px));
     for (int y = low.second; y <= high.second; ++y) {
       for (int x = low.first; x <= high.first; ++x) {
         const auto at = cells_.find({x, y});
@@ -41,14 +42,15 @@ bool seen_by(const MapPoint& p, CameraId camera) {
   return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
 }
 
-bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const MapPoint& point, double gate_px, double theta2,
-                     int frames) {
+bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const MapPoint& point, double gate_px,
+                     double theta2, int frames) {
   int checked = 0;
   for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
     if (track.seen[i].set.value < track.distrusted_before) break;
     const FramePose* f = camera.frame_at(track.seen[i].set);
     if (f == nullptr || f->map != camera.map) continue;
-    const auto d2 = gate_distance2(point, camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>(), gate_px);
+    const auto d2 =
+        gate_distance2(point, camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>(), gate_px);
     if (!d2 || *d2 > theta2) return false;
     ++checked;
   }
@@ -74,8 +76,8 @@ void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vec
     Eigen::Vector2d px;
     Eigen::Matrix<double, 2, 3> j;
     if (!project_world(camera.model, pose, p.position, &px, &j)) continue;
-    if (px.x() < -0.3 * camera.model.width_px || px.x() > 1.3 * camera.model.width_px || px.y() < -0.3 * camera.model.height_px ||
-        px.y() > 1.3 * camera.model.height_px) {
+    if (px.x() < -0.3 * camera.model.width_px || px.x() > 1.3 * camera.model.width_px ||
+        px.y() < -0.3 * camera.model.height_px || px.y() > 1.3 * camera.model.height_px) {
       continue;
     }
     const Eigen::Matrix2d s = j * p.covariance * j.transpose();

@@ -16,8 +16,9 @@ struct RegisterReport {
   int candidates = 0, registered = 0;
 };
 
-// Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within theta, patch
-// correlation, and the gate at every frame of the track. The point is then triangulated anew from its widest views.
+// Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
+// theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
+// widest views.
 RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConfig& config);
 
 // Position and covariance of a point from all its key views and the newest view of each bound track.

@@ -43,7 +43,8 @@ TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
     if (at == camera.tracks.end() || at->second.descriptor.empty()) continue;
     out.tracks.push_back(id);
     out.image.undistorted_px.push_back(at->second.seen.back().undistorted_px.cast<double>());
-    out.image.descriptors.insert(out.image.descriptors.end(), at->second.descriptor.begin(), at->second.descriptor.end());
+    out.image.descriptors.insert(out.image.descriptors.end(), at->second.descriptor.begin(),
+                                 at->second.descriptor.end());
   }
   return out;
 }
@@ -68,7 +69,8 @@ void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
   camera.lost_sets = 0;
 }
 
-MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views, const FrameSet& set) {
+MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views,
+                          const FrameSet& set) {
   return map.create_point(id, position, triangulation_covariance(views, position, 1.0), set.id, set.t_ns);
 }
 
@@ -97,12 +99,14 @@ void start_together(Map& map, const FrameSet& set, const StartStageConfig& confi
     std::vector<View> views;
     for (const auto& [image, feature] : p.seen) {
       const auto i = static_cast<std::size_t>(image);
-      views.push_back({&map.camera(cameras[i]).model, *result.cam_from_world[i], images[i].undistorted_px[static_cast<std::size_t>(feature)]});
+      views.push_back({&map.camera(cameras[i]).model, *result.cam_from_world[i],
+                       images[i].undistorted_px[static_cast<std::size_t>(feature)]});
     }
     MapPoint& point = add_start_point(map, id, p.position, views, set);
     for (const auto& [image, feature] : p.seen) {
       MapCamera& camera = map.camera(cameras[static_cast<std::size_t>(image)]);
-      ServerTrack& track = camera.tracks.at(features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)]);
+      ServerTrack& track =
+          camera.tracks.at(features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)]);
       if (track.point == PointId()) map.bind(point, camera.id, track);
     }
   }
@@ -129,7 +133,8 @@ Common common_tracks(const MapCamera& camera, SetId then) {
   c.then.camera = c.now.camera = camera.model;
   std::vector<double> flow;
   for (const auto& [id, t] : camera.tracks) {
-    const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), then, [](const TrackPoint& s, SetId want) { return s.set < want; });
+    const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), then,
+                                     [](const TrackPoint& s, SetId want) { return s.set < want; });
     if (at == t.seen.end() || at->set != then) continue;
     const int i = static_cast<int>(c.tracks.size());
     c.tracks.push_back(id);
@@ -164,7 +169,8 @@ int sets_without_map(const MapCamera& camera) {
 }
 
 // Two views of one camera at different times.
-void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartStageConfig& config, StartReport* report) {
+void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
+                 StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
   if (!common || common->median_flow_px < config.min_flow_px * camera.model.width_px / 640.0) return;
   const StartResult result = start_from_matches(common->then, common->now, common->matches, config.pair);
@@ -211,7 +217,8 @@ struct Located {
   std::vector<std::pair<TrackId, PointId>> matches;
 };
 
-std::optional<Located> locate(const Map& map, const MapCamera& camera, const TrackFeatures& features, MapId in, int min_inliers) {
+std::optional<Located> locate(const Map& map, const MapCamera& camera, const TrackFeatures& features, MapId in,
+                              int min_inliers) {
   const DescribedPoints points = described_points(map, in);
   const auto matches = match_descriptors(features.image.descriptors, points.descriptors);
   std::vector<Eigen::Vector3d> positions;
@@ -226,7 +233,8 @@ std::optional<Located> locate(const Map& map, const MapCamera& camera, const Tra
   Located out{placed.cam_from_world, {}};
   for (const int i : placed.inliers) {
     const FeatureMatch& m = matches[static_cast<std::size_t>(i)];
-    out.matches.emplace_back(features.tracks[static_cast<std::size_t>(m.first)], points.ids[static_cast<std::size_t>(m.second)]);
+    out.matches.emplace_back(features.tracks[static_cast<std::size_t>(m.first)],
+                             points.ids[static_cast<std::size_t>(m.second)]);
     spread.push_back(pixels[static_cast<std::size_t>(i)]);
   }
   // A handful of matches on one object does not fix a pose.
@@ -234,7 +242,8 @@ std::optional<Located> locate(const Map& map, const MapCamera& camera, const Tra
   return out;
 }
 
-void place(Map& map, MapCamera& camera, const Located& at, MapId in, const FrameSet& set, const StartStageConfig& config) {
+void place(Map& map, MapCamera& camera, const Located& at, MapId in, const FrameSet& set,
+           const StartStageConfig& config) {
   set_pose(camera, set.id, in, at.cam_from_world);
   for (const auto& [track_id, point_id] : at.matches) {
     ServerTrack& t = camera.tracks.at(track_id);
@@ -251,7 +260,8 @@ std::optional<Similarity3> map_similarity(const Map& map, const MapCamera& camer
   for (const auto& [track_id, point_id] : at.matches) {
     const MapPoint* mine = map.find(camera.tracks.at(track_id).point);
     if (mine == nullptr) continue;
-    const double own_depth = (own * mine->position).z(), other_depth = (at.cam_from_world * map.find(point_id)->position).z();
+    const double own_depth = (own * mine->position).z(),
+                 other_depth = (at.cam_from_world * map.find(point_id)->position).z();
     if (own_depth > 0 && other_depth > 0) ratios.push_back(std::log(other_depth / own_depth));
   }
   if (ratios.size() < 10) return std::nullopt;
@@ -268,7 +278,8 @@ std::optional<Similarity3> map_similarity(const Map& map, const MapCamera& camer
 int frames_in(const Map& map, MapId id) {
   int n = 0;
   for (const MapCamera& c : map.cameras()) {
-    n += static_cast<int>(std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
+    n += static_cast<int>(
+        std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
   }
   return n;
 }
@@ -307,7 +318,8 @@ void place_and_merge(Map& map, const FrameSet& set, const StartStageConfig& conf
       if (other == camera.map) continue;
       const bool unplaced = camera.map == MapId();
       if (!unplaced && !camera.frames.back().valid()) break;
-      const auto at = locate(map, camera, features, other, unplaced ? config.min_place_inliers : config.min_merge_inliers);
+      const auto at =
+          locate(map, camera, features, other, unplaced ? config.min_place_inliers : config.min_merge_inliers);
       if (!at) continue;
       if (unplaced) {
         place(map, camera, *at, other, set, config);

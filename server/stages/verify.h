@@ -7,17 +7,17 @@
 namespace coslam {
 
 struct VerifyConfig {
-  int failures = 3;              // gate failures in succession that unbind a track
-  double update_turn_rad = 0.02; // the viewing ray must have turned so far since the point's last filter update
+  int failures = 3;               // gate failures in succession that unbind a track
+  double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
 };
 
 struct VerifyReport {
   int inside = 0, outside = 0, unbound = 0, updated = 0;
 };
 
-// Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1 r (8).
-// Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are correlated in time.
-// Outside for several sets: the track no longer follows the point.
+// Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
+// r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
+// correlated in time. Outside for several sets: the track no longer follows the point.
 VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config);
 
 // Kalman update (5)-(7) in Joseph form; sigma_px of one coordinate of the observation.

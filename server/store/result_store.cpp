@@ -11,15 +11,14 @@ namespace {
 
 constexpr std::uint32_t kTrackEvery = 10;  // frames
 
-std::uint8_t grey_of(const MapPoint& p) {
-  return p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2];
-}
+std::uint8_t grey_of(const MapPoint& p) { return p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2]; }
 
 std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   std::vector<ResultPoint> out;
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
-    out.push_back({id, p.position, p.covariance, p.state, p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
+    out.push_back(
+        {id, p.position, p.covariance, p.state, p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
   }
   return out;
 }
@@ -39,7 +38,8 @@ ResultStore::ResultStore(const std::filesystem::path& folder)
         std::error_code error;
         for (const char* sub : {"trajectory", "live", "tracks"}) {
           std::filesystem::create_directories(folder / sub, error);
-          if (error) throw UserError("cannot make the result folder " + (folder / sub).string() + ": " + error.message());
+          if (error)
+            throw UserError("cannot make the result folder " + (folder / sub).string() + ": " + error.message());
         }
         return folder;
       }()),
@@ -104,7 +104,11 @@ void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& 
 nlohmann::ordered_json times_report(const StageTimes& times) {
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
   for (const auto& [name, h] : times.stages()) {
-    out[name] = {{"p50", h.percentile_ms(50)}, {"p95", h.percentile_ms(95)}, {"p99", h.percentile_ms(99)}, {"mean", h.mean_ms()}, {"count", h.count()}};
+    out[name] = {{"p50", h.percentile_ms(50)},
+                 {"p95", h.percentile_ms(95)},
+                 {"p99", h.percentile_ms(99)},
+                 {"mean", h.mean_ms()},
+                 {"count", h.count()}};
   }
   return out;
 }
@@ -123,9 +127,12 @@ nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
       lost_from = nullptr;
     }
   }
-  if (lost_from != nullptr) lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
+  if (lost_from != nullptr)
+    lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
-  return {{"frames", camera.frames.size()}, {"tracked_percent", 100.0 * static_cast<double>(tracked) / n}, {"lost_intervals", lost}};
+  return {{"frames", camera.frames.size()},
+          {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
+          {"lost_intervals", lost}};
 }
 
 nlohmann::ordered_json server_report(const MapServer& server) {

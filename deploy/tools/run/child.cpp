@@ -21,7 +21,8 @@ namespace coslam {
 
 Child::Child(std::string name, const std::vector<std::string>& command) : name_(std::move(name)) {
   std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) throw UserError("cannot make a pipe: " + std::string(std::strerror(errno)));
+  if (pipe2(pipe_ends.data(), O_CLOEXEC | O_NONBLOCK) != 0)
+    throw UserError("cannot make a pipe: " + std::string(std::strerror(errno)));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
@@ -58,7 +59,8 @@ bool Child::ended() {
   if (waitpid(pid_, &status, WNOHANG) != pid_) return false;
   ended_ = true;
   if (WIFSIGNALED(status)) problem_ = name_ + " was killed by signal " + std::to_string(WTERMSIG(status));
-  if (WIFEXITED(status) && WEXITSTATUS(status) != 0) problem_ = name_ + " ended with exit code " + std::to_string(WEXITSTATUS(status));
+  if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
+    problem_ = name_ + " ended with exit code " + std::to_string(WEXITSTATUS(status));
   return true;
 }
 
@@ -72,9 +74,11 @@ void Child::kill() const {
 
 std::vector<std::string> Child::lines() {
   std::array<char, 4096> buffer{};
-  for (ssize_t n = 0; (n = ::read(output_, buffer.data(), buffer.size())) > 0;) partial_.append(buffer.data(), static_cast<std::size_t>(n));
+  for (ssize_t n = 0; (n = ::read(output_, buffer.data(), buffer.size())) > 0;)
+    partial_.append(buffer.data(), static_cast<std::size_t>(n));
   std::vector<std::string> out;
-  for (std::size_t end = 0; (end = partial_.find('\n')) != std::string::npos; partial_.erase(0, end + 1)) out.push_back(partial_.substr(0, end));
+  for (std::size_t end = 0; (end = partial_.find('\n')) != std::string::npos; partial_.erase(0, end + 1))
+    out.push_back(partial_.substr(0, end));
   return out;
 }
 
@@ -82,7 +86,8 @@ std::string sibling_program(const std::string& name) {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::filesystem::path program = self.parent_path() / name;
-  if (error || !std::filesystem::exists(program)) throw UserError("the program " + program.string() + " is missing: build or install it too");
+  if (error || !std::filesystem::exists(program))
+    throw UserError("the program " + program.string() + " is missing: build or install it too");
   return program.string();
 }
 

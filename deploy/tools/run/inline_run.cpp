@@ -24,14 +24,16 @@ struct InlineAgent {
   bool running = true;
 };
 
-InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const SequenceAgent& agent, RunId run, const AgentConfig& config) {
+InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const SequenceAgent& agent, RunId run,
+                          const AgentConfig& config) {
   Hello hello;
   hello.agent = agent.name;
   hello.agent_run = run;
   hello.pacing = Pacing::kLockstep;
   hello.rate_hz = options.sequence.rate_hz;
   hello.camera = load_calibration(agent.calibration);
-  auto source = open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz, hello.camera.width_px, hello.camera.height_px});
+  auto source = open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz,
+                                           hello.camera.width_px, hello.camera.height_px});
   InlineAgent out;
   out.link = link.connect(hello);
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(source)), hello, config);
@@ -55,7 +57,8 @@ int run_inline(const RunOptions& options) {
   ServerLoop server(link.server(), server_run, server_config);
   std::vector<InlineAgent> agents;
   std::uint64_t run = 2;
-  for (const SequenceAgent& a : options.sequence.agents) agents.push_back(connect_agent(link, options, a, RunId(run++), config.agent));
+  for (const SequenceAgent& a : options.sequence.agents)
+    agents.push_back(connect_agent(link, options, a, RunId(run++), config.agent));
 
   const std::chrono::milliseconds no_wait(0);
   Progress progress("mapping");

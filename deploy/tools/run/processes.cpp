@@ -32,17 +32,38 @@ void add_sets(const RunOptions& options, const std::string& prefix, std::vector<
 Child start_server(const RunOptions& options, int domain) {
   std::vector<std::string> names;
   for (const SequenceAgent& a : options.sequence.agents) names.push_back(a.name);
-  std::vector<std::string> command{sibling_program("coslam-server"), "--loopback", "--domain", std::to_string(domain), "--out",
-                                   options.out.string(), "--report-progress", "--set", "agents=" + join(names)};
-  if (options.sequence.baseline_m) command.insert(command.end(), {"--set", "server.baseline_m=" + std::to_string(*options.sequence.baseline_m)});
+  std::vector<std::string> command{sibling_program("coslam-server"),
+                                   "--loopback",
+                                   "--domain",
+                                   std::to_string(domain),
+                                   "--out",
+                                   options.out.string(),
+                                   "--report-progress",
+                                   "--set",
+                                   "agents=" + join(names)};
+  if (options.sequence.baseline_m)
+    command.insert(command.end(), {"--set", "server.baseline_m=" + std::to_string(*options.sequence.baseline_m)});
   add_sets(options, "server.", &command);
   return Child("the map server", command);
 }
 
 Child start_agent(const RunOptions& options, const SequenceAgent& agent, int domain) {
-  std::vector<std::string> command{sibling_program("coslam-agent"), "--loopback", "--domain", std::to_string(domain), "--id", agent.name,
-                                   "--source", agent.source, "--calibration", agent.calibration.string(), "--rate", options.rate,
-                                   "--fps", std::to_string(options.sequence.rate_hz), "--start", std::to_string(agent.start_s)};
+  std::vector<std::string> command{sibling_program("coslam-agent"),
+                                   "--loopback",
+                                   "--domain",
+                                   std::to_string(domain),
+                                   "--id",
+                                   agent.name,
+                                   "--source",
+                                   agent.source,
+                                   "--calibration",
+                                   agent.calibration.string(),
+                                   "--rate",
+                                   options.rate,
+                                   "--fps",
+                                   std::to_string(options.sequence.rate_hz),
+                                   "--start",
+                                   std::to_string(agent.start_s)};
   if (agent.duration_s) command.insert(command.end(), {"--duration", std::to_string(*agent.duration_s)});
   add_sets(options, "agent.", &command);
   return Child("agent " + agent.name, command);
@@ -72,7 +93,8 @@ class Supervisor {
     for (Child& a : agents_) {
       if (!server_.problem().empty() || !a.ended()) a.kill();
       if (a.problem().empty()) continue;
-      std::fprintf(stderr, "coslam run: %s%s\n", a.problem().c_str(), started_ ? "; the others went on without it" : "");
+      std::fprintf(stderr, "coslam run: %s%s\n", a.problem().c_str(),
+                   started_ ? "; the others went on without it" : "");
       code = 1;
     }
     if (!server_.problem().empty()) std::fprintf(stderr, "coslam run: %s\n", server_.problem().c_str());

@@ -13,12 +13,12 @@
 namespace coslam {
 
 struct RunOptions {
-  Sequence sequence;             // the agents to run, in order
+  Sequence sequence;  // the agents to run, in order
   std::filesystem::path out;
   std::string rate = "max";
-  std::vector<std::string> sets; // key=value, checked
-  int domain = -1;               // -1: one that depends on the process
-  int frame_sets = 0;            // about how many there will be, for the progress bar
+  std::vector<std::string> sets;  // key=value, checked
+  int domain = -1;                // -1: one that depends on the process
+  int frame_sets = 0;             // about how many there will be, for the progress bar
 };
 
 // What --set reaches: agent.* every agent, server.* the server.
@@ -33,8 +33,8 @@ void describe(V& v, RunConfig& c) {
   v.section("server", c.server);
 }
 
-// One server process and one agent process a camera, over DDS on this machine's loopback. Returns the exit code: 1 when a process
-// failed, with its sentence on stderr; the others go on and the result is written all the same.
+// One server process and one agent process a camera, over DDS on this machine's loopback. Returns the exit code: 1 when
+// a process failed, with its sentence on stderr; the others go on and the result is written all the same.
 int run_processes(const RunOptions& options);
 // The same code in this process, one thread, over a simulated link.
 int run_inline(const RunOptions& options);
