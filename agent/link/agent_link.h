@@ -45,4 +45,7 @@ class AgentLink {
   virtual const RejectionCounts& rejections() const = 0;
 };
 
+// Throws UserError when a server would not understand this hello: bad name, bad camera. Every link begins with it.
+void require_valid(const Hello& hello);
+
 }  // namespace coslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 
@@ -9,6 +10,9 @@ namespace coslam {
 
 // Capture time in nanoseconds: UTC for live sources, played time (0 at the start) for files.
 using TimeNs = std::int64_t;
+
+// Monotonic time of this process, for timeouts. Pure code takes it as an argument.
+using Instant = std::chrono::steady_clock::time_point;
 
 constexpr double to_seconds(TimeNs t_ns) { return static_cast<double>(t_ns) * 1e-9; }
 inline TimeNs to_ns(double seconds) { return static_cast<TimeNs>(std::llround(seconds * 1e9)); }

@@ -34,7 +34,9 @@ Residual residual_of(const CameraModel& camera, const PointObservation& o, const
   out.j.rightCols<3>() = p;
   const Eigen::Matrix<double, 2, 3> jp = p * r;
   out.point_part = jp * o.point_covariance * jp.transpose();
-  out.valid = true;
+  // A point known worse than this in the image says nothing, and its covariance may be past the precision of its numbers.
+  constexpr double kUselessPx2 = 1e4;
+  out.valid = out.point_part.diagonal().minCoeff() >= 0 && out.point_part.trace() < kUselessPx2;
   return out;
 }
 
@@ -45,18 +47,19 @@ void evaluate(const CameraModel& camera, std::span<const PointObservation> obser
   for (std::size_t i = 0; i < observations.size(); ++i) (*residuals)[i] = residual_of(camera, observations[i], pose, r);
 }
 
-// Scale of the part that the point covariances do not explain.
+// Scale of the part of the residuals that the point covariances do not explain.
 double measured_sigma(const std::vector<Residual>& residuals, const PoseRefinementConfig& config, double cap_px) {
-  std::vector<double> norms;
-  norms.reserve(residuals.size());
+  std::vector<double> norms, explained;
   for (const Residual& r : residuals) {
     if (!r.valid) continue;
-    // Residual whitened as if sigma were the floor: a far, uncertain point does not speak for the tracker's noise.
-    const double unexplained =
-        r.r.squaredNorm() / (1.0 + 0.5 * r.point_part.trace() / (config.sigma_floor_px * config.sigma_floor_px));
-    norms.push_back(std::sqrt(unexplained));
+    norms.push_back(r.r.norm());
+    explained.push_back(0.5 * r.point_part.trace());
   }
-  return std::clamp(robust_sigma_2d(norms), config.sigma_floor_px, cap_px);
+  if (norms.empty()) return cap_px;
+  const auto middle = explained.begin() + static_cast<std::ptrdiff_t>(explained.size() / 2);
+  std::nth_element(explained.begin(), middle, explained.end());
+  const double total = robust_sigma_2d(norms);
+  return std::clamp(std::sqrt(std::max(0.0, total * total - *middle)), config.sigma_floor_px, cap_px);
 }
 
 struct System {

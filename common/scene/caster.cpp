@@ -19,6 +19,21 @@ void put_vertex(float* out, const Eigen::Vector3d& p) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(p[i]);
 }
 
+RTCRay ray_along(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, float near, float far) {
+  const Eigen::Vector3f o = origin.cast<float>(), d = direction.cast<float>();
+  RTCRay ray{};
+  ray.org_x = o.x();
+  ray.org_y = o.y();
+  ray.org_z = o.z();
+  ray.dir_x = d.x();
+  ray.dir_y = d.y();
+  ray.dir_z = d.z();
+  ray.tnear = near;
+  ray.tfar = far;
+  ray.mask = 0xffffffffU;
+  return ray;
+}
+
 }  // namespace
 
 struct Caster::Handles {
@@ -63,18 +78,22 @@ Caster::Caster(const World& world) : handles_(std::make_unique<Handles>()) {
 Caster::~Caster() = default;
 
 std::optional<FacetHit> Caster::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
-  const Eigen::Vector3f d = direction.cast<float>();
-  Directions directions;
-  directions << d, d, d, d;
-  const FacetHit hit = cast4(origin.cast<float>(), directions)[0];
-  if (hit.facet == kNoFacet) return std::nullopt;
-  return hit;
+  alignas(16) RTCRayHit query{};
+  query.ray = ray_along(origin, direction, kNearM, std::numeric_limits<float>::infinity());
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(handles_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return FacetHit{query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar};
 }
 
-std::array<FacetHit, 4> Caster::cast4(const Eigen::Vector3f& origin, const Directions& directions) const {
-  alignas(16) static constexpr int kAll[4] = {-1, -1, -1, -1};
-  alignas(16) RTCRayHit4 query;
-  for (int i = 0; i < 4; ++i) {
+std::array<FacetHit, Caster::kPacket> Caster::cast_packet(const Eigen::Vector3f& origin,
+                                                          const Directions& directions) const {
+  alignas(32) static constexpr int kAll[kPacket] = {-1, -1, -1, -1, -1, -1, -1, -1};
+  alignas(32) RTCRayHit8 query;
+  for (int i = 0; i < kPacket; ++i) {
     query.ray.org_x[i] = origin.x();
     query.ray.org_y[i] = origin.y();
     query.ray.org_z[i] = origin.z();
@@ -92,9 +111,9 @@ std::array<FacetHit, 4> Caster::cast4(const Eigen::Vector3f& origin, const Direc
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect4(kAll, handles_->scene, &context, &query);
-  std::array<FacetHit, 4> out;
-  for (std::size_t i = 0; i < 4; ++i) {
+  rtcIntersect8(kAll, handles_->scene, &context, &query);
+  std::array<FacetHit, kPacket> out;
+  for (std::size_t i = 0; i < out.size(); ++i) {
     const bool met = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     out[i] = {met ? query.hit.primID[i] : kNoFacet, query.hit.u[i], query.hit.v[i], query.ray.tfar[i]};
   }
@@ -102,17 +121,7 @@ std::array<FacetHit, 4> Caster::cast4(const Eigen::Vector3f& origin, const Direc
 }
 
 bool Caster::blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
-  const Eigen::Vector3f origin = from.cast<float>(), direction = (to - from).cast<float>();
-  alignas(16) RTCRay ray{};
-  ray.org_x = origin.x();
-  ray.org_y = origin.y();
-  ray.org_z = origin.z();
-  ray.dir_x = direction.x();
-  ray.dir_y = direction.y();
-  ray.dir_z = direction.z();
-  ray.tnear = 0;
-  ray.tfar = 0.9999F;
-  ray.mask = 0xffffffffU;
+  alignas(16) RTCRay ray = ray_along(from, to - from, 0, 0.9999F);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(handles_->scene, &context, &ray);

@@ -30,9 +30,10 @@ class Caster {
   Caster& operator=(const Caster&) = delete;
 
   std::optional<FacetHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
-  // Four rays from one origin; facet == kNoFacet where nothing is met.
-  using Directions = Eigen::Matrix<float, 3, 4>;
-  std::array<FacetHit, 4> cast4(const Eigen::Vector3f& origin, const Directions& directions) const;
+  // A packet of rays from one origin; facet == kNoFacet where nothing is met.
+  static constexpr int kPacket = 8;
+  using Directions = Eigen::Matrix<float, 3, kPacket>;
+  std::array<FacetHit, kPacket> cast_packet(const Eigen::Vector3f& origin, const Directions& directions) const;
   // Whether something lies between two points.
   bool blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
 

@@ -92,7 +92,8 @@ void add_shell(WorldBuilder& b, const RoomShell& s) {
   b.begin({});
   b.rect({s.x0_m, s.y1_m, 0}, {width, 0, 0}, {0, -depth, 0}, b.material(s.floor, 0.38));
   b.begin({});
-  b.rect({s.x0_m, s.y0_m, s.height_m}, {width, 0, 0}, {0, depth, 0}, b.material(MaterialKind::kCeiling, 0.75));
+  b.rect({s.x0_m, s.y0_m, s.height_m}, {width, 0, 0}, {0, depth, 0}, b.material(MaterialKind::kCeiling, 0.75)).texel_m =
+      0.004;
 }
 
 }  // namespace coslam::sim

@@ -29,6 +29,8 @@ void fill_board(WorldBuilder& b, double x0, double x1, double z, double clear_m,
     const double tone = random.uniform(0.05, 0.85);
     b.box({x, -depth_m + set_back, z}, {x + thickness, -0.03, z + height}, b.material(MaterialKind::kPages, 0.6),
           b.material(MaterialKind::kBookSpine, tone));
+    const std::size_t pages = b.world().facets.size() - 5;  // all but the spine, and mostly hidden
+    for (std::size_t i = pages; i < pages + 5; ++i) b.world().facets[i].texel_m = 0.005;
     x += thickness + 0.001;
   }
 }

@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCellM = 0.04;
 constexpr int kLightGrid = 4;    // shadow rays to a light: a jittered grid over it
 constexpr int kAmbientGrid = 4;  // directions over the hemisphere
 constexpr double kAmbientReachM = 1.5;
@@ -61,9 +60,9 @@ double openness(const Caster& caster, const Vector3d& p, const Vector3d& normal,
 
 }  // namespace
 
-LightMap::LightMap(const World& world, const Caster& caster, const Facet& facet)
-    : columns_(std::max(2, static_cast<int>(std::ceil(facet.width_m() / kCellM)))),
-      rows_(std::max(2, static_cast<int>(std::ceil(facet.height_m() / kCellM)))) {
+LightMap::LightMap(const World& world, const Caster& caster, const Facet& facet, double cell_m)
+    : columns_(std::max(2, static_cast<int>(std::ceil(facet.width_m() / cell_m)))),
+      rows_(std::max(2, static_cast<int>(std::ceil(facet.height_m() / cell_m)))) {
   cells_.reserve(static_cast<std::size_t>(columns_ * rows_));
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {

@@ -13,7 +13,9 @@ namespace coslam::sim {
 // nothing stands close by. The radiance of a Lambertian surface is its albedo times this.
 class LightMap {
  public:
-  LightMap(const World& world, const Caster& caster, const Facet& facet);
+  static constexpr double kCellM = 0.04;
+
+  LightMap(const World& world, const Caster& caster, const Facet& facet, double cell_m = kCellM);
   // u, v in [0, 1] along the facet's edges.
   float at(float u, float v) const;
 

@@ -17,14 +17,11 @@ constexpr std::uint64_t mix(std::uint64_t x) {
 constexpr std::uint64_t mix(std::uint64_t a, std::uint64_t b) { return mix(mix(a) ^ b); }
 
 constexpr std::uint32_t hash_cell(std::int32_t x, std::int32_t y, std::uint32_t seed) {
-  std::uint32_t h = seed * 0x9e3779b1U;
-  h ^= static_cast<std::uint32_t>(x) * 0x85ebca6bU;
-  h = (h << 13) | (h >> 19);
-  h ^= static_cast<std::uint32_t>(y) * 0xc2b2ae35U;
-  h ^= h >> 16;
-  h *= 0x7feb352dU;
-  h ^= h >> 15;
-  h *= 0x846ca68bU;
+  // Linear in x and y up to the scrambling, so that the corners of a cell share most of the work.
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x85ebca6bU + static_cast<std::uint32_t>(y) * 0xc2b2ae35U;
+  h += seed * 0x9e3779b1U;
+  h = (h ^ (h >> 16)) * 0x7feb352dU;
+  h = (h ^ (h >> 15)) * 0x846ca68bU;
   return h ^ (h >> 16);
 }
 // Uniform in [0, 1).

@@ -3,6 +3,7 @@
 #include "common/scene/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,11 +14,10 @@
 namespace coslam::sim {
 namespace {
 
-// A turned grid: four distinct places in x and in y.
-constexpr double kOffsets[RayTable::kRays][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
-// What one of the four rays reads: enough to leave no gap to its neighbours across the pixel, and along a slanted
-// surface.
-constexpr float kShareAcross = 0.6F, kShareAlong = 0.3F;
+// Eight queens: as many distinct places in x and in y as there are rays, so that upright and level edges move smoothly.
+constexpr std::array<int, RayTable::kRays> kRayRow{3, 6, 1, 4, 7, 2, 5, 0};
+// What one of the rays reads: enough to leave no gap to its neighbours across the pixel, and along a slanted surface.
+constexpr float kShareAcross = 0.5F, kShareAlong = 0.25F;
 constexpr int kMaxTexels = 8192;
 
 Eigen::Vector2f ray_through(const CameraModel& camera, double x, double y) {
@@ -37,13 +37,14 @@ RayTable::RayTable(const CameraModel& camera, int threads)
     for (int x = 0; x < width_; ++x) {
       central_[index(x, y)] = ray_through(camera, x, y);
       for (std::size_t k = 0; k < kRays; ++k) {
-        rays_[index(x, y) * kRays + k] = ray_through(camera, x + kOffsets[k][0], y + kOffsets[k][1]);
+        const double dx = (static_cast<double>(k) + 0.5) / kRays - 0.5, dy = (kRayRow[k] + 0.5) / kRays - 0.5;
+        rays_[index(x, y) * kRays + k] = ray_through(camera, x + dx, y + dy);
       }
     }
   });
 }
 
-Renderer::Renderer(const World& world, const Caster& caster, int threads, double texel_scale)
+Renderer::Renderer(const World& world, const Caster& caster, int threads, double coarseness)
     : world_(world), caster_(caster), surfaces_(world.facets.size()) {
   // Large ones first, so that the threads end together.
   std::vector<int> order(world.facets.size());
@@ -55,13 +56,13 @@ Renderer::Renderer(const World& world, const Caster& caster, int threads, double
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return area(a) > area(b); });
   parallel_for(static_cast<int>(order.size()), threads, [&](int i) {
     const auto facet = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
-    surfaces_[facet] = bake(world.facets[facet], texel_scale);
+    surfaces_[facet] = bake(world.facets[facet], coarseness);
   });
 }
 
-Renderer::Surface Renderer::bake(const Facet& facet, double texel_scale) const {
-  const LightMap light(world_, caster_, facet);
-  const double texel_m = facet.texel_m * texel_scale;
+Renderer::Surface Renderer::bake(const Facet& facet, double coarseness) const {
+  const LightMap light(world_, caster_, facet, LightMap::kCellM * coarseness);
+  const double texel_m = facet.texel_m * coarseness;
   const auto count = [&](double length_m) {
     return std::clamp(static_cast<int>(std::ceil(length_m / texel_m)), 1, kMaxTexels);
   };
@@ -101,7 +102,7 @@ cv::Mat1f Renderer::radiance(const RayTable& rays, const Rigid3& cam_from_world)
       for (int k = 0; k < RayTable::kRays; ++k) {
         directions.col(k) = world_from_cam * rays.ray(x, y, k).homogeneous();
       }
-      const auto hits = caster_.cast4(origin, directions);
+      const auto hits = caster_.cast_packet(origin, directions);
       float sum = 0;
       for (int k = 0; k < RayTable::kRays; ++k) {
         sum += shade(hits[static_cast<std::size_t>(k)], directions.col(k), pixel_rad);

@@ -17,7 +17,7 @@ namespace coslam::sim {
 // the image, one through the centre for depth. NaN where the lens model has no ray.
 class RayTable {
  public:
-  static constexpr int kRays = 4;
+  static constexpr int kRays = Caster::kPacket;
 
   RayTable(const CameraModel& camera, int threads);
   int width() const { return width_; }
@@ -40,8 +40,8 @@ class RayTable {
 // The world and the caster must outlive it.
 class Renderer {
  public:
-  // texel_scale > 1: coarser textures, for tests.
-  Renderer(const World& world, const Caster& caster, int threads, double texel_scale = 1.0);
+  // coarseness > 1: textures and shadows coarser by that factor, for tests.
+  Renderer(const World& world, const Caster& caster, int threads, double coarseness = 1.0);
 
   cv::Mat1f radiance(const RayTable& rays, const Rigid3& cam_from_world) const;
   // Depth along z of the pixel centres in millimetres; 0 where nothing is met or it is beyond 65 m.
@@ -54,7 +54,7 @@ class Renderer {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     float texels_per_m = 0;
   };
-  Surface bake(const Facet& facet, double texel_scale) const;
+  Surface bake(const Facet& facet, double coarseness) const;
   float shade(const FacetHit& hit, const Eigen::Vector3f& direction, float pixel_rad) const;
 
   const World& world_;

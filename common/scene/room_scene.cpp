@@ -125,10 +125,9 @@ std::vector<ViewPose> waypoints(int path) {
 
 SceneCamera room_camera(std::uint64_t seed, int index) {
   constexpr double kPeriodS = 10.0, kRiseS = 0.5;
-  constexpr double kLapShiftM = 0.22;
   std::vector<ViewPose> points = waypoints(index % 3);
-  // Further cameras walk beside and below the first three.
-  for (ViewPose& p : points) p.position_m += (index / 3) * kLapShiftM * Eigen::Vector3d(0.6, -0.6, -0.5);
+  // Further cameras walk beside and above the first three.
+  for (ViewPose& p : points) p.position_m += (index / 3) * Eigen::Vector3d(0.08, -0.08, 0.15);
   SceneCamera out;
   out.sensor = simulated_sensor(index, seed);
   const LoopPath path(points, kPeriodS);

@@ -53,7 +53,8 @@ struct RenderOptions {
 
 // Renders a sequence folder in the form of docs/configuration.md: sequence.yaml, <agent>/<6 digits>.png + times.txt,
 // calibration, truth <agent>.tum, and what eval needs. Written aside and renamed, so that a folder that exists is
-// complete. progress(done, total) is called from one thread.
+// complete. progress(done, total) is called from this thread; an exception that it throws ends the rendering and leaves
+// nothing. Throws UserError when the folder has something in it or cannot be written.
 void render_sequence(const RenderOptions& options, const std::filesystem::path& folder,
                      const std::function<void(int, int)>& progress);
 

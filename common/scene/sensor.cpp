@@ -13,6 +13,7 @@
 namespace coslam::sim {
 namespace {
 
+constexpr double kLensBlurPx = 0.6;
 constexpr int kToneSteps = 1 << 14;
 
 // Standard normal quantiles at equal steps of probability, read at a random place. Acklam's rational form is not
@@ -91,7 +92,7 @@ SensorModel simulated_sensor(int index, std::uint64_t seed) {
 
 cv::Mat1b expose(const cv::Mat1f& radiance, const SensorModel& s, int frame, double t_s) {
   cv::Mat1f soft;
-  cv::GaussianBlur(radiance, soft, {3, 3}, 0.45);  // the lens
+  cv::GaussianBlur(radiance, soft, {5, 5}, kLensBlurPx);
   const auto curve = tone_curve(s.gamma);
   const auto& normal = normal_quantiles();
   const auto well = static_cast<float>(s.full_well_e), read = static_cast<float>(s.read_noise_e);

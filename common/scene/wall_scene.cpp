@@ -103,7 +103,7 @@ ViewPose wall_view(int index, double t_s) {
   const double phase = 0.9 * (index % 3), row = static_cast<double>(index / 3);
   const double place = (index % 3) - 1.0 + 0.33 * row;
   ViewPose out;
-  out.position_m = {-0.25 + 0.56 * place, -0.40 - 0.52 * place, 1.5 + 0.09 * ((index % 3) - 1) - 0.2 * row};
+  out.position_m = {-0.25 + 0.56 * place, -0.40 - 0.52 * place, 1.5 + 0.09 * ((index % 3) - 1) + 0.15 * row};
   out.position_m.x() += 0.42 * sway(walked_s, 5.2, phase);
   out.position_m.y() += 0.26 * sway(walked_s, 4.3, phase + 0.8);
   out.position_m.z() += 0.13 * sway(walked_s, 3.7, phase + 1.9);

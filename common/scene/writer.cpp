@@ -103,7 +103,7 @@ class FrameWriter {
   FrameWriter(const SimulatedScene& scene, const WriteOptions& options, fs::path folder)
       : scene_(scene),
         folder_(std::move(folder)),
-        renderer_(scene.world(), scene.caster(), options.threads, options.texel_scale) {
+        renderer_(scene.world(), scene.caster(), options.threads, options.coarseness) {
     for (int i = 0; i < scene.cameras(); ++i) rays_.emplace_back(scene.camera(i), options.threads);
   }
 
@@ -126,19 +126,20 @@ class FrameWriter {
   std::vector<RayTable> rays_;
 };
 
-// Runs the work on threads of its own and reports from this one.
+// Runs the work on threads of its own and reports from this one. An exception of either ends the work.
 void run_with_progress(int total, int threads, const std::function<void(int)>& work,
                        const std::function<void(int, int)>& progress) {
   std::mutex mutex;
   std::condition_variable_any changed;
   int done = 0;
-  bool ended = false;
+  bool ended = false, cancelled = false;
   std::exception_ptr failure;
   std::jthread runner([&] {
     try {
       parallel_for(total, threads, [&](int item) {
         work(item);
         const std::scoped_lock lock(mutex);
+        if (cancelled) throw std::runtime_error("cancelled");
         ++done;
         changed.notify_one();
       });
@@ -156,7 +157,13 @@ void run_with_progress(int total, int threads, const std::function<void(int)>& w
     if (reported == done) continue;
     reported = done;
     lock.unlock();
-    if (progress) progress(reported, total);
+    try {
+      if (progress) progress(reported, total);
+    } catch (...) {
+      lock.lock();
+      cancelled = true;
+      throw;
+    }
     lock.lock();
   }
   lock.unlock();

@@ -12,14 +12,14 @@
 namespace coslam::sim {
 
 // Raised whenever the pixels or the truth of a scene change: cached renderings of older versions are not used.
-inline constexpr int kRendererVersion = 1;
+inline constexpr int kRendererVersion = 2;
 inline constexpr int kDepthEvery = 10;  // frames with a depth image
 
 struct WriteOptions {
   std::string name;  // of the scene
   std::uint64_t seed = 1;
   int threads = 2;
-  double texel_scale = 1;  // > 1: coarser textures, for tests
+  double coarseness = 1;  // > 1: coarser textures and shadows, for tests
 };
 
 // Renders the scene into `folder`, which must not exist or be empty. Throws UserError, and then leaves nothing behind.

@@ -14,8 +14,10 @@ struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
   std::string name = "coslam";          // of this process, for operators' tools
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
-  std::vector<std::string> peers;       // IPv4 addresses to call beside multicast: on agents, the server's
-  std::string certificates;             // directory with this process's certificates; empty = no security
+  std::vector<std::string> peers;       // IPv4 addresses to call: on agents, the server's
+  bool multicast = true;                // find each other by multicast too
+  std::string certificates;  // directory with ca.pem, cert.pem, key.pem, governance.p7s, permissions.p7s of this
+                             // process; empty = no security
 
   double lease_s = 3.0;         // a participant unheard for this long is gone
   double announce_s = 0.5;      // period of announcements; at most a third of lease_s

@@ -9,6 +9,8 @@
 
 namespace coslam {
 
+class InlineServer;
+
 // Both ends of the link in one process and one thread: no waiting, no clock, no loss, the same order every time. Every
 // value passes through the codec, so that its bits and its byte count are those of a run over DDS.
 class InlineLink {
@@ -23,8 +25,7 @@ class InlineLink {
   std::unique_ptr<AgentLink> connect(const Hello& hello);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<InlineServer> server_;
 };
 
 }  // namespace coslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/map/map.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <utility>
 
@@ -27,6 +28,26 @@ void sort_observations(MapPoint& p) {
 }
 
 bool before(const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; }
+
+// Information about a point, view by view.
+class Information {
+ public:
+  explicit Information(const Eigen::Vector3d& position) : position_(position) {}
+  void add(const MapCamera& camera, const Rigid3& pose, double sigma_px) {
+    Eigen::Vector2d px;
+    Eigen::Matrix<double, 2, 3> j;
+    if (project_world(camera.model, pose, position_, &px, &j)) sum_ += j.transpose() * j / (sigma_px * sigma_px);
+  }
+  Eigen::Matrix3d covariance() const {
+    Eigen::Matrix3d a = sum_;
+    a.diagonal().array() += 1e-12 * (1e-12 + sum_.trace());  // a single view says nothing about the depth
+    return a.inverse();
+  }
+
+ private:
+  Eigen::Vector3d position_;
+  Eigen::Matrix3d sum_ = Eigen::Matrix3d::Zero();
+};
 
 void thin_out(std::vector<TrackPoint>& seen) {
   if (seen.size() <= kTrackMost) return;
@@ -233,6 +254,42 @@ void Map::merge(MapId from, MapId into, const Similarity3& into_from_from) {
 
 double Map::gate_sigma_px(const MapCamera& c) const {
   return std::clamp(2.5 * c.sigma_px, 1.0, config_.sigma_px * c.model.width_px / 640.0);
+}
+
+Eigen::Matrix3d Map::covariance_of(const MapPoint& point) const {
+  Information information(point.position);
+  struct Ends {
+    SetId first, last;
+  };
+  std::map<std::pair<CameraId, TrackId>, Ends> tracks;
+  const auto extend = [&](CameraId camera_id, TrackId track, SetId set) {
+    const FramePose* f = camera(camera_id).frame_at(set);
+    if (f == nullptr || f->map != point.map) return;  // the newest frame may not have its pose yet
+    const auto [at, added] = tracks.try_emplace({camera_id, track}, Ends{set, set});
+    at->second.first = std::min(at->second.first, set);
+    at->second.last = std::max(at->second.last, set);
+  };
+  for (const KeyObservation& o : point.key_observations) extend(o.camera, o.track, o.set);
+  for (const BoundTrack& b : point.bound) {
+    const ServerTrack& t = camera(b.camera).tracks.at(b.track);
+    if (t.gate_failures == 0) extend(b.camera, b.track, t.seen.back().set);
+  }
+  for (const auto& [key, ends] : tracks) {
+    const MapCamera& c = camera(key.first);
+    information.add(c, c.frame_at(ends.first)->cam_from_world, covariance_sigma_px(c));
+    if (ends.last != ends.first) information.add(c, c.frame_at(ends.last)->cam_from_world, covariance_sigma_px(c));
+  }
+  return information.covariance();
+}
+
+Eigen::Matrix3d Map::covariance_of(const Eigen::Vector3d& position,
+                                   const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const {
+  Information information(position);
+  for (const auto& [c, track] : tracks) {
+    const std::vector<View> ends = views_of(*c, *track, 2);
+    for (const View& v : ends) information.add(*c, v.cam_from_world, covariance_sigma_px(*c));
+  }
+  return information.covariance();
 }
 
 std::vector<View> Map::views_of(const MapCamera& c, const ServerTrack& track, std::size_t most) const {

@@ -128,6 +128,9 @@ struct FrameSet {
 struct MapConfig {
   double sigma_px = 3.0;    // largest believed noise of detection and tracking, at 640 px image width
   double theta = 2.0;       // Mahalanobis gate
+  // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its drift on
+  // the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md (NEES).
+  double covariance_sigma_factor = 3.0;
   int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
 };
 
@@ -171,6 +174,13 @@ class Map {
 
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
   double gate_sigma_px(const MapCamera& camera) const;
+
+  // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since the
+  // views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
+  Eigen::Matrix3d covariance_of(const MapPoint& point) const;
+  // The same for a point about to be made at this position from tracks of these cameras.
+  Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position, const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
+  double covariance_sigma_px(const MapCamera& camera) const { return config_.covariance_sigma_factor * camera.sigma_px; }
 
   // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends
   // kept.

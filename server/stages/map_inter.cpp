@@ -149,8 +149,9 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back))
     return false;
   const double distance = (t.position - view.first_pose.center()).norm();
-  if (std::sqrt(t.covariance.trace()) > config.max_relative_sigma * distance) return false;
-  MapPoint& p = map.create_point(view.first->map, t.position, t.covariance, set.id, set.t_ns);
+  const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{view.first, a.track}, {view.second, b.track}});
+  if (std::sqrt(covariance.trace()) > config.max_relative_sigma * distance) return false;
+  MapPoint& p = map.create_point(view.first->map, t.position, covariance, set.id, set.t_ns);
   map.bind(p, view.first->id, *a.track);
   map.bind(p, view.second->id, *b.track);
   return true;

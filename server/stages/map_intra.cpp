@@ -47,8 +47,9 @@ MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& co
       const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
       if (t.status != TriangulationStatus::kOk) continue;
       if (!gate_in_every_view(all, t, map.gate_sigma_px(camera), map.config().theta)) continue;
-      if (std::sqrt(t.covariance.trace()) > config.max_relative_sigma * (t.position - center).norm()) continue;
-      MapPoint& p = map.create_point(camera.map, t.position, t.covariance, set.id, set.t_ns);
+      const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
+      if (std::sqrt(covariance.trace()) > config.max_relative_sigma * (t.position - center).norm()) continue;
+      MapPoint& p = map.create_point(camera.map, t.position, covariance, set.id, set.t_ns);
       map.bind(p, camera.id, track);
       ++report.created;
     }

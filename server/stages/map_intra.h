@@ -11,7 +11,7 @@ struct MapIntraConfig {
   double min_parallax_rad = 0.017;
   int early_track_frames = 8;  // younger ones need the wider parallax: a fast camera never sees a point 60 frames long
   double early_parallax_rad = 0.035;
-  double max_relative_sigma = 0.1;  // sqrt(trace Sigma) over the distance
+  double max_relative_sigma = 0.3;  // sqrt(trace Sigma) over the distance
 };
 
 struct MapIntraReport {

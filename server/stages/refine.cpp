@@ -3,6 +3,7 @@
 #include "server/stages/refine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "server/stages/register.h"
@@ -143,6 +144,14 @@ void drop_outliers(Map& map, const RefineJob& job, const BundleResult& result, R
   }
 }
 
+// Known to better than its distance from where it was last seen.
+bool determined(const Map& map, const MapPoint& p) {
+  const KeyObservation& last = p.key_observations.back();
+  const FramePose* f = map.camera(last.camera).frame_at(last.set);
+  const double distance = f == nullptr ? 0 : (p.position - f->cam_from_world.center()).norm();
+  return std::sqrt(p.covariance.trace()) < distance;
+}
+
 void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
   std::map<PointId, std::size_t> solved;
   for (std::size_t i = 0; i < job.points.size(); ++i) solved[job.points[i]] = i;
@@ -162,7 +171,8 @@ void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
       continue;
     }
     p.position = result.points[at->second];
-    p.covariance = triangulation_covariance(map.key_views_of(p), p.position, std::max(result.sigma_px, 0.3));
+    p.covariance = map.covariance_of(p);
+    if (!determined(map, p)) gone.push_back(id);
   }
   for (const PointId id : gone) map.remove_point(id);
 }

@@ -96,20 +96,17 @@ void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vec
 
 bool retriangulate(Map& map, MapPoint& point) {
   std::vector<View> views = map.key_views_of(point);
-  double sigma_px = 0;
   for (const BoundTrack& b : point.bound) {
     const MapCamera& c = map.camera(b.camera);
     const ServerTrack& t = c.tracks.at(b.track);
     const FramePose* f = c.frame_at(t.seen.back().set);
     if (t.gate_failures > 0 || f == nullptr || f->map != point.map) continue;
     views.push_back({&c.model, f->cam_from_world, t.seen.back().undistorted_px.cast<double>()});
-    sigma_px = std::max(sigma_px, c.sigma_px);
   }
-  if (sigma_px == 0) sigma_px = 1.0;
-  const TriangulationResult t = triangulate(views, sigma_px, 0.01);
+  const TriangulationResult t = triangulate(views, 1.0, 0.01);
   if (t.status != TriangulationStatus::kOk) return false;
   point.position = t.position;
-  point.covariance = t.covariance;
+  point.covariance = map.covariance_of(point);
   return true;
 }
 

@@ -63,7 +63,7 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
         point->last_seen = set.id;
         point->last_ns = set.t_ns;
         if (turned(*point, camera, frame.cam_from_world, config.update_turn_rad)) {
-          kalman_update(*point, camera.model, frame.cam_from_world, px, camera.sigma_px);
+          kalman_update(*point, camera.model, frame.cam_from_world, px, map.covariance_sigma_px(camera));
           ++report.updated;
         }
         continue;

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/wire/counters.h"
+
+namespace coslam {
+
+// What an agent received from its server: patches in order of sequence, and the newest status. The first message of a
+// new server run replaces the run before for good, so that two servers at once cannot toss the agent to and fro.
+// Thread-compatible.
+class Inbox {
+ public:
+  static constexpr std::size_t kCapacity =
+      512;  // patches; the oldest makes room, and the gap makes the agent ask again
+
+  explicit Inbox(RunId agent_run) : agent_run_(agent_run) {}
+
+  // Not taken, or something was lost, when the result names a reason.
+  std::optional<Rejection> add(MapPatch patch);
+  std::optional<Rejection> add(ServerStatus status);
+
+  std::optional<MapPatch> pop();
+  // True when the patch that answers this frame, or a later one, was popped.
+  bool answered(FrameId frame) const { return credit_ && *credit_ >= frame; }
+
+  const std::optional<ServerStatus>& status() const { return status_; }
+  // The status if it came after the last call.
+  std::optional<ServerStatus> take_fresh_status();
+
+ private:
+  bool from_our_server(RunId server_run);
+
+  const RunId agent_run_;
+  RunId server_run_;
+  std::vector<RunId> former_;  // server runs that were replaced
+  std::uint32_t newest_ = 0;   // sequence number of the newest patch taken
+  std::optional<FrameId> credit_;
+  std::deque<MapPatch> patches_;
+  std::optional<ServerStatus> status_;
+  bool fresh_status_ = false;
+};
+
+}  // namespace coslam

@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/participant.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/wire/participant_impl.h"
+#include "common/wire/qos.h"
+
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <filesystem>
+
+#include "common/base/check.h"
+#include "common/base/error.h"
+#include "common/wire/middleware_log.h"
+
+namespace coslam {
+namespace {
+
+// Per datagram: IPv4 20 and UDP 8; RTPS header 20, INFO_DST 16, INFO_TS 12, and the headers of DATA (24) or DATA_FRAG
+// (36). Heartbeats and acknowledgements are not counted: at the rates used here they add less than 5 %.
+constexpr std::uint64_t kDatagramOverhead = 20 + 8 + 20 + 16 + 12 + 24;
+constexpr std::uint64_t kFragmentOverhead = kDatagramOverhead + 12;
+
+constexpr int kMaxDomain = 232;  // the UDP ports of higher ones would be above 65535
+
+std::vector<std::string> local_addresses() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
+    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr, text.data(), text.size());
+    addresses.emplace_back(text.data());
+  }
+  freeifaddrs(list);
+  return addresses;
+}
+
+bool is_ipv4(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+}
+
+void require_addresses(const WireConfig& c) {
+  const std::vector<std::string> mine = local_addresses();
+  for (const std::string& address : c.interfaces) {
+    if (std::ranges::find(mine, address) != mine.end()) continue;
+    std::string known;
+    for (const std::string& a : mine) known += (known.empty() ? "" : ", ") + a;
+    throw UserError("network interface '" + address + "' is not an IPv4 address of this machine (it has " + known +
+                    ")");
+  }
+  for (const std::string& peer : c.peers) {
+    if (!is_ipv4(peer)) throw UserError("peer '" + peer + "' is not an IPv4 address");
+  }
+}
+
+void require_certificates(const std::string& directory) {
+  if (directory.empty()) return;
+  for (const char* name : {"ca.pem", "cert.pem", "key.pem", "governance.p7s", "permissions.p7s"}) {
+    const std::filesystem::path file = std::filesystem::path(directory) / name;
+    if (!std::filesystem::is_regular_file(file)) throw UserError("certificate file '" + file.string() + "' is missing");
+  }
+}
+
+bool port_is_free(int port) {
+  const int udp = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in any{};
+  any.sin_family = AF_INET;
+  any.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool free = bind(udp, reinterpret_cast<const sockaddr*>(&any), sizeof(any)) == 0;
+  close(udp);
+  return free;
+}
+
+// The middleware takes the first free pair of ports. When there is none it says nothing and hears nothing.
+void require_port(int domain) {
+  const int first = 7410 + 250 * domain;
+  const int last = std::min(first + 2 * (kPeersPerHost - 1), 65534);
+  for (int port = first; port <= last; port += 2) {
+    if (port_is_free(port) && port_is_free(port + 1)) return;
+  }
+  throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(first) +
+                  " to " + std::to_string(last + 1) + "): choose another domain");
+}
+
+void require_usable(const WireConfig& c) {
+  if (c.domain < 0 || c.domain > kMaxDomain) {
+    throw UserError("DDS domain " + std::to_string(c.domain) + " is outside the range 0 to " +
+                    std::to_string(kMaxDomain));
+  }
+  if (c.max_message_bytes < 512 || c.max_message_bytes > 65000) {
+    throw UserError("max_message_bytes " + std::to_string(c.max_message_bytes) + " is outside the range 512 to 65000");
+  }
+  require_addresses(c);
+  require_certificates(c.certificates);
+  require_port(c.domain);
+}
+
+// Participants of one process talk through the network like all others, so that tests within one process are true.
+void turn_off_intraprocess() {
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+}
+
+}  // namespace
+
+WireConfig loopback_config(int domain) {
+  WireConfig config;
+  config.domain = domain;
+  config.interfaces = {"127.0.0.1"};
+  config.peers = {"127.0.0.1"};
+  config.multicast = false;
+  config.bulk_bytes_per_s = 0;
+  return config;
+}
+
+std::string partition_of(RunId agent_run) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "run-%016" PRIx64, agent_run.value);
+  return text.data();
+}
+
+std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes) {
+  if (sample_bytes + kDatagramOverhead <= max_message_bytes) return sample_bytes + kDatagramOverhead;
+  const std::uint64_t room = max_message_bytes - kFragmentOverhead;
+  return sample_bytes + (sample_bytes + room - 1) / room * kFragmentOverhead;
+}
+
+Participant::Participant(const WireConfig& config) : impl_(std::make_unique<Impl>()) {
+  require_usable(config);
+  impl_->config = config;
+  MiddlewareLog& log = MiddlewareLog::install();
+  turn_off_intraprocess();
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  impl_->participant =
+      factory->create_participant(static_cast<dds::DomainId_t>(config.domain), participant_qos(config));
+  if (impl_->participant == nullptr) {
+    throw UserError("cannot join DDS domain " + std::to_string(config.domain) + ": " + log.last_error());
+  }
+}
+
+Participant::~Participant() {
+  if (impl_->participant == nullptr) return;
+  impl_->participant->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(impl_->participant);
+}
+
+RejectionCounts& Participant::rejections() const { return impl_->rejections; }
+
+const WireConfig& Participant::config() const { return impl_->config; }
+
+std::array<TopicCounts, kTopicCount> Participant::counts() const {
+  std::array<TopicCounts, kTopicCount> counts;
+  for (std::size_t i = 0; i < kTopicCount; ++i) {
+    const Impl::Counts& c = impl_->counts[i];
+    counts[i] = {c.sent, c.sent_bytes, c.received, c.received_bytes};
+  }
+  return counts;
+}
+
+}  // namespace coslam

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/wire/counters.h"
+#include "common/wire/topics.h"
+#include "common/wire/wire_config.h"
+
+namespace coslam {
+
+// Traffic of one topic in this process, see link_bytes().
+struct TopicCounts {
+  std::uint64_t sent = 0, sent_bytes = 0;
+  std::uint64_t received = 0, received_bytes = 0;
+};
+
+// Bytes that a sample costs on the network: its serialized form and the headers of the datagrams that carry it.
+std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes);
+
+// This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
+class Participant {
+ public:
+  // Throws UserError, in one sentence: domain out of range, no such interface, certificates missing or refused, no
+  // port.
+  explicit Participant(const WireConfig& config);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  const WireConfig& config() const;
+  std::array<TopicCounts, kTopicCount> counts() const;
+  // Samples that could not be decoded are counted here; links add what they turn down later.
+  RejectionCounts& rejections() const;
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+// Sends one type of message, on its topic with its QoS. Thread-safe. `partition`, when given, is seen by readers of the
+// same partition only.
+template <class Message>
+class Writer {
+ public:
+  explicit Writer(Participant& participant, const std::string& partition = {});
+  ~Writer();  // waits up to half a second until readers have what was written, when the topic is reliable
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
+  std::uint64_t write(const Message& message);
+  void assert_alive();  // a sign of life, for topics that have one
+  int readers() const;  // matched now
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/qos.h"
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastdds/rtps/flowcontrol/FlowControllerDescriptor.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+
+namespace coslam {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastdds::rtps;
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::rtps::IPLocator;
+using eprosima::fastrtps::rtps::Locator_t;
+
+constexpr const char* kBulkFlow = "bulk";
+constexpr double kPacePeriodMs = 10;
+// The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
+constexpr std::uint32_t kSecureMessageBytes = 8192;
+
+// Order of enum Topic. Map patches are not kept for late joiners: an agent that missed some asks for a snapshot. Their
+// depth is about 8 s at 30 Hz; an agent that far behind needs the snapshot anyway.
+constexpr std::array<Profile, kTopicCount> kProfiles = {{
+    // reliable late writer reader heartbeat paced life
+    {true, true, 1, 4, 0.2, false, true},        // hello: its writer's liveliness is the agent's sign of life
+    {false, false, 4, 8, 0.2, false, false},     // tracks: the newest frame matters, a lost one is not missed
+    {true, false, 16, 16, 0.5, true, false},     // patches: must arrive, must not crowd out the tracks
+    {true, false, 4, 4, 0.5, true, false},       // descriptors: likewise, 100 kB each
+    {true, true, 1, 2, 0.2, false, false},       // agent status: the newest state
+    {true, false, 256, 256, 0.2, false, false},  // map: every patch, in order
+    {true, true, 1, 4, 0.2, false, true},        // server status: the newest state, and the server's sign of life
+}};
+
+Duration_t duration(double seconds) { return Duration_t(static_cast<long double>(seconds)); }
+
+Locator_t udp(const std::string& address, std::uint32_t port) {
+  Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  IPLocator::setIPv4(locator, address);
+  locator.port = port;
+  return locator;
+}
+
+std::shared_ptr<rtps::UDPv4TransportDescriptor> transport_of(const WireConfig& c) {
+  auto udp4 = std::make_shared<rtps::UDPv4TransportDescriptor>();
+  // Above the MTU (default 65500) the loss of one IP fragment loses the whole datagram: nothing large gets through.
+  udp4->maxMessageSize =
+      c.certificates.empty() ? c.max_message_bytes : std::max(c.max_message_bytes, kSecureMessageBytes);
+  udp4->receiveBufferSize = c.receive_buffer_bytes;
+  udp4->sendBufferSize = c.send_buffer_bytes;
+  udp4->maxInitialPeersRange = kPeersPerHost;
+  udp4->interfaceWhiteList = c.interfaces;
+  return udp4;
+}
+
+// A period must have room for one datagram, since fragments are cut to it: slow paces get longer periods.
+std::shared_ptr<rtps::FlowControllerDescriptor> pace_of(const WireConfig& c) {
+  const double bytes_per_ms = 1e-3 * c.bulk_bytes_per_s;
+  const double period_ms = std::ceil(std::max(kPacePeriodMs, transport_of(c)->maxMessageSize / bytes_per_ms));
+  auto flow = std::make_shared<rtps::FlowControllerDescriptor>();
+  flow->name = kBulkFlow;
+  flow->scheduler = rtps::FlowControllerSchedulerPolicy::FIFO;
+  flow->period_ms = static_cast<std::uint64_t>(period_ms);
+  flow->max_bytes_per_period = static_cast<std::int32_t>(std::lround(bytes_per_ms * period_ms));
+  return flow;
+}
+
+void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
+  auto& builtin = qos.wire_protocol().builtin;
+  // Defaults of 20 s and 3 s: a dead agent would stay for 20 s, and one lost reply would cost a late joiner 3 s.
+  builtin.discovery_config.leaseDuration = duration(c.lease_s);
+  builtin.discovery_config.leaseDuration_announcementperiod = duration(c.announce_s);
+  for (const std::string& peer : c.peers) builtin.initialPeersList.push_back(udp(peer, 0));
+  // A list of peers replaces the multicast address: put it back.
+  if (!c.peers.empty() && c.multicast) {
+    builtin.initialPeersList.push_back(udp("239.255.0.1", static_cast<std::uint32_t>(7400 + 250 * c.domain)));
+  }
+}
+
+void set_security(const WireConfig& c, dds::DomainParticipantQos& qos) {
+  auto& properties = qos.properties().properties();
+  const auto file = [&](const std::string& key, const char* name) {
+    properties.emplace_back("dds.sec." + key, "file://" + c.certificates + "/" + name);
+  };
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  file("auth.builtin.PKI-DH.identity_ca", "ca.pem");
+  file("auth.builtin.PKI-DH.identity_certificate", "cert.pem");
+  file("auth.builtin.PKI-DH.private_key", "key.pem");
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  file("access.builtin.Access-Permissions.permissions_ca", "ca.pem");
+  file("access.builtin.Access-Permissions.governance", "governance.p7s");
+  file("access.builtin.Access-Permissions.permissions", "permissions.p7s");
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
+// What writers and readers of a topic must agree on, and what the defaults get wrong for both.
+template <class Qos>
+void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
+  qos.reliability().kind = profile.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+  qos.reliability().max_blocking_time = duration(0.05);
+  qos.durability().kind = profile.late_joiners ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  // The default is 10 instances: the 11th agent would be invisible, without any event. 0 = unlimited; all three must be
+  // 0 together. Memory stays bounded by depth and the number of keys.
+  qos.resource_limits().max_samples = 0;
+  qos.resource_limits().max_instances = 0;
+  qos.resource_limits().max_samples_per_instance = 0;
+  qos.resource_limits().allocated_samples = 1;
+  // Samples differ widely in size; preallocated memory refuses those above the type's nominal size.
+  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+  // Shared memory fails silently between users and containers, and leaves files behind when a process is killed.
+  qos.data_sharing().off();
+  if (profile.sign_of_life) {
+    // The other kinds do not work in 2.9: any living participant counts as a sign of life of all.
+    qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = duration(c.silent_after_s);
+  }
+}
+
+}  // namespace
+
+const Profile& profile_of(Topic topic) { return kProfiles[static_cast<std::size_t>(topic)]; }
+
+dds::DomainParticipantQos participant_qos(const WireConfig& c) {
+  dds::DomainParticipantQos qos;
+  qos.name(c.name.c_str());
+  // UDP only, for the reason given at data_sharing() above.
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(transport_of(c));
+  qos.transport().listen_socket_buffer_size = c.receive_buffer_bytes;
+  qos.transport().send_socket_buffer_size = c.send_buffer_bytes;
+  set_discovery(c, qos);
+  if (c.bulk_bytes_per_s > 0) {
+    // Without a pace, lost fragments on a slow link cause more repeats than the link can carry.
+    qos.flow_controllers().push_back(pace_of(c));
+  }
+  if (!c.certificates.empty()) set_security(c, qos);
+  return qos;
+}
+
+dds::DataWriterQos writer_qos(Topic topic, const WireConfig& c) {
+  const Profile& profile = profile_of(topic);
+  dds::DataWriterQos qos;
+  set_common(profile, c, qos);
+  qos.history().depth = profile.writer_depth;
+  // The caller of write() never waits for the network.
+  qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+  if (profile.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(profile.heartbeat_s);
+  if (profile.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
+  return qos;
+}
+
+dds::DataReaderQos reader_qos(Topic topic, const WireConfig& c) {
+  const Profile& profile = profile_of(topic);
+  dds::DataReaderQos qos;
+  set_common(profile, c, qos);
+  qos.history().depth = profile.reader_depth;
+  return qos;
+}
+
+}  // namespace coslam

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/wire/participant_impl.h"
+#include "common/wire/qos.h"
+
+namespace coslam {
+namespace {
+
+// Unequal settings of two programs are the commonest cause of "no data", and DDS only whispers it.
+class IncompatibleQos : public dds::DataWriterListener {
+  void on_offered_incompatible_qos(dds::DataWriter* writer, const dds::OfferedIncompatibleQosStatus& status) override {
+    log_warn("DDS: a reader of '" + writer->get_topic()->get_name() + "' asks for other QoS, policy " +
+             std::to_string(status.last_policy_id) + ": it gets no data");
+  }
+};
+
+}  // namespace
+
+template <class Message>
+struct Writer<Message>::Impl {
+  Participant::Impl& participant;
+  dds::Publisher* publisher = nullptr;
+  dds::DataWriter* writer = nullptr;
+  IncompatibleQos listener;
+
+  explicit Impl(Participant::Impl& p) : participant(p) {}
+};
+
+template <class Message>
+Writer<Message>::Writer(Participant& participant, const std::string& partition)
+    : impl_(std::make_unique<Impl>(participant.impl())) {
+  dds::PublisherQos qos;
+  if (!partition.empty()) qos.partition().push_back(partition.c_str());
+  Participant::Impl& p = impl_->participant;
+  impl_->publisher = p.participant->create_publisher(qos);
+  COSLAM_CHECK(impl_->publisher != nullptr, "a publisher needs nothing that could be missing");
+  dds::StatusMask mask = dds::StatusMask::offered_incompatible_qos();
+  impl_->writer = impl_->publisher->create_datawriter(p.topic<Message>(), writer_qos(kTopicOf<Message>, p.config),
+                                                      &impl_->listener, mask);
+  COSLAM_CHECK(impl_->writer != nullptr, "the QoS of every topic is tested");
+}
+
+template <class Message>
+Writer<Message>::~Writer() {
+  const bool flush = profile_of(kTopicOf<Message>).reliable && readers() > 0;
+  if (flush) impl_->writer->wait_for_acknowledgments(Duration_t(0.5L));
+  impl_->publisher->delete_datawriter(impl_->writer);
+  impl_->participant.participant->delete_publisher(impl_->publisher);
+}
+
+template <class Message>
+std::uint64_t Writer<Message>::write(const Message& message) {
+  // write() takes a non-const pointer and does not touch what it points at.
+  if (!impl_->writer->write(const_cast<Message*>(&message))) return 0;
+  const std::uint64_t bytes = impl_->participant.cost(Message::getCdrSerializedSize(message) + 4);
+  auto& counts = impl_->participant.counts_of(kTopicOf<Message>);
+  counts.sent.fetch_add(1, std::memory_order_relaxed);
+  counts.sent_bytes.fetch_add(bytes, std::memory_order_relaxed);
+  return bytes;
+}
+
+template <class Message>
+void Writer<Message>::assert_alive() {
+  impl_->writer->assert_liveliness();
+}
+
+template <class Message>
+int Writer<Message>::readers() const {
+  dds::PublicationMatchedStatus status;
+  impl_->writer->get_publication_matched_status(status);
+  return status.current_count;
+}
+
+template class Writer<idl::Hello>;
+template class Writer<idl::TrackFrame>;
+template class Writer<idl::PatchReply>;
+template class Writer<idl::DescriptorReply>;
+template class Writer<idl::AgentStatus>;
+template class Writer<idl::MapPatch>;
+template class Writer<idl::ServerStatus>;
+
+}  // namespace coslam

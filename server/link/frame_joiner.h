@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "common/base/time.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+#include "common/wire/counters.h"
+#include "server/link/server_link.h"
+
+namespace coslam {
+
+// Puts the frames of one agent run together with the replies that travelled apart from them, and puts them in order. A
+// frame waits for the replies it announces: in lock-step as long as it takes, live for `patience` at most; then it goes
+// without them, and they ride with a later one. Pure: time is an argument. Thread-compatible.
+class FrameJoiner {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{100};
+
+  explicit FrameJoiner(Pacing pacing) : pacing_(pacing) {}
+
+  // What arrives, in any order. Not taken when the result names a reason.
+  std::optional<Rejection> add(TrackFrame frame, Instant now);
+  std::optional<Rejection> add(PatchReply reply);
+  std::optional<Rejection> add(DescriptorReply reply);
+
+  // The next frame that is complete, or has waited long enough; frames only ascend.
+  std::optional<JoinedFrame> pop(Instant now);
+
+  std::uint64_t late_replies() const { return late_replies_; }
+
+ private:
+  struct Held {
+    TrackFrame frame;
+    Instant since;
+  };
+
+  bool passed(FrameId frame) const { return last_ && frame <= *last_; }
+  bool complete(const TrackFrame& frame) const;
+  bool waited_enough(const Held& held, Instant now) const;
+  template <class Reply>
+  std::optional<Rejection> keep(std::deque<Reply>& replies, Reply reply, std::size_t bound);
+  template <class Reply>
+  std::optional<Reply> claim(std::deque<Reply>& replies, FrameId frame);
+
+  const Pacing pacing_;
+  std::deque<Held> held_;  // ascending
+  std::deque<PatchReply> patches_;
+  std::deque<DescriptorReply> descriptors_;
+  std::optional<FrameId> last_;  // newest that was popped
+  std::uint64_t late_replies_ = 0;
+};
+
+}  // namespace coslam

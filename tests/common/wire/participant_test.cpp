@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/participant.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/error.h"
+#include "tests/support/test_domain.h"
+
+namespace coslam {
+namespace {
+
+using test::TestDomain;
+using testing::HasSubstr;
+
+std::string error_of(const WireConfig& config) {
+  try {
+    const Participant participant(config);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Participant, DomainOutsideTheRangeIsAUserError) {
+  EXPECT_THAT(error_of(loopback_config(233)), HasSubstr("DDS domain 233 is outside the range 0 to 232"));
+  EXPECT_THAT(error_of(loopback_config(-1)), HasSubstr("DDS domain -1 is outside the range 0 to 232"));
+}
+
+TEST(Participant, LargestDomainWorks) { EXPECT_EQ(error_of(loopback_config(232)), "no error"); }
+
+TEST(Participant, UnknownInterfaceIsNamedBesideTheKnownOnes) {
+  WireConfig config = loopback_config(10);
+  config.interfaces = {"203.0.113.9"};
+  EXPECT_THAT(error_of(config), HasSubstr("'203.0.113.9' is not an IPv4 address of this machine (it has 127.0.0.1"));
+}
+
+TEST(Participant, PeersMustBeAddresses) {
+  WireConfig config = loopback_config(10);
+  config.peers = {"server.local"};
+  EXPECT_THAT(error_of(config), HasSubstr("peer 'server.local' is not an IPv4 address"));
+}
+
+// Holds all UDP ports of a domain that a participant on this host could listen on.
+class AllPorts {
+ public:
+  explicit AllPorts(int domain) {
+    for (int port = 7400 + 250 * domain; port < 7400 + 250 * (domain + 1); ++port) {
+      sockets_.push_back(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+      sockaddr_in any{};
+      any.sin_family = AF_INET;
+      any.sin_port = htons(static_cast<std::uint16_t>(port));
+      bind(sockets_.back(), reinterpret_cast<const sockaddr*>(&any), sizeof(any));
+    }
+  }
+  ~AllPorts() {
+    for (const int s : sockets_) close(s);
+  }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+TEST(Participant, TakenPortsAreAUserErrorNotSilence) {
+  const TestDomain domain;
+  const AllPorts taken(domain.number());
+  EXPECT_THAT(error_of(loopback_config(domain.number())),
+              HasSubstr("no UDP port is free for DDS domain " + std::to_string(domain.number())));
+}
+
+TEST(Participant, MissingCertificateIsNamed) {
+  WireConfig config = loopback_config(10);
+  config.certificates = "/nowhere";
+  EXPECT_THAT(error_of(config), HasSubstr("certificate file '/nowhere/ca.pem' is missing"));
+}
+
+TEST(LinkBytes, CountsTheHeadersOfEveryDatagram) {
+  EXPECT_EQ(link_bytes(100, 1400), 200u);
+  EXPECT_EQ(link_bytes(1300, 1400), 1400u) << "one full datagram";
+  EXPECT_EQ(link_bytes(1301, 1400), 1301u + 2 * 112);
+  EXPECT_EQ(link_bytes(1751, 1400), 1751u + 2 * 112) << "a frame of 300 tracks";
+  EXPECT_EQ(link_bytes(1751, 65000), 1851u);
+}
+
+}  // namespace
+}  // namespace coslam
