@@ -89,7 +89,6 @@ std::optional<DescriptorReply> Agent::describe_image() {
     const auto at = feature_of.find(o.track);
     if (at == feature_of.end()) continue;
     reply.tracks.push_back(o.track);
-    reply.undistorted_px.push_back(o.undistorted_px);
     const auto begin = features.descriptors.begin() + static_cast<std::ptrdiff_t>(at->second * kDescriptorBytes);
     reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
   }

@@ -21,7 +21,7 @@ namespace coslam {
 struct AgentConfig {
   TrackerConfig tracker;
   PoseTrackerConfig pose;
-  int descriptor_features = 500;  // most, in an answer to a descriptor request
+  int descriptor_features = 400;  // most, in an answer to a descriptor request
 };
 
 // What an agent sends for one image.

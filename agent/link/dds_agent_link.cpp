@@ -57,7 +57,7 @@ class DdsAgentLink : public AgentLink {
     frame.descriptors_sent = descriptors.has_value();
     last_ = {};
     if (frame.patches_sent > 0) last_.patches = encode(*patches);
-    if (descriptors) last_.descriptors = encode(*descriptors, px_scale_);
+    if (descriptors) last_.descriptors = encode(*descriptors);
     last_.frame = encode(frame, px_scale_);
     last_.sent = Clock::now();
     write_replies();

@@ -79,9 +79,8 @@ struct DescriptorReply {
   std::string agent;
   RunId agent_run;
   FrameId frame;
-  std::vector<Eigen::Vector2f> undistorted_px;  // on the grid of quantised_px()
-  std::vector<std::uint8_t> descriptors;        // kDescriptorBytes each
-  std::vector<TrackId> tracks;                  // the track that follows each feature from this frame on; ascending
+  std::vector<TrackId> tracks;            // ascending; each starts or goes on at its feature in this frame
+  std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each
 };
 
 }  // namespace coslam

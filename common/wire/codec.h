@@ -35,7 +35,7 @@ class Decoded {
 
 // px_scale: pixel_scale(camera) of the agent; it travels with the frame.
 idl::TrackFrame encode(const TrackFrame& frame, double px_scale);
-idl::DescriptorReply encode(const DescriptorReply& reply, double px_scale);
+idl::DescriptorReply encode(const DescriptorReply& reply);
 idl::PatchReply encode(const PatchReply& reply);
 idl::Hello encode(const Hello& hello);
 idl::AgentStatus encode(const AgentStatus& status);

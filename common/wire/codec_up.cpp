@@ -180,37 +180,28 @@ Decoded<PatchReply> decode(const idl::PatchReply& m) {
   return r;
 }
 
-idl::DescriptorReply encode(const DescriptorReply& r, double px_scale) {
-  COSLAM_CHECK(r.undistorted_px.size() <= idl::MAX_KEYPOINTS, "more key points than a reply may carry");
-  COSLAM_CHECK(r.descriptors.size() == r.undistorted_px.size() * kDescriptorBytes, "one descriptor a key point");
+idl::DescriptorReply encode(const DescriptorReply& r) {
+  COSLAM_CHECK(r.tracks.size() <= idl::MAX_KEYPOINTS, "more descriptors than a reply may carry");
+  COSLAM_CHECK(r.descriptors.size() == r.tracks.size() * kDescriptorBytes, "one descriptor a track");
   idl::DescriptorReply m;
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
-  m.px_bits(px_bits(px_scale));
   m.agent(r.agent);
-  m.coordinates().reserve(2 * r.undistorted_px.size());
-  for (const Eigen::Vector2f& px : r.undistorted_px) {
-    m.coordinates().push_back(quantise(px.x(), px_scale));
-    m.coordinates().push_back(quantise(px.y(), px_scale));
-  }
+  m.tracks().reserve(r.tracks.size());
+  for (const TrackId id : r.tracks) m.tracks().push_back(id.value);
   m.descriptors(r.descriptors);
   return m;
 }
 
 Decoded<DescriptorReply> decode(const idl::DescriptorReply& m) {
   DescriptorReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {}};
-  const std::size_t count = m.coordinates().size() / 2;
-  const Problem problem = first_of({check_sender(r.agent, r.agent_run), check_count(count, idl::MAX_KEYPOINTS),
-                                    check_number(m.px_bits(), kMinPxBits, kMaxPxBits)});
-  if (problem) return *problem;
-  if (m.coordinates().size() % 2 != 0 || m.descriptors().size() != count * kDescriptorBytes) {
-    return Rejection::kSizeMismatch;
-  }
-  r.undistorted_px.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int16_t x = m.coordinates()[2 * i], y = m.coordinates()[2 * i + 1];
-    if (const Problem p = check_units(x, y)) return *p;
-    r.undistorted_px.emplace_back(dequantise(x, m.px_bits()), dequantise(y, m.px_bits()));
+  if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
+  if (const Problem p = check_count(m.tracks().size(), idl::MAX_KEYPOINTS)) return *p;
+  if (m.descriptors().size() != m.tracks().size() * kDescriptorBytes) return Rejection::kSizeMismatch;
+  for (const std::uint32_t id : m.tracks()) {
+    if (id == 0) return Rejection::kBadId;
+    if (!r.tracks.empty() && r.tracks.back().value >= id) return Rejection::kIdsNotAscending;
+    r.tracks.push_back(TrackId(id));
   }
   r.descriptors = m.descriptors();
   return r;

@@ -153,7 +153,7 @@ void InlineAgent::send(TrackFrame frame, const std::optional<PatchReply>& patche
   frame.patches_sent = patches ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
   frame.descriptors_sent = descriptors.has_value();
   if (frame.patches_sent > 0) pass_up(encode(*patches));
-  if (descriptors) pass_up(encode(*descriptors, px_scale_));
+  if (descriptors) pass_up(encode(*descriptors));
   pass_up(encode(frame, px_scale_));
 }
 

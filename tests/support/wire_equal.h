@@ -68,7 +68,7 @@ inline void expect_same(const DescriptorReply& a, const DescriptorReply& b) {
   EXPECT_EQ(a.agent, b.agent);
   EXPECT_EQ(a.agent_run, b.agent_run);
   EXPECT_EQ(a.frame, b.frame);
-  EXPECT_EQ(a.undistorted_px, b.undistorted_px);
+  EXPECT_EQ(a.tracks, b.tracks);
   EXPECT_EQ(a.descriptors, b.descriptors);
 }
 

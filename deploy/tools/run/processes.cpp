@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <thread>
 
+#include "common/base/error.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/child.h"
 #include "deploy/tools/run/run.h"
@@ -16,6 +21,13 @@ namespace coslam {
 namespace {
 
 std::atomic<int> interrupts{0};
+
+// Reads back as the same double.
+std::string exact(double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.17g", value);
+  return text.data();
+}
 
 std::string join(const std::vector<std::string>& words) {
   std::string out;
@@ -61,12 +73,34 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
                                    "--rate",
                                    options.rate,
                                    "--fps",
-                                   std::to_string(options.sequence.rate_hz),
+                                   exact(options.sequence.rate_hz),
                                    "--start",
-                                   std::to_string(agent.start_s)};
-  if (agent.duration_s) command.insert(command.end(), {"--duration", std::to_string(*agent.duration_s)});
+                                   exact(agent.start_s)};
+  if (agent.duration_s) command.insert(command.end(), {"--duration", exact(*agent.duration_s)});
   add_sets(options, "agent.", &command);
   return Child("agent " + agent.name, command);
+}
+
+bool port_is_free(int port) {
+  const int s = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const bool ok = s >= 0 && bind(s, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  if (s >= 0) ::close(s);
+  return ok;
+}
+
+// A domain whose discovery port nobody holds, so that two runs on one machine do not meet. Domains up to 232 have ports
+// below 65536.
+int free_domain() {
+  const int first = static_cast<int>(getpid() % 230);
+  for (int i = 0; i < 230; ++i) {
+    const int domain = 1 + (first + i) % 230;
+    if (port_is_free(7400 + 250 * domain)) return domain;
+  }
+  throw UserError("every DDS domain from 1 to 230 is in use on this machine; name one with --domain");
 }
 
 // The children of one run, watched until the server has written its result.
@@ -134,8 +168,7 @@ class Supervisor {
 }  // namespace
 
 int run_processes(const RunOptions& options) {
-  // Domains up to 232 have ports below 65536; a process of its own should not meet another run's.
-  const int domain = options.domain >= 0 ? options.domain : 20 + static_cast<int>(getpid() % 200);
+  const int domain = options.domain >= 0 ? options.domain : free_domain();
   std::signal(SIGINT, [](int) { ++interrupts; });
   std::signal(SIGTERM, [](int) { ++interrupts; });
   Supervisor supervisor(options, domain);

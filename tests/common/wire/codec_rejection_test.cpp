@@ -98,11 +98,11 @@ TEST(CodecRejects, Replies) {
   expect_rejected<P>(patches, Rejection::kSizeMismatch, [](P& m) { m.grey().pop_back(); });
   expect_rejected<P>(patches, Rejection::kBadId, [](P& m) { m.tracks()[1] = 0; });
   expect_rejected<P>(patches, Rejection::kTooMany, [](P& m) { m.tracks().resize(2049); });
-  const D descriptors = encode(values.descriptors(frame, 3), kScale);
-  expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.coordinates().pop_back(); });
+  const D descriptors = encode(values.descriptors(frame, 3));
+  expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.tracks().pop_back(); });
   expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.descriptors().resize(2 * 128); });
-  expect_rejected<D>(descriptors, Rejection::kTooMany, [](D& m) { m.coordinates().resize(2 * 4097); });
-  expect_rejected<D>(descriptors, Rejection::kOutOfRange, [](D& m) { m.coordinates()[0] = INT16_MIN; });
+  expect_rejected<D>(descriptors, Rejection::kTooMany, [](D& m) { m.tracks().resize(4097); });
+  expect_rejected<D>(descriptors, Rejection::kIdsNotAscending, [](D& m) { m.tracks()[1] = m.tracks()[0]; });
 }
 
 TEST(CodecRejects, Hellos) {
