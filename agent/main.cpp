@@ -95,6 +95,7 @@ void run(Options& o) {
   hello.rate_hz = o.play.rate_hz;
   o.play.width_px = hello.camera.width_px;
   o.play.height_px = hello.camera.height_px;
+  o.play.calibration = o.calibration;
   std::unique_ptr<ImageSource> source = open_source(o.source, o.play);
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
   o.wire.name = o.id;

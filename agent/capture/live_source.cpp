@@ -98,13 +98,19 @@ class LiveSource final : public ImageSource {
       ended_ = true;  // the end of a pipeline cannot be told from its failure
       return;
     }
-    log_warn("the source '" + uri_ + "' gives no image, opening it again");
+    if (log_.pass()) log_warn("the source '" + uri_ + "' gives no image, opening it again");
+    capture_.release();
     auto wait = std::chrono::milliseconds(100);
-    for (capture_.release(); !stopped_ && !open(); wait = std::min(wait * 2, std::chrono::milliseconds(3000))) {
-      const auto until = std::chrono::steady_clock::now() + wait;
-      while (!stopped_ && std::chrono::steady_clock::now() < until) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      }
+    do {
+      sleep(wait);
+      wait = std::min(wait * 2, std::chrono::milliseconds(3000));
+    } while (!stopped_ && !open());
+  }
+
+  void sleep(std::chrono::milliseconds duration) const {
+    const auto until = std::chrono::steady_clock::now() + duration;
+    while (!stopped_ && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }
 
@@ -116,6 +122,7 @@ class LiveSource final : public ImageSource {
   std::uint32_t frame_ = 0;
   std::size_t unreadable_ = 0;
   bool ended_ = false;
+  LogLimiter log_;
   std::atomic<bool> stopped_ = false;
 };
 

@@ -29,11 +29,20 @@ class VideoTimes {
   double rate_hz_;
 };
 
+// Only the readers of files: OpenCV would else ask cameras too.
+cv::VideoCapture open_file(const std::string& file) {
+  cv::VideoCapture capture(file, cv::CAP_FFMPEG);
+  if (!capture.isOpened()) capture.open(file, cv::CAP_OPENCV_MJPEG);
+  return capture;
+}
+
 // A video file. One frame is grabbed ahead, because only the grab tells whether there is another.
 class VideoSource final : public ImageSource {
  public:
   VideoSource(const std::filesystem::path& file, const SourceOptions& options)
-      : capture_(file.string()), span_(options), times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
+      : capture_(open_file(file.string())),
+        span_(options),
+        times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
     if (!capture_.isOpened()) throw UserError(file.string() + ": neither a list of images (.csv, .txt) nor a video");
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();

@@ -47,8 +47,8 @@ class YamlValue {
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:
-  YamlValue(YAML::Node node, std::shared_ptr<const std::filesystem::path> file, std::string path)
-      : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {}
+  YamlValue(const YAML::Node& node, std::shared_ptr<const std::filesystem::path> file, std::string path)
+      : node_(node), file_(std::move(file)), path_(std::move(path)) {}
   YamlValue child(const YAML::Node& node, const std::string& step) const { return {node, file_, path_ + step}; }
   const std::string& scalar(const char* wanted) const;
   void require_map() const;

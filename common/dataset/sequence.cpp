@@ -23,7 +23,7 @@ bool is_uri(const std::string& source) {
 
 // Paths are relative to the file that names them.
 fs::path existing_path(const YamlValue& value) {
-  const fs::path path = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
+  fs::path path = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
   if (!fs::exists(path)) value.fail("there is no " + path.string());
   return path;
 }
@@ -36,7 +36,7 @@ std::optional<fs::path> optional_path(const YamlValue& parent, const std::string
 // Names become file names and travel in every frame.
 std::string agent_name(const YamlValue& value) {
   constexpr std::size_t kMaxLength = 32;
-  const std::string name = value.text();
+  std::string name = value.text();
   constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
   if (name.empty() || name.size() > kMaxLength || name.front() == '.' ||
       name.find_first_not_of(kAllowed) != std::string::npos) {

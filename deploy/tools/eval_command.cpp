@@ -27,14 +27,15 @@ plot::Positions centers(const Trajectory& trajectory, const Similarity3& to) {
   return positions;
 }
 
-std::string path_label(const eval::AgentEvaluation& agent) {
-  char text[128];
-  if (agent.ate_m) {
-    std::snprintf(text, sizeof text, "%s: ATE %.4f m", agent.name.c_str(), *agent.ate_m);
-  } else {
-    std::snprintf(text, sizeof text, "%s: %d poses", agent.name.c_str(), agent.poses);
-  }
+std::string metres(double length_m) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4f m", length_m);
   return text;
+}
+
+std::string path_label(const eval::AgentEvaluation& agent) {
+  if (agent.ate_m) return agent.name + ": ATE " + metres(*agent.ate_m);
+  return agent.name + ": " + std::to_string(agent.poses) + " poses";
 }
 
 // In the frame of the truth where there is one, else in that of the map.
@@ -44,20 +45,23 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
   const Similarity3 shown_from_map = evaluation.alignment.target_from_source.value_or(Similarity3());
   plot::TopView view;
   view.title = evaluation.sequence;
-  if (evaluation.ate_m) view.title += ": joint ATE " + std::to_string(*evaluation.ate_m) + " m";
+  if (evaluation.ate_m) view.title += ": joint ATE " + metres(*evaluation.ate_m);
   view.unit = aligned ? "m" : "map units";
   if (std::filesystem::exists(result.points())) {
     for (const ResultPoint& point : read_points(result.points())) {
       if (point.state == PointState::kStatic) view.points.push_back(shown_from_map * point.position);
     }
   }
+  double poses = 0;
   for (std::size_t i = 0; i < agents.size(); ++i) {
+    poses += static_cast<double>(agents[i].estimate.size());
     view.paths.push_back({path_label(evaluation.agents[i]), centers(agents[i].estimate, shown_from_map),
                           aligned ? centers(agents[i].truth, Similarity3()) : plot::Positions()});
     for (const StampedPose& pose : agents[i].estimate) {
       view.up -= shown_from_map.rotation * (pose.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitY());
     }
   }
+  if (poses > 0) view.up /= poses;
   return view;
 }
 

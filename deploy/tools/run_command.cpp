@@ -46,8 +46,8 @@ int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
     const CameraModel camera = load_calibration(a.calibration);
-    const auto source =
-        open_source(a.source, {a.start_s, a.duration_s, sequence.rate_hz, camera.width_px, camera.height_px});
+    const auto source = open_source(a.source, {a.start_s, a.duration_s, sequence.rate_hz, camera.width_px,
+                                               camera.height_px, a.calibration.string()});
     int frames = 0;
     while (!source->live() && source->skip()) ++frames;
     most = std::max(most, frames);

@@ -64,6 +64,7 @@ void evaluate_jointly(AgentEvaluation& e, const PosePairs& pairs, const Similari
 
 void evaluate_live(Evaluation& e, const std::vector<AgentPaths>& agents, TimeNs gap_ns) {
   std::vector<PosePairs> pairs;
+  pairs.reserve(agents.size());
   for (const AgentPaths& agent : agents) pairs.push_back(pair_poses(agent.live, agent.truth, gap_ns));
   const Alignment alignment = align_centers(pairs);
   if (!alignment.target_from_source) return;

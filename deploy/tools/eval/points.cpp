@@ -14,6 +14,7 @@ Eigen::Vector3d median_position(const std::vector<SurfacePoint>& seen) {
   Eigen::Vector3d median;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(seen.size());
     for (const SurfacePoint& p : seen) values.push_back(p.position[axis]);
     median[axis] = percentile(std::move(values), 50);
   }

@@ -81,6 +81,7 @@ std::string headline(const Evaluation& e) {
   std::string text = printed("  joint ATE %.4f m", *e.ate_m);
   if (e.ate_percent) text += printed(", %.3f %% of %.2f m", *e.ate_percent, *e.path_m);
   text += printed("; scale %.5f", e.alignment.target_from_source->scale);
+  if (e.tracked_percent) text += printed("; %.1f %% of the frames tracked", *e.tracked_percent);
   if (e.live_ate_m) text += printed("; live ATE %.4f m", *e.live_ate_m);
   return text + "\n";
 }

@@ -153,7 +153,7 @@ Files export_colmap(const ResultFolder& result, const Sequence& sequence, const 
     throw UserError(result.path().string() + ": no image of the sequence has a pose and tracks");
   link_points(model);
 
-  const Files files = {folder / "cameras.txt", folder / "images.txt", folder / "points3D.txt"};
+  Files files = {folder / "cameras.txt", folder / "images.txt", folder / "points3D.txt"};
   std::ofstream cameras = create_file(files[0]);
   cameras << "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
   for (std::size_t i = 0; i < model.cameras.size(); ++i)

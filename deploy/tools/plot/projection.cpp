@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 namespace coslam::plot {
 namespace {
@@ -61,16 +62,31 @@ Spread spread_of(const Positions& positions) {
   return s;
 }
 
+// The normal of the plane of widest spread, or "up" when the cameras agree on it and it is not far from that: a room
+// seen from one corner spreads along a wall too.
+Eigen::Vector3d view_normal(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& up) {
+  constexpr double kAgreed = 0.9, kFar = 0.5;  // length of the mean; cosine of 60 degrees
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d thinnest = solver.eigenvectors().col(0);
+  const double agreement = thinnest.dot(up);
+  if (up.norm() > kAgreed && std::abs(agreement) > kFar * up.norm()) return up.normalized();
+  return agreement < 0 ? Eigen::Vector3d(-thinnest) : thinnest;
+}
+
 }  // namespace
 
 Projection widest_plane(const TopView& view) {
   const Positions paths = all_paths(view), points = without_outliers(view.points);
   // Paths and points count alike, however many there are of each.
   const Spread of_paths = spread_of(paths), of_points = spread_of(points);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(of_paths.covariance + of_points.covariance);
-  const Eigen::Vector3d widest = solver.eigenvectors().col(2), second = solver.eigenvectors().col(1);
-  Eigen::Vector3d normal = widest.cross(second);  // towards the viewer
-  if (normal.dot(view.up) < 0) normal = -normal;
+  const Eigen::Matrix3d covariance = of_paths.covariance + of_points.covariance;
+  const Eigen::Vector3d normal = view_normal(covariance, view.up);  // towards the viewer
+  const Eigen::Matrix3d flatten = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> flat(flatten * covariance * flatten);
+  // A world without extent has no axes of its own.
+  Eigen::Vector3d widest = flatten * flat.eigenvectors().col(2);
+  if (widest.norm() < 0.5) widest = normal.unitOrthogonal();
+  widest.normalize();
 
   Projection projection;
   projection.center = paths.empty() ? of_points.mean : of_paths.mean;

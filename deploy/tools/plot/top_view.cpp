@@ -21,15 +21,18 @@ const std::array<cv::Scalar, 7> kColours = {
     cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
     cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(66, 228, 240)};
 constexpr int kMargin_px = 60;
+constexpr int kLegendRow_px = 26;
 constexpr int kShift = 4;  // sub-pixel bits of OpenCV's drawing functions
 
 class Canvas {
  public:
-  Canvas(const Projection& projection, int width_px, int height_px)
+  // The drawing keeps below the first top_px rows.
+  Canvas(const Projection& projection, int width_px, int height_px, int top_px)
       : image_(height_px, width_px, CV_8UC3, cv::Scalar::all(255)), projection_(projection) {
     const Eigen::Vector2d size = (projection.max - projection.min).cwiseMax(1e-9);
-    px_per_unit_ = std::min((width_px - 2 * kMargin_px) / size.x(), (height_px - 2 * kMargin_px) / size.y());
+    px_per_unit_ = std::min((width_px - 2 * kMargin_px) / size.x(), (height_px - top_px - kMargin_px) / size.y());
     middle_ = 0.5 * (projection.min + projection.max);
+    middle_px_ = {0.5 * width_px, 0.5 * (height_px + top_px - kMargin_px)};
   }
 
   double px_per_unit() const { return px_per_unit_; }
@@ -65,7 +68,7 @@ class Canvas {
  private:
   Eigen::Vector2d pixel(const Eigen::Vector3d& p) const {
     const Eigen::Vector2d d = px_per_unit_ * (projection_(p) - middle_);
-    return {0.5 * image_.cols + d.x(), 0.5 * image_.rows - d.y()};
+    return {middle_px_.x() + d.x(), middle_px_.y() - d.y()};
   }
   bool inside(const Eigen::Vector2d& p) const {
     return p.x() >= 0 && p.y() >= 0 && p.x() < image_.cols && p.y() < image_.rows;
@@ -79,7 +82,8 @@ class Canvas {
   cv::Mat image_;
   Projection projection_;
   double px_per_unit_ = 1;
-  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();  // of the window, in the plane and in the picture
+  Eigen::Vector2d middle_px_ = Eigen::Vector2d::Zero();
 };
 
 // Largest of 1, 2, 5 times a power of ten that is not above the length.
@@ -108,13 +112,13 @@ void draw_legend(Canvas& canvas, const TopView& view) {
   canvas.text(view.title, {20, y}, 0.7);
   bool any_truth = false;
   for (std::size_t i = 0; i < view.paths.size(); ++i) {
-    y += 26;
+    y += kLegendRow_px;
     cv::line(canvas.image(), {20, y - 5}, {60, y - 5}, kColours[i % kColours.size()], 3, cv::LINE_AA);
     canvas.text(view.paths[i].label, {70, y}, 0.5);
     any_truth = any_truth || !view.paths[i].truth.empty();
   }
   if (!any_truth) return;
-  y += 26;
+  y += kLegendRow_px;
   for (int x = 20; x < 60; x += 12) cv::line(canvas.image(), {x, y - 5}, {x + 6, y - 5}, kTruth, 1, cv::LINE_AA);
   canvas.text("truth", {70, y}, 0.5);
 }
@@ -122,7 +126,8 @@ void draw_legend(Canvas& canvas, const TopView& view) {
 }  // namespace
 
 cv::Mat draw_top_view(const TopView& view, int width_px, int height_px) {
-  Canvas canvas(widest_plane(view), width_px, height_px);
+  const int legend_px = kLegendRow_px * static_cast<int>(view.paths.size() + 3);
+  Canvas canvas(widest_plane(view), width_px, height_px, std::min(legend_px, height_px / 3));
   for (const Eigen::Vector3d& point : view.points) canvas.point(point);
   for (std::size_t i = 0; i < view.paths.size(); ++i) {
     const cv::Scalar& colour = kColours[i % kColours.size()];

@@ -26,12 +26,11 @@ struct TopView {
   std::string unit = "m";  // of the scale bar
   Positions points;
   std::vector<TopViewPath> paths;
-  Eigen::Vector3d up =
-      Eigen::Vector3d::Zero();  // mean "up" of the cameras: tells the upper side of the plane; may be 0
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();  // mean of the cameras' unit vectors upwards; 0: not known
 };
 
-// A map as seen from above: the projection on the plane of widest spread (principal axes of paths and points), the
-// window wide enough for all paths and 96 % of the points.
+// A map as seen from above: the projection along "up" where the cameras agree on it, else on the plane of widest
+// spread (principal axes of paths and points). The window takes in all paths and all points but wild ones.
 cv::Mat draw_top_view(const TopView& view, int width_px = 1400, int height_px = 1000);
 
 void save_picture(const std::filesystem::path& file, const cv::Mat& picture);  // throws UserError

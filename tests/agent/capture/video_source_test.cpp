@@ -73,32 +73,5 @@ TEST_F(Video, WrongSize) {
   EXPECT_THAT(test::error_of<UserError>([&] { open_source(file_, options); }), HasSubstr("clip.avi is 64x48 pixels"));
 }
 
-TEST(Live, NamesWhatCannotBeOpened) {
-  for (const char* uri : {"v4l2:99", "v4l2:/dev/no-such-video", "gst:no-such-element", "rtsp://127.0.0.1:1/x"}) {
-    EXPECT_THAT(test::error_of<UserError>([&] { open_source(uri, kOptions); }),
-                HasSubstr("the source '" + std::string(uri) + "' cannot be opened"));
-  }
-}
-
-TEST(Live, PlaysAGstreamerPipelineToItsEnd) {
-  const std::string uri = "gst:videotestsrc num-buffers=6 ! video/x-raw,width=64,height=48";
-  std::unique_ptr<ImageSource> source;
-  try {
-    source = open_source(uri, kOptions);
-  } catch (const UserError&) {
-    GTEST_SKIP() << "no GStreamer test source here";
-  }
-  EXPECT_TRUE(source->live());
-  EXPECT_FALSE(source->peek_ns());
-  TimeNs last_ns = 1'600'000'000'000'000'000;  // UTC
-  int images = 0;
-  for (; const auto image = source->next(); ++images) {
-    EXPECT_EQ(image->frame, FrameId(static_cast<std::uint32_t>(images)));
-    EXPECT_GT(image->capture_ns, last_ns);
-    last_ns = image->capture_ns;
-  }
-  EXPECT_GE(images, 1);
-}
-
 }  // namespace
 }  // namespace coslam

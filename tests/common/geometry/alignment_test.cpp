@@ -44,7 +44,8 @@ TEST(Alignment, RecoversASimilarity) {
 TEST(Alignment, FixedScaleKeepsTheResidual) {
   // A unit cross stretched by two: with scale 1 each of the four arms is one off.
   const Points source = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
-  const auto result = align_points(source, mapped({2, {}, {7, 0, 0}}, source), AlignmentScale::kFixed);
+  const auto result =
+      align_points(source, mapped({2, Eigen::Quaterniond::Identity(), {7, 0, 0}}, source), AlignmentScale::kFixed);
   ASSERT_TRUE(result.target_from_source);
   EXPECT_EQ(result.target_from_source->scale, 1);
   EXPECT_NEAR(result.rmse, 1, 1e-12);

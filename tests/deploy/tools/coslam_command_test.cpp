@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The program `coslam` as a user meets it: exit codes and sentences.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+
+#include "common/dataset/calibration.h"
+#include "common/dataset/result.h"
+#include "common/dataset/trajectory.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string text;  // stdout and stderr
+};
+
+Outcome coslam(const std::string& arguments) {
+  Outcome outcome;
+  FILE* pipe = popen((std::string(COSLAM_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> part{};
+  while (fgets(part.data(), part.size(), pipe) != nullptr) outcome.text += part.data();
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+class CoslamCommand : public ::testing::Test {
+ protected:
+  CoslamCommand() {
+    save_calibration(temp_ / "calib.yaml", {640, 480, 400, 400, 320, 240, DistortionModel::kNone, {}});
+    temp_.write("list.csv", "t_s,file\n0,a.png\n");
+    sequence_ = temp_
+                    .write("sequence.yaml",
+                           "name: line\nrate_hz: 10\nagents:\n"
+                           "  - {name: cam0, source: list.csv, calibration: calib.yaml, truth: truth.tum}\n")
+                    .string();
+    Trajectory trajectory;
+    for (int i = 0; i < 20; ++i) {
+      trajectory.push_back({i * 100'000'000LL, Rigid3({1, 0, 0, 0}, {0.1 * i, 0.01 * i * i, 0}).inverse()});
+    }
+    save_tum(temp_ / "truth.tum", trajectory);
+    save_tum(result_.trajectory("cam0"), trajectory);
+  }
+  std::string result() const { return result_.path().string(); }
+
+  test::TempFolder temp_;
+  ResultFolder result_{temp_ / "result"};
+  std::string sequence_;
+};
+
+TEST_F(CoslamCommand, Usage) {
+  EXPECT_EQ(coslam("--help").exit_code, 0);
+  for (const char* command : {"eval", "render", "export"}) {
+    const Outcome help = coslam(std::string(command) + " --help");
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_THAT(help.text, HasSubstr("Usage: coslam " + std::string(command)));
+  }
+  EXPECT_EQ(coslam("").exit_code, 2);
+  EXPECT_EQ(coslam("fly").exit_code, 2);
+  EXPECT_EQ(coslam("eval").exit_code, 2);
+  EXPECT_EQ(coslam("render room x --frames -1").exit_code, 2);
+}
+
+TEST_F(CoslamCommand, Eval) {
+  const Outcome outcome = coslam("eval " + result() + " " + sequence_);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("joint ATE 0.0000 m"));
+  EXPECT_TRUE(std::filesystem::exists(result_.top_view()));
+  EXPECT_LT(read_json(result_.evaluation())["ate_m"].get<double>(), 1e-6);
+  const Outcome json = coslam("eval --json " + result() + " " + sequence_);
+  EXPECT_EQ(nlohmann::json::parse(json.text)["sequence"], "line");
+}
+
+TEST_F(CoslamCommand, FailuresAreOneSentence) {
+  const Outcome no_result = coslam("eval /nowhere " + sequence_);
+  EXPECT_EQ(no_result.exit_code, 1);
+  EXPECT_EQ(no_result.text, "coslam: /nowhere: there is no such result folder\n");
+  EXPECT_EQ(coslam("eval " + result() + " /nowhere").exit_code, 1);
+  const Outcome scene = coslam("render no-such-scene " + result());
+  EXPECT_EQ(scene.exit_code, 1);
+  EXPECT_THAT(scene.text, HasSubstr("no-such-scene"));
+}
+
+TEST_F(CoslamCommand, Export) {
+  const std::string out = (temp_ / "out").string();
+  EXPECT_EQ(coslam("export " + result() + " --format kitti " + out).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(temp_ / "out/cam0.txt"));
+  const Outcome bag = coslam("export " + result() + " --format rosbag2 " + out);
+  EXPECT_EQ(bag.exit_code, 1);
+  EXPECT_THAT(bag.text, HasSubstr("rosbag2 is not available"));
+  EXPECT_EQ(coslam("export " + result() + " --format colmap " + out).exit_code, 2);  // needs --sequence
+  EXPECT_EQ(coslam("export " + result() + " --format dwg " + out).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/export/export.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "common/base/error.h"
+#include "common/dataset/calibration.h"
+#include "common/dataset/trajectory.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam::exporting {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class Export : public ::testing::Test {
+ protected:
+  Export() {
+    // Camera a at (1, 2, 3), turned by 180 degrees about z; half a second later it is at (4, 5, 6).
+    save_tum(result_.trajectory("a"), {{0, Rigid3({0, 0, 0, 1}, {1, 2, 3}).inverse()},
+                                       {500'000'000, Rigid3(Eigen::Quaterniond::Identity(), {-4, -5, -6})}});
+  }
+  test::TempFolder temp_;
+  ResultFolder result_{temp_ / "result"};
+  std::filesystem::path out_ = temp_ / "out";
+};
+
+TEST_F(Export, Trajectories) {
+  EXPECT_THAT(export_tum(result_, out_), ElementsAre(out_ / "a.tum"));
+  EXPECT_EQ(load_tum(out_ / "a.tum").size(), 2u);
+  export_euroc(result_, out_);
+  const auto euroc = lines_of(out_ / "a.csv");
+  ASSERT_EQ(euroc.size(), 3u);
+  EXPECT_THAT(euroc[1], HasSubstr("0,1.000000000,2.000000000,3.000000000,0.0000"));
+  EXPECT_THAT(euroc[2], HasSubstr("500000000,"));
+  export_kitti(result_, out_);
+  std::istringstream kitti(lines_of(out_ / "a.txt").at(0));
+  std::vector<double> m(12);
+  for (double& v : m) kitti >> v;
+  EXPECT_THAT(m, ::testing::Pointwise(::testing::DoubleNear(1e-9), {-1., 0., 0., 1., 0., -1., 0., 2., 0., 0., 1., 3.}));
+}
+
+TEST_F(Export, Ply) {
+  EXPECT_THAT(test::error_of<UserError>([&] { export_ply(result_, out_); }),
+              HasSubstr("map.ply: there is no such map"));
+  write_ply(result_.map(), {ResultPoint()});
+  EXPECT_THAT(export_ply(result_, out_), ElementsAre(out_ / "map.ply"));
+  EXPECT_EQ(lines_of(out_ / "map.ply").at(0), "ply");
+}
+
+TEST_F(Export, Colmap) {
+  const CameraModel camera{640, 480, 400, 410, 320, 240, DistortionModel::kRadTan, {0.1, 0, 0, 0}};
+  save_calibration(temp_ / "calib.yaml", camera);
+  Sequence sequence;
+  sequence.agents.push_back({"a", "", temp_ / "calib.yaml", 0, {}, {}});
+  PointWriter points(result_.points());
+  for (const std::uint32_t id : {5U, 6U}) {
+    ResultPoint point;
+    point.id = PointId(id);
+    point.position = {4, 5, 16};
+    points.write(point);
+  }
+  points.close();
+  TrackWriter tracks(result_.tracks("a"));
+  // The second image shows the points in its principal point; here the observation is one pixel further.
+  tracks.write({FrameId(0), 0, TrackId(1), {100, 200}, PointId(5), PointState::kStatic});
+  tracks.write({FrameId(0), 0, TrackId(2), {1, 2}, PointId(6), PointState::kStatic});  // seen once
+  tracks.write({FrameId(0), 0, TrackId(3), {3, 4}, PointId(7), PointState::kDynamic});
+  tracks.write({FrameId(10), 500'000'000, TrackId(1), {321, 240}, PointId(5), PointState::kStatic});
+  tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(5), PointState::kStatic});  // has no pose
+  tracks.close();
+
+  const auto files = export_colmap(result_, sequence, out_);
+  EXPECT_EQ(lines_of(files[0]).back(), "1 OPENCV 640 480 400 410 320.5 240.5 0.1 0 0 0");
+  const auto images = lines_of(files[1]);
+  ASSERT_EQ(images.size(), 6u);
+  EXPECT_THAT(images[2], HasSubstr(" 1.000000000 2.000000000 -3.000000000 1 a/000000.png"));
+  EXPECT_EQ(images[3], "100.500 200.500 5 1.500 2.500 -1 3.500 4.500 -1");
+  EXPECT_EQ(images[4],
+            "2 1.000000000 0.000000000 0.000000000 0.000000000 -4.000000000 -5.000000000 -6.000000000 1 a/000010.png");
+  EXPECT_EQ(images[5], "321.500 240.500 5");
+  const auto model_points = lines_of(files[2]);
+  ASSERT_EQ(model_points.size(), 2u);
+  EXPECT_THAT(model_points[1], HasSubstr("5 4 5 16 128 128 128 "));
+  EXPECT_THAT(model_points[1], HasSubstr(" 1 0 2 0"));
+}
+
+TEST_F(Export, SaysWhatIsMissing) {
+  const ResultFolder empty(temp_ / "empty");
+  EXPECT_THAT(test::error_of<UserError>([&] { export_tum(empty, out_); }), HasSubstr("no trajectory/<agent>.tum"));
+}
+
+}  // namespace
+}  // namespace coslam::exporting
