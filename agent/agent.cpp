@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that track
 constexpr double kSiftBorderPx = 14;
+constexpr int kShedAfterFrames = 20;
+constexpr int kShedPerFrame = 15;
 
 }  // namespace
 
@@ -27,7 +29,10 @@ Agent::Agent(std::string name, RunId run, const CameraModel& camera, const Agent
 void Agent::track(const Image& image) {
   const auto timer = times_.measure("track");
   image_ = image;
-  observe(tracker_.step(image.grey));
+  tracker_.step(image.grey);
+  // Features that an answer to a descriptor request added had time to start the map; the link is made for max_tracks.
+  if (++since_described_ > kShedAfterFrames) tracker_.thin(kShedPerFrame);
+  observe(tracker_.live());
 }
 
 void Agent::observe(const std::vector<Track>& tracks) {
@@ -79,6 +84,7 @@ void Agent::take(const MapPatch& patch) {
 std::optional<DescriptorReply> Agent::describe_image() {
   if (!descriptors_wanted_) return std::nullopt;
   descriptors_wanted_ = false;
+  since_described_ = 0;
   const DescribedFeatures features = describe(image_.grey, config_.descriptor_features, kSiftBorderPx);
   const std::vector<TrackId> ids = tracker_.add(features.raw_px, kSamePx);
   observe(tracker_.live());

@@ -184,6 +184,30 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
   return ids;
 }
 
+void Tracker::thin(int at_most) {
+  constexpr int kColumns = 10, kRows = 8;
+  auto& tracks = state_->tracks;
+  const PyramidLevel& image = state_->current.level(0);
+  std::array<std::vector<std::size_t>, kColumns * kRows> cells;  // ascending age of ids, so the newest is last
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const int x = static_cast<int>(tracks[i].raw_px.x()) * kColumns / image.cols();
+    const int y = static_cast<int>(tracks[i].raw_px.y()) * kRows / image.rows();
+    cells[static_cast<std::size_t>(std::clamp(y, 0, kRows - 1) * kColumns + std::clamp(x, 0, kColumns - 1))].push_back(i);
+  }
+  const int surplus = std::min(at_most, static_cast<int>(tracks.size()) - state_->config.max_tracks);
+  std::vector<std::size_t> gone;
+  for (int n = 0; n < surplus; ++n) {
+    auto fullest = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    gone.push_back(fullest->back());
+    fullest->pop_back();
+  }
+  std::sort(gone.rbegin(), gone.rend());
+  for (const std::size_t i : gone) {
+    tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(i));
+    state_->memories.erase(state_->memories.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
 void Tracker::reset() {
   state_->tracks.clear();
   state_->memories.clear();

@@ -49,6 +49,9 @@ class Tracker {
   // live track where one is closer than `same_px`.
   std::vector<TrackId> add(const std::vector<Eigen::Vector2f>& raw_px, float same_px);
 
+  // Ends tracks where they stand closest, newest first, until at most max_tracks are left or `at_most` were ended.
+  void thin(int at_most);
+
   // Forgets all tracks (after a gap in the images); ids go on.
   void reset();
 

@@ -21,7 +21,7 @@ struct PointObservation {
 
 struct PoseRefinementConfig {
   double sigma_px = 3.0;        // largest believed standard deviation of an observation
-  double sigma_floor_px = 0.4;  // smallest: quantisation and sub-pixel accuracy of the tracker
+  double sigma_floor_px = 0.2;  // smallest: quantisation and sub-pixel accuracy of the tracker
   int max_iterations = 15;
 };
 
