@@ -83,15 +83,15 @@ bool port_is_free(int port) {
   return free;
 }
 
-// The middleware takes the first free pair of ports. When there is none it says nothing and hears nothing.
-void require_port(int domain) {
+// The number whose pair of ports is free. When there is none the middleware would say nothing and hear nothing; and
+// left alone, it counts up within a process until peers cannot find it.
+int free_participant_id(int domain) {
   const int first = 7410 + 250 * domain;
-  const int last = std::min(first + 2 * (kPeersPerHost - 1), 65534);
-  for (int port = first; port <= last; port += 2) {
-    if (port_is_free(port) && port_is_free(port + 1)) return;
+  for (int id = 0; id < kPeersPerHost; ++id) {
+    if (port_is_free(first + 2 * id) && port_is_free(first + 2 * id + 1)) return id;
   }
   throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(first) +
-                  " to " + std::to_string(last + 1) + "): choose another domain");
+                  " to " + std::to_string(first + 2 * kPeersPerHost - 1) + "): choose another domain");
 }
 
 void require_usable(const WireConfig& c) {
@@ -104,7 +104,6 @@ void require_usable(const WireConfig& c) {
   }
   require_addresses(c);
   require_certificates(c.certificates);
-  require_port(c.domain);
 }
 
 // Participants of one process talk through the network like all others, so that tests within one process are true.
@@ -138,14 +137,18 @@ std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_byt
   return sample_bytes + (sample_bytes + room - 1) / room * kFragmentOverhead;
 }
 
-Participant::Participant(const WireConfig& config) : impl_(std::make_unique<Impl>()) {
+Participant::Participant(const WireConfig& config, const std::string& name) : impl_(std::make_unique<Impl>()) {
   require_usable(config);
   impl_->config = config;
   MiddlewareLog& log = MiddlewareLog::install();
   turn_off_intraprocess();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  impl_->participant =
-      factory->create_participant(static_cast<dds::DomainId_t>(config.domain), participant_qos(config));
+  static std::mutex choosing;  // one at a time, or two threads choose the same number
+  const std::lock_guard lock(choosing);
+  dds::DomainParticipantQos qos = participant_qos(config, name);
+  qos.wire_protocol().participant_id = free_participant_id(config.domain);
+  impl_->participant = factory->create_participant(static_cast<dds::DomainId_t>(config.domain), qos, impl_.get(),
+                                                   dds::StatusMask::none());
   if (impl_->participant == nullptr) {
     throw UserError("cannot join DDS domain " + std::to_string(config.domain) + ": " + log.last_error());
   }
@@ -153,8 +156,16 @@ Participant::Participant(const WireConfig& config) : impl_(std::make_unique<Impl
 
 Participant::~Participant() {
   if (impl_->participant == nullptr) return;
+  impl_->participant->set_listener(nullptr);
   impl_->participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(impl_->participant);
+}
+
+std::vector<std::string> Participant::others() const {
+  const std::lock_guard lock(impl_->others_mutex);
+  std::vector<std::string> names;
+  for (const auto& [guid, name] : impl_->others) names.push_back(name);
+  return names;
 }
 
 RejectionCounts& Participant::rejections() const { return impl_->rejections; }

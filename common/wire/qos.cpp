@@ -129,9 +129,9 @@ void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
 
 const Profile& profile_of(Topic topic) { return kProfiles[static_cast<std::size_t>(topic)]; }
 
-dds::DomainParticipantQos participant_qos(const WireConfig& c) {
+dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name) {
   dds::DomainParticipantQos qos;
-  qos.name(c.name.c_str());
+  qos.name(name.c_str());
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(transport_of(c));

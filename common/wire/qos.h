@@ -30,7 +30,7 @@ struct Profile {
 
 const Profile& profile_of(Topic topic);
 
-eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config);
+eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name);
 eprosima::fastdds::dds::DataWriterQos writer_qos(Topic topic, const WireConfig& config);
 eprosima::fastdds::dds::DataReaderQos reader_qos(Topic topic, const WireConfig& config);
 

@@ -12,7 +12,6 @@ namespace coslam {
 // otherwise.
 struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
-  std::string name = "coslam";          // of this process, for operators' tools
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
   std::vector<std::string> peers;       // IPv4 addresses to call: on agents, the server's
   bool multicast = true;                // find each other by multicast too

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 std::string error_of(const WireConfig& config) {
   try {
-    const Participant participant(config);
+    const Participant participant(config, "test");
   } catch (const UserError& e) {
     return e.what();
   }
