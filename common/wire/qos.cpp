@@ -56,7 +56,7 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> transport_of(const WireConfig& c
       c.certificates.empty() ? c.max_message_bytes : std::max(c.max_message_bytes, kSecureMessageBytes);
   udp4->receiveBufferSize = c.receive_buffer_bytes;
   udp4->sendBufferSize = c.send_buffer_bytes;
-  udp4->maxInitialPeersRange = kPeersPerHost;
+  udp4->maxInitialPeersRange = static_cast<std::uint32_t>(c.peer_range);
   udp4->interfaceWhiteList = c.interfaces;
   return udp4;
 }
