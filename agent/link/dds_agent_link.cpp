@@ -36,7 +36,7 @@ class DdsAgentLink : public AgentLink {
   DdsAgentLink(const WireConfig& config, const Hello& hello)
       : px_scale_(pixel_scale(hello.camera)),
         inbox_(hello.agent_run),
-        participant_(config),
+        participant_(config, "coslam-agent " + hello.agent),
         tracks_(participant_),
         patches_(participant_),
         descriptors_(participant_),

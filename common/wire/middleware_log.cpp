@@ -13,13 +13,14 @@ namespace {
 
 using eprosima::fastdds::dds::Log;
 
-struct Last {
+struct Watched {
   std::mutex mutex;
-  std::string text = "unknown reason";
+  bool on = false;
+  std::string first;
 };
 
-Last& last() {
-  static Last instance;
+Watched& watched() {
+  static Watched instance;
   return instance;
 }
 
@@ -27,10 +28,11 @@ class Consumer : public eprosima::fastdds::dds::LogConsumer {
  public:
   // Called on the thread of the middleware's log.
   void Consume(const Log::Entry& entry) override {
-    if (entry.kind != Log::Kind::Error) return;
+    if (entry.kind != Log::Kind::Error || entry.message.empty()) return;
     {
-      const std::lock_guard lock(last().mutex);
-      last().text = entry.message;
+      const std::lock_guard lock(watched().mutex);
+      if (watched().first.empty()) watched().first = entry.message;
+      if (watched().on) return;
     }
     if (limiter_.pass()) log_warn("DDS: " + entry.message);
   }
@@ -41,20 +43,32 @@ class Consumer : public eprosima::fastdds::dds::LogConsumer {
 
 }  // namespace
 
-MiddlewareLog& MiddlewareLog::install() {
-  static MiddlewareLog instance = [] {
-    last();  // outlives the consumer
+void capture_middleware_log() {
+  static const bool done = [] {
+    watched();  // outlives the consumer
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<Consumer>());
-    return MiddlewareLog();
+    return true;
   }();
-  return instance;
+  (void)done;
 }
 
-std::string MiddlewareLog::last_error() {
+ErrorWatch::ErrorWatch() {
+  const std::lock_guard lock(watched().mutex);
+  watched().on = true;
+  watched().first.clear();
+}
+
+ErrorWatch::~ErrorWatch() {
+  const std::lock_guard lock(watched().mutex);
+  watched().on = false;
+}
+
+std::string ErrorWatch::first() {
   Log::Flush();
-  const std::lock_guard lock(last().mutex);
-  return last().text;
+  const std::lock_guard lock(watched().mutex);
+  const std::string text = watched().first.substr(0, watched().first.find(" (./"));
+  return text.empty() ? "unknown reason" : text;
 }
 
 }  // namespace coslam

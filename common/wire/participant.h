@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/wire/counters.h"
 #include "common/wire/topics.h"
@@ -27,15 +28,17 @@ std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_byt
 // This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
 class Participant {
  public:
-  // Throws UserError, in one sentence: domain out of range, no such interface, certificates missing or refused, no
-  // port.
-  explicit Participant(const WireConfig& config);
+  // `name` is what other participants and operators' tools see. Throws UserError, in one sentence: domain out of
+  // range, no such interface, certificates missing or refused, no port.
+  Participant(const WireConfig& config, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
   const WireConfig& config() const;
   std::array<TopicCounts, kTopicCount> counts() const;
+  // Names of the other participants that are known now. One is known before anything it says can be heard.
+  std::vector<std::string> others() const;
   // Samples that could not be decoded are counted here; links add what they turn down later.
   RejectionCounts& rejections() const;
 
@@ -52,7 +55,8 @@ template <class Message>
 class Writer {
  public:
   explicit Writer(Participant& participant, const std::string& partition = {});
-  ~Writer();  // waits up to half a second until readers have what was written, when the topic is reliable
+  // Topics that keep the newest sample for late joiners: waits up to half a second until the readers here have it.
+  ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 

@@ -7,8 +7,10 @@
 #include <array>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <map>
 #include <mutex>
 
 #include "common/wire/participant.h"
@@ -70,7 +72,7 @@ struct Serialiser<idl::ServerStatus> {
   using type = Guarded<idl::ServerStatusPubSubType>;
 };
 
-struct Participant::Impl {
+struct Participant::Impl : dds::DomainParticipantListener {
   struct Counts {
     std::atomic<std::uint64_t> sent{0}, sent_bytes{0}, received{0}, received_bytes{0};
   };
@@ -80,6 +82,21 @@ struct Participant::Impl {
   std::array<Counts, kTopicCount> counts;
   RejectionCounts rejections;
   std::mutex topics_mutex;
+
+  std::mutex others_mutex;
+  std::map<eprosima::fastrtps::rtps::GUID_t, std::string> others;
+
+  // Takes note, on a thread of the middleware.
+  void on_participant_discovery(dds::DomainParticipant*,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
+    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+    const std::lock_guard lock(others_mutex);
+    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
+      others.erase(info.info.m_guid);
+    } else {
+      others[info.info.m_guid] = info.info.m_participantName.to_string();
+    }
+  }
 
   Counts& counts_of(coslam::Topic topic) { return counts[static_cast<std::size_t>(topic)]; }
 

@@ -56,7 +56,7 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> transport_of(const WireConfig& c
       c.certificates.empty() ? c.max_message_bytes : std::max(c.max_message_bytes, kSecureMessageBytes);
   udp4->receiveBufferSize = c.receive_buffer_bytes;
   udp4->sendBufferSize = c.send_buffer_bytes;
-  udp4->maxInitialPeersRange = kPeersPerHost;
+  udp4->maxInitialPeersRange = static_cast<std::uint32_t>(c.peer_range);
   udp4->interfaceWhiteList = c.interfaces;
   return udp4;
 }
@@ -129,9 +129,9 @@ void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
 
 const Profile& profile_of(Topic topic) { return kProfiles[static_cast<std::size_t>(topic)]; }
 
-dds::DomainParticipantQos participant_qos(const WireConfig& c) {
+dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name) {
   dds::DomainParticipantQos qos;
-  qos.name(c.name.c_str());
+  qos.name(name.c_str());
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(transport_of(c));

@@ -14,8 +14,8 @@
 // Every QoS setting of the project, with its reason. Only for the sources of this folder: the headers are heavy.
 namespace coslam {
 
-// Participants of one domain on one host that unicast peers reach; each costs an announcement in every period.
-constexpr int kPeersPerHost = 32;
+// Participants of one domain on one host: what callers on the loopback device reach.
+constexpr int kMostPerHost = 32;
 
 // What the topics differ in.
 struct Profile {
@@ -30,7 +30,7 @@ struct Profile {
 
 const Profile& profile_of(Topic topic);
 
-eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config);
+eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name);
 eprosima::fastdds::dds::DataWriterQos writer_qos(Topic topic, const WireConfig& config);
 eprosima::fastdds::dds::DataReaderQos reader_qos(Topic topic, const WireConfig& config);
 

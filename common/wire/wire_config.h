@@ -12,9 +12,9 @@ namespace coslam {
 // otherwise.
 struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
-  std::string name = "coslam";          // of this process, for operators' tools
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
   std::vector<std::string> peers;       // IPv4 addresses to call: on agents, the server's
+  int peer_range = 4;                   // participants on each peer that are called; every announcement goes to all
   bool multicast = true;                // find each other by multicast too
   std::string certificates;  // directory with ca.pem, cert.pem, key.pem, governance.p7s, permissions.p7s of this
                              // process; empty = no security

@@ -25,20 +25,23 @@ constexpr std::size_t kQueueCapacity = 256;  // 0.7 s of twelve agents at 30 Hz
 
 milliseconds in_ms(double seconds) { return milliseconds(std::lround(1000 * seconds)); }
 
-// Long enough to hear of a server that was here before: a newcomer says nothing until then. Differs between servers
-// that start together, so that one of them speaks first.
-milliseconds settling_time(const WireConfig& config, RunId run) {
-  return in_ms(1.2 * config.announce_s) + milliseconds(run.value % 128);
+constexpr const char* kName = "coslam-server";
+
+// How long a new server says nothing, to hear of one that was here before. That there is another one is known soon;
+// what it says, and whether it just starts too, may take longer. The time differs between servers that start together,
+// so that one of them speaks first.
+milliseconds settling_time(const WireConfig& config, RunId run, bool alone) {
+  return alone ? in_ms(1.2 * config.announce_s) : in_ms(5 * config.announce_s) + milliseconds(run.value % 1024);
 }
 
 class DdsServerLink : public ServerLink {
  public:
   DdsServerLink(const WireConfig& config, RunId server_run)
       : server_run_(server_run),
-        settled_at_(Clock::now() + settling_time(config, server_run)),
-        next_heartbeat_(settled_at_),
+        opened_at_(Clock::now()),
+        next_heartbeat_(opened_at_),
         heartbeat_(in_ms(config.silent_after_s / 4)),
-        participant_(config),
+        participant_(config, kName),
         sessions_(in_ms(2 * config.silent_after_s), participant_.rejections()),
         events_(kQueueCapacity, QueuePolicy::kDropOldest,
                 [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
@@ -153,10 +156,15 @@ class DdsServerLink : public ServerLink {
     }
   }
 
+  bool may_settle(Instant now) const {
+    const bool alone = std::ranges::count(participant_.others(), kName) == 0;
+    return !events_.closed() && now - opened_at_ >= settling_time(participant_.config(), server_run_, alone);
+  }
+
   void tick() {
     const std::lock_guard lock(mutex_);
     const Instant now = Clock::now();
-    if (!settled_ && now >= settled_at_ && !events_.closed()) {
+    if (!settled_ && may_settle(now)) {
       settled_ = true;
       publish_status();
     }
@@ -198,7 +206,7 @@ class DdsServerLink : public ServerLink {
   }
 
   const RunId server_run_;
-  const Instant settled_at_;
+  const Instant opened_at_;
   Instant next_heartbeat_;
   const milliseconds heartbeat_;
   Participant participant_;

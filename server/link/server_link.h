@@ -54,7 +54,8 @@ class ServerLink {
   virtual ~ServerLink() = default;
 
   // The next event, waiting up to `timeout`; empty when there is none. Only what was checked and admitted gets here.
-  // Throws UserError, in the first second only, when another map server is at work in the same domain.
+  // Throws UserError, before any event, when another map server is at work in the same domain: a new server says
+  // nothing for 0.6 s, and for 2.5 to 3.5 s when it knows of another one that may just be starting too.
   virtual std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) = 0;
 
   // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.

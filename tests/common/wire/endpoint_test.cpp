@@ -36,7 +36,7 @@ template <class Message>
 class Listener {
  public:
   explicit Listener(int domain, const std::string& partition = {})
-      : participant_(loopback_config(domain)), loop_(participant_, "listener", 50ms, [] {}) {
+      : participant_(loopback_config(domain), "listener"), loop_(participant_, "listener", 50ms, [] {}) {
     loop_.read<Message>(
         [this](const Message& m, const Sample& s) {
           samples.add(m);
@@ -79,7 +79,7 @@ idl::Hello hello_of(int i) {
 
 TEST(Endpoint, LateJoinerGetsTheHello) {
   const TestDomain domain;
-  Participant agent(loopback_config(domain.number()));
+  Participant agent(loopback_config(domain.number()), "test");
   Writer<idl::Hello> writer(agent);
   EXPECT_GT(writer.write(hello_of(0)), 0u);
   Listener<idl::Hello> late(domain.number());
@@ -90,7 +90,7 @@ TEST(Endpoint, LateJoinerGetsTheHello) {
 TEST(Endpoint, TwelveAgentsAreAllVisible) {
   const TestDomain domain;
   Listener<idl::Hello> server(domain.number());
-  Participant agents(loopback_config(domain.number()));
+  Participant agents(loopback_config(domain.number()), "test");
   std::vector<std::unique_ptr<Writer<idl::Hello>>> writers;
   for (int i = 0; i < 12; ++i) {
     writers.push_back(std::make_unique<Writer<idl::Hello>>(agents));
@@ -106,7 +106,7 @@ TEST(Endpoint, TwelveAgentsAreAllVisible) {
 TEST(Endpoint, OneWriterServesManyKeys) {
   const TestDomain domain;
   Listener<idl::Hello> server(domain.number());
-  Participant agent(loopback_config(domain.number()));
+  Participant agent(loopback_config(domain.number()), "test");
   Writer<idl::Hello> writer(agent);
   wait_matched(writer);
   for (int i = 0; i < 30; ++i) EXPECT_GT(writer.write(hello_of(i)), 0u) << "key " << i;
@@ -118,7 +118,7 @@ TEST(Endpoint, MapPatchesArriveInOrderWithoutGaps) {
   constexpr std::uint32_t kWindow = 128;  // half the history, which keeps the newest 256
   const TestDomain domain;
   Listener<idl::MapPatch> agent(domain.number(), "run-1");
-  Participant server(loopback_config(domain.number()));
+  Participant server(loopback_config(domain.number()), "test");
   Writer<idl::MapPatch> writer(server, "run-1");
   wait_matched(writer);
   WireValues values(3);
@@ -137,7 +137,7 @@ TEST(Endpoint, PartitionsKeepPatchesApart) {
   const TestDomain domain;
   Listener<idl::MapPatch> one(domain.number(), "run-1");
   Listener<idl::MapPatch> two(domain.number(), "run-2");
-  Participant server(loopback_config(domain.number()));
+  Participant server(loopback_config(domain.number()), "test");
   Writer<idl::MapPatch> to_one(server, "run-1"), to_two(server, "run-2");
   wait_matched(to_one);
   wait_matched(to_two);
@@ -155,7 +155,7 @@ TEST(Endpoint, PartitionsKeepPatchesApart) {
 TEST(Endpoint, ValuesAreTheSameAfterTheNetwork) {
   const TestDomain domain;
   Listener<idl::DescriptorReply> server(domain.number());
-  Participant agent(loopback_config(domain.number()));
+  Participant agent(loopback_config(domain.number()), "test");
   Writer<idl::DescriptorReply> writer(agent);
   wait_matched(writer);
   WireValues values(5);
@@ -170,7 +170,7 @@ TEST(Endpoint, ValuesAreTheSameAfterTheNetwork) {
 TEST(Endpoint, BothEndsCountTheSameBytes) {
   const TestDomain domain;
   Listener<idl::AgentStatus> server(domain.number());
-  Participant agent(loopback_config(domain.number()));
+  Participant agent(loopback_config(domain.number()), "test");
   Writer<idl::AgentStatus> writer(agent);
   const idl::AgentStatus status = encode(WireValues(6).agent_status("cam0", RunId(1)));
   const std::uint64_t bytes = writer.write(status);
@@ -185,7 +185,7 @@ TEST(Endpoint, BothEndsCountTheSameBytes) {
 TEST(Endpoint, SilenceAndReturnAreNoticedPerWriter) {
   const TestDomain domain;
   Listener<idl::Hello> server(domain.number());
-  Participant lively(loopback_config(domain.number())), quiet(loopback_config(domain.number()));
+  Participant lively(loopback_config(domain.number()), "lively"), quiet(loopback_config(domain.number()), "quiet");
   Writer<idl::Hello> talker(lively), sleeper(quiet);
   talker.write(hello_of(0));
   sleeper.write(hello_of(1));
@@ -217,7 +217,7 @@ TEST(Endpoint, SilenceAndReturnAreNoticedPerWriter) {
 TEST(Endpoint, EndIsNoticedAfterTheLastSample) {
   const TestDomain domain;
   Listener<idl::AgentStatus> server(domain.number());
-  Participant agent(loopback_config(domain.number()));
+  Participant agent(loopback_config(domain.number()), "test");
   {
     Writer<idl::AgentStatus> writer(agent);
     wait_matched(writer);
@@ -232,7 +232,7 @@ TEST(Endpoint, PacedTopicsArriveWhole) {
   WireConfig paced = loopback_config(domain.number());
   paced.bulk_bytes_per_s = 2'000'000;
   Listener<idl::PatchReply> server(domain.number());
-  Participant agent(paced);
+  Participant agent(paced, "test");
   Writer<idl::PatchReply> writer(agent);
   wait_matched(writer);
   WireValues values(8);

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 std::string error_of(const WireConfig& config) {
   try {
-    const Participant participant(config);
+    const Participant participant(config, "test");
   } catch (const UserError& e) {
     return e.what();
   }
@@ -76,11 +76,11 @@ TEST(Participant, MissingCertificateIsNamed) {
 }
 
 TEST(LinkBytes, CountsTheHeadersOfEveryDatagram) {
-  EXPECT_EQ(link_bytes(100, 1400), 200u);
-  EXPECT_EQ(link_bytes(1300, 1400), 1400u) << "one full datagram";
-  EXPECT_EQ(link_bytes(1301, 1400), 1301u + 2 * 112);
-  EXPECT_EQ(link_bytes(1751, 1400), 1751u + 2 * 112) << "a frame of 300 tracks";
-  EXPECT_EQ(link_bytes(1751, 65000), 1851u);
+  EXPECT_EQ(link_bytes(100, 1400), 260u);
+  EXPECT_EQ(link_bytes(1224, 1400), 1384u) << "one full datagram";
+  EXPECT_EQ(link_bytes(1225, 1400), 1225u + 2 * 172);
+  EXPECT_EQ(link_bytes(1751, 1400), 1751u + 2 * 172) << "a frame of 300 tracks";
+  EXPECT_EQ(link_bytes(1751, 65000), 1911u);
 }
 
 }  // namespace

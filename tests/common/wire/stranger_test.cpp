@@ -61,14 +61,15 @@ class Forger : public dds::TopicDataType {
 TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
   const test::TestDomain domain;
   const WireConfig config = loopback_config(domain.number());
-  Participant server(config);
+  Participant server(config, "test");
   test::Collector<idl::TrackFrame> received;
   Loop loop(server, "server", std::chrono::milliseconds(50), [] {});
   loop.read<idl::TrackFrame>([&](const idl::TrackFrame& m, const Sample&) { received.add(m); });
   loop.start();
 
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  auto* stranger = factory->create_participant(static_cast<std::uint32_t>(domain.number()), participant_qos(config));
+  auto* stranger =
+      factory->create_participant(static_cast<std::uint32_t>(domain.number()), participant_qos(config, "stranger"));
   const dds::TypeSupport type(new Forger());
   type.register_type(stranger);
   dds::Topic* topic = stranger->create_topic(name_of(Topic::kTracks), type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
