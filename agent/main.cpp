@@ -98,7 +98,6 @@ void run(Options& o) {
   o.play.calibration = o.calibration;
   std::unique_ptr<ImageSource> source = open_source(o.source, o.play);
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
-  o.wire.name = o.id;
   const std::unique_ptr<AgentLink> link = open_agent_link(o.wire, hello);
   TimeNs start_utc_ns = 0;
   if (!source->live()) {

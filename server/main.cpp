@@ -76,7 +76,6 @@ int main_of(int argc, char** argv) {
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
   if (domain) o.wire.domain = *domain;
-  o.wire.name = "coslam-server";
 
   const RunId run = draw_run_id();
   const auto link = open_server_link(o.wire, run);
