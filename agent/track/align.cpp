@@ -19,7 +19,8 @@ constexpr float kFurthest_px = 8.0f;    // from the start, in pixels of the leve
 constexpr float kLeastGain = 0.2f;
 // With noise of 2 grey levels the standard deviation of the position is 2 / sqrt(16) = 0.5 px.
 constexpr double kLeastTexture = 16.0;
-constexpr int kGuessLevel = 3;  // a window spans 128 px of level 0
+constexpr int kGuessLevel = 2;       // a window spans 64 px of level 0
+constexpr float kAlike_zncc = 0.8f;  // less than about 10 px off
 
 // Moves at_px, pixels of the level, to where the template is found. False when the search runs away.
 bool align_level(const WindowTemplate& window, const PyramidLevel& level, bool fine, Eigen::Vector2f& at_px) {
@@ -60,20 +61,21 @@ Alignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyram
   return result;
 }
 
-Eigen::Vector2f best_guess(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
-                           std::span<const Eigen::Vector2f> guesses_px) {
+Guess best_guess(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
+                 std::span<const Eigen::Vector2f> guesses_px) {
   const int l = std::min(kGuessLevel, from.levels() - 1);
   const float scale = 1.0f / static_cast<float>(1 << l);
-  if (!window_readable(from.level(l), from_px * scale)) return guesses_px[0];
+  Guess best = {guesses_px[0], from.levels() - 1};
+  if (!window_readable(from.level(l), from_px * scale)) return best;
   WindowTemplate window;
   cut_template(from.level(l), from_px * scale, window);
   float best_zncc = -2.0f;
-  Eigen::Vector2f best = guesses_px[0];
   for (const Eigen::Vector2f& guess : guesses_px) {
     if (!window_readable(to.level(l), guess * scale)) continue;
     const float zncc = window_zncc(to.level(l), guess * scale, window);
-    if (zncc > best_zncc) best_zncc = zncc, best = guess;
+    if (zncc > best_zncc) best_zncc = zncc, best.px = guess;
   }
+  if (best_zncc > kAlike_zncc) best.top = std::max(0, l - 1);
   return best;
 }
 

@@ -22,8 +22,13 @@ struct Alignment {
 Alignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
                 int top);
 
-// The guess whose surroundings in `to`, seen at a coarse level, look most like those of from_px in `from`.
-Eigen::Vector2f best_guess(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
-                           std::span<const Eigen::Vector2f> guesses_px);
+// Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in `from`,
+// and the level to start from: where they look alike, coarser ones have nothing to add.
+struct Guess {
+  Eigen::Vector2f px = Eigen::Vector2f::Zero();
+  int top = 0;
+};
+Guess best_guess(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
+                 std::span<const Eigen::Vector2f> guesses_px);
 
 }  // namespace coslam

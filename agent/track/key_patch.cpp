@@ -13,8 +13,8 @@ namespace {
 using Vector7f = KeyPatch::Vector7f;
 
 constexpr int kIterations = 3;
-constexpr float kConverged_px = 0.01f;
-constexpr float kFurthest_px = 4.0f;  // from the guess
+constexpr float kConverged_px = 0.03f;  // of the last step; what it leaves is far less
+constexpr float kFurthest_px = 4.0f;    // from the guess
 constexpr float kLeastGain = 0.1f;
 constexpr float kWidestScale = 1.4f;  // beyond, the next coarser level is sampled, else pixels would be skipped
 // Expected change of the warp from image to image, and of grey values that the model does not explain.

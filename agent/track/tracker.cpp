@@ -91,7 +91,8 @@ std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
     // A turn of the camera changes all motions alike; parallax stays with the track.
     const Eigen::Vector2f at = tracks[i].raw_px, motion = memories[i].motion_px;
     const std::array<Eigen::Vector2f, 3> guesses = {at + motion, at + motion + change, at + shift};
-    matches.push_back(match(tracks[i], best_guess(previous, at, current, guesses), current.levels() - 1));
+    const Guess guess = best_guess(previous, at, current, guesses);
+    matches.push_back(match(tracks[i], guess.px, guess.top));
     if (matches.back()) field.add(at, *matches.back() - at);
   }
   for (std::size_t i = 0; i < tracks.size() && !field.empty(); ++i) {

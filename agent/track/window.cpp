@@ -21,7 +21,9 @@ struct FirstSample {
 };
 
 FirstSample first_sample(const PyramidLevel& level, float x, float y) {
-  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
+  // Rounds down without a call: truncation does for what is above -kMargin.
+  constexpr int kMargin = PyramidLevel::kMargin;
+  const int ix = static_cast<int>(x + kMargin) - kMargin, iy = static_cast<int>(y + kMargin) - kMargin;
   const float a = x - static_cast<float>(ix), b = y - static_cast<float>(iy);
   const auto weight = [](float w) { return static_cast<int>(w * kWeightSum + 0.5f); };
   const int w01 = weight(a * (1 - b)), w10 = weight((1 - a) * b);
@@ -44,6 +46,12 @@ inline void sample(const FirstSample& first, std::ptrdiff_t stride, std::int16_t
   }
 }
 
+// Central difference of samples, over two pixels, in template units.
+inline std::int16_t difference(std::int16_t after, std::int16_t before) {
+  const auto d = static_cast<std::int16_t>(after - before);  // fits: narrow before the shift, to stay in 16-bit lanes
+  return static_cast<std::int16_t>(d >> (kTemplateShift + 1));
+}
+
 void sample_window(const PyramidLevel& level, const Eigen::Vector2f& centre_px, Samples& out) {
   const FirstSample first = first_sample(level, centre_px.x() - kWindowHalf_px, centre_px.y() - kWindowHalf_px);
   sample<kWindowSide, kWindowSide>(first, level.stride(), out.data());
@@ -64,7 +72,8 @@ void prepare(WindowTemplate& w) {
   if (w.squares <= 0) return;
   const Eigen::Vector2d g = products.topRightCorner<2, 1>();
   const Eigen::Matrix2d tensor = products.topLeftCorner<2, 2>() - g * g.transpose() / w.squares;
-  const double spread = std::hypot(0.5 * (tensor(0, 0) - tensor(1, 1)), tensor(0, 1));
+  const double spread =
+      std::sqrt(0.25 * (tensor(0, 0) - tensor(1, 1)) * (tensor(0, 0) - tensor(1, 1)) + tensor(0, 1) * tensor(0, 1));
   w.min_eigenvalue = (0.5 * tensor.trace() - spread) / (kTemplateUnit * kTemplateUnit);
   if (w.min_eigenvalue > 0) w.inverse = products.inverse();
 }
@@ -83,7 +92,6 @@ void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, W
   alignas(64) std::array<std::int16_t, kTemplateCols * kTemplateRows> samples;
   const FirstSample first = first_sample(level, centre_px.x() - kWindowHalf_px - 1, centre_px.y() - kWindowHalf_px - 1);
   sample<kTemplateCols, kTemplateRows>(first, level.stride(), samples.data());
-  constexpr int kDifferenceShift = kTemplateShift + 1;  // central differences span two pixels
   for (int r = 0; r < kWindowSide; ++r) {
     const std::int16_t* row = samples.data() + (r + 1) * kTemplateCols + 1;
     std::int16_t* grey = window.grey.data() + r * kWindowSide;
@@ -91,8 +99,8 @@ void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, W
     std::int16_t* dy = window.dy.data() + r * kWindowSide;
     for (int c = 0; c < kWindowSide; ++c) {
       grey[c] = static_cast<std::int16_t>(row[c] >> kTemplateShift);
-      dx[c] = static_cast<std::int16_t>((row[c + 1] - row[c - 1]) >> kDifferenceShift);
-      dy[c] = static_cast<std::int16_t>((row[c + kTemplateCols] - row[c - kTemplateCols]) >> kDifferenceShift);
+      dx[c] = difference(row[c + 1], row[c - 1]);
+      dy[c] = difference(row[c + kTemplateCols], row[c - kTemplateCols]);
     }
   }
   prepare(window);

@@ -102,7 +102,9 @@ TEST(Align, BestGuessIsTheOneThatLooksAlike) {
   const Pyramid to = pyramid_of(test::render(texture, shifted(45, -30), kImage));
   const Eigen::Vector2f at(150, 120), right = at + Eigen::Vector2f(43, -31);
   const std::array<Eigen::Vector2f, 3> guesses = {at, right, at - Eigen::Vector2f(40, 40)};
-  EXPECT_EQ(best_guess(from, at, to, guesses), right);
+  const Guess guess = best_guess(from, at, to, guesses);
+  EXPECT_EQ(guess.px, right);
+  EXPECT_LT(guess.top, 4);
 }
 
 }  // namespace
