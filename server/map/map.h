@@ -102,8 +102,8 @@ struct MapPoint {
   std::vector<BoundTrack> bound;                 // live tracks
   std::vector<PointPatch> patches;               // from different directions, few
   std::vector<std::uint8_t> descriptor;
-  std::uint32_t views = 0;                        // observations that were gated in, all frames
-  std::array<Eigen::Vector3d, 4> updated_from{};  // per camera (index modulo 4): ray at the last Kalman update
+  std::uint32_t views = 0;                    // observations that were gated in, all frames
+  std::vector<Eigen::Vector3d> updated_from;  // by camera, as far as needed: ray at the last Kalman update or 0
   std::uint8_t grey = 128;
 };
 
