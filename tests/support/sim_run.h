@@ -75,6 +75,9 @@ class SimRun {
   Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].path(to_seconds(t_ns)); }
   // World point behind a map point; -1 when no track of the present runs tells.
   int world_point(const MapPoint& point) const;
+  // Of every point of the largest map whose world point is known, in the map's own frame: the similarity between the
+  // two is that of the points themselves, so that the map's free frame and scale do not count as their error.
+  std::vector<double> point_nees() const;
   // empty: all cameras.
   PathError path_error(std::optional<CameraId> only = std::nullopt) const;
 
