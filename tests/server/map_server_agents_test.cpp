@@ -104,6 +104,20 @@ TEST_F(Agents, ThatRestartArePlacedInTheSameMap) {
   expect_good();
 }
 
+TEST_F(Agents, FollowAServerThatRestarts) {
+  add(2);
+  run_.step(60);
+  run_.restart_server();
+  EXPECT_TRUE(run_.map().points().empty());
+  run_.step(3);
+  EXPECT_EQ(run_.agent(cam(0)).local_map().server_run(), run_.server().run());
+  run_.step(30);
+  EXPECT_TRUE(tracked(run_, 0));
+  EXPECT_TRUE(tracked(run_, 1));
+  run_.step(60);
+  expect_good();
+}
+
 TEST_F(Agents, AdmittedTwiceAreTheSame) {
   add(2);
   const Hello hello = run_.agent(cam(1)).tracker().hello();
@@ -151,18 +165,21 @@ TEST_F(Agents, ShortBlindnessCostsNoPlacing) {
   EXPECT_EQ(run_.server().counts().events.at("placed"), placed);
 }
 
+// Looks to one side of the room until `turn_s`, then turns to the middle.
+test::CameraPath aside(double side, double turn_s) {
+  return [=](double t_s) {
+    const double turned = std::min(1.0, std::max(0.0, (t_s - turn_s) / 2));
+    const Eigen::Vector3d center_m(side * 0.9 + 0.6 * std::sin(1.3 * t_s + side), 0.15 * std::sin(2 * t_s),
+                                   0.2 * std::sin(t_s));
+    return test::looking(center_m, side * (1 - turned) * 0.9);
+  };
+}
+
 TEST(AgentsApart, MapsOfTheirOwnBecomeOne) {
   const SimWorld world({.points = 900});
   SimRun run(world, {});
-  // The one begins in the left part of the room, the other in the right; from 2 s on they turn to the middle.
-  for (const double side : {-1.0, 1.0}) {
-    run.add_agent([side](double t_s) {
-      const double turned = std::min(1.0, std::max(0.0, (t_s - 2) / 2));
-      const double yaw_rad = side * (1 - turned) * 0.9;
-      return test::looking(
-          {side * 0.9 + 0.6 * std::sin(1.3 * t_s + side), 0.15 * std::sin(2 * t_s), 0.2 * std::sin(t_s)}, yaw_rad);
-    });
-  }
+  run.add_agent(aside(-1, 2));
+  run.add_agent(aside(1, 2));
   run.step(60);
   const MapId left = run.map().camera(cam(0)).map, right = run.map().camera(cam(1)).map;
   ASSERT_NE(left, MapId());
@@ -176,6 +193,32 @@ TEST(AgentsApart, MapsOfTheirOwnBecomeOne) {
   const test::PathError error = run.path_error();
   EXPECT_GE(error.frames, 0.95 * error.all_frames) << "and their past with them";
   EXPECT_LT(error.ate, 0.015 * error.path_m);
+}
+
+// Two cameras with a known baseline; a third in a map of its own, which has no scale, is the older one and the larger.
+TEST(AgentsApart, MetresStayMetres) {
+  const SimWorld world({.points = 900});
+  const std::vector<test::CameraPath> paths{aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)};
+  constexpr TimeNs kJoinNs = 140 * test::kPeriodNs;
+  const double baseline_m = (paths[0](to_seconds(kJoinNs)).center() - paths[1](to_seconds(kJoinNs)).center()).norm();
+  SimRun run(world, {.baseline_m = baseline_m});
+  for (const auto& path : paths) run.add_agent(path);
+  run.stall(cam(0));
+  run.stall(cam(1));
+  run.step(140);
+  run.resume(cam(0));
+  run.resume(cam(1));
+  run.step(30);
+  ASSERT_NE(run.map().camera(cam(2)).map, run.map().camera(cam(0)).map);
+  EXPECT_TRUE(run.last_patches()[0].scale_known);
+  EXPECT_FALSE(run.last_patches()[2].scale_known) << "its map has a scale of its own";
+  EXPECT_EQ(run.server().largest_map(), run.map().camera(cam(2)).map);
+  EXPECT_FALSE(run.server().scale_known());
+  run.step(120);
+  ASSERT_EQ(run.server().counts().merges, 1);
+  EXPECT_TRUE(run.last_patches()[2].scale_known);
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
 }
 
 }  // namespace

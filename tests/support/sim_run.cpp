@@ -55,7 +55,7 @@ CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
 }
 
 SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
-    : world_(world), tracking_(tracking), server_(RunId(7), server) {}
+    : world_(world), tracking_(tracking), server_config_(server), server_(RunId(7), server) {}
 
 CameraId SimRun::add_agent(const CameraPath& path) {
   Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size())};
@@ -79,6 +79,12 @@ void SimRun::restart(CameraId camera) {
   s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run);
   s.running = true;
   server_.admit(s.agent->tracker().hello());
+}
+
+void SimRun::restart_server() {
+  server_ = MapServer(RunId(server_.run().value + 1), server_config_);
+  job_.reset();
+  for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());
 }
 
 void SimRun::step(int sets) {

@@ -65,6 +65,7 @@ class SimRun {
   void stall(CameraId camera);  // no frames until it is started again; nobody is told
   void resume(CameraId camera);
   void restart(CameraId camera);  // as another run of the same name
+  void restart_server();          // another process, with an empty map; the agents go on
   void step(int sets = 1);
 
   MapServer& server() { return server_; }
@@ -93,6 +94,7 @@ class SimRun {
 
   const SimWorld& world_;
   TrackingConfig tracking_;
+  MapServerConfig server_config_;
   MapServer server_;
   std::vector<Slot> slots_;
   std::uint32_t next_set_ = 0;
