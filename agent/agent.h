@@ -67,7 +67,7 @@ class Agent {
   std::vector<TrackObservation> observations_;
   std::set<TrackId> patch_requests_;
   bool descriptors_wanted_ = true;  // the first image introduces the agent
-  int since_described_ = 0;                     // images
+  int since_described_ = 0;         // images
   StageTimes times_;
   std::uint32_t tracked_frames_ = 0;
 };

@@ -77,7 +77,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const auto t = times_.measure("cull");
     count("culled", cull(map_, set, config_.cull).removed);
   }
-  set_scale(set);
+  set_scale();
   {
     const auto t = times_.measure("key_frame");
     plan_refinement(decide_key_frame(map_, set, config_.key_frame));
@@ -90,7 +90,7 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, bool wants_d
   std::vector<MapPatch> patches;
   for (const CameraFrame& cf : set.frames) {
     patches.push_back(writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame, wants_descriptors));
-    patches.back().scale_known = scale_known_;
+    patches.back().scale_known = scaled_map_ != MapId() && map_.camera(cf.camera).map == scaled_map_;
     for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
       const auto& members = graph_.groups[g];
       if (std::find(members.begin(), members.end(), cf.camera) != members.end()) {
@@ -154,21 +154,22 @@ void MapServer::apply_refined() {
   in_flight_ = false;
 }
 
-void MapServer::set_scale(const FrameSet& set) {
-  if (scale_known_ || config_.baseline_m <= 0 || map_.cameras().size() < 2) return;
+// The first instant at which the first two cameras have a pose in the same map tells its scale; again when that map
+// became part of another, whose scale is its own.
+void MapServer::set_scale() {
+  if (config_.baseline_m <= 0 || map_.cameras().size() < 2) return;
   const MapCamera &a = map_.cameras()[0], &b = map_.cameras()[1];
-  if (a.map == MapId() || a.map != b.map) return;
-  // The first instant at which both have a pose in the same map.
+  if (scaled_map_ != MapId() && a.frame_at(scaled_at_)->map == scaled_map_) return;
   for (const FramePose& fa : a.frames) {
     const FramePose* fb = b.frame_at(fa.set);
-    if (fa.map != a.map || fb == nullptr || fb->map != a.map) continue;
+    if (!fa.valid() || fb == nullptr || fb->map != fa.map) continue;
     const double length = (fa.cam_from_world.center() - fb->cam_from_world.center()).norm();
     if (length <= 0) return;
-    map_.transform(a.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
-    scale_known_ = true;
-    break;
+    scaled_map_ = fa.map;
+    scaled_at_ = fa.set;
+    map_.transform(fa.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
+    return;
   }
-  (void)set;
 }
 
 void MapServer::finish() {

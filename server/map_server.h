@@ -73,13 +73,14 @@ class MapServer {
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;
-  bool scale_known() const { return scale_known_; }
+  // Whether the lengths of that map are metres.
+  bool scale_known() const { return scaled_map_ != MapId() && scaled_map_ == largest_map(); }
   RunId run() const { return run_; }
 
  private:
   void apply_refined();
   void plan_refinement(bool key_frame);
-  void set_scale(const FrameSet& set);
+  void set_scale();
   std::vector<MapPatch> write_patches(const FrameSet& set, bool wants_descriptors);
   void count(const char* event, long n) { counts_.events[event] += n; }
 
@@ -92,7 +93,8 @@ class MapServer {
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
   bool refine_whole_ = false;  // after a merge
-  bool scale_known_ = false;
+  MapId scaled_map_;           // the one in metres; 0 = none
+  SetId scaled_at_;            // the instant of the known baseline
   MapServerCounts counts_;
   StageTimes times_;
 };

@@ -22,8 +22,8 @@ struct Alignment {
 Alignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
                 int top);
 
-// Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in `from`,
-// and the level to start from: where they look alike, coarser ones have nothing to add.
+// Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in
+// `from`, and the level to start from: where they look alike, coarser ones have nothing to add.
 struct Guess {
   Eigen::Vector2f px = Eigen::Vector2f::Zero();
   int top = 0;

@@ -9,8 +9,9 @@
 
 namespace coslam {
 
-// Smaller eigenvalue of the structure tensor, in (grey levels / pixel)^2, for a part of an image. The tensor is averaged
-// under a bell of 7 x 7 pixels: a box would make plateaus of ideal corners. Buffers are kept from call to call.
+// Smaller eigenvalue of the structure tensor, in (grey levels / pixel)^2, for a part of an image. The tensor is
+// averaged under a bell of 7 x 7 pixels: a box would make plateaus of ideal corners. Buffers are kept from call to
+// call.
 class CornerScore {
  public:
   // For the pixels [x0, x0 + cols) x [y0, y0 + rows), which may hang a little over the image into its margin.

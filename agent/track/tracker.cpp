@@ -193,12 +193,14 @@ void Tracker::thin(int at_most) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const int x = static_cast<int>(tracks[i].raw_px.x()) * kColumns / image.cols();
     const int y = static_cast<int>(tracks[i].raw_px.y()) * kRows / image.rows();
-    cells[static_cast<std::size_t>(std::clamp(y, 0, kRows - 1) * kColumns + std::clamp(x, 0, kColumns - 1))].push_back(i);
+    cells[static_cast<std::size_t>(std::clamp(y, 0, kRows - 1) * kColumns + std::clamp(x, 0, kColumns - 1))].push_back(
+        i);
   }
   const int surplus = std::min(at_most, static_cast<int>(tracks.size()) - state_->config.max_tracks);
   std::vector<std::size_t> gone;
   for (int n = 0; n < surplus; ++n) {
-    auto fullest = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    auto fullest =
+        std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
     gone.push_back(fullest->back());
     fullest->pop_back();
   }

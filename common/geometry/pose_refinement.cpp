@@ -35,7 +35,8 @@ Residual residual_of(const CameraModel& camera, const PointObservation& o, const
   out.j.rightCols<3>() = p;
   const Eigen::Matrix<double, 2, 3> jp = p * r;
   out.point_part = jp * o.point_covariance * jp.transpose();
-  // A point known worse than this in the image says nothing, and its covariance may be past the precision of its numbers.
+  // A point known worse than this in the image says nothing, and its covariance may be past the precision of its
+  // numbers.
   constexpr double kUselessPx2 = 1e4;
   out.valid = out.point_part.diagonal().minCoeff() >= 0 && out.point_part.trace() < kUselessPx2;
   return out;

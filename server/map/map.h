@@ -102,8 +102,8 @@ struct MapPoint {
   std::vector<BoundTrack> bound;                 // live tracks
   std::vector<PointPatch> patches;               // from different directions, few
   std::vector<std::uint8_t> descriptor;
-  std::uint32_t views = 0;                        // observations that were gated in, all frames
-  std::array<Eigen::Vector3d, 4> updated_from{};  // per camera (index modulo 4): ray at the last Kalman update
+  std::uint32_t views = 0;                    // observations that were gated in, all frames
+  std::vector<Eigen::Vector3d> updated_from;  // by camera, as far as needed: ray at the last Kalman update or 0
   std::uint8_t grey = 128;
 };
 
@@ -126,10 +126,11 @@ struct FrameSet {
 };
 
 struct MapConfig {
-  double sigma_px = 3.0;    // largest believed noise of detection and tracking, at 640 px image width
-  double theta = 2.0;       // Mahalanobis gate
-  // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its drift on
-  // the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md (NEES).
+  double sigma_px = 3.0;  // largest believed noise of detection and tracking, at 640 px image width
+  double theta = 2.0;     // Mahalanobis gate
+  // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its
+  // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md
+  // (NEES).
   double covariance_sigma_factor = 3.5;
   int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
 };
@@ -175,12 +176,15 @@ class Map {
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
   double gate_sigma_px(const MapCamera& camera) const;
 
-  // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since the
-  // views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
+  // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
+  // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
   Eigen::Matrix3d covariance_of(const MapPoint& point) const;
   // The same for a point about to be made at this position from tracks of these cameras.
-  Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position, const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
-  double covariance_sigma_px(const MapCamera& camera) const { return config_.covariance_sigma_factor * camera.sigma_px; }
+  Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position,
+                                const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
+  double covariance_sigma_px(const MapCamera& camera) const {
+    return config_.covariance_sigma_factor * camera.sigma_px;
+  }
 
   // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends
   // kept.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/solve/two_view.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -45,6 +47,21 @@ Rigid3 to_motion(const cv::Mat& r, const cv::Mat& t) {
   return {Eigen::Quaterniond(rotation).normalized(), translation.normalized()};
 }
 
+// Matches that the rotation nearest to a homography explains alone.
+int explained_by_turn(const cv::Mat& homography, const Points& pa, const Points& pb, double threshold) {
+  Eigen::Matrix3d h;
+  cv::cv2eigen(homography, h);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
+  if (r.determinant() < 0) r = -r;
+  int count = 0;
+  for (std::size_t i = 0; i < pa.size(); ++i) {
+    const Eigen::Vector3d turned = r * pa[i].homogeneous();
+    count += turned.z() > 0 && (turned.hnormalized() - pb[i]).norm() < threshold;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>& first,
@@ -64,7 +81,9 @@ std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>&
     }
   }
   const cv::Mat h = cv::findHomography(a, b, cv::RANSAC, 1.5 * threshold, cv::noArray(), 2000, 0.9999);
+  int turn = 0;
   if (h.rows == 3 && h.cols == 3) {
+    turn = explained_by_turn(h, first, second, 1.5 * threshold);
     std::vector<cv::Mat> rotations, translations, normals;
     cv::decomposeHomographyMat(h, unit, rotations, translations, normals);
     for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -77,6 +96,8 @@ std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>&
       std::max_element(motions.begin(), motions.end(),
                        [](const TwoViewMotion& x, const TwoViewMotion& y) { return x.support < y.support; });
   constexpr double kSameDirection = 0.88;  // cosine of 0.5 rad
+  constexpr double kTurnShare = 0.7;
+  if (turn > kTurnShare * best->support) return std::nullopt;
   const int clearly = std::max(5, best->support / 20);
   for (const TwoViewMotion& m : motions) {
     const bool other = m.second_from_first.translation.dot(best->second_from_first.translation) < kSameDirection;

@@ -14,8 +14,8 @@ struct MapInterConfig {
   double seed_radius = 0.10;    // phi_r, of the larger image side
   double disparity_gate = 3.0;  // phi_d over phi_r
   double min_parallax_rad = 0.017;
-  double max_relative_sigma = 0.3;   // sqrt(trace Sigma) over the distance
-  int check_back = 30;               // earlier frames in which the static point must fit both tracks
+  double max_relative_sigma = 0.3;  // sqrt(trace Sigma) over the distance
+  int check_back = 30;              // earlier frames in which the static point must fit both tracks
 };
 
 struct MapInterReport {

@@ -33,7 +33,10 @@ namespace {
 
 // True when the camera looks at the point from a new enough direction; remembers it then.
 bool turned(MapPoint& point, const MapCamera& camera, const Rigid3& pose, double angle_rad) {
-  Eigen::Vector3d& last = point.updated_from[camera.id.value % point.updated_from.size()];
+  if (point.updated_from.size() <= camera.id.value) {
+    point.updated_from.resize(camera.id.value + std::size_t{1}, Eigen::Vector3d::Zero());
+  }
+  Eigen::Vector3d& last = point.updated_from[camera.id.value];
   const Eigen::Vector3d ray = (point.position - pose.center()).normalized();
   if (last.squaredNorm() > 0 && last.dot(ray) > std::cos(angle_rad)) return false;
   const bool first = last.squaredNorm() == 0;

@@ -4,47 +4,242 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <vector>
 
-#include "common/geometry/alignment.h"
+#include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_run.h"
 
+// Whole simulated runs: what the map is worth. Agents that come and go are in map_server_agents_test.cpp.
 namespace coslam {
 namespace {
-using namespace test;
-TEST(MapServer, Probe) {
+
+using test::SimRun;
+using test::SimWorld;
+
+CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
+
+void add_agents(SimRun& run, int count) {
+  for (const auto& path : test::paths_side_by_side(count)) run.add_agent(path);
+}
+
+TEST(MapServer, FindsThePathOfEveryCamera) {
+  const SimWorld world({});
+  SimRun run(world, {}, {.noise_px = 0.3});
+  add_agents(run, 3);
+  run.step(180);
+  const test::PathError all = run.path_error();
+  EXPECT_EQ(all.frames, all.all_frames);
+  EXPECT_GT(all.path_m, 12);
+  EXPECT_LT(all.ate, 0.002 * all.path_m) << "the bound that matters is one percent";
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT(run.path_error(cam(i)).ate, 0.01 * run.path_error(cam(i)).path_m) << i;
+    EXPECT_EQ(run.agent(cam(i)).pose_state(), PoseState::kTracked);
+  }
+  EXPECT_EQ(run.server().counts().frame_sets, 180);
+  EXPECT_GT(run.server().counts().refinements, 3);
+  EXPECT_EQ(run.server().graph().groups.size(), 1U);
+  run.server().finish();
+  EXPECT_LT(run.path_error().ate, 1.2 * all.ate + 1e-3) << "the last adjustment makes nothing worse";
+}
+
+TEST(MapServer, TheAgentsOwnPoseIsTheServers) {
   const SimWorld world({});
   SimRun run(world, {});
-  for (const auto& p : paths_side_by_side(3)) run.add_agent(p);
-  for (int i = 0; i < 10; ++i) {
-    run.step(30);
-    const PathError e = run.path_error();
-    std::printf("%d: ate %.4f path %.2f frames %d/%d scale %.3f points %zu keys %zu\n", i, e.ate, e.path_m, e.frames,
-                e.all_frames, e.scale, run.map().points().size(), run.map().key_frames().size());
-    std::vector<double> n;
-    std::vector<Eigen::Vector3d> pe, pt;
-    std::vector<Eigen::Matrix3d> cov;
-    int agent_ok = 0;
-    for (const auto& [id, p] : run.map().points()) {
-      const int w = run.world_point(p);
-      if (w < 0 || p.map != run.server().largest_map()) continue;
-      pe.push_back(p.position); pt.push_back(world.position(w)); cov.push_back(p.covariance);
+  add_agents(run, 2);
+  run.step(60);
+  for (int i = 0; i < 60; ++i) {
+    run.step();
+    for (int c = 0; c < 2; ++c) {
+      const FramePose& f = run.map().camera(cam(c)).frames.back();
+      ASSERT_EQ(run.agent(cam(c)).pose_state(), PoseState::kTracked);
+      // The agent is one patch behind: it stands on the points of the set before, in that set's epoch.
+      if (run.agent(cam(c)).local_map().epoch() != run.map().epoch()) continue;
+      ASSERT_THAT(run.agent(cam(c)).pose().cam_from_world, test::PoseNear(f.cam_from_world, 0.002, 0.01));
     }
-    {Similarity3 m = *align_points(pt, pe, AlignmentScale::kFree).target_from_source;
-    for (int it = 0; it < 5; ++it) {
-      n.clear(); std::vector<Eigen::Vector3d> a, b;
-      for (size_t k = 0; k < pe.size(); ++k) { n.push_back(nees(pe[k] - m * pt[k], cov[k])); if (n.back() < 30 && cov[k].trace() < 4e-4) {a.push_back(pt[k]); b.push_back(pe[k]);} }
-      m = *align_points(a, b, AlignmentScale::kFree).target_from_source;
-    }}
-    for (int c = 0; c < 3; ++c) agent_ok += run.agent(CameraId(c)).pose_state() == PoseState::kTracked;
-    std::printf("   nees median %.2f of %zu, agents tracked %d\n", median(n), n.size(), agent_ok);
   }
-  for (const auto& [k, v] : run.server().counts().events) std::printf("%s %ld\n", k.c_str(), v);
-  for (const auto& [k, v] : run.server().times().stages()) std::printf("%s mean %.2f\n", k.c_str(), v.mean_ms());
-  run.server().finish();
-  const PathError e = run.path_error();
-  std::printf("end: ate %.4f path %.2f frames %d/%d\n", e.ate, e.path_m, e.frames, e.all_frames);
 }
+
+TEST(MapServer, StandsWrongAndBrokenTracks) {
+  const SimWorld world({});
+  SimRun run(world, {}, {.noise_px = 0.5, .outliers = 0.03, .ends = 0.02});
+  add_agents(run, 3);
+  run.step(150);
+  const test::PathError error = run.path_error();
+  EXPECT_GE(error.frames, 0.98 * error.all_frames);
+  EXPECT_LT(error.ate, 0.01 * error.path_m);
+}
+
+TEST(MapServer, StandsMovingThings) {
+  const SimWorld world({.points = 350, .moving_points = 80});
+  SimRun run(world, {});
+  add_agents(run, 3);
+  run.step(150);
+  const test::PathError error = run.path_error();
+  EXPECT_GE(error.frames, 0.98 * error.all_frames);
+  EXPECT_LT(error.ate, 0.01 * error.path_m);
+  // A static map point that follows a moving thing would drag poses along.
+  int on_static = 0, on_moving = 0;
+  for (const auto& [id, p] : run.map().points()) {
+    const int point = run.world_point(p);
+    if (p.bound.empty() || p.state != PointState::kStatic || point < 0) continue;
+    ++(world.moves(point) ? on_moving : on_static);
+  }
+  EXPECT_GT(on_static, 150);
+  EXPECT_LT(on_moving, 0.1 * on_static);
+}
+
+TEST(MapServer, CovariancesAreHonestAllAlong) {
+  const SimWorld world({});
+  SimRun run(world, {}, {.noise_px = 0.5});
+  add_agents(run, 3);
+  for (int i = 0; i < 5; ++i) {
+    run.step(50);
+    const std::vector<double> values = run.point_nees();
+    EXPECT_GT(values.size(), 200U);
+    EXPECT_GT(test::median(values), 1.0) << run.map().now().value;  // 2.4 when all is right
+    EXPECT_LT(test::median(values), 6.0) << run.map().now().value;
+  }
+}
+
+// Every bit of the state that the next step stands on.
+void expect_same(const Map& a, const Map& b) {
+  ASSERT_EQ(a.points().size(), b.points().size());
+  ASSERT_EQ(a.epoch(), b.epoch());
+  ASSERT_EQ(a.key_frames().size(), b.key_frames().size());
+  for (auto p = a.points().begin(), q = b.points().begin(); p != a.points().end(); ++p, ++q) {
+    ASSERT_EQ(p->first, q->first);
+    ASSERT_EQ(p->second.position, q->second.position);
+    ASSERT_EQ(p->second.covariance, q->second.covariance);
+    ASSERT_EQ(p->second.bound, q->second.bound);
+    ASSERT_EQ(p->second.views, q->second.views);
+    ASSERT_EQ(p->second.key_observations.size(), q->second.key_observations.size());
+  }
+  for (std::size_t c = 0; c < a.cameras().size(); ++c) {
+    const MapCamera &x = a.cameras()[c], &y = b.cameras()[c];
+    ASSERT_EQ(x.sigma_px, y.sigma_px);
+    ASSERT_EQ(x.frames.size(), y.frames.size());
+    for (std::size_t f = 0; f < x.frames.size(); ++f) {
+      ASSERT_EQ(x.frames[f].map, y.frames[f].map);
+      ASSERT_EQ(x.frames[f].cam_from_world.rotation.coeffs(), y.frames[f].cam_from_world.rotation.coeffs());
+      ASSERT_EQ(x.frames[f].cam_from_world.translation, y.frames[f].cam_from_world.translation);
+    }
+  }
+}
+
+TEST(MapServer, TwoRunsAreTheSameToTheBit) {
+  const SimWorld world({.moving_points = 20});
+  const test::TrackingConfig tracking{.outliers = 0.02, .ends = 0.01};
+  SimRun first(world, {}, tracking), second(world, {}, tracking);
+  add_agents(first, 3);
+  add_agents(second, 3);
+  std::vector<std::vector<char>> garbage;  // the heap must not show
+  for (int i = 0; i < 60; ++i) {
+    first.step(2);
+    garbage.emplace_back(1000 + 777 * static_cast<std::size_t>(i % 13), static_cast<char>(i));
+    second.step(2);
+    expect_same(first.map(), second.map());
+    if (HasFatalFailure()) break;
+  }
+  first.server().finish();
+  second.server().finish();
+  expect_same(first.map(), second.map());
+}
+
+struct Carried {
+  std::size_t points = 0, longest_track = 0, most_patches = 0;
+};
+
+Carried carried(const Map& map) {
+  Carried out{.points = map.points().size()};
+  for (const auto& [id, p] : map.points()) out.most_patches = std::max(out.most_patches, p.patches.size());
+  for (const MapCamera& c : map.cameras()) {
+    for (const auto& [id, t] : c.tracks) out.longest_track = std::max(out.longest_track, t.seen.size());
+  }
+  return out;
+}
+
+TEST(MapServer, MemoryIsBoundedInOneRoom) {
+  const SimWorld world({});
+  SimRun run(world, {}, {.ends = 0.005});
+  add_agents(run, 2);
+  run.step(300);
+  const Carried before = carried(run.map());
+  EXPECT_LT(before.points, 2U * static_cast<std::size_t>(world.size()));
+  run.step(400);
+  const Carried after = carried(run.map());
+  EXPECT_LT(after.points, 1.05 * static_cast<double>(before.points)) << "what is seen again is known again";
+  EXPECT_LE(after.longest_track, 256U);
+  EXPECT_LE(after.most_patches, 12U);
+}
+
+TEST(MapServer, AKnownBaselineGivesMetres) {
+  const SimWorld world({});
+  const auto paths = test::paths_side_by_side(2);
+  const double baseline_m = (paths[0](0).center() - paths[1](0).center()).norm();
+  SimRun run(world, {.baseline_m = baseline_m});
+  for (const auto& path : paths) run.add_agent(path);
+  run.step(90);
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_TRUE(run.last_patches().at(0).scale_known);
+  EXPECT_NEAR(run.path_error().scale, 1, 0.01);
+  SimRun unscaled(world, {});
+  for (const auto& path : paths) unscaled.add_agent(path);
+  unscaled.step(30);
+  EXPECT_FALSE(unscaled.last_patches().at(0).scale_known);
+}
+
+TEST(MapServer, OnePatchForEachFrameOfTheSet) {
+  const SimWorld world({});
+  SimRun run(world, {});
+  add_agents(run, 3);
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    run.step();
+    ASSERT_EQ(run.last_patches().size(), 3U);
+    for (int c = 0; c < 3; ++c) {
+      const MapPatch& p = run.last_patches()[static_cast<std::size_t>(c)];
+      EXPECT_EQ(p.agent, run.map().camera(cam(c)).name);
+      EXPECT_EQ(p.agent_run, run.map().camera(cam(c)).run);
+      EXPECT_EQ(p.server_run, run.server().run());
+      EXPECT_EQ(p.sequence, i + 1);
+      EXPECT_EQ(p.after_frame, FrameId(i));
+    }
+  }
+  EXPECT_EQ(run.last_patches()[0].group, run.last_patches()[2].group);
+}
+
+TEST(MapServer, OneRefinementAtATime) {
+  const SimWorld world({});
+  test::SimTracker left(world, test::paths_side_by_side(2)[0], {}, "left", RunId(1));
+  test::SimTracker right(world, test::paths_side_by_side(2)[1], {}, "right", RunId(2));
+  MapServer server(RunId(7), {});
+  server.admit(left.hello());
+  server.admit(right.hello());
+  int jobs = 0;
+  std::optional<RefineJob> kept;
+  for (std::uint32_t i = 0; i < 90; ++i) {
+    FrameSet set{SetId(i), test::kPeriodNs * i, {}};
+    for (test::SimTracker* t : {&left, &right}) {
+      CameraFrame& cf = set.frames.emplace_back();
+      cf.camera = cam(t == &left ? 0 : 1);
+      cf.frame = t->observe(FrameId(i), set.t_ns);
+      if (i == 5) cf.descriptors = t->describe(cf.frame);
+    }
+    server.step(set);
+    if (auto job = server.take_refine_job()) {
+      ++jobs;
+      kept = std::move(job);
+    }
+  }
+  EXPECT_EQ(jobs, 1) << "its solution never came";
+  ASSERT_TRUE(kept);
+  const BundleResult solved = solve_refine(*kept);
+  server.give_refined(std::move(*kept), solved);
+  EXPECT_EQ(server.counts().refinements, 1);
+  server.finish();
+  EXPECT_EQ(server.counts().events.at("refine_applied"), 1);
+}
+
 }  // namespace
 }  // namespace coslam

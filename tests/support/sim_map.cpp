@@ -14,7 +14,8 @@ SimMap::SimMap(const SimWorld& w, const std::vector<CameraPath>& paths, const Tr
   for (const CameraPath& path : paths) {
     const std::size_t i = trackers.size();
     trackers.emplace_back(world, path, tracking, "cam" + std::to_string(i), RunId(100 + i));
-    map.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
+    const CameraId c = map.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
+    map.camera(c).sigma_px = std::max(0.4, tracking.noise_px);
   }
   id = map.new_map();
 }

@@ -15,6 +15,7 @@ constexpr TimeNs kPeriodNs = 33'333'333;
 
 // A server map for the tests of one stage: frame sets are ingested in order, poses and points are put in as truth has
 // them, or a little off, and what the stage then does is compared with truth. Map coordinates are world coordinates.
+// The cameras' measured noise is what localisation would have measured.
 class SimMap {
  public:
   SimMap(const SimWorld& world, const std::vector<CameraPath>& paths, const TrackingConfig& tracking = {},

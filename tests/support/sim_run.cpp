@@ -55,7 +55,7 @@ CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
 }
 
 SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
-    : world_(world), tracking_(tracking), server_(RunId(7), server) {}
+    : world_(world), tracking_(tracking), server_config_(server), server_(RunId(7), server) {}
 
 CameraId SimRun::add_agent(const CameraPath& path) {
   Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size())};
@@ -79,6 +79,12 @@ void SimRun::restart(CameraId camera) {
   s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run);
   s.running = true;
   server_.admit(s.agent->tracker().hello());
+}
+
+void SimRun::restart_server() {
+  server_ = MapServer(RunId(server_.run().value + 1), server_config_);
+  job_.reset();
+  for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());
 }
 
 void SimRun::step(int sets) {
@@ -118,6 +124,32 @@ int SimRun::world_point(const MapPoint& point) const {
     if (at >= 0) return at;
   }
   return -1;
+}
+
+std::vector<double> SimRun::point_nees() const {
+  std::vector<Eigen::Vector3d> mapped, truth_points;
+  std::vector<Eigen::Matrix3d> covariances;
+  for (const auto& [id, p] : map().points()) {
+    const int point = world_point(p);
+    if (point < 0 || p.map != server_.largest_map()) continue;
+    mapped.push_back(p.position);
+    truth_points.push_back(world_.position(point));
+    covariances.push_back(p.covariance);
+  }
+  std::vector<double> values;
+  Alignment a = align_points(truth_points, mapped, AlignmentScale::kFree);
+  for (int round = 0; round < 4 && a.target_from_source; ++round) {
+    values.clear();
+    std::vector<Eigen::Vector3d> good_truth, good_mapped;
+    for (std::size_t i = 0; i < mapped.size(); ++i) {
+      values.push_back(nees(mapped[i] - *a.target_from_source * truth_points[i], covariances[i]));
+      if (values.back() > 30 || covariances[i].trace() > 1e-3) continue;  // the frame is that of the good ones
+      good_truth.push_back(truth_points[i]);
+      good_mapped.push_back(mapped[i]);
+    }
+    a = align_points(good_truth, good_mapped, AlignmentScale::kFree);
+  }
+  return values;
 }
 
 PathError SimRun::path_error(std::optional<CameraId> only) const {

@@ -65,6 +65,7 @@ class SimRun {
   void stall(CameraId camera);  // no frames until it is started again; nobody is told
   void resume(CameraId camera);
   void restart(CameraId camera);  // as another run of the same name
+  void restart_server();          // another process, with an empty map; the agents go on
   void step(int sets = 1);
 
   MapServer& server() { return server_; }
@@ -75,6 +76,9 @@ class SimRun {
   Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].path(to_seconds(t_ns)); }
   // World point behind a map point; -1 when no track of the present runs tells.
   int world_point(const MapPoint& point) const;
+  // Of every point of the largest map whose world point is known, in the map's own frame: the similarity between the
+  // two is that of the points themselves, so that the map's free frame and scale do not count as their error.
+  std::vector<double> point_nees() const;
   // empty: all cameras.
   PathError path_error(std::optional<CameraId> only = std::nullopt) const;
 
@@ -90,6 +94,7 @@ class SimRun {
 
   const SimWorld& world_;
   TrackingConfig tracking_;
+  MapServerConfig server_config_;
   MapServer server_;
   std::vector<Slot> slots_;
   std::uint32_t next_set_ = 0;

@@ -197,11 +197,15 @@ TEST(StartFromMatches, TwoViewsOfOneCamera) {
 }
 
 TEST(StartFromMatches, APureTurnIsAReason) {
-  const test::SimWorld world({});
-  const Images in = images_of(world, {looking({0, 0, 0}), looking({0, 0, 0}, 0.15)});
-  const StartResult r = start_from_matches(in.images[0], in.images[1], same_points(in), {});
-  EXPECT_FALSE(r.ok);
-  EXPECT_FALSE(r.reason.empty());
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const test::SimWorld world({.seed = seed});
+    for (const double turn_rad : {0.05, 0.15, 0.3}) {
+      const Images in = images_of(world, {looking({0, 0, 0}), looking({0, 0, 0}, turn_rad)});
+      const StartResult r = start_from_matches(in.images[0], in.images[1], same_points(in), {});
+      EXPECT_FALSE(r.ok) << seed << ' ' << turn_rad;
+      EXPECT_FALSE(r.reason.empty());
+    }
+  }
 }
 
 }  // namespace

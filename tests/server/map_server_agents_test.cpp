@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/map_server.h"
+#include "tests/support/sim_map.h"
+#include "tests/support/sim_run.h"
+
+// Agents that join late, stop, stall, restart and lose their way.
+namespace coslam {
+namespace {
+
+using test::SimRun;
+using test::SimWorld;
+
+CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
+
+bool tracked(SimRun& run, int camera) {
+  const FramePose& f = run.map().camera(cam(camera)).frames.back();
+  return f.set == run.map().now() && f.map == run.server().largest_map() &&
+         run.agent(cam(camera)).pose_state() == PoseState::kTracked;
+}
+
+class Agents : public testing::Test {
+ protected:
+  void add(int count) {
+    for (const auto& path : test::paths_side_by_side(count)) run_.add_agent(path);
+  }
+  void expect_good(double most = 0.01) {
+    const test::PathError error = run_.path_error();
+    EXPECT_LT(error.ate, most * error.path_m);
+  }
+  const SimWorld world_{{}};
+  SimRun run_{world_, {}};
+};
+
+TEST_F(Agents, ThatJoinLateArePlaced) {
+  const auto paths = test::paths_side_by_side(3);
+  run_.add_agent(paths[0]);
+  run_.add_agent(paths[1]);
+  run_.step(60);
+  const CameraId late = run_.add_agent(paths[2]);
+  run_.step(30);
+  EXPECT_EQ(run_.map().camera(late).map, run_.map().camera(cam(0)).map);
+  EXPECT_TRUE(tracked(run_, 2));
+  run_.step(60);
+  EXPECT_GE(run_.path_error(late).frames, 60);
+  expect_good();
+}
+
+TEST_F(Agents, ThatStopDoNotStopTheOthers) {
+  add(3);
+  run_.step(60);
+  run_.stop(cam(1));
+  run_.step(60);
+  EXPECT_EQ(run_.last_patches().size(), 2U);
+  EXPECT_TRUE(tracked(run_, 0));
+  EXPECT_TRUE(tracked(run_, 2));
+  EXPECT_EQ(run_.path_error().frames, 3 * 120 - 60);
+  expect_good();
+}
+
+TEST_F(Agents, AllButOneStop) {
+  add(2);
+  run_.step(60);
+  run_.stop(cam(0));
+  run_.step(120);
+  EXPECT_TRUE(tracked(run_, 1));
+  expect_good();
+}
+
+TEST_F(Agents, ThatStallComeBack) {
+  add(2);
+  run_.step(60);
+  run_.stall(cam(1));
+  run_.step(20);
+  EXPECT_TRUE(tracked(run_, 0));
+  run_.resume(cam(1));
+  run_.step(40);
+  EXPECT_TRUE(tracked(run_, 1));
+  expect_good();
+}
+
+TEST_F(Agents, ThatRestartArePlacedInTheSameMap) {
+  add(2);
+  run_.step(60);
+  const MapId before = run_.map().camera(cam(1)).map;
+  run_.restart(cam(1));
+  EXPECT_EQ(run_.map().camera(cam(1)).map, MapId());
+  run_.step();
+  EXPECT_EQ(run_.last_patches()[1].sequence, 1U);
+  EXPECT_EQ(run_.last_patches()[1].agent_run, run_.agent(cam(1)).tracker().run());
+  run_.step(30);
+  EXPECT_EQ(run_.map().cameras().size(), 2U) << "it keeps its number";
+  EXPECT_EQ(run_.map().camera(cam(1)).map, before);
+  EXPECT_TRUE(tracked(run_, 1));
+  EXPECT_TRUE(tracked(run_, 0)) << "the other did not notice";
+  run_.step(30);
+  EXPECT_GE(run_.path_error(cam(1)).frames, 60 + 50) << "what the old run did stays";
+  expect_good();
+}
+
+TEST_F(Agents, FollowAServerThatRestarts) {
+  add(2);
+  run_.step(60);
+  run_.restart_server();
+  EXPECT_TRUE(run_.map().points().empty());
+  run_.step(3);
+  EXPECT_EQ(run_.agent(cam(0)).local_map().server_run(), run_.server().run());
+  run_.step(30);
+  EXPECT_TRUE(tracked(run_, 0));
+  EXPECT_TRUE(tracked(run_, 1));
+  run_.step(60);
+  expect_good();
+}
+
+TEST_F(Agents, AdmittedTwiceAreTheSame) {
+  add(2);
+  const Hello hello = run_.agent(cam(1)).tracker().hello();
+  EXPECT_EQ(run_.server().admit(hello), cam(1));
+  EXPECT_EQ(run_.map().cameras().size(), 2U);
+}
+
+TEST_F(Agents, ThatAreBlindForAWhileFindBack) {
+  const auto paths = test::paths_side_by_side(2);
+  run_.add_agent(paths[0]);
+  // From 2 s to 3.5 s it looks out of the room, where nothing is.
+  run_.add_agent([path = paths[1]](double t_s) {
+    return t_s < 2 || t_s > 3.5 ? path(t_s) : test::looking({0, 0, -3}, std::numbers::pi);
+  });
+  run_.step(60);
+  EXPECT_TRUE(tracked(run_, 1));
+  run_.step(35);
+  EXPECT_FALSE(tracked(run_, 1));
+  EXPECT_EQ(run_.map().camera(cam(1)).map, MapId()) << "it left the map";
+  EXPECT_EQ(run_.agent(cam(1)).pose_state(), PoseState::kLost);
+  EXPECT_EQ(run_.agent(cam(1)).local_map().size(), 0U);
+  EXPECT_TRUE(tracked(run_, 0));
+  run_.step(45);
+  EXPECT_TRUE(tracked(run_, 1));
+  EXPECT_EQ(run_.map().camera(cam(1)).map, run_.map().camera(cam(0)).map);
+  run_.step(30);
+  for (const FramePose& f : run_.map().camera(cam(1)).frames) {
+    if (f.set.value > 62 && f.set.value < 100) {
+      EXPECT_FALSE(f.valid()) << f.set.value << ": no pose rather than a wrong one";
+    }
+  }
+}
+
+TEST_F(Agents, ShortBlindnessCostsNoPlacing) {
+  const auto paths = test::paths_side_by_side(2);
+  run_.add_agent(paths[0]);
+  run_.add_agent(paths[1]);
+  run_.step(60);
+  const long placed = run_.server().counts().events.at("placed");
+  run_.stall(cam(1));
+  run_.step(5);
+  run_.resume(cam(1));
+  run_.step(5);
+  EXPECT_TRUE(tracked(run_, 1));
+  EXPECT_EQ(run_.server().counts().events.at("placed"), placed);
+}
+
+// Looks to one side of the room until `turn_s`, then turns to the middle.
+test::CameraPath aside(double side, double turn_s) {
+  return [=](double t_s) {
+    const double turned = std::min(1.0, std::max(0.0, (t_s - turn_s) / 2));
+    const Eigen::Vector3d center_m(side * 0.9 + 0.6 * std::sin(1.3 * t_s + side), 0.15 * std::sin(2 * t_s),
+                                   0.2 * std::sin(t_s));
+    return test::looking(center_m, side * (1 - turned) * 0.9);
+  };
+}
+
+TEST(AgentsApart, MapsOfTheirOwnBecomeOne) {
+  const SimWorld world({.points = 900});
+  SimRun run(world, {});
+  run.add_agent(aside(-1, 2));
+  run.add_agent(aside(1, 2));
+  run.step(60);
+  const MapId left = run.map().camera(cam(0)).map, right = run.map().camera(cam(1)).map;
+  ASSERT_NE(left, MapId());
+  ASSERT_NE(right, MapId());
+  ASSERT_NE(left, right);
+  run.step(120);
+  EXPECT_EQ(run.server().counts().merges, 1);
+  EXPECT_EQ(run.map().camera(cam(0)).map, run.map().camera(cam(1)).map);
+  EXPECT_TRUE(tracked(run, 0));
+  EXPECT_TRUE(tracked(run, 1));
+  const test::PathError error = run.path_error();
+  EXPECT_GE(error.frames, 0.95 * error.all_frames) << "and their past with them";
+  EXPECT_LT(error.ate, 0.015 * error.path_m);
+}
+
+// Two cameras with a known baseline; a third in a map of its own, which has no scale, is the older one and the larger.
+TEST(AgentsApart, MetresStayMetres) {
+  const SimWorld world({.points = 900});
+  const std::vector<test::CameraPath> paths{aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)};
+  constexpr TimeNs kJoinNs = 140 * test::kPeriodNs;
+  const double baseline_m = (paths[0](to_seconds(kJoinNs)).center() - paths[1](to_seconds(kJoinNs)).center()).norm();
+  SimRun run(world, {.baseline_m = baseline_m});
+  for (const auto& path : paths) run.add_agent(path);
+  run.stall(cam(0));
+  run.stall(cam(1));
+  run.step(140);
+  run.resume(cam(0));
+  run.resume(cam(1));
+  run.step(30);
+  ASSERT_NE(run.map().camera(cam(2)).map, run.map().camera(cam(0)).map);
+  EXPECT_TRUE(run.last_patches()[0].scale_known);
+  EXPECT_FALSE(run.last_patches()[2].scale_known) << "its map has a scale of its own";
+  EXPECT_EQ(run.server().largest_map(), run.map().camera(cam(2)).map);
+  EXPECT_FALSE(run.server().scale_known());
+  run.step(120);
+  ASSERT_EQ(run.server().counts().merges, 1);
+  EXPECT_TRUE(run.last_patches()[2].scale_known);
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/group.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
+
+// Cameras that all look at the same; the test says which share map points.
+class GroupTest : public testing::Test {
+ protected:
+  GroupTest() : sim_(world_, std::vector<test::CameraPath>(5, test::still_path(test::looking({0, 0, 0})))) {
+    sim_.advance();
+  }
+  // `count` new points that exactly these cameras see.
+  void share(std::initializer_list<int> cameras, int count) {
+    for (int i = 0; i < count; ++i) {
+      while (sim_.track_of(cam(0), next_) == nullptr) ++next_;
+      MapPoint& p = sim_.map.create_point(sim_.id, world_.position(next_), Eigen::Matrix3d::Identity(), sim_.set.id, 0);
+      for (const int c : cameras) sim_.map.bind(p, cam(c), *sim_.track_of(cam(c), next_));
+      ++next_;
+    }
+  }
+  ViewGraph graph() const { return view_graph(sim_.map, sim_.set); }
+  static int shared(const std::vector<ViewEdge>& edges, int a, int b) {
+    for (const ViewEdge& e : edges) {
+      if (e.first == cam(a) && e.second == cam(b)) return e.shared;
+    }
+    return 0;
+  }
+
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+  int next_ = 0;
+};
+
+TEST_F(GroupTest, EdgesCountSharedPoints) {
+  share({0, 1}, 7);
+  share({1, 0, 2}, 3);
+  share({3}, 4);
+  const ViewGraph g = graph();
+  EXPECT_EQ(shared(g.edges, 0, 1), 10);
+  EXPECT_EQ(shared(g.edges, 0, 2), 3);
+  EXPECT_EQ(shared(g.edges, 1, 2), 3);
+  EXPECT_EQ(g.edges.size(), 3U);
+}
+
+TEST_F(GroupTest, TheTreeHasTheHeaviestEdges) {
+  share({0, 1}, 5);
+  share({1, 2}, 9);
+  share({0, 2}, 7);
+  share({2, 3}, 1);
+  share({1, 3}, 2);
+  const ViewGraph g = graph();
+  EXPECT_EQ(g.edges.size(), 5U);
+  ASSERT_EQ(g.tree.size(), 3U);
+  EXPECT_EQ(shared(g.tree, 1, 2), 9);
+  EXPECT_EQ(shared(g.tree, 0, 2), 7);
+  EXPECT_EQ(shared(g.tree, 1, 3), 2);
+}
+
+TEST_F(GroupTest, GroupsAreConnectedComponents) {
+  share({0, 3}, 2);
+  share({2, 4}, 2);
+  EXPECT_THAT(graph().groups,
+              ElementsAre(ElementsAre(cam(0), cam(3)), ElementsAre(cam(1)), ElementsAre(cam(2), cam(4))));
+  share({3, 4}, 1);
+  EXPECT_THAT(graph().groups, ElementsAre(ElementsAre(cam(0), cam(2), cam(3), cam(4)), ElementsAre(cam(1))));
+}
+
+TEST_F(GroupTest, ACameraWithoutAMapIsInNoGroup) {
+  share({0, 1}, 2);
+  sim_.map.camera(cam(2)).map = MapId();
+  for (const auto& group : graph().groups) EXPECT_EQ(std::count(group.begin(), group.end(), cam(2)), 0);
+}
+
+TEST_F(GroupTest, NoPointsNoEdges) {
+  const ViewGraph g = graph();
+  EXPECT_THAT(g.edges, IsEmpty());
+  EXPECT_THAT(g.tree, IsEmpty());
+  EXPECT_EQ(g.groups.size(), 5U);
+}
+
+TEST_F(GroupTest, TheTreeSpansEveryGroupOfARealView) {
+  test::SimMap sim(world_, test::paths_side_by_side(4));
+  sim.advance();
+  sim.add_points();
+  const ViewGraph g = view_graph(sim.map, sim.set);
+  EXPECT_EQ(g.groups.size(), 1U);
+  EXPECT_EQ(g.tree.size(), 3U);
+  std::set<CameraId> reached;
+  for (const ViewEdge& e : g.tree) {
+    EXPECT_LT(e.first, e.second);
+    reached.insert({e.first, e.second});
+  }
+  EXPECT_EQ(reached.size(), 4U);
+}
+
+}  // namespace
+}  // namespace coslam

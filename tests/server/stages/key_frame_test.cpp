@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/key_frame.h"
+
+#include <gtest/gtest.h>
+
+#include "server/stages/cull.h"
+#include "tests/support/sim_map.h"
+
+// Key frames, and what is thrown away.
+namespace coslam {
+namespace {
+
+class KeyFrameTest : public testing::Test {
+ protected:
+  explicit KeyFrameTest(const std::vector<test::CameraPath>& paths = test::paths_side_by_side(2))
+      : sim_(world_, paths) {
+    sim_.advance();
+    sim_.add_points();
+  }
+  bool step() {
+    sim_.advance();
+    return decide();
+  }
+  bool decide() { return decide_key_frame(sim_.map, sim_.set, config_); }
+
+  const KeyFrameConfig config_;
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+};
+
+TEST_F(KeyFrameTest, TheFirstWithPoints) {
+  test::SimMap empty(world_, test::paths_side_by_side(1));
+  empty.advance();
+  EXPECT_FALSE(decide_key_frame(empty.map, empty.set, config_));
+  EXPECT_TRUE(decide());
+  EXPECT_TRUE(sim_.map.is_key_frame(sim_.set.id));
+}
+
+TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
+  decide();
+  int last = 0, keys = 0;
+  for (int i = 1; i < 150; ++i) {
+    const bool key = step();
+    EXPECT_EQ(key, sim_.map.is_key_frame(sim_.set.id));
+    if (!key) continue;
+    EXPECT_GE(i - last, config_.min_sets);
+    last = i;
+    ++keys;
+  }
+  EXPECT_GE(keys, 5);
+  EXPECT_LE(keys, 40);
+}
+
+TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
+  decide();
+  for (int i = 0; i < config_.min_sets; ++i) ASSERT_FALSE(step()) << i;
+  MapCamera& c = sim_.map.camera(CameraId(1));
+  int bound = 0, freed = 0;
+  for (auto& [id, t] : c.tracks) bound += t.point != PointId();
+  for (auto& [id, t] : c.tracks) {
+    if (t.point == PointId() || freed >= 0.2 * bound) continue;
+    sim_.map.unbind(c.id, t);
+    ++freed;
+  }
+  EXPECT_FALSE(step()) << "a fifth";
+  for (auto& [id, t] : c.tracks) {
+    if (t.point == PointId() || freed >= 0.4 * bound) continue;
+    sim_.map.unbind(c.id, t);
+    ++freed;
+  }
+  EXPECT_TRUE(step()) << "two fifths";
+}
+
+class HoveringKeyFrames : public KeyFrameTest {
+ protected:
+  HoveringKeyFrames() : KeyFrameTest({test::still_path(test::looking({0, 0, 0}))}) {}
+};
+
+TEST_F(HoveringKeyFrames, OneIsEnough) {
+  EXPECT_TRUE(decide());
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(step());
+  EXPECT_EQ(sim_.map.key_frames().size(), 1U);
+}
+
+TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
+  const CullConfig config;
+  const auto make = [&](std::uint32_t views) {
+    MapPoint& p = sim_.map.create_point(sim_.id, {0, 0, 5}, Eigen::Matrix3d::Identity(), sim_.set.id, 0);
+    p.views = views;
+    return p.id;
+  };
+  const PointId poor = make(3), good = make(12);
+  const PointId bound_poor = sim_.map.points().begin()->first;
+  ASSERT_FALSE(sim_.map.find(bound_poor)->bound.empty());
+  for (int i = 0; i < config.probation_sets - 1; ++i) sim_.advance();
+  EXPECT_EQ(cull(sim_.map, sim_.set, config).removed, 0);
+  sim_.advance();
+  const int removed = cull(sim_.map, sim_.set, config).removed;
+  EXPECT_GE(removed, 1);
+  EXPECT_EQ(sim_.map.find(poor), nullptr);
+  EXPECT_NE(sim_.map.find(good), nullptr);
+  const MapPoint* bound = sim_.map.find(bound_poor);
+  EXPECT_TRUE(bound == nullptr || !bound->bound.empty());
+}
+
+TEST_F(KeyFrameTest, CullKeepsFewPatchesTheFirstAndTheNewest) {
+  MapPoint& p = sim_.map.points().begin()->second;
+  for (std::uint8_t i = 0; i < 50; ++i) {
+    p.patches.push_back({CameraId(0), Eigen::Vector3d(0, 0, 1), {}});
+    p.patches.back().pixels.fill(i);
+  }
+  cull(sim_.map, sim_.set, {});
+  EXPECT_LE(p.patches.size(), 8U);
+  EXPECT_EQ(p.patches.front().pixels[0], 0);
+  EXPECT_EQ(p.patches.back().pixels[0], 49);
+}
+
+}  // namespace
+}  // namespace coslam

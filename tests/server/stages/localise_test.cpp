@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/localise.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using test::PoseNear;
+
+constexpr CameraId kCam0(0), kCam1(1);
+
+class LocaliseTest : public testing::Test {
+ protected:
+  explicit LocaliseTest(const test::TrackingConfig& tracking = {})
+      : sim_(world_, test::paths_side_by_side(2), tracking) {
+    sim_.advance(2);
+    sim_.add_points(0.01);
+  }
+  MapCamera& camera(CameraId id) { return sim_.map.camera(id); }
+  const FramePose& pose(CameraId id) { return camera(id).frames.back(); }
+  LocaliseReport step() {
+    sim_.ingest();
+    const LocaliseReport report = localise(sim_.map, sim_.set, config_);
+    sim_.add_points(0.01);
+    return report;
+  }
+  // Every point of a camera at the place of another.
+  void shuffle_points() {
+    MapPoint* last = nullptr;
+    for (auto& [id, p] : sim_.map.points()) {
+      if (last != nullptr) std::swap(last->position, p.position);
+      last = &p;
+    }
+  }
+
+  const LocaliseConfig config_;
+  const test::SimWorld world_{{.points = 600}};
+  test::SimMap sim_;
+};
+
+TEST_F(LocaliseTest, FollowsTruth) {
+  for (int i = 0; i < 60; ++i) {
+    const LocaliseReport report = step();
+    ASSERT_EQ(report.tracked, 2);
+    ASSERT_EQ(report.lost, 0);
+    for (const CameraId c : {kCam0, kCam1}) {
+      ASSERT_EQ(pose(c).map, sim_.id);
+      ASSERT_THAT(pose(c).cam_from_world, PoseNear(sim_.truth(c, sim_.set.id), 0.003, 0.015));
+    }
+  }
+  EXPECT_LT(camera(kCam0).sigma_px, 0.6) << "noise of 0.3 px, floor of 0.4";
+  EXPECT_GT(camera(kCam0).sigma_px, 0.3);
+}
+
+class LocaliseWithOutliers : public LocaliseTest {
+ protected:
+  LocaliseWithOutliers() : LocaliseTest({.outliers = 0.3}) {}
+};
+
+TEST_F(LocaliseWithOutliers, FollowsTruth) {
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_EQ(step().tracked, 2);
+    ASSERT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, sim_.set.id), 0.005, 0.025));
+  }
+}
+
+TEST_F(LocaliseTest, LeavesCamerasWithoutAMapAlone) {
+  camera(kCam1).map = MapId();
+  const LocaliseReport report = step();
+  EXPECT_EQ(report.tracked, 1);
+  EXPECT_EQ(report.lost, 0);
+  EXPECT_FALSE(pose(kCam1).valid());
+}
+
+TEST_F(LocaliseTest, StartsAtTheAgentsPoseWhenItIsOfThisEpoch) {
+  // The server's last pose is far off; what the agent says is right, but for the newest map only.
+  camera(kCam0).frames.back().cam_from_world = test::looking({3, 1, 3}, 2.5);
+  camera(kCam0).frames[0].map = MapId();
+  FrameSet set = sim_.ingest();
+  set.frames[0].frame.pose_state = PoseState::kTracked;
+  set.frames[0].frame.cam_from_world = sim_.truth(kCam0, set.id);
+  set.frames[0].frame.epoch = MapEpoch(sim_.map.epoch().value + 1);
+  EXPECT_EQ(localise(sim_.map, set, config_).lost, 1) << "another epoch";
+  set.frames[0].frame.epoch = sim_.map.epoch();
+  EXPECT_EQ(localise(sim_.map, set, config_).tracked, 2);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 0.003, 0.015));
+}
+
+TEST_F(LocaliseTest, AnAgentsPoseOfAnOldEpochIsNotUsed) {
+  sim_.map.raise_epoch();
+  FrameSet set = sim_.ingest();
+  set.frames[0].frame.pose_state = PoseState::kTracked;
+  set.frames[0].frame.cam_from_world = test::looking({3, 1, 3}, 2.5);
+  set.frames[0].frame.epoch = MapEpoch(0);
+  EXPECT_EQ(localise(sim_.map, set, config_).tracked, 2);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 0.003, 0.015));
+}
+
+TEST_F(LocaliseTest, NoPoseRatherThanAWrongOne) {
+  shuffle_points();
+  EXPECT_EQ(step().lost, 2);
+  EXPECT_FALSE(pose(kCam0).valid());
+  EXPECT_EQ(camera(kCam0).lost_sets, 1);
+  EXPECT_EQ(camera(kCam0).map, sim_.id) << "it does not leave at once";
+}
+
+TEST_F(LocaliseTest, FewPointsGiveNoPose) {
+  while (sim_.map.points().size() > 8) sim_.map.remove_point(sim_.map.points().begin()->first);
+  sim_.ingest();
+  EXPECT_EQ(localise(sim_.map, sim_.set, config_).lost, 2);
+}
+
+TEST_F(LocaliseTest, LeavesItsMapAfterSoManySets) {
+  shuffle_points();
+  for (int i = 0; i < config_.lost_after_sets; ++i) {
+    sim_.ingest();
+    localise(sim_.map, sim_.set, config_);
+    ASSERT_EQ(camera(kCam0).map, sim_.id) << i;
+  }
+  sim_.ingest();
+  localise(sim_.map, sim_.set, config_);
+  EXPECT_EQ(camera(kCam0).map, MapId());
+  for (const auto& [id, t] : camera(kCam0).tracks) EXPECT_EQ(t.point, PointId());
+  for (const auto& [id, p] : sim_.map.points()) EXPECT_TRUE(p.bound.empty());
+}
+
+TEST_F(LocaliseTest, ComesBackWhenThePointsFitAgain) {
+  shuffle_points();
+  for (int i = 0; i < 5; ++i) {
+    sim_.ingest();
+    localise(sim_.map, sim_.set, config_);
+  }
+  for (auto& [id, p] : sim_.map.points()) {
+    if (!p.bound.empty()) p.position = world_.position(sim_.world_point(p));
+  }
+  EXPECT_EQ(step().tracked, 2);
+  EXPECT_EQ(camera(kCam0).lost_sets, 0);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, sim_.set.id), 0.003, 0.015));
+}
+
+TEST_F(LocaliseTest, StandsOnStaticPointsOnly) {
+  int i = 0;
+  for (auto& [id, p] : sim_.map.points()) {
+    if (++i % 2 == 0) continue;
+    p.state = PointState::kDynamic;
+    p.position += Eigen::Vector3d(0.5, 0, 0);  // they all walk the same way
+  }
+  EXPECT_EQ(step().tracked, 2);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, sim_.set.id), 0.004, 0.02));
+}
+
+TEST_F(LocaliseTest, APastPoseFromTheTracksThatLive) {
+  for (int i = 0; i < 5; ++i) sim_.ingest();
+  const SetId past(4);
+  EXPECT_FALSE(localise_past(sim_.map, camera(kCam0), SetId(77), sim_.truth(kCam0, past), config_)) << "no such set";
+  ASSERT_TRUE(localise_past(sim_.map, camera(kCam0), past, sim_.truth(kCam0, sim_.set.id), config_));
+  const FramePose& f = *camera(kCam0).frame_at(past);
+  EXPECT_EQ(f.map, sim_.id);
+  EXPECT_THAT(f.cam_from_world, PoseNear(sim_.truth(kCam0, past), 0.003, 0.015));
+  EXPECT_FALSE(camera(kCam0).frame_at(SetId(3))->valid());
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/refine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using test::PoseNear;
+using test::VectorNear;
+
+constexpr int kSets = 66, kKeyEvery = 6, kFirstDrifted = 12;
+
+// A map of three cameras over eleven key frames and five sets more. From set 12 on it drifts: smoothly, and for all
+// cameras alike.
+class RefineTest : public testing::Test {
+ protected:
+  RefineTest() : sim_(world_, test::paths_side_by_side(3)) {
+    for (int i = 0; i < kSets; ++i) {
+      sim_.advance();
+      if (i % kKeyEvery != 0) continue;
+      sim_.add_points(0.002);
+      sim_.map.add_key_frame(sim_.set.id);
+    }
+    for (MapCamera& c : sim_.map.cameras()) {
+      for (FramePose& f : c.frames) f.cam_from_world = drifted(f.cam_from_world, f.set);
+    }
+  }
+  static Rigid3 drifted(const Rigid3& pose, SetId at) {
+    const double s = std::max(0.0, (at.value - double{kFirstDrifted}) / kSets);
+    return pose * Rigid3(so3_exp({0, 0.02 * s, 0.01 * s}), {0.1 * s, 0.05 * s, -0.05 * s});
+  }
+  RefineJob plan(bool whole = false) {
+    auto job = plan_refine(sim_.map, sim_.id, whole, config_);
+    EXPECT_TRUE(job);
+    return job ? *job : RefineJob();
+  }
+  RefineReport refine(bool whole = false) {
+    const RefineJob job = plan(whole);
+    return apply_refine(sim_.map, job, solve_refine(job));
+  }
+  Rigid3 pose(int camera, int set) {
+    return sim_.map.camera(cam(camera)).frame_at(SetId(static_cast<std::uint32_t>(set)))->cam_from_world;
+  }
+  Rigid3 truth(int camera, int set) { return sim_.truth(cam(camera), SetId(static_cast<std::uint32_t>(set))); }
+  double worst_m(int first, int last) {
+    double worst = 0;
+    for (int c = 0; c < 3; ++c) {
+      for (int s = first; s <= last; ++s) worst = std::max(worst, (pose(c, s).center() - truth(c, s).center()).norm());
+    }
+    return worst;
+  }
+  static CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
+
+  RefineConfig config_;
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+};
+
+TEST_F(RefineTest, TheWindowIsFreeAndHistoryHoldsIt) {
+  const RefineJob job = plan();
+  EXPECT_EQ(job.map, sim_.id);
+  EXPECT_EQ(job.epoch, sim_.map.epoch());
+  EXPECT_FALSE(job.floating);
+  ASSERT_EQ(job.poses.size(), job.problem.poses.size());
+  ASSERT_EQ(job.points.size(), job.problem.points.size());
+  ASSERT_EQ(job.observations.size(), job.problem.observations.size());
+  int free = 0, fixed = 0;
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    const bool in_window = job.poses[i].set.value >= 3 * kKeyEvery;  // the newest 8 of 11
+    EXPECT_EQ(job.problem.poses[i].fixed, !in_window);
+    ++(in_window ? free : fixed);
+  }
+  EXPECT_EQ(free, 8 * 3);
+  EXPECT_GT(fixed, 2);
+  for (const auto& o : job.problem.observations) {
+    EXPECT_LT(static_cast<std::size_t>(o.pose), job.poses.size());
+    EXPECT_LT(static_cast<std::size_t>(o.point), job.points.size());
+  }
+}
+
+TEST_F(RefineTest, KeyFramesAndTheFramesBetweenComeRight) {
+  EXPECT_GT(worst_m(18, kSets - 1), 0.07);
+  const MapEpoch before = sim_.map.epoch();
+  const RefineReport report = refine();
+  ASSERT_TRUE(report.applied);
+  EXPECT_GT(sim_.map.epoch(), before);
+  EXPECT_EQ(report.poses, static_cast<int>(plan().poses.size()));
+  EXPECT_GT(report.points, 200);
+  EXPECT_NEAR(report.sigma_px, 0.3, 0.1);
+  EXPECT_LT(worst_m(18, 60), 0.015) << "key frames and all between them";
+  EXPECT_LT(worst_m(61, kSets - 1), 0.03) << "frames after the last are carried along with it";
+}
+
+TEST_F(RefineTest, WhatIsBeforeTheWindowStays) {
+  std::vector<Rigid3> before;
+  for (int s = 0; s <= 12; ++s) before.push_back(pose(1, s));
+  refine();
+  for (int s = 0; s <= 12; ++s) {
+    EXPECT_THAT(pose(1, s), PoseNear(before[static_cast<std::size_t>(s)], 1e-7, 1e-9)) << s;
+  }
+}
+
+TEST_F(RefineTest, FramesAfterTheLastKeyFrameKeepTheirMotion) {
+  const Rigid3 motion = pose(2, 65) * pose(2, 60).inverse(), old_last = pose(2, 65);
+  refine();
+  EXPECT_THAT(pose(2, 65) * pose(2, 60).inverse(), PoseNear(motion, 1e-7, 1e-9));
+  // And the agent is told of the same change.
+  EXPECT_THAT(transform_world(old_last, sim_.map.camera(cam(2)).moved), PoseNear(pose(2, 65), 1e-7, 1e-9));
+}
+
+TEST_F(RefineTest, PathsStaySmooth) {
+  refine();
+  for (int c = 0; c < 3; ++c) {
+    for (int s = 1; s < kSets; ++s) {
+      const double step = (pose(c, s).center() - pose(c, s - 1).center()).norm();
+      EXPECT_LT(step, (truth(c, s).center() - truth(c, s - 1).center()).norm() + 0.01) << c << ' ' << s;
+    }
+  }
+}
+
+TEST_F(RefineTest, PointsComeRightAndKnowHowWell) {
+  refine();
+  std::vector<double> errors, values;
+  for (const auto& [id, p] : sim_.map.points()) {
+    const int point = sim_.world_point(p);
+    if (point < 0 || p.bound.empty()) continue;
+    errors.push_back((p.position - world_.position(point)).norm());
+    values.push_back(test::nees(p.position - world_.position(point), p.covariance));
+  }
+  EXPECT_GT(errors.size(), 100U);
+  EXPECT_LT(test::median(errors), 0.02);
+  EXPECT_LT(test::median(values), 8);
+}
+
+TEST_F(RefineTest, TheWholeRunFloatsAndKeepsAnchorAndScale) {
+  const RefineJob job = plan(true);
+  EXPECT_TRUE(job.floating);
+  EXPECT_EQ(job.poses.size(), 11U * 3);
+  const BundleResult solved = solve_refine(job);
+  const auto anchor = static_cast<std::size_t>(job.anchor), end = static_cast<std::size_t>(job.baseline_end);
+  EXPECT_THAT(solved.poses[anchor], PoseNear(job.problem.poses[anchor].cam_from_world, 1e-7, 1e-9));
+  EXPECT_NEAR(
+      (solved.poses[anchor].center() - solved.poses[end].center()).norm(),
+      (job.problem.poses[anchor].cam_from_world.center() - job.problem.poses[end].cam_from_world.center()).norm(),
+      1e-9);
+  EXPECT_TRUE(apply_refine(sim_.map, job, solved).applied);
+  // The scale is that of the drifted baseline, so poses are right but for a few percent of their distance.
+  EXPECT_LT(worst_m(0, 60), 0.08);
+}
+
+TEST_F(RefineTest, AnOldJobIsDropped) {
+  const RefineJob job = plan();
+  const BundleResult solved = solve_refine(job);
+  sim_.map.raise_epoch();
+  const Rigid3 before = pose(0, 60);
+  const MapEpoch epoch = sim_.map.epoch();
+  EXPECT_FALSE(apply_refine(sim_.map, job, solved).applied);
+  EXPECT_EQ(pose(0, 60).translation, before.translation);
+  EXPECT_EQ(sim_.map.epoch(), epoch);
+}
+
+TEST_F(RefineTest, AnUnusableSolutionIsDropped) {
+  const RefineJob job = plan();
+  BundleResult solved = solve_refine(job);
+  solved.usable = false;
+  EXPECT_FALSE(apply_refine(sim_.map, job, solved).applied);
+}
+
+TEST_F(RefineTest, WhatWasRemovedMeanwhileStaysRemoved) {
+  const RefineJob job = plan();
+  const BundleResult solved = solve_refine(job);
+  for (std::size_t i = 0; i < 20; ++i) sim_.map.remove_point(job.points[i]);
+  const std::size_t left = sim_.map.points().size();
+  EXPECT_TRUE(apply_refine(sim_.map, job, solved).applied);
+  EXPECT_LE(sim_.map.points().size(), left);
+  EXPECT_EQ(sim_.map.find(job.points[3]), nullptr);
+  EXPECT_LT(worst_m(18, 60), 0.015);
+}
+
+TEST_F(RefineTest, FramesThatCameMeanwhileAreCarried) {
+  const RefineJob job = plan();
+  const BundleResult solved = solve_refine(job);
+  for (int i = 0; i < 4; ++i) {
+    sim_.advance();
+    for (MapCamera& c : sim_.map.cameras()) {
+      c.frames.back().cam_from_world = drifted(c.frames.back().cam_from_world, sim_.set.id);
+    }
+  }
+  ASSERT_TRUE(apply_refine(sim_.map, job, solved).applied);
+  EXPECT_LT(worst_m(61, kSets + 3), 0.035);
+}
+
+TEST_F(RefineTest, PointsOutsideTheJobAreTriangulatedAnew) {
+  // New since the last key frame, which holds its only key observations; seen by two cameras now.
+  int fresh = 0;
+  for (const auto seen = [&](int c) { return sim_.track_of(cam(c), fresh) != nullptr; };
+       !(seen(0) && seen(1)) || sim_.track_of(cam(0), fresh)->point != PointId() ||
+       sim_.track_of(cam(1), fresh)->point != PointId();) {
+    if (++fresh == world_.size()) GTEST_SKIP() << "all are mapped";
+  }
+  MapPoint& p = sim_.map.create_point(sim_.id, world_.position(fresh) + Eigen::Vector3d(0.3, 0.1, -0.3),
+                                      Eigen::Matrix3d::Identity(), sim_.set.id, sim_.set.t_ns);
+  for (const int c : {0, 1}) sim_.map.bind(p, cam(c), *sim_.track_of(cam(c), fresh));
+  p.key_observations.clear();
+  const RefineJob job = plan();
+  EXPECT_EQ(std::count(job.points.begin(), job.points.end(), p.id), 0);
+  ASSERT_TRUE(apply_refine(sim_.map, job, solve_refine(job)).applied);
+  EXPECT_THAT(p.position, VectorNear(world_.position(fresh), 0.12));
+}
+
+TEST_F(RefineTest, OutliersAreTakenOut) {
+  std::map<PointId, KeyObservation> spoilt;
+  for (auto& [id, p] : sim_.map.points()) {
+    if (p.key_observations.size() < 10 || spoilt.size() == 20) continue;
+    KeyObservation& o = p.key_observations[p.key_observations.size() - 2];
+    o.undistorted_px += Eigen::Vector2f(25, -20);
+    spoilt[id] = o;
+  }
+  ASSERT_EQ(spoilt.size(), 20U);
+  const RefineReport report = refine();
+  EXPECT_GE(report.outliers, 19);
+  EXPECT_LT(report.outliers, 60);
+  int left = 0;
+  for (const auto& [id, o] : spoilt) {
+    const auto& all = sim_.map.find(id)->key_observations;
+    left += std::any_of(all.begin(), all.end(),
+                        [&](const KeyObservation& k) { return k.undistorted_px == o.undistorted_px; });
+  }
+  EXPECT_LE(left, 1);
+  EXPECT_LT(worst_m(18, 60), 0.02);
+}
+
+TEST_F(RefineTest, TooLittleIsNoJob) {
+  test::SimMap small(world_, test::paths_side_by_side(2));
+  EXPECT_FALSE(plan_refine(small.map, small.id, false, config_));
+  small.advance();
+  small.add_points();
+  small.map.add_key_frame(small.set.id);
+  EXPECT_FALSE(plan_refine(small.map, small.id, false, config_)) << "one key frame";
+  EXPECT_FALSE(plan_refine(sim_.map, MapId(77), true, config_)) << "no such map";
+  while (sim_.map.points().size() > 19) sim_.map.remove_point(sim_.map.points().begin()->first);
+  EXPECT_FALSE(plan_refine(sim_.map, sim_.id, false, config_)) << "nineteen points";
+}
+
+TEST_F(RefineTest, TheFirstWindowHasNoHistoryAndFloats) {
+  test::SimMap young(world_, test::paths_side_by_side(2));
+  for (int i = 0; i < 13; ++i) {
+    young.advance();
+    if (i % 6 != 0) continue;
+    young.add_points(0.002);
+    young.map.add_key_frame(young.set.id);
+  }
+  const auto job = plan_refine(young.map, young.id, false, config_);
+  ASSERT_TRUE(job);
+  EXPECT_TRUE(job->floating);
+  const Rigid3 before = young.map.camera(cam(0)).frames[0].cam_from_world;
+  ASSERT_TRUE(apply_refine(young.map, *job, solve_refine(*job)).applied);
+  EXPECT_THAT(young.map.camera(cam(0)).frames[0].cam_from_world, PoseNear(before, 1e-7, 1e-9));
+  EXPECT_THAT(young.map.camera(cam(1)).frames[12].cam_from_world,
+              PoseNear(young.truth(cam(1), SetId(12)), 0.005, 0.02));
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/register.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using test::VectorNear;
+
+constexpr CameraId kCam0(0), kCam1(1);
+
+// Two cameras; the points are mapped by the first alone, and the second has tracks on many of them.
+class RegisterTest : public testing::Test {
+ protected:
+  RegisterTest() : sim_(world_, test::paths_side_by_side(2)) {
+    sim_.advance(6, true);
+    for (int point = 0; point < world_.size(); ++point) {
+      ServerTrack* t = sim_.track_of(kCam0, point);
+      if (t == nullptr) continue;
+      MapPoint& p = sim_.map.create_point(sim_.id, world_.position(point), 1e-4 * Eigen::Matrix3d::Identity(),
+                                          sim_.set.id, sim_.set.t_ns);
+      sim_.map.bind(p, kCam0, *t);
+    }
+    for (shared_ = 0; sim_.track_of(kCam0, shared_) == nullptr || sim_.track_of(kCam1, shared_) == nullptr;) ++shared_;
+  }
+  RegisterReport step(bool patches = true) {
+    sim_.advance(1, patches);
+    return register_tracks(sim_.map, sim_.set, config_);
+  }
+  ServerTrack& track() { return *sim_.track_of(kCam1, shared_); }
+  MapPoint& point() { return *sim_.map.find(sim_.track_of(kCam0, shared_)->point); }
+  int wrongly_bound() {
+    int wrong = 0;
+    for (const auto& [id, p] : sim_.map.points()) {
+      for (const BoundTrack& b : p.bound) wrong += sim_.world_point(b.camera, b.track) != sim_.world_point(p);
+    }
+    return wrong;
+  }
+
+  const RegisterConfig config_;
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+  int shared_ = 0;  // a world point that both cameras see
+};
+
+TEST_F(RegisterTest, BindsTheSecondCamerasTracksToTheRightPoints) {
+  int shared = 0;
+  for (const auto& [id, p] : sim_.map.points()) shared += sim_.track_of(kCam1, sim_.world_point(p)) != nullptr;
+  const RegisterReport report = step();
+  EXPECT_GT(shared, 50);
+  EXPECT_GE(report.registered, 0.9 * shared);
+  EXPECT_GE(report.candidates, report.registered);
+  EXPECT_EQ(wrongly_bound(), 0);
+}
+
+TEST_F(RegisterTest, APointThatIsFoundAgainGetsItsNewTrack) {
+  test::TrackingConfig tracking{.ends = 0.05, .rebirth_frames = 2};
+  test::SimMap sim(world_, test::paths_side_by_side(1), tracking);
+  sim.advance(5, true);
+  sim.add_points(0.005);
+  int registered = 0;
+  for (int i = 0; i < 40; ++i) {
+    sim.advance(1, true);
+    registered += register_tracks(sim.map, sim.set, config_).registered;
+  }
+  EXPECT_GT(registered, 100);
+  for (const auto& [id, p] : sim.map.points()) {
+    EXPECT_LE(p.bound.size(), 1U);
+    for (const KeyObservation& o : p.key_observations)
+      EXPECT_EQ(sim.world_point(o.camera, o.track), sim.world_point(p));
+    if (p.bound.empty()) continue;
+    EXPECT_THAT(p.position, VectorNear(world_.position(sim.world_point(p)), 0.1));
+  }
+}
+
+TEST_F(RegisterTest, AWrongPatchIsRefused) {
+  sim_.advance(1, true);
+  track().patch = world_.patch(shared_ + 1);
+  register_tracks(sim_.map, sim_.set, config_);
+  EXPECT_EQ(track().point, PointId());
+  EXPECT_EQ(point().bound.size(), 1U);
+  EXPECT_NE(step().registered, 0);
+  EXPECT_EQ(track().point, point().id) << "with the right patch it is taken";
+}
+
+TEST_F(RegisterTest, WithoutAPatchATrackWaits) {
+  for (auto& [id, t] : sim_.map.camera(kCam1).tracks) t.patch.reset();
+  EXPECT_EQ(step(false).registered, 0);
+}
+
+TEST_F(RegisterTest, YoungTracksWait) {
+  test::SimMap sim(world_, test::paths_side_by_side(1));
+  sim.advance(1, true);
+  for (int p = 0; p < 50; ++p)
+    sim.map.create_point(sim.id, world_.position(p), 1e-4 * Eigen::Matrix3d::Identity(), {}, 0);
+  for (int i = 2; i < config_.min_track_frames; ++i) {
+    sim.advance(1, true);
+    EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 0);
+  }
+}
+
+TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
+  sim_.advance(1, true);
+  track().seen[3].undistorted_px += Eigen::Vector2f(20, 0);
+  register_tracks(sim_.map, sim_.set, config_);
+  EXPECT_EQ(track().point, PointId());
+  track().distrusted_before = track().seen[4].set.value;  // that past is known to be wrong
+  register_tracks(sim_.map, sim_.set, config_);
+  EXPECT_EQ(track().point, point().id);
+}
+
+TEST_F(RegisterTest, InactivePointsTakeNoPart) {
+  test::SimMap sim(world_, test::paths_side_by_side(1), {}, {.active_frames = 5});
+  sim.advance(5, true);
+  int seen = 0;
+  while (sim.track_of(kCam0, seen) == nullptr) ++seen;
+  MapPoint& p = sim.map.create_point(sim.id, world_.position(seen), 1e-4 * Eigen::Matrix3d::Identity(), sim.set.id, 0);
+  sim.advance(5, true);
+  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 1);
+  sim.advance(1, true);
+  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 0);
+  p.last_seen = sim.set.id;
+  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 1);
+}
+
+TEST_F(RegisterTest, OnlyStaticPointsAreOffered) {
+  for (auto& [id, p] : sim_.map.points()) p.state = PointState::kDynamic;
+  EXPECT_EQ(step().candidates, 0);
+}
+
+TEST_F(RegisterTest, TheSecondViewMakesThePointBetter) {
+  for (auto& [id, p] : sim_.map.points()) {
+    p.position += Eigen::Vector3d(0.01, -0.01, 0.03);
+    p.covariance = 1e-3 * Eigen::Matrix3d::Identity();
+  }
+  ASSERT_GT(step().registered, 30);
+  std::vector<double> errors, before, values;
+  for (const auto& [id, p] : sim_.map.points()) {
+    if (p.bound.size() < 2) continue;
+    const Eigen::Vector3d error = p.position - world_.position(sim_.world_point(p));
+    errors.push_back(error.norm());
+    values.push_back(test::nees(error, p.covariance));
+  }
+  EXPECT_LT(test::median(errors), 0.033) << "sqrt(0.01^2 + 0.01^2 + 0.03^2)";
+  EXPECT_LT(test::median(values), 5);
+}
+
+TEST_F(RegisterTest, RetriangulateLeavesWhatIsNotDetermined) {
+  MapPoint& p = point();  // seen by one camera, which hardly moved
+  const Eigen::Vector3d before = p.position;
+  while (p.bound.size() > 1) p.bound.pop_back();
+  EXPECT_FALSE(retriangulate(sim_.map, p));
+  EXPECT_EQ(p.position, before);
+}
+
+TEST_F(RegisterTest, RetriangulateUsesBothCameras) {
+  sim_.map.bind(point(), kCam1, track());
+  MapPoint& p = point();
+  p.position += Eigen::Vector3d(0.2, 0.2, -0.3);
+  ASSERT_TRUE(retriangulate(sim_.map, p));
+  const Eigen::Vector3d error = p.position - world_.position(shared_);
+  EXPECT_LT(error.norm(), 0.15);
+  EXPECT_LT(test::nees(error, p.covariance), 12);
+}
+
+}  // namespace
+}  // namespace coslam
