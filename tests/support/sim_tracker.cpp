@@ -84,10 +84,9 @@ PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& 
 }
 
 DescriptorReply SimTracker::describe(const TrackFrame& frame) {
-  DescriptorReply reply{name_, run_, frame.frame, {}, {}, {}};
+  DescriptorReply reply{name_, run_, frame.frame, {}, {}};
   for (const TrackObservation& o : frame.tracks) {
     reply.tracks.push_back(o.track);
-    reply.undistorted_px.push_back(o.undistorted_px);
     for (const std::uint8_t byte : world_.descriptor(live_.at(o.track).point)) {
       reply.descriptors.push_back(static_cast<std::uint8_t>(std::clamp(byte + 6 * gauss(), 0.0, 255.0)));
     }
