@@ -107,7 +107,8 @@ TEST(RefinePose, MeasuresTheScaleOfTheResiduals) {
   EXPECT_NEAR(refine_pose(kCamera, observe(400, {.px = 1.0}, 3), kTruth, {}).sigma_px, 1.0, 0.15);
   EXPECT_NEAR(refine_pose(kCamera, observe(400, {.px = 2.0}, 3), kTruth, {}).sigma_px, 2.0, 0.3);
   // Never below the floor, never above what is believed.
-  EXPECT_DOUBLE_EQ(refine_pose(kCamera, observe(100, {}, 3), kTruth, {}).sigma_px, 0.4);
+  EXPECT_DOUBLE_EQ(refine_pose(kCamera, observe(100, {}, 3), kTruth, {}).sigma_px,
+                   PoseRefinementConfig{}.sigma_floor_px);
   EXPECT_LE(refine_pose(kCamera, observe(400, {.px = 9}, 3), kTruth, {}).sigma_px, 3.0);
 }
 

@@ -19,6 +19,13 @@ using testing::IsEmpty;
 
 constexpr CameraId kCam(0);
 
+// Round numbers to test against, whatever the defaults are.
+constexpr PatchWriterConfig kConfig{.moved_px = 0.15,
+                                    .covariance_ratio = 1.5,
+                                    .patches_per_frame = 10,
+                                    .patch_track_frames = 4,
+                                    .patch_refresh_sets = 40};
+
 class PatchWriterTest : public testing::Test {
  protected:
   PatchWriterTest() : sim_(world_, test::paths_side_by_side(1)) { next(); }
@@ -51,7 +58,7 @@ class PatchWriterTest : public testing::Test {
 
   const test::SimWorld world_{{}};
   test::SimMap sim_;
-  PatchWriter writer_{RunId(9), PatchWriterConfig{}};
+  PatchWriter writer_{RunId(9), kConfig};
 };
 
 TEST_F(PatchWriterTest, TheFirstPatchIsASnapshot) {
