@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that track
 constexpr double kSiftBorderPx = 14;
-constexpr int kShedAfterFrames = 15;
-constexpr int kShedPerFrame = 20;
+constexpr int kShedAfterFrames = 20;
+constexpr int kShedPerFrame = 15;
 
 }  // namespace
 

@@ -13,9 +13,9 @@ namespace coslam {
 struct PatchWriterConfig {
   double moved_px = 0.3;          // a point is sent again when it moved so far in this camera's image
   double covariance_ratio = 2.0;  // or its covariance changed by this factor
-  int patches_per_frame = 3;      // image patches asked for, at most
+  int patches_per_frame = 4;      // image patches asked for, at most
   int patch_track_frames = 4;     // a track is asked for its patch when it is so old
-  int patch_refresh_sets = 90;    // and again after so long while it has no point
+  int patch_refresh_sets = 60;    // and again after so long while it has no point
 };
 
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.

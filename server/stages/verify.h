@@ -7,8 +7,8 @@
 namespace coslam {
 
 struct VerifyConfig {
-  int failures = 3;              // gate failures in succession that unbind a track
-  double update_turn_rad = 0.1;  // the viewing ray must have turned so far since the point's last filter update
+  int failures = 3;               // gate failures in succession that unbind a track
+  double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
 };
 
 struct VerifyReport {
