@@ -43,7 +43,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("maps_started", started.started);
     count("placed", started.placed);
     counts_.merges += started.merged;
-    refine_whole_ |= started.merged > 0;
+    if (started.merged > 0) refine_whole_ = started.merged_into;
   }
   {
     const auto t = times_.measure("verify");
@@ -73,6 +73,12 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("inter_matched", r.matched);
     count("created_inter", r.created);
   }
+  if (set.id.value % static_cast<std::uint32_t>(config_.fuse.period) == 0) {
+    const auto t = times_.measure("fuse");
+    const FuseReport r = fuse_points(map_, set, config_.fuse);
+    count("fuse_candidates", r.candidates);
+    count("fused", r.fused);
+  }
   {
     const auto t = times_.measure("cull");
     count("culled", cull(map_, set, config_.cull).removed);
@@ -84,6 +90,10 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   const auto t = times_.measure("correct");
   return write_patches(set, started.wants_descriptors);
+}
+
+MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {
+  return writers_.at(camera).acknowledge(map_, map_.camera(camera), frame);
 }
 
 std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, bool wants_descriptors) {
@@ -120,17 +130,19 @@ MapId MapServer::largest_map() const {
 }
 
 void MapServer::plan_refinement(bool key_frame) {
-  if (!config_.refine.enabled || in_flight_ || !(key_frame || refine_whole_)) return;
+  const bool whole = refine_whole_ != MapId();
+  if (!config_.refine.enabled || in_flight_ || !(key_frame || whole)) return;
   std::vector<MapId> maps;
   for (const MapCamera& c : map_.cameras()) {
     if (c.map != MapId() && std::find(maps.begin(), maps.end(), c.map) == maps.end()) maps.push_back(c.map);
   }
   if (maps.empty()) return;
-  const MapId of = maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
-  planned_ = plan_refine(map_, of, refine_whole_, config_.refine);
+  const MapId of = whole ? refine_whole_ : maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
+  planned_ = plan_refine(map_, of, whole, config_.refine);
   if (planned_) {
-    refine_whole_ = false;
     ++counts_.refinements;
+  } else if (whole) {
+    refine_whole_ = MapId();  // too little to adjust, or part of another map by now
   }
 }
 
@@ -148,6 +160,9 @@ void MapServer::apply_refined() {
   if (!refined_) return;
   const RefineReport r = apply_refine(map_, refined_->first, refined_->second);
   count("refine_applied", r.applied ? 1 : 0);
+  // A whole adjustment that a change of the map overtook is planned again.
+  const RefineJob& job = refined_->first;
+  if (job.whole && job.map == refine_whole_ && (r.applied || !refined_->second.usable)) refine_whole_ = MapId();
   count("refine_outliers", r.outliers);
   count("refine_observations", r.observations);
   refined_.reset();
@@ -178,9 +193,11 @@ void MapServer::finish() {
   if (!config_.refine.enabled) return;
   for (int round = 0; round < 2; ++round) {
     const auto job = plan_refine(map_, largest_map(), true, config_.refine);
-    if (!job) return;
+    if (!job) break;
     apply_refine(map_, *job, solve_refine(*job));
   }
+  scaled_map_ = MapId();  // the poses that tell the scale are known better now
+  set_scale();
 }
 
 }  // namespace coslam

@@ -13,6 +13,7 @@
 #include "server/correct/patch_writer.h"
 #include "server/map/map.h"
 #include "server/stages/cull.h"
+#include "server/stages/fuse.h"
 #include "server/stages/group.h"
 #include "server/stages/key_frame.h"
 #include "server/stages/localise.h"
@@ -33,6 +34,7 @@ struct MapServerConfig {
   RegisterConfig registration;
   MapIntraConfig intra;
   MapInterConfig inter;
+  FuseConfig fuse;
   CullConfig cull;
   KeyFrameConfig key_frame;
   RefineConfig refine;
@@ -59,6 +61,8 @@ class MapServer {
   void set_alive(CameraId camera, bool alive);
 
   std::vector<MapPatch> step(const FrameSet& set);
+  // The answer to a frame that is older than the last set and cannot be used any more.
+  MapPatch acknowledge(CameraId camera, const TrackFrame& frame);
 
   // The job that the last step planned, at most one in flight; its solution is taken in at the next step.
   std::optional<RefineJob> take_refine_job();
@@ -92,7 +96,7 @@ class MapServer {
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
-  bool refine_whole_ = false;  // after a merge
+  MapId refine_whole_;         // became one of two: adjust all of it; 0 = none
   MapId scaled_map_;           // the one in metres; 0 = none
   SetId scaled_at_;            // the instant of the known baseline
   MapServerCounts counts_;

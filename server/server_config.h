@@ -70,6 +70,13 @@ void describe(V& v, MapInterConfig& c) {
 }
 
 template <class V>
+void describe(V& v, FuseConfig& c) {
+  v.field("period", c.period, {1, 1000}, "frame sets between runs");
+  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
+  v.field("check_back", c.check_back, {1, 1000}, "frames of each track in which the fused point must fit");
+}
+
+template <class V>
 void describe(V& v, CullConfig& c) {
   v.field("probation_sets", c.probation_sets, {1, 10000}, "by when a new point must have been seen well");
   v.field("min_views", c.min_views, {1, 10000}, "frames in which it passed the gate by then");
@@ -123,6 +130,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("register", c.map.registration);
   v.section("map_intra", c.map.intra);
   v.section("map_inter", c.map.inter);
+  v.section("fuse", c.map.fuse);
   v.section("cull", c.map.cull);
   v.section("key_frame", c.map.key_frame);
   v.section("refine", c.map.refine);

@@ -169,7 +169,12 @@ void ServerLoop::admit(const Hello& hello) {
 void ServerLoop::on_frame(const JoinedFrame& joined) {
   const auto at = agents_.find(joined.frame.agent);
   if (at == agents_.end() || at->second.run != joined.frame.agent_run) return;
-  sync_.push({at->second.camera, joined.frame, joined.patches, joined.descriptors}, monotonic_ns());
+  CameraFrame frame{at->second.camera, joined.frame, joined.patches, joined.descriptors};
+  // A pose in the map of a server before this one says nothing here.
+  if (frame.frame.server_run != server_.run()) frame.frame.pose_state = PoseState::kNone;
+  const bool used = sync_.push(std::move(frame), monotonic_ns());
+  // A replay that joined late or began anew catches up with the others.
+  if (!used && lockstep()) link_.send(server_.acknowledge(at->second.camera, joined.frame));
 }
 
 void ServerLoop::on_status(const AgentStatus& status) {

@@ -47,6 +47,7 @@ ImagePatch cut_patch(const cv::Mat& small, const Track& track) {
           std::lround(sample(small, cx + static_cast<float>(dx), cy + static_cast<float>(dy))));
     }
   }
+  patch.grey = quantised_patch(patch.grey);
   return patch;
 }
 

@@ -23,6 +23,22 @@ Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale
   return {grid(undistorted_px.x()), grid(undistorted_px.y())};
 }
 
+int patch_shift(const PatchGrey& grey) {
+  const auto [low, high] = std::minmax_element(grey.begin(), grey.end());
+  int shift = 0;
+  while ((*high >> shift) - (*low >> shift) >= kPatchSteps) ++shift;
+  return shift;
+}
+
+PatchGrey quantised_patch(const PatchGrey& grey) {
+  const int shift = patch_shift(grey);
+  PatchGrey out;
+  std::transform(grey.begin(), grey.end(), out.begin(), [shift](std::uint8_t v) {
+    return static_cast<std::uint8_t>(((v >> shift) << shift) | ((1 << shift) >> 1));
+  });
+  return out;
+}
+
 Eigen::Matrix3d unpack_covariance(const Eigen::Matrix<float, 6, 1>& p) {
   Eigen::Matrix3d m;
   m << p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5];

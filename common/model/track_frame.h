@@ -59,11 +59,18 @@ struct TrackFrame {
 // Square of grey values around a track, from the raw image scaled to 30 %, mean and gain removed by the receiver.
 constexpr int kPatchSide = 11;
 constexpr int kPatchBytes = kPatchSide * kPatchSide;
+using PatchGrey = std::array<std::uint8_t, kPatchBytes>;
 
 struct ImagePatch {
   TrackId track;
-  std::array<std::uint8_t, kPatchBytes> grey{};
+  PatchGrey grey{};  // as quantised_patch() leaves it
 };
+
+// The wire carries 4 bits a pixel: grey values in steps of 2^shift, the finest in which a patch spans at most 16 steps.
+// Values at the middle of their steps; quantising twice changes nothing.
+constexpr int kPatchSteps = 16;
+int patch_shift(const PatchGrey& grey);
+PatchGrey quantised_patch(const PatchGrey& grey);
 
 struct PatchReply {  // answer to MapPatch::patch_requests, cut from the image of `frame`
   std::string agent;

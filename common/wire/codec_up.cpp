@@ -95,6 +95,36 @@ Problem unpack_upper(const std::array<float, 21>& packed, Eigen::Matrix<float, 6
   return m.diagonal().minCoeff() >= 0 ? std::nullopt : Problem(Rejection::kOutOfRange);
 }
 
+// Two patch pixels an octet, the first in the low half.
+constexpr std::size_t kPatchRecordBytes = 2 + (kPatchBytes + 1) / 2;
+static_assert(idl::MAX_PATCH_BYTES == kPatchRecordBytes * idl::MAX_TRACKS);
+
+void pack_patch(const PatchGrey& grey, Packer& out) {
+  const int shift = patch_shift(grey);
+  const int lowest = *std::min_element(grey.begin(), grey.end()) >> shift;
+  out.put(static_cast<std::uint8_t>(shift));
+  out.put(static_cast<std::uint8_t>(lowest));
+  for (std::size_t i = 0; i < grey.size(); i += 2) {
+    const int first = (grey[i] >> shift) - lowest;
+    const int second = i + 1 < grey.size() ? (grey[i + 1] >> shift) - lowest : 0;
+    out.put(static_cast<std::uint8_t>(first | second << 4));
+  }
+}
+
+Problem unpack_patch(Unpacker& in, PatchGrey& grey) {
+  const int shift = *in.get<std::uint8_t>(), lowest = *in.get<std::uint8_t>();
+  if (shift > 4) return Rejection::kOutOfRange;
+  const int half = (1 << shift) >> 1;
+  std::uint8_t pair = 0;
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    pair = i % 2 == 0 ? *in.get<std::uint8_t>() : static_cast<std::uint8_t>(pair >> 4);
+    const int value = ((lowest + (pair & 15)) << shift) | half;
+    if (value > 255) return Rejection::kOutOfRange;
+    grey[i] = static_cast<std::uint8_t>(value);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
@@ -156,10 +186,11 @@ idl::PatchReply encode(const PatchReply& r) {
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
   m.agent(r.agent);
-  m.grey().reserve(r.patches.size() * kPatchBytes);
+  m.grey().reserve(r.patches.size() * kPatchRecordBytes);
+  Packer packer(m.grey());
   for (const ImagePatch& p : r.patches) {
     m.tracks().push_back(p.track.value);
-    m.grey().insert(m.grey().end(), p.grey.begin(), p.grey.end());
+    pack_patch(p.grey, packer);
   }
   return m;
 }
@@ -168,14 +199,13 @@ Decoded<PatchReply> decode(const idl::PatchReply& m) {
   PatchReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}};
   if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
   if (const Problem p = check_count(m.tracks().size(), idl::MAX_TRACKS)) return *p;
-  if (m.grey().size() != m.tracks().size() * kPatchBytes) return Rejection::kSizeMismatch;
-  auto grey = m.grey().begin();
+  if (m.grey().size() != m.tracks().size() * kPatchRecordBytes) return Rejection::kSizeMismatch;
+  Unpacker in(m.grey());
   for (const std::uint32_t id : m.tracks()) {
     if (id == 0) return Rejection::kBadId;
     ImagePatch& patch = r.patches.emplace_back();
     patch.track = TrackId(id);
-    std::copy_n(grey, kPatchBytes, patch.grey.begin());
-    grey += kPatchBytes;
+    if (const Problem p = unpack_patch(in, patch.grey)) return *p;
   }
   return r;
 }

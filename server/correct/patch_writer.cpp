@@ -50,23 +50,36 @@ void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* pa
   std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
 }
 
-MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors) {
+MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
   if (frame.agent_run != agent_run_) {
     agent_run_ = frame.agent_run;
     sequence_ = 0;
     told_.clear();
     epoch_ = map.epoch();
   }
-  const bool other_map = camera.map != map_;
-  const bool snapshot = sequence_ == 0 || frame.wants_snapshot || other_map;
   MapPatch patch;
   patch.agent = camera.name;
   patch.server_run = server_run_;
   patch.agent_run = agent_run_;
   patch.sequence = ++sequence_;
   patch.after_frame = frame.frame;
-  patch.snapshot = snapshot;
   patch.epoch = map.epoch();
+  return patch;
+}
+
+MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
+  MapPatch patch = next_patch(map, camera, frame);
+  patch.snapshot = true;
+  told_.clear();
+  map_ = MapId();
+  return patch;
+}
+
+MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors) {
+  MapPatch patch = next_patch(map, camera, frame);
+  const bool other_map = camera.map != map_;
+  const bool snapshot = patch.sequence == 1 || frame.wants_snapshot || other_map;
+  patch.snapshot = snapshot;
   if (epoch_ != map.epoch() && !other_map) {
     patch.new_from_old = camera.moved;
     const double s = camera.moved.scale;

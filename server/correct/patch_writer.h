@@ -25,8 +25,12 @@ class PatchWriter {
 
   // After a frame set that held `frame` of `camera`. Takes camera.moved (leaves the identity).
   MapPatch write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors);
+  // After a frame that came too late to be used: its agent only learns that it may go on.
+  MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
  private:
+  MapPatch next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame);
+
   struct Told {
     PointId point;
     PointState state;

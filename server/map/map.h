@@ -21,8 +21,6 @@
 // stages (server/stages) read and change it through them.
 namespace coslam {
 
-using PatchPixels = std::array<std::uint8_t, kPatchBytes>;
-
 struct TrackPoint {
   SetId set;
   Eigen::Vector2f undistorted_px;
@@ -33,7 +31,7 @@ struct ServerTrack {
   TrackId id;
   PointId point;                     // 0 = unmapped
   std::vector<TrackPoint> seen;      // ascending sets, thinned when old
-  std::optional<PatchPixels> patch;  // newest received
+  std::optional<PatchGrey> patch;  // newest received
   SetId patch_set;
   std::vector<std::uint8_t> descriptor;  // kDescriptorBytes or empty
   std::uint32_t mapping_after = 0;       // set number before which mapping it is not tried again
@@ -79,7 +77,7 @@ struct KeyObservation {
 struct PointPatch {
   CameraId camera;
   Eigen::Vector3d view_direction;  // unit, camera to point
-  PatchPixels pixels;
+  PatchGrey pixels;
 };
 
 struct BoundTrack {

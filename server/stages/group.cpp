@@ -31,12 +31,15 @@ class DisjointSets {
 
 ViewGraph view_graph(const Map& map, const FrameSet& set) {
   const std::size_t n = map.cameras().size();
+  std::vector<bool> here(n, false);
+  for (const CameraFrame& cf : set.frames) here[cf.camera.value] = true;
   std::vector<int> shared(n * n, 0);
-  for (const auto& [id, p] : map.points()) {
-    for (std::size_t i = 0; i < p.bound.size(); ++i) {
-      for (std::size_t j = i + 1; j < p.bound.size(); ++j) {
-        const auto [a, b] = std::minmax(p.bound[i].camera, p.bound[j].camera);
-        if (a != b) ++shared[a.value * n + b.value];
+  for (const CameraFrame& cf : set.frames) {
+    for (const auto& [id, track] : map.camera(cf.camera).tracks) {
+      const MapPoint* p = map.find(track.point);
+      if (p == nullptr) continue;
+      for (const BoundTrack& b : p->bound) {
+        if (b.camera > cf.camera && here[b.camera.value]) ++shared[cf.camera.value * n + b.camera.value];
       }
     }
   }

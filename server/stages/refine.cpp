@@ -185,6 +185,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const
   RefineJob job;
   job.epoch = map.epoch();
   job.map = of;
+  job.whole = whole;
   job.config.max_iterations = whole ? config.final_iterations : config.max_iterations;
   const std::size_t window = whole ? keys.size() : std::min(keys.size(), static_cast<std::size_t>(config.window));
   const SetId first = keys[keys.size() - window].set;

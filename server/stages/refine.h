@@ -34,6 +34,7 @@ struct RefineJob {
   std::vector<ObservationKey> observations;  // as problem.observations
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
+  bool whole = false;     // every key frame of the map
   bool floating = false;  // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;

@@ -5,42 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/stages/track_grid.h"
 #include "server/stages/verify.h"
 #include "server/stages/zncc.h"
 
 namespace coslam {
 namespace {
-
-constexpr double kCellPx = 16;
-
-// Unmapped tracks of one camera by place.
-class TrackGrid {
- public:
-  void add(ServerTrack* t) { cells_[key(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
-  template <class Visit>
-  void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
-    const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)),
-               high = cell(px + Eigen::Vector2d::Constant(radius_px));
-    for (int y = low.second; y <= high.second; ++y) {
-      for (int x = low.first; x <= high.first; ++x) {
-        const auto at = cells_.find({x, y});
-        if (at == cells_.end()) continue;
-        for (ServerTrack* t : at->second) visit(t);
-      }
-    }
-  }
-
- private:
-  static std::pair<int, int> cell(const Eigen::Vector2d& px) {
-    return {static_cast<int>(std::floor(px.x() / kCellPx)), static_cast<int>(std::floor(px.y() / kCellPx))};
-  }
-  static std::pair<int, int> key(const Eigen::Vector2d& px) { return cell(px); }
-  std::map<std::pair<int, int>, std::vector<ServerTrack*>> cells_;
-};
-
-bool seen_by(const MapPoint& p, CameraId camera) {
-  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
-}
 
 bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const MapPoint& point, double gate_px,
                      double theta2, int frames) {
@@ -73,18 +43,10 @@ void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vec
   for (auto& [id, p] : map.points()) {
     if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
     if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
-    Eigen::Vector2d px;
-    Eigen::Matrix<double, 2, 3> j;
-    if (!project_world(camera.model, pose, p.position, &px, &j)) continue;
-    if (px.x() < -0.3 * camera.model.width_px || px.x() > 1.3 * camera.model.width_px ||
-        px.y() < -0.3 * camera.model.height_px || px.y() > 1.3 * camera.model.height_px) {
-      continue;
-    }
-    const Eigen::Matrix2d s = j * p.covariance * j.transpose();
-    const double radius_px = theta * std::sqrt(s.trace() + gate_px * gate_px);
-    if (radius_px > 40) continue;  // too uncertain to be told from its neighbours
+    const auto window = search_window(camera.model, pose, p, gate_px, theta);
+    if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
-    grid.near(px, radius_px, [&](ServerTrack* t) {
+    grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
       const auto d2 = gate_distance2(p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
       if (d2 && *d2 < best.d2) best = {*d2, &p, t};
     });

@@ -327,6 +327,7 @@ void place_and_merge(Map& map, const FrameSet& set, const StartStageConfig& conf
       } else if (const auto similarity = map_similarity(map, camera, *at)) {
         merge_maps(map, camera, *at, other, *similarity);
         ++report->merged;
+        report->merged_into = camera.map;
       } else {
         continue;
       }

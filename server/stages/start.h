@@ -20,6 +20,7 @@ struct StartStageConfig {
 
 struct StartReport {
   int started = 0, placed = 0, merged = 0;
+  MapId merged_into;  // the last of them; 0 = none
   bool wants_descriptors = false;
   std::string reason;  // why a start failed
 };

@@ -6,7 +6,7 @@
 
 namespace coslam {
 
-double zncc(const PatchPixels& a, const PatchPixels& b) {
+double zncc(const PatchGrey& a, const PatchGrey& b) {
   std::int64_t sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const std::int64_t x = a[i], y = b[i];

@@ -7,7 +7,7 @@
 namespace coslam {
 
 // Zero-mean normalised cross correlation of two patches, -1 to 1; 0 for a flat patch.
-double zncc(const PatchPixels& a, const PatchPixels& b);
+double zncc(const PatchGrey& a, const PatchGrey& b);
 
 // The patch of a point seen from the direction nearest to this one; null when it has none.
 const PointPatch* nearest_patch(const MapPoint& point, const Eigen::Vector3d& view_direction);

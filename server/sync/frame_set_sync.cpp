@@ -77,7 +77,8 @@ std::optional<FrameSet> FrameSetSync::pop(TimeNs now_ns) {
     set.frames.push_back(std::move(m.queue.front().frame));
     m.queue.pop_front();
   }
-  set.t_ns = first_ns + sum_ns / static_cast<TimeNs>(set.frames.size());
+  set.t_ns = std::max(last_set_ns_, first_ns + sum_ns / static_cast<TimeNs>(set.frames.size()));
+  last_set_ns_ = set.t_ns;
   last_t_ns_ = first_ns;
   return set;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -55,7 +56,8 @@ class FrameSetSync {
   SyncConfig config_;
   std::map<CameraId, Member> members_;
   std::uint32_t next_set_ = 0;
-  std::optional<TimeNs> last_t_ns_;
+  std::optional<TimeNs> last_t_ns_;  // oldest frame of the last set
+  TimeNs last_set_ns_ = std::numeric_limits<TimeNs>::min();
   std::uint32_t late_ = 0, overflowed_ = 0;
 };
 

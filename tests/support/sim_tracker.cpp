@@ -79,6 +79,7 @@ PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& 
     for (std::size_t i = 0; i < grey.size(); ++i) {
       patch.grey[i] = static_cast<std::uint8_t>(std::clamp(grey[i] + 8 * gauss(), 0.0, 255.0));
     }
+    patch.grey = quantised_patch(patch.grey);
   }
   return reply;
 }

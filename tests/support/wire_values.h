@@ -78,6 +78,7 @@ class WireValues {
       ImagePatch& patch = reply.patches.emplace_back();
       patch.track = TrackId(1 + below(1000000));
       for (auto& grey : patch.grey) grey = static_cast<std::uint8_t>(below(256));
+      patch.grey = quantised_patch(patch.grey);
     }
     return reply;
   }

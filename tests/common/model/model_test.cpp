@@ -101,5 +101,22 @@ TEST(SimTracker, FramesKeepTheRules) {
   EXPECT_GT(ended, 100);
 }
 
+TEST(PatchSteps, AtMostSixteenEachOfAPowerOfTwoAndTwiceIsOnce) {
+  std::minstd_rand random(1);
+  for (int span = 1; span <= 256; ++span) {
+    PatchGrey grey;
+    const int low = static_cast<int>(random() % static_cast<unsigned>(257 - span));
+    for (auto& v : grey) v = static_cast<std::uint8_t>(low + static_cast<int>(random() % static_cast<unsigned>(span)));
+    const int shift = patch_shift(grey);
+    const PatchGrey once = quantised_patch(grey);
+    EXPECT_EQ(patch_shift(once), shift) << span;
+    EXPECT_EQ(quantised_patch(once), once) << span;
+    const auto [least, most] = std::minmax_element(once.begin(), once.end());
+    EXPECT_LE((*most - *least) >> shift, 15) << span;
+    if (span <= 16) EXPECT_EQ(once, grey) << span;
+    for (std::size_t i = 0; i < grey.size(); ++i) EXPECT_LE(std::abs(grey[i] - once[i]), (1 << shift) / 2) << span;
+  }
+}
+
 }  // namespace
 }  // namespace coslam

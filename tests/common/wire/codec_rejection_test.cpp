@@ -97,6 +97,8 @@ TEST(CodecRejects, Replies) {
   const P patches = encode(values.patches(frame, 3));
   expect_rejected<P>(patches, Rejection::kSizeMismatch, [](P& m) { m.grey().pop_back(); });
   expect_rejected<P>(patches, Rejection::kBadId, [](P& m) { m.tracks()[1] = 0; });
+  expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.grey()[0] = 5; });
+  expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.grey()[1] = 255; });
   expect_rejected<P>(patches, Rejection::kTooMany, [](P& m) { m.tracks().resize(2049); });
   const D descriptors = encode(values.descriptors(frame, 3));
   expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.tracks().pop_back(); });

@@ -201,7 +201,7 @@ TEST_F(PatchWriterTest, ThePatchOfAMappedTrackIsKeptAndOthersRefreshed) {
     for (const TrackId id : write().patch_requests) {
       asked.push_back(id);
       camera().tracks.at(id).patch_set = sim_.set.id;  // as if it had been answered
-      camera().tracks.at(id).patch = PatchPixels{};
+      camera().tracks.at(id).patch = PatchGrey{};
     }
   }
   EXPECT_EQ(std::count(asked.begin(), asked.end(), mapped), 0);

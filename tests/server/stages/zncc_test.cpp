@@ -14,14 +14,14 @@ namespace {
 
 const test::SimWorld kWorld({.points = 200});
 
-PatchPixels changed(const PatchPixels& patch, double gain, double bias) {
-  PatchPixels out = patch;
+PatchGrey changed(const PatchGrey& patch, double gain, double bias) {
+  PatchGrey out = patch;
   for (auto& g : out) g = static_cast<std::uint8_t>(std::lround(gain * g + bias));
   return out;
 }
 
 TEST(Zncc, IsOneForTheSameUnderAnotherLight) {
-  const PatchPixels& p = kWorld.patch(0);
+  const PatchGrey& p = kWorld.patch(0);
   EXPECT_NEAR(zncc(p, p), 1, 1e-12);
   EXPECT_NEAR(zncc(p, changed(p, 0.5, 60)), 1, 1e-3);
   EXPECT_NEAR(zncc(p, changed(p, -1, 255)), -1, 1e-12);
@@ -38,7 +38,7 @@ TEST(Zncc, IsSmallForOthers) {
 }
 
 TEST(Zncc, AFlatPatchMatchesNothing) {
-  PatchPixels flat{}, nearly{};
+  PatchGrey flat{}, nearly{};
   flat.fill(100);
   nearly.fill(100);
   nearly[5] = 101;

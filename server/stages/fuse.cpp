@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/fuse.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <tuple>
+
+#include "server/stages/track_grid.h"
+#include "server/stages/zncc.h"
+
+namespace coslam {
+namespace {
+
+struct Candidate {
+  double d2;
+  PointId first, second;  // the second is bound to the track
+  CameraId camera;
+  const ServerTrack* track;
+};
+
+void collect(Map& map, MapCamera& camera, FuseReport* report, std::vector<Candidate>* out) {
+  TrackGrid grid;
+  for (auto& [id, t] : camera.tracks) {
+    const MapPoint* p = map.find(t.point);
+    if (p != nullptr && p->state == PointState::kStatic && t.patch && t.gate_failures == 0) grid.add(&t);
+  }
+  const Rigid3& pose = camera.frames.back().cam_from_world;
+  const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
+    if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
+    const auto window = search_window(camera.model, pose, p, gate_px, theta);
+    if (!window) continue;
+    Candidate best{theta * theta, id, PointId(), camera.id, nullptr};
+    grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
+      const MapPoint& q = *map.find(t->point);
+      const auto other = search_window(camera.model, pose, q, gate_px, theta);
+      if (!other) return;
+      const Eigen::Matrix2d s =
+          window->covariance + other->covariance + gate_px * gate_px * Eigen::Matrix2d::Identity();
+      const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
+      const double d2 = r.dot(s.inverse() * r);
+      if (d2 < best.d2) best = {d2, id, q.id, camera.id, t};
+    });
+    if (best.track == nullptr) continue;
+    ++report->candidates;
+    out->push_back(best);
+  }
+}
+
+// Seen at once by one camera, so they are two things.
+bool seen_apart(const MapPoint& p, const MapPoint& q) {
+  for (const BoundTrack& b : p.bound) {
+    if (seen_by(q, b.camera)) return true;
+  }
+  auto a = p.key_observations.begin(), b = q.key_observations.begin();
+  while (a != p.key_observations.end() && b != q.key_observations.end()) {
+    const auto ka = std::tie(a->set, a->camera), kb = std::tie(b->set, b->camera);
+    if (ka == kb) return true;
+    ka < kb ? ++a : ++b;
+  }
+  return false;
+}
+
+void add_views(const Map& map, const MapPoint& p, std::size_t check_back, std::vector<View>* views) {
+  for (const View& v : map.key_views_of(p)) views->push_back(v);
+  for (const BoundTrack& b : p.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const std::vector<View> all = map.views_of(c, c.tracks.at(b.track), check_back);
+    views->insert(views->end(), all.begin(), all.end());
+  }
+}
+
+// The one position of both, if it explains all their views.
+std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double most_px,
+                                              std::size_t check_back) {
+  std::vector<View> views;
+  add_views(map, p, check_back, &views);
+  add_views(map, q, check_back, &views);
+  const TriangulationResult t = triangulate(views, 1.0, 0.0);
+  if (t.status != TriangulationStatus::kOk || t.max_error_px > most_px) return std::nullopt;
+  return t.position;
+}
+
+}  // namespace
+
+FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) {
+  FuseReport report;
+  std::vector<Candidate> candidates;
+  for (const CameraFrame& cf : set.frames) {
+    MapCamera& camera = map.camera(cf.camera);
+    if (camera.frames.back().valid()) collect(map, camera, &report, &candidates);
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
+  for (const Candidate& c : candidates) {
+    MapPoint *p = map.find(c.first), *q = map.find(c.second);
+    if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) continue;
+    const MapCamera& camera = map.camera(c.camera);
+    const Eigen::Vector3d direction = (p->position - camera.frames.back().cam_from_world.center()).normalized();
+    const PointPatch* patch = nearest_patch(*p, direction);
+    if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min) continue;
+    const double most_px = map.config().theta * map.gate_sigma_px(camera);
+    const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));
+    if (!position) continue;
+    if (p->id > q->id) std::swap(p, q);
+    map.fuse(p->id, q->id);
+    p->position = *position;
+    p->covariance = map.covariance_of(*p);
+    ++report.fused;
+  }
+  return report;
+}
+
+}  // namespace coslam

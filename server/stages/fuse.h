@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct FuseConfig {
+  int period = 5;         // frame sets between runs
+  double zncc_min = 0.7;  // between a patch of one point and the track's of the other
+  int check_back = 60;    // frames of each track in which the fused point must fit
+};
+
+struct FuseReport {
+  int candidates = 0, fused = 0;
+};
+
+// Two cameras that map the same corner by themselves make two points of it. Such a pair becomes one when no camera ever
+// saw both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate, and
+// one position explains every view of either: these links between cameras hold the map together.
+FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config);
+
+}  // namespace coslam

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/fuse.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+constexpr CameraId kCam0(0), kCam1(1);
+
+// Two cameras with true poses, and for every static world point that both follow, two map points: one from each.
+class FuseTest : public testing::Test {
+ protected:
+  FuseTest() : sim_(world_, test::paths_side_by_side(2)) {
+    sim_.advance(10, true);
+    for (int p = 0; p < world_.size(); ++p) {
+      if (world_.moves(p) || sim_.track_of(kCam0, p) == nullptr || sim_.track_of(kCam1, p) == nullptr) continue;
+      map_alone(p, kCam0, {0.004, 0, 0.01});
+      map_alone(p, kCam1, {-0.004, 0, -0.01});
+      twice_.push_back(p);
+    }
+  }
+  void map_alone(int world_point, CameraId camera, const Eigen::Vector3d& off_m) {
+    MapPoint& p = sim_.map.create_point(sim_.id, world_.position(world_point) + off_m,
+                                        1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, sim_.set.t_ns);
+    sim_.map.bind(p, camera, *sim_.track_of(camera, world_point));
+  }
+  FuseReport fuse() { return fuse_points(sim_.map, sim_.set, config_); }
+  PointId point_of(CameraId camera, int world_point) { return sim_.track_of(camera, world_point)->point; }
+
+  const FuseConfig config_;
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+  std::vector<int> twice_;
+};
+
+TEST_F(FuseTest, MakesOneOfTwoAndNothingElse) {
+  ASSERT_GT(twice_.size(), 50U);
+  const FuseReport report = fuse();
+  EXPECT_GE(report.fused, 0.9 * static_cast<double>(twice_.size()));
+  EXPECT_EQ(sim_.map.points().size(), 2 * twice_.size() - static_cast<std::size_t>(report.fused));
+  std::vector<double> errors, values;
+  for (const auto& [id, p] : sim_.map.points()) {
+    if (p.bound.size() < 2) continue;
+    ASSERT_EQ(p.bound.size(), 2U);
+    const int truth = sim_.world_point(p.bound[0].camera, p.bound[0].track);
+    EXPECT_EQ(sim_.world_point(p.bound[1].camera, p.bound[1].track), truth);
+    const Eigen::Vector3d error = p.position - world_.position(truth);
+    errors.push_back(error.norm());
+    values.push_back(test::nees(error, p.covariance));
+  }
+  EXPECT_LT(test::median(errors), 0.008) << "better than either was";
+  EXPECT_LT(test::median(values), 6);
+  EXPECT_EQ(fuse().fused, 0) << "done is done";
+}
+
+TEST_F(FuseTest, WhatACameraSawAtOnceStaysTwo) {
+  const int p = twice_.front();
+  // A second track of the first camera on the second's point: it sees both.
+  MapPoint& other = *sim_.map.find(point_of(kCam1, p));
+  ServerTrack& neighbour = *sim_.track_of(kCam0, twice_[1]);
+  sim_.map.unbind(kCam0, neighbour);
+  sim_.map.bind(other, kCam0, neighbour);
+  fuse();
+  EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
+}
+
+TEST_F(FuseTest, SeenApartAtAnEarlierKeyFrameCountsToo) {
+  const int p = twice_.front();
+  const TrackPoint& seen = sim_.track_of(kCam0, p)->seen.front();
+  for (const CameraId camera : {kCam0, kCam1}) {
+    sim_.map.find(point_of(camera, p))
+        ->key_observations.push_back({seen.set, kCam0, TrackId(900 + camera.value), seen.undistorted_px});
+  }
+  fuse();
+  EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
+}
+
+TEST_F(FuseTest, AnotherLookIsRefused) {
+  const int p = twice_.front();
+  sim_.track_of(kCam0, p)->patch = world_.patch(twice_[1]);
+  for (PointPatch& patch : sim_.map.find(point_of(kCam0, p))->patches) patch.pixels = world_.patch(twice_[1]);
+  fuse();
+  EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
+}
+
+TEST_F(FuseTest, OnePositionMustExplainThePastOfBoth) {
+  const int p = twice_.front();
+  sim_.track_of(kCam1, p)->seen[3].undistorted_px += Eigen::Vector2f(0, 15);
+  fuse();
+  EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
+}
+
+TEST_F(FuseTest, OnlyStaticPointsOfTheSameMap) {
+  for (auto& [id, p] : sim_.map.points()) {
+    if (p.bound.front().camera == kCam1) p.state = PointState::kUncertain;
+  }
+  EXPECT_EQ(fuse().candidates, 0);
+}
+
+}  // namespace
+}  // namespace coslam
