@@ -13,7 +13,8 @@ namespace coslam {
 struct PatchWriterConfig {
   double moved_px = 0.3;          // a point is sent again when it moved so far in this camera's image
   double covariance_ratio = 2.0;  // or its covariance changed by this factor
-  int patches_per_frame = 4;      // image patches asked for, at most
+  int patch_period = 3;           // frame sets between requests for image patches: together they share a datagram
+  int patches_per_request = 16;   // at most
   int patch_track_frames = 4;     // a track is asked for its patch when it is so old
   int patch_refresh_sets = 60;    // and again after so long while it has no point
 };

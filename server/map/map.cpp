@@ -150,12 +150,14 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
   }
   sort_observations(point);
   if (point.descriptor.empty()) point.descriptor = track.descriptor;
-  if (track.patch) {
-    const FramePose* f = camera(camera_id).frame_at(track.patch_set);
-    if (f != nullptr && f->map == point.map) {
-      point.patches.push_back({camera_id, (point.position - f->cam_from_world.center()).normalized(), *track.patch});
-    }
-  }
+  give_patch(point, camera_id, track);
+}
+
+void Map::give_patch(MapPoint& point, CameraId camera_id, const ServerTrack& track) {
+  if (!track.patch) return;
+  const FramePose* f = camera(camera_id).frame_at(track.patch_set);
+  if (f == nullptr || f->map != point.map) return;
+  point.patches.push_back({camera_id, (point.position - f->cam_from_world.center()).normalized(), *track.patch});
 }
 
 void Map::unbind(CameraId camera_id, ServerTrack& track) {

@@ -158,8 +158,10 @@ class Map {
 
   MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
                          TimeNs now_ns);
-  // Binds a track to a point, with its observations at key frames so far.
+  // Binds a track to a point, with its observations at key frames so far and its patch.
   void bind(MapPoint& point, CameraId camera, ServerTrack& track);
+  // The track's patch becomes one of the point's, when it was cut at a frame with a pose.
+  void give_patch(MapPoint& point, CameraId camera, const ServerTrack& track);
   void unbind(CameraId camera, ServerTrack& track);
   // Takes the track's share out of the point too: its observations are believed wrong.
   void unbind_and_forget(CameraId camera, ServerTrack& track);

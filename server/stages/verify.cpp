@@ -65,6 +65,7 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
         ++point->views;
         point->last_seen = set.id;
         point->last_ns = set.t_ns;
+        if (track.patch_set == set.id) map.give_patch(*point, camera.id, track);
         if (turned(*point, camera, frame.cam_from_world, config.update_turn_rad)) {
           kalman_update(*point, camera.model, frame.cam_from_world, px, map.covariance_sigma_px(camera));
           ++report.updated;

@@ -17,7 +17,8 @@ struct VerifyReport {
 
 // Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
 // r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
-// correlated in time. Outside for several sets: the track no longer follows the point.
+// correlated in time. A patch that came
+// now becomes the point's. Outside for several sets: the track no longer follows the point.
 VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config);
 
 // Kalman update (5)-(7) in Joseph form; sigma_px of one coordinate of the observation.

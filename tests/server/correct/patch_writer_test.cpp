@@ -22,7 +22,8 @@ constexpr CameraId kCam(0);
 // Round numbers to test against, whatever the defaults are.
 constexpr PatchWriterConfig kConfig{.moved_px = 0.15,
                                     .covariance_ratio = 1.5,
-                                    .patches_per_frame = 10,
+                                    .patch_period = 1,
+                                    .patches_per_request = 10,
                                     .patch_track_frames = 4,
                                     .patch_refresh_sets = 40};
 
