@@ -100,7 +100,9 @@ FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) 
     const Eigen::Vector3d direction = (p->position - camera.frames.back().cam_from_world.center()).normalized();
     const PointPatch* patch = nearest_patch(*p, direction);
     if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min) continue;
-    const double most_px = map.config().theta * map.gate_sigma_px(camera);
+    if (!same_centre(patch->pixels, *c.track->patch)) continue;
+    // The worst of many views: half as much again as the gate of one.
+    const double most_px = 1.5 * map.config().theta * map.gate_sigma_px(camera);
     const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));
     if (!position) continue;
     if (p->id > q->id) std::swap(p, q);

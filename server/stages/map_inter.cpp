@@ -177,6 +177,7 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
       if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
       const Score& back = of_b[static_cast<std::size_t>(s.best)];
       if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
+      if (!same_centre(*a[i].track->patch, *b[static_cast<std::size_t>(s.best)].track->patch)) continue;
       ++report.matched;
       if (try_point(map, view, a[i], b[static_cast<std::size_t>(s.best)], set, config)) ++report.created;
     }

@@ -86,7 +86,10 @@ RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConf
       ++report.candidates;
       if (c.track->point != PointId()) continue;
       const PointPatch* patch = nearest_patch(*c.point, (c.point->position - center).normalized());
-      if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min) continue;
+      if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min ||
+          !same_centre(patch->pixels, *c.track->patch)) {
+        continue;
+      }
       if (!gate_holds_back(camera, *c.track, *c.point, map.gate_sigma_px(camera), theta2, config.check_back)) continue;
       map.bind(*c.point, camera.id, *c.track);
       c.point->last_seen = set.id;

@@ -47,6 +47,35 @@ TEST(Zncc, AFlatPatchMatchesNothing) {
   EXPECT_EQ(zncc(flat, kWorld.patch(0)), 0);
 }
 
+// A blob, its middle off the centre of the patch.
+PatchGrey blob(double dx, double dy) {
+  PatchGrey out;
+  for (int i = 0; i < kPatchBytes; ++i) {
+    const double x = i % kPatchSide - 5 - dx, y = i / kPatchSide - 5 - dy;
+    out[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(40 + 180 * std::exp(-(x * x + y * y) / 6)));
+  }
+  return quantised_patch(out);
+}
+
+TEST(SameCentre, WithinAPixelOrSo) {
+  EXPECT_TRUE(same_centre(blob(0, 0), blob(0, 0)));
+  EXPECT_TRUE(same_centre(blob(0, 0), changed(blob(0.2, -0.2), 0.5, 60)));
+  EXPECT_TRUE(same_centre(blob(0.9, 0.4), blob(1.1, 0.2))) << "wherever in the patch";
+  for (const auto& [dx, dy] : {std::pair(0.7, 0.0), std::pair(0.0, -0.7), std::pair(0.5, 0.5), std::pair(2.0, 0.0)}) {
+    EXPECT_FALSE(same_centre(blob(0, 0), blob(dx, dy))) << dx << " " << dy;
+    EXPECT_FALSE(same_centre(blob(dx, dy), blob(0, 0))) << dx << " " << dy;
+  }
+  EXPECT_GT(zncc(blob(0, 0), blob(0.7, 0)), 0.8) << "correlation alone does not tell";
+}
+
+TEST(SameCentre, WithoutAPeakNothingIsKnown) {
+  PatchGrey flat{}, edge{};
+  flat.fill(100);
+  for (int i = 0; i < kPatchBytes; ++i) edge[static_cast<std::size_t>(i)] = i % kPatchSide < 5 ? 40 : 200;
+  EXPECT_FALSE(same_centre(flat, flat));
+  EXPECT_FALSE(same_centre(edge, edge));
+}
+
 TEST(NearestPatch, IsTheOneFromTheNearestDirection) {
   MapPoint p;
   EXPECT_EQ(nearest_patch(p, {0, 0, 1}), nullptr);
