@@ -49,7 +49,7 @@ Writer<Message>::Writer(Participant& participant, const std::string& partition)
 template <class Message>
 Writer<Message>::~Writer() {
   const bool flush = profile_of(kTopicOf<Message>).late_joiners && readers() > 0;
-  if (flush) impl_->writer->wait_for_acknowledgments(Duration_t(0.5L));
+  if (flush) impl_->writer->wait_for_acknowledgments(Duration_t(2.0L));
   impl_->publisher->delete_datawriter(impl_->writer);
   impl_->participant.participant->delete_publisher(impl_->publisher);
 }

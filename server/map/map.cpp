@@ -155,9 +155,7 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
 
 void Map::give_patch(MapPoint& point, CameraId camera_id, const ServerTrack& track) {
   if (!track.patch) return;
-  const FramePose* f = camera(camera_id).frame_at(track.patch_set);
-  if (f == nullptr || f->map != point.map) return;
-  point.patches.push_back({camera_id, (point.position - f->cam_from_world.center()).normalized(), *track.patch});
+  point.patches.push_back({camera_id, track.patch_set, *track.patch});
 }
 
 void Map::unbind(CameraId camera_id, ServerTrack& track) {

@@ -76,7 +76,7 @@ struct KeyObservation {
 
 struct PointPatch {
   CameraId camera;
-  Eigen::Vector3d view_direction;  // unit, camera to point
+  SetId set;  // of the image it was cut from
   PatchGrey pixels;
 };
 
@@ -160,7 +160,7 @@ class Map {
                          TimeNs now_ns);
   // Binds a track to a point, with its observations at key frames so far and its patch.
   void bind(MapPoint& point, CameraId camera, ServerTrack& track);
-  // The track's patch becomes one of the point's, when it was cut at a frame with a pose.
+  // The track's patch becomes one of the point's.
   void give_patch(MapPoint& point, CameraId camera, const ServerTrack& track);
   void unbind(CameraId camera, ServerTrack& track);
   // Takes the track's share out of the point too: its observations are believed wrong.

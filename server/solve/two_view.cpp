@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/solve/two_view.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
@@ -20,16 +23,62 @@ std::vector<cv::Point2d> to_cv(const Points& points) {
   return out;
 }
 
-TwoViewMotion judged(const Rigid3& second_from_first, const Points& pa, const Points& pb, double threshold) {
+// Signed distance of a match from its epipolar lines, to first order (Sampson).
+double sampson(const Eigen::Matrix3d& e, const Eigen::Vector2d& pa, const Eigen::Vector2d& pb) {
+  const Eigen::Vector3d a = pa.homogeneous(), b = pb.homogeneous();
+  const Eigen::Vector3d line_b = e * a, line_a = e.transpose() * b;
+  const double norm2 = line_a.head<2>().squaredNorm() + line_b.head<2>().squaredNorm();
+  return b.dot(line_b) / std::sqrt(std::max(norm2, 1e-30));
+}
+
+Eigen::Matrix3d essential(const Rigid3& m) { return skew(m.translation) * m.rotation.toRotationMatrix(); }
+
+// Moved by three angles of rotation and two of the direction of translation.
+Rigid3 stepped(const Rigid3& m, const Eigen::Matrix<double, 5, 1>& step) {
+  const Eigen::Vector3d u = m.translation.unitOrthogonal(), v = m.translation.cross(u);
+  return {(so3_exp(step.head<3>()) * m.rotation).normalized(),
+          (m.translation + step(3) * u + step(4) * v).normalized()};
+}
+
+// Least squares of the Sampson distances with Cauchy weights: minimal samples of noisy matches, as RANSAC draws them,
+// are far from the best motion when the baseline is short.
+Rigid3 polished(Rigid3 m, const Points& pa, const Points& pb, double threshold) {
+  constexpr int kIterations = 12;
+  constexpr double kStep = 1e-6;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::array<Eigen::Matrix3d, 5> shifted;
+    for (int k = 0; k < 5; ++k) {
+      const Eigen::Matrix<double, 5, 1> unit = kStep * Eigen::Matrix<double, 5, 1>::Unit(k);
+      shifted[static_cast<std::size_t>(k)] = essential(stepped(m, unit));
+    }
+    const Eigen::Matrix3d e = essential(m);
+    Eigen::Matrix<double, 5, 5> h = 1e-12 * Eigen::Matrix<double, 5, 5>::Identity();
+    Eigen::Matrix<double, 5, 1> g = Eigen::Matrix<double, 5, 1>::Zero();
+    for (std::size_t i = 0; i < pa.size(); ++i) {
+      const double r = sampson(e, pa[i], pb[i]);
+      const double weight = 1 / (1 + r * r / (threshold * threshold));
+      Eigen::Matrix<double, 5, 1> j;
+      for (int k = 0; k < 5; ++k) j(k) = (sampson(shifted[static_cast<std::size_t>(k)], pa[i], pb[i]) - r) / kStep;
+      h += weight * j * j.transpose();
+      g += weight * r * j;
+    }
+    const Eigen::Matrix<double, 5, 1> step = -h.ldlt().solve(g);
+    if (!step.allFinite() || step.norm() > 0.5) break;
+    m = stepped(m, step);
+    if (step.norm() < 1e-8) break;
+  }
+  return m;
+}
+
+TwoViewMotion judged(const Rigid3& start, const Points& pa, const Points& pb, double threshold) {
+  const Rigid3 second_from_first = polished(start, pa, pb, 0.5 * threshold);
   TwoViewMotion m{second_from_first, std::vector<bool>(pa.size()), 0};
   const Eigen::Matrix3d r = second_from_first.rotation.toRotationMatrix();
   const Eigen::Vector3d& t = second_from_first.translation;
-  const Eigen::Matrix3d e = skew(t) * r;
+  const Eigen::Matrix3d e = essential(second_from_first);
   for (std::size_t i = 0; i < pa.size(); ++i) {
-    const Eigen::Vector3d a(pa[i].x(), pa[i].y(), 1), b(pb[i].x(), pb[i].y(), 1);
-    const Eigen::Vector3d line_b = e * a, line_a = e.transpose() * b;
-    const double error = b.dot(line_b), norm2 = line_a.head<2>().squaredNorm() + line_b.head<2>().squaredNorm();
-    if (error * error > threshold * threshold * norm2) continue;  // Sampson's distance
+    if (std::abs(sampson(e, pa[i], pb[i])) > threshold) continue;
+    const Eigen::Vector3d a = pa[i].homogeneous(), b = pb[i].homogeneous();
     // depth_b b = depth_a R a + t: both depths have the sign of these.
     const Eigen::Vector3d ra = r * a, across = b.cross(ra);
     if (b.cross(t).dot(across) > 0 || ra.cross(t).dot(across) > 0) continue;

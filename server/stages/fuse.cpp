@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "server/stages/track_grid.h"
-#include "server/stages/zncc.h"
+#include "server/stages/patch_match.h"
 
 namespace coslam {
 namespace {
@@ -97,10 +97,10 @@ FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) 
     MapPoint *p = map.find(c.first), *q = map.find(c.second);
     if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) continue;
     const MapCamera& camera = map.camera(c.camera);
-    const Eigen::Vector3d direction = (p->position - camera.frames.back().cam_from_world.center()).normalized();
-    const PointPatch* patch = nearest_patch(*p, direction);
-    if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min) continue;
-    if (!same_centre(patch->pixels, *c.track->patch)) continue;
+    const auto cut_at = camera.frame_at(c.track->patch_set);
+    if (cut_at == nullptr || cut_at->map != p->map) continue;
+    const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
+    if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
     // The worst of many views: half as much again as the gate of one.
     const double most_px = 1.5 * map.config().theta * map.gate_sigma_px(camera);
     const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "server/stages/zncc.h"
+#include "server/stages/patch_match.h"
 
 namespace coslam {
 namespace {

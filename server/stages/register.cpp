@@ -7,7 +7,7 @@
 
 #include "server/stages/track_grid.h"
 #include "server/stages/verify.h"
-#include "server/stages/zncc.h"
+#include "server/stages/patch_match.h"
 
 namespace coslam {
 namespace {
@@ -81,15 +81,13 @@ RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConf
     std::vector<Candidate> candidates;
     collect(map, camera, config, &candidates);
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
-    const Eigen::Vector3d center = camera.frames.back().cam_from_world.center();
     for (const Candidate& c : candidates) {
       ++report.candidates;
       if (c.track->point != PointId()) continue;
-      const PointPatch* patch = nearest_patch(*c.point, (c.point->position - center).normalized());
-      if (patch == nullptr || zncc(patch->pixels, *c.track->patch) < config.zncc_min ||
-          !same_centre(patch->pixels, *c.track->patch)) {
-        continue;
-      }
+      const FramePose* cut_at = camera.frame_at(c.track->patch_set);
+      if (cut_at == nullptr || cut_at->map != c.point->map) continue;
+      const auto fit = fit_patch(map, *c.point, camera, cut_at->cam_from_world, *c.track->patch);
+      if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
       if (!gate_holds_back(camera, *c.track, *c.point, map.gate_sigma_px(camera), theta2, config.check_back)) continue;
       map.bind(*c.point, camera.id, *c.track);
       c.point->last_seen = set.id;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/pose_refinement.h"
+#include "server/stages/refine.h"
 #include "server/stages/register.h"
 
 namespace coslam {
@@ -189,9 +190,14 @@ void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartSt
   }
   localise_backwards(map, camera, set.id, config.localise);
   localise_backwards(map, camera, common->set, config.localise);
-  map.add_key_frame(common->set);
-  map.add_key_frame(SetId((common->set.value + set.id.value) / 2));
-  map.add_key_frame(set.id);
+  // Two views leave depth and direction weakly known; the ones between settle it.
+  constexpr std::uint32_t kSteps = 6;
+  for (std::uint32_t i = 0; i <= kSteps; ++i) {
+    map.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
+  }
+  if (const auto job = plan_refine(map, id, true, config.refine)) {
+    apply_refine(map, *job, solve_refine(*job));
+  }
   map.raise_epoch();
   ++report->started;
 }

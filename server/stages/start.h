@@ -5,12 +5,14 @@
 #include "server/map/map.h"
 #include "server/solve/start.h"
 #include "server/stages/localise.h"
+#include "server/stages/refine.h"
 
 namespace coslam {
 
 struct StartStageConfig {
   StartConfig pair;
   LocaliseConfig localise;
+  RefineConfig refine;
   int request_period = 10;     // frame sets between requests for descriptors while something is to be placed
   int alone_after_sets = 8;    // a camera without a map tries to start one from its own motion after so many sets
   double min_flow_px = 16;     // median displacement of its tracks for that, at 640 px image width

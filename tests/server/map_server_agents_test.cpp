@@ -175,8 +175,10 @@ test::CameraPath aside(double side, double turn_s) {
   };
 }
 
-TEST(AgentsApart, MapsOfTheirOwnBecomeOne) {
-  const SimWorld world({.points = 900});
+class AgentsApartWorlds : public testing::TestWithParam<unsigned> {};
+
+TEST_P(AgentsApartWorlds, MapsOfTheirOwnBecomeOne) {
+  const SimWorld world({.seed = GetParam(), .points = 900});
   SimRun run(world, {});
   run.add_agent(aside(-1, 2));
   run.add_agent(aside(1, 2));
@@ -194,6 +196,8 @@ TEST(AgentsApart, MapsOfTheirOwnBecomeOne) {
   EXPECT_GE(error.frames, 0.95 * error.all_frames) << "and their past with them";
   EXPECT_LT(error.ate, 0.015 * error.path_m);
 }
+
+INSTANTIATE_TEST_SUITE_P(Seeds, AgentsApartWorlds, testing::Range(1U, 5U));
 
 // Two cameras with a known baseline; a third in a map of its own, which has no scale, is the older one and the larger.
 TEST(AgentsApart, MetresStayMetres) {

@@ -75,7 +75,7 @@ PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& 
     if (at == live_.end()) continue;
     ImagePatch& patch = reply.patches.emplace_back();
     patch.track = id;
-    const Patch& grey = world_.patch(at->second.point);
+    const Patch grey = world_.patch(at->second.point, sim_camera(), truth(frame.capture_ns), frame.capture_ns);
     for (std::size_t i = 0; i < grey.size(); ++i) {
       patch.grey[i] = static_cast<std::uint8_t>(std::clamp(grey[i] + 8 * gauss(), 0.0, 255.0));
     }

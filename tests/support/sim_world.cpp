@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/sim_world.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -34,12 +36,14 @@ Eigen::Vector3d on_plane(Random& random) {
 
 SimWorld::SimWorld(const WorldConfig& config) {
   Random random(config.seed);
-  std::uniform_int_distribution<int> grey(20, 235);
   for (int i = 0; i < config.points + config.moving_points; ++i) {
     Point& p = points_.emplace_back();
     p.position = config.layout == Layout::kPlane ? on_plane(random) : in_room(random);
     for (auto& byte : p.descriptor) byte = static_cast<std::uint8_t>(255 * std::pow(uniform(random, 0, 1), 3));
-    for (auto& g : p.patch) g = static_cast<std::uint8_t>(grey(random));
+    for (auto& ripple : p.texture) {
+      const double frequency = 2 * std::numbers::pi * uniform(random, 0.1, 0.3), angle = uniform(random, 0, 6.28);
+      ripple = {frequency * Eigen::Vector2d(std::cos(angle), std::sin(angle)), uniform(random, 0, 6.28)};
+    }
     if (i < config.points) continue;
     p.position.z() = uniform(random, 4, 6);
     p.radius_m = uniform(random, 0.3, 0.6);
@@ -53,6 +57,34 @@ Eigen::Vector3d SimWorld::position(int point, TimeNs t_ns) const {
   if (p.radius_m == 0) return p.position;
   const double angle = p.phase_rad + p.rate_rad_s * to_seconds(t_ns);
   return p.position + p.radius_m * Eigen::Vector3d(std::cos(angle), 0.3 * std::sin(angle), std::sin(angle));
+}
+
+Patch SimWorld::patch(int point, const CameraModel& camera, const Rigid3& cam_from_world, TimeNs t_ns) const {
+  constexpr double kPatchScale = 0.3;
+  const Point& p = points_[static_cast<std::size_t>(point)];
+  const Eigen::Vector3d at = position(point, t_ns);
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = Eigen::Vector3d::UnitY().cross(at).normalized();
+  tangents.col(1) = at.cross(tangents.col(0)).normalized();
+  const Eigen::Matrix<double, 2, 3> px_by_world =
+      camera.project_jacobian(cam_from_world * at) * cam_from_world.rotation.toRotationMatrix();
+  const double texture_px_per_m = kPatchScale * camera.focal_px() / at.norm();
+  const Eigen::Matrix2d texture_by_patch = texture_px_per_m * (px_by_world * tangents).inverse() / kPatchScale;
+  Patch out;
+  for (int i = 0; i < kPatchBytes; ++i) {
+    const Eigen::Vector2d d = texture_by_patch * Eigen::Vector2d(i % kPatchSide - kPatchSide / 2,
+                                                                 i / kPatchSide - kPatchSide / 2);
+    double grey = 128;
+    for (const auto& ripple : p.texture) grey += 22 * std::cos(ripple.rad_px.dot(d) + ripple.phase_rad);
+    out[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));
+  }
+  return out;
+}
+
+Patch SimWorld::patch(int point) const {
+  const Eigen::Vector3d at = position(point);
+  const Eigen::Quaterniond forward = Eigen::Quaterniond::FromTwoVectors(at, Eigen::Vector3d::UnitZ());
+  return patch(point, sim_camera(), Rigid3(forward, Eigen::Vector3d::Zero()));
 }
 
 CameraModel sim_camera() {

@@ -40,14 +40,21 @@ class SimWorld {
   bool moves(int point) const { return points_[static_cast<std::size_t>(point)].radius_m > 0; }
   Eigen::Vector3d position(int point, TimeNs t_ns = 0) const;
   const Descriptor& descriptor(int point) const { return points_[static_cast<std::size_t>(point)].descriptor; }
-  const Patch& patch(int point) const { return points_[static_cast<std::size_t>(point)].patch; }
+  // What a camera sees around a point: every point is the middle of a textured disc that faces the origin of the world.
+  Patch patch(int point, const CameraModel& camera, const Rigid3& cam_from_world, TimeNs t_ns = 0) const;
+  // The same from the origin.
+  Patch patch(int point) const;
 
  private:
   struct Point {
     Eigen::Vector3d position;
     double radius_m = 0, rate_rad_s = 0, phase_rad = 0;
     Descriptor descriptor;
-    Patch patch;
+    struct Ripple {
+      Eigen::Vector2d rad_px;  // at the size that a patch has from the origin
+      double phase_rad;
+    };
+    std::array<Ripple, 12> texture;
   };
   std::vector<Point> points_;
 };

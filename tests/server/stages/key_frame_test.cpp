@@ -107,7 +107,7 @@ TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
 TEST_F(KeyFrameTest, CullKeepsFewPatchesTheFirstAndTheNewest) {
   MapPoint& p = sim_.map.points().begin()->second;
   for (std::uint8_t i = 0; i < 50; ++i) {
-    p.patches.push_back({CameraId(0), Eigen::Vector3d(0, 0, 1), {}});
+    p.patches.push_back({CameraId(0), SetId(0), {}});
     p.patches.back().pixels.fill(i);
   }
   cull(sim_.map, sim_.set, {});

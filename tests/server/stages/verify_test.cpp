@@ -176,7 +176,11 @@ TEST_F(VerifyTest, AFrameWithoutAPoseJudgesNothing) {
 TEST_F(VerifyTest, UpdatesBringAPointCloser) {
   std::vector<double> before, after;
   const auto error = [&](const MapPoint& p) { return (p.position - world_.position(sim_.world_point(p))).norm(); };
-  for (const auto& [id, p] : sim_.map.points()) before.push_back(error(p));
+  for (auto& [id, p] : sim_.map.points()) {
+    p.position += Eigen::Vector3d(0.01, -0.01, 0.03);
+    p.covariance = 1e-3 * Eigen::Matrix3d::Identity();
+    before.push_back(error(p));
+  }
   for (int i = 0; i < 90; ++i) step();
   for (const auto& [id, p] : sim_.map.points()) {
     if (!p.bound.empty()) after.push_back(error(p));

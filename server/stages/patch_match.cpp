@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/patch_match.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace coslam {
+
+namespace {
+
+// Correlation over the square that stays `margin` clear of the border in a, and lies (dx, dy) from there in b.
+double correlation(const PatchGrey& a, const PatchGrey& b, int margin, int dx, int dy) {
+  std::int64_t sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  for (int row = margin; row < kPatchSide - margin; ++row) {
+    const auto* pa = a.data() + row * kPatchSide;
+    const auto* pb = b.data() + (row + dy) * kPatchSide + dx;
+    for (int col = margin; col < kPatchSide - margin; ++col) {
+      const std::int64_t x = pa[col], y = pb[col];
+      sa += x;
+      sb += y;
+      saa += x * x;
+      sbb += y * y;
+      sab += x * y;
+    }
+  }
+  const std::int64_t side = kPatchSide - 2 * margin, n = side * side;
+  const double va = static_cast<double>(n * saa - sa * sa), vb = static_cast<double>(n * sbb - sb * sb);
+  const double flat = 4.0 * static_cast<double>(n * n);  // a standard deviation of two grey values is noise
+  if (va < flat || vb < flat) return 0;
+  return static_cast<double>(n * sab - sa * sb) / std::sqrt(va * vb);
+}
+
+}  // namespace
+
+double zncc(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 0, 0, 0); }
+
+bool same_centre(const PatchGrey& a, const PatchGrey& b) {
+  constexpr double kMost = 0.4;
+  const double here = correlation(a, b, 1, 0, 0);
+  double shift2 = 0;
+  for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+    // Parabola through three values along each axis.
+    const double up = correlation(a, b, 1, dx, dy), down = correlation(a, b, 1, -dx, -dy);
+    const double bend = 2 * here - up - down;
+    if (bend <= 0) return false;
+    const double shift = (up - down) / (2 * bend);
+    shift2 += shift * shift;
+  }
+  return shift2 <= kMost * kMost;
+}
+
+PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other) {
+  constexpr int kHalf = kPatchSide / 2;
+  const Eigen::Matrix2f other_from_image = image_from_other.inverse().cast<float>();
+  PatchGrey out;
+  for (int row = 0; row < kPatchSide; ++row) {
+    for (int col = 0; col < kPatchSide; ++col) {
+      const Eigen::Vector2f at = other_from_image * Eigen::Vector2f(static_cast<float>(col - kHalf),
+                                                                    static_cast<float>(row - kHalf));
+      const float x = std::clamp(at.x() + kHalf, 0.0F, kPatchSide - 1.0F);
+      const float y = std::clamp(at.y() + kHalf, 0.0F, kPatchSide - 1.0F);
+      const int x0 = std::min(static_cast<int>(x), kPatchSide - 2), y0 = std::min(static_cast<int>(y), kPatchSide - 2);
+      const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
+      const auto* p = other.data() + y0 * kPatchSide + x0;
+      const float upper = static_cast<float>(p[0]) * (1 - u) + static_cast<float>(p[1]) * u;
+      const float lower = static_cast<float>(p[kPatchSide]) * (1 - u) + static_cast<float>(p[kPatchSide + 1]) * u;
+      out[static_cast<std::size_t>(row * kPatchSide + col)] =
+          static_cast<std::uint8_t>(std::lround(upper * (1 - v) + lower * v));
+    }
+  }
+  return out;
+}
+
+namespace {
+
+struct Look {
+  const MapCamera* camera;
+  Rigid3 pose;
+  Eigen::Vector3d ray;  // unit, camera to point
+};
+
+// Raw pixels by steps of a tangent plane of the point.
+Eigen::Matrix2d raw_by_plane(const Look& look, const Eigen::Vector3d& position,
+                             const Eigen::Matrix<double, 3, 2>& tangents) {
+  const CameraModel& model = look.camera->model;
+  Eigen::Vector2d px;
+  Eigen::Matrix<double, 2, 3> j;
+  if (!project_world(model, look.pose, position, &px, &j)) return Eigen::Matrix2d::Zero();
+  const Eigen::Matrix2d undistorted_by_plane = j * tangents;
+  Eigen::Matrix2d raw_by_undistorted;
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Vector2d step = Eigen::Vector2d::Unit(k);
+    raw_by_undistorted.col(k) = 0.5 * (model.raw_from_undistorted(px + step) - model.raw_from_undistorted(px - step));
+  }
+  return raw_by_undistorted * undistorted_by_plane;
+}
+
+Eigen::Matrix2d image_from_other(const Look& image, const Look& other, const Eigen::Vector3d& position) {
+  const Eigen::Vector3d normal = (image.ray + other.ray).normalized();
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = normal.unitOrthogonal();
+  tangents.col(1) = normal.cross(tangents.col(0));
+  return raw_by_plane(image, position, tangents) * raw_by_plane(other, position, tangents).inverse();
+}
+
+}  // namespace
+
+std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
+                                  const Rigid3& cam_from_world, const PatchGrey& patch) {
+  const Look here{&camera, cam_from_world, (point.position - cam_from_world.center()).normalized()};
+  const PointPatch* nearest = nullptr;
+  Look there{};
+  double best_cosine = -2;
+  for (const PointPatch& p : point.patches) {
+    const MapCamera& c = map.camera(p.camera);
+    const FramePose* f = c.frame_at(p.set);
+    if (f == nullptr || f->map != point.map) continue;
+    const Eigen::Vector3d ray = (point.position - f->cam_from_world.center()).normalized();
+    const double cosine = ray.dot(here.ray);
+    if (cosine <= best_cosine) continue;
+    best_cosine = cosine;
+    nearest = &p;
+    there = {&c, f->cam_from_world, ray};
+  }
+  if (nearest == nullptr) return std::nullopt;
+  const Eigen::Matrix2d warp = image_from_other(here, there, point.position);
+  const double growth = warp.determinant();
+  constexpr double kMostGrowth = 6.25;  // of the area
+  if (!(growth > 1 / kMostGrowth && growth < kMostGrowth)) return PatchFit{};
+  // The one that shows more detail is made like the other: it holds all that the other shows.
+  const bool closer_here = growth > 1;
+  const PatchGrey& coarse = closer_here ? nearest->pixels : patch;
+  const PatchGrey& fine = closer_here ? patch : nearest->pixels;
+  const PatchGrey like = warped(fine, closer_here ? Eigen::Matrix2d(warp.inverse()) : warp);
+  return PatchFit{zncc(coarse, like), same_centre(coarse, like)};
+}
+
+}  // namespace coslam

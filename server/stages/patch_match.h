@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "server/map/map.h"
+
+namespace coslam {
+
+// Zero-mean normalised cross correlation of two patches, -1 to 1; 0 for a flat patch.
+double zncc(const PatchGrey& a, const PatchGrey& b);
+
+// Whether the two are centred on the same thing: the peak of their correlation lies within a pixel or so of the image
+// (0.4 of the patch's, which are 3.3 times as large). Corners that two cameras found on one structure often do not.
+bool same_centre(const PatchGrey& a, const PatchGrey& b);
+
+// A patch as it would look with its content moved by image_from_other (2 x 2): what the other patch shows at
+// image_from_other^-1 * d shows here at d. Repeats the border where the other ends.
+PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other);
+
+struct PatchFit {
+  double zncc = -1;
+  bool same_centre = false;
+};
+
+// How a patch that a camera sees at this pose fits what a point looked like from the nearest direction so far. The
+// stored patch is taken to lie on a plane that faces between the two views, so that the cameras may be turned about
+// their axes and at different distances. Empty when the point has no patch.
+std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
+                                  const Rigid3& cam_from_world, const PatchGrey& patch);
+
+}  // namespace coslam
