@@ -194,7 +194,13 @@ void MapServer::finish() {
   for (int round = 0; round < 2; ++round) {
     const auto job = plan_refine(map_, largest_map(), true, config_.refine);
     if (!job) break;
-    apply_refine(map_, *job, solve_refine(*job));
+    const BundleResult result = solve_refine(*job);
+    apply_refine(map_, *job, result);
+    if (round == 0 || !result.usable) continue;
+    const auto share = pose_share(map_, *job, result);
+    for (std::size_t i = 0; i < share.size(); ++i) {
+      if (MapPoint* p = map_.find(job->points[i])) p->covariance += share[i];
+    }
   }
   scaled_map_ = MapId();  // the poses that tell the scale are known better now
   set_scale();

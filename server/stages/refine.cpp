@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
+#include "server/solve/point_uncertainty.h"
 #include "server/stages/register.h"
 
 namespace coslam {
@@ -211,6 +213,28 @@ BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = solve_bundle(job.problem, job.config);
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
   return result;
+}
+
+std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result) {
+  constexpr std::size_t kMostPoses = 200;
+  BundleProblem solved = job.problem;
+  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
+    solved.poses[i].cam_from_world = result.poses[i];
+    solved.poses[i].fixed = solved.poses[i].fixed && !job.floating;
+  }
+  solved.points = result.points;
+  std::map<std::tuple<int, CameraId, TrackId>, int> views;  // of a point by a track
+  const auto key = [&](std::size_t i) {
+    const auto& o = job.problem.observations[i];
+    return std::tuple(o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track);
+  };
+  for (std::size_t i = 0; i < solved.observations.size(); ++i) views[key(i)] += result.is_inlier[i] ? 1 : 0;
+  for (std::size_t i = 0; i < solved.observations.size(); ++i) {
+    const auto& o = solved.observations[i];
+    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(o.pose)].camera);
+    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) * std::sqrt(std::max(1.0, 0.5 * views[key(i)]));
+  }
+  return pose_share_of_points(solved, result.is_inlier, kMostPoses);
 }
 
 RefineReport apply_refine(Map& map, const RefineJob& job, const BundleResult& result) {
