@@ -42,9 +42,9 @@ bool align_level(const WindowTemplate& window, const PyramidLevel& level, bool f
 
 }  // namespace
 
-Alignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
+WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
                 int top) {
-  Alignment result;
+  WindowAlignment result;
   Eigen::Vector2f motion = guess_px - from_px;
   WindowTemplate window;
   for (int l = std::min(top, from.levels() - 1); l >= 0; --l) {

@@ -10,7 +10,7 @@
 namespace coslam {
 
 // Where the content of a window was found.
-struct Alignment {
+struct WindowAlignment {
   bool found = false;
   Eigen::Vector2f px = Eigen::Vector2f::Zero();  // of level 0
   float zncc = 0.0f;                             // at the finest level used
@@ -19,7 +19,7 @@ struct Alignment {
 // Pyramidal inverse-compositional Lucas-Kanade with a gain and an offset: follows the window around from_px in `from`
 // into `to`, from level `top` down to level 0, starting at guess_px; both pixels of level 0. A level without texture,
 // or where the search runs away, is passed over; level 0 must succeed.
-Alignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
+WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
                 int top);
 
 // Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in

@@ -74,9 +74,9 @@ bool Tracker::State::inside(const Eigen::Vector2f& px) const {
 // From the previous image to this one, from level `top` down, and back.
 std::optional<Eigen::Vector2f> Tracker::State::match(const Track& track, const Eigen::Vector2f& guess_px,
                                                      int top) const {
-  const Alignment forward = align(previous, track.raw_px, current, guess_px, top);
+  const WindowAlignment forward = align(previous, track.raw_px, current, guess_px, top);
   if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return std::nullopt;
-  const Alignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
+  const WindowAlignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
   if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return std::nullopt;
   return forward.px;
 }

@@ -82,7 +82,7 @@ TEST(Align, RecoversSubPixelShiftUnderGainAndOffset) {
     for (int y = 60; y <= 180; y += 40) {
       for (int x = 60; x <= 260; x += 40) {
         const Eigen::Vector2f at(static_cast<float>(x) + 0.3F, static_cast<float>(y) + 0.6F);
-        const Alignment a = align(from, at, to, at, 4);
+        const WindowAlignment a = align(from, at, to, at, 4);
         ASSERT_TRUE(a.found) << at.transpose() << " by " << d.transpose();
         EXPECT_LT((a.px - at - d).norm(), 0.07) << at.transpose() << " by " << d.transpose();
         EXPECT_GT(a.zncc, 0.98);
