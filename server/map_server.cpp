@@ -7,7 +7,9 @@
 
 namespace coslam {
 
-MapServer::MapServer(RunId run, const MapServerConfig& config) : run_(run), config_(config), map_(config.map) {}
+MapServer::MapServer(RunId run, const MapServerConfig& config) : run_(run), config_(config), map_(config.map) {
+  config_.verify.leave_moved = config_.classify.enabled;
+}
 
 CameraId MapServer::admit(const Hello& hello) {
   for (const MapCamera& c : map_.cameras()) {
@@ -54,6 +56,15 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("filter_updates", r.updated);
   }
   {
+    const auto t = times_.measure("classify");
+    const ClassifyReport r = classify(map_, set, config_.classify);
+    count("became_uncertain", r.uncertain);
+    count("became_dynamic", r.dynamic);
+    count("became_static", r.stopped);
+    count("found_false", r.removed);
+    count("moving_track_sets", r.moving_tracks);
+  }
+  {
     const auto t = times_.measure("register");
     const RegisterReport r = register_tracks(map_, set, config_.registration);
     count("register_candidates", r.candidates);
@@ -72,6 +83,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const MapInterReport r = map_inter(map_, set, graph_, config_.inter);
     count("inter_matched", r.matched);
     count("created_inter", r.created);
+    count("joined_moving", r.moving);
   }
   if (set.id.value % static_cast<std::uint32_t>(config_.fuse.period) == 0) {
     const auto t = times_.measure("fuse");

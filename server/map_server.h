@@ -12,6 +12,7 @@
 #include "common/model/track_frame.h"
 #include "server/correct/patch_writer.h"
 #include "server/map/map.h"
+#include "server/stages/classify.h"
 #include "server/stages/cull.h"
 #include "server/stages/fuse.h"
 #include "server/stages/group.h"
@@ -31,6 +32,7 @@ struct MapServerConfig {
   StartStageConfig start;
   LocaliseConfig localise;
   VerifyConfig verify;
+  ClassifyConfig classify;
   RegisterConfig registration;
   MapIntraConfig intra;
   MapInterConfig inter;
@@ -96,9 +98,9 @@ class MapServer {
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
-  MapId refine_whole_;         // became one of two: adjust all of it; 0 = none
-  MapId scaled_map_;           // the one in metres; 0 = none
-  SetId scaled_at_;            // the instant of the known baseline
+  MapId refine_whole_;  // became one of two: adjust all of it; 0 = none
+  MapId scaled_map_;    // the one in metres; 0 = none
+  SetId scaled_at_;     // the instant of the known baseline
   MapServerCounts counts_;
   StageTimes times_;
 };

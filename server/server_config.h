@@ -36,8 +36,21 @@ void describe(V& v, LocaliseConfig& c) {
 template <class V>
 void describe(V& v, VerifyConfig& c) {
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
+  v.field("prove_views", c.prove_views, {1, 1000}, "observations inside the gate that prove a point of one camera");
+  v.field("sparse_points", c.sparse_points, {0, 1000}, "a camera with fewer proven points relies on the others too");
   v.field("update_turn_rad", c.update_turn_rad, {0, 1},
           "turn of the viewing ray between two filter updates of a point");
+}
+
+template <class V>
+void describe(V& v, ClassifyConfig& c) {
+  v.field("enabled", c.enabled, "tell moving points from static ones");
+  v.field("failures", c.failures, {1, 100}, "gate failures in succession that make a point uncertain");
+  v.field("still_frames", c.still_frames, {2, 1000}, "a moving point that stood so long is static again");
+  v.field("test_frames", c.test_frames, {4, 200}, "of an unmapped track that are tested for motion");
+  v.field("motion_px", c.motion_px, {0.5, 50}, "that it misses the best static point by, at 640 px image width");
+  v.field("neighbour_share", c.neighbour_share, {0, 1}, "of the tracks around it that must move too");
+  v.field("neighbour_radius", c.neighbour_radius, {0, 1}, "of the larger image side");
 }
 
 template <class V>
@@ -67,6 +80,8 @@ void describe(V& v, MapInterConfig& c) {
   v.field("min_parallax_rad", c.min_parallax_rad, {0, 1}, "between the two cameras");
   v.field("max_relative_sigma", c.max_relative_sigma, {0, 10}, "sqrt(trace Sigma) of a new point over its distance");
   v.field("check_back", c.check_back, {1, 1000}, "earlier frames in which the point must fit both tracks");
+  v.field("moving_check_back", c.moving_check_back, {2, 1000},
+          "instants at which two tracks of a moving thing must have met");
 }
 
 template <class V>
@@ -107,6 +122,7 @@ void describe(V& v, PatchWriterConfig& c) {
   v.field("patches_per_request", c.patches_per_request, {0, 1000}, "image patches asked for at once, at most");
   v.field("patch_track_frames", c.patch_track_frames, {1, 1000}, "age at which a track is asked for its patch");
   v.field("patch_refresh_sets", c.patch_refresh_sets, {1, 10000}, "after which an unmapped track is asked again");
+  v.field("moving_patch_refresh_sets", c.moving_patch_refresh_sets, {1, 10000}, "the same for tracks that move");
 }
 
 template <class V>
@@ -128,6 +144,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("start", c.map.start);
   v.section("localise", c.map.localise);
   v.section("verify", c.map.verify);
+  v.section("classify", c.map.classify);
   v.section("register", c.map.registration);
   v.section("map_intra", c.map.intra);
   v.section("map_inter", c.map.inter);

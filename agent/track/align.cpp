@@ -42,8 +42,8 @@ bool align_level(const WindowTemplate& window, const PyramidLevel& level, bool f
 
 }  // namespace
 
-WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
-                int top) {
+WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
+                      const Eigen::Vector2f& guess_px, int top) {
   WindowAlignment result;
   Eigen::Vector2f motion = guess_px - from_px;
   WindowTemplate window;

@@ -19,8 +19,8 @@ struct WindowAlignment {
 // Pyramidal inverse-compositional Lucas-Kanade with a gain and an offset: follows the window around from_px in `from`
 // into `to`, from level `top` down to level 0, starting at guess_px; both pixels of level 0. A level without texture,
 // or where the search runs away, is passed over; level 0 must succeed.
-WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to, const Eigen::Vector2f& guess_px,
-                int top);
+WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
+                      const Eigen::Vector2f& guess_px, int top);
 
 // Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in
 // `from`, and the level to start from: where they look alike, coarser ones have nothing to add.

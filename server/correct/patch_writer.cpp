@@ -6,8 +6,17 @@
 
 namespace coslam {
 
+namespace {
+
+// Agents localise on static points: what is not proven is uncertain to them.
+PointState state_for(const MapCamera& camera, const MapPoint& p) {
+  return p.state == PointState::kStatic && !p.proven && !camera.sparse ? PointState::kUncertain : p.state;
+}
+
+}  // namespace
+
 bool PatchWriter::worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const {
-  if (told.point != p.id || told.state != p.state) return true;
+  if (told.point != p.id || told.state != state_for(camera, p)) return true;
   const double trace = p.covariance.trace();
   if (trace > told.trace * config_.covariance_ratio || trace * config_.covariance_ratio < told.trace) return true;
   const FramePose& f = camera.frames.back();
@@ -29,8 +38,9 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
     if (p == nullptr) continue;
     const auto told = told_.find(id);
     if (told != told_.end() && !worth_telling(told->second, *p, camera)) continue;
-    told_[id] = {p->id, p->state, p->position, p->covariance.trace()};
-    patch->updated.push_back({id, p->id, p->state, p->position.cast<float>(), pack_covariance(p->covariance)});
+    const PointState state = state_for(camera, *p);
+    told_[id] = {p->id, state, p->position, p->covariance.trace()};
+    patch->updated.push_back({id, p->id, state, p->position.cast<float>(), pack_covariance(p->covariance)});
   }
 }
 
@@ -39,10 +49,9 @@ void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* pa
   std::vector<std::pair<std::uint32_t, TrackId>> wanted;  // those never cut first, then the stalest
   for (const auto& [id, t] : camera.tracks) {
     if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
-    if (t.patch && (t.point != PointId() ||
-                    t.patch_set.value + static_cast<std::uint32_t>(config_.patch_refresh_sets) > map.now().value)) {
-      continue;
-    }
+    const int refresh = t.moving ? config_.moving_patch_refresh_sets : config_.patch_refresh_sets;
+    const bool keeps = t.point != PointId() && !t.moving;
+    if (t.patch && (keeps || t.patch_set.value + static_cast<std::uint32_t>(refresh) > map.now().value)) continue;
     wanted.emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
   }
   const auto most = std::min(wanted.size(), static_cast<std::size_t>(config_.patches_per_request));

@@ -11,12 +11,13 @@
 namespace coslam {
 
 struct PatchWriterConfig {
-  double moved_px = 0.3;          // a point is sent again when it moved so far in this camera's image
-  double covariance_ratio = 2.0;  // or its covariance changed by this factor
-  int patch_period = 3;           // frame sets between requests for image patches: together they share a datagram
-  int patches_per_request = 16;   // at most
-  int patch_track_frames = 4;     // a track is asked for its patch when it is so old
-  int patch_refresh_sets = 60;    // and again after so long while it has no point
+  double moved_px = 0.3;               // a point is sent again when it moved so far in this camera's image
+  double covariance_ratio = 2.0;       // or its covariance changed by this factor
+  int patch_period = 3;                // frame sets between requests for image patches: together they share a datagram
+  int patches_per_request = 16;        // at most
+  int patch_track_frames = 4;          // a track is asked for its patch when it is so old
+  int patch_refresh_sets = 60;         // and again after so long while it has no point
+  int moving_patch_refresh_sets = 10;  // or while it moves
 };
 
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.
@@ -34,7 +35,7 @@ class PatchWriter {
 
   struct Told {
     PointId point;
-    PointState state;
+    PointState state;  // as told
     Eigen::Vector3d position;
     double trace;
   };

@@ -187,6 +187,17 @@ void Map::end_track(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
 }
 
+void Map::record_motion(const MapPoint& point) {
+  MotionSample sample{.set = now_, .t_ns = now_ns_};
+  for (const BoundTrack& b : point.bound) {
+    const MapCamera& c = camera(b.camera);
+    const ServerTrack& t = c.tracks.at(b.track);
+    if (t.seen.back().set == now_ && c.frames.back().set == now_ && c.frames.back().map == point.map)
+      sample.undistorted_px.emplace_back(b.camera, t.seen.back().undistorted_px);
+  }
+  if (sample.undistorted_px.size() >= 2) motions_[point.id].push_back(std::move(sample));
+}
+
 void Map::fuse(PointId kept, PointId gone) {
   MapPoint* into = find(kept);
   MapPoint* from = find(gone);
@@ -200,6 +211,13 @@ void Map::fuse(PointId kept, PointId gone) {
   sort_observations(*into);
   into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
   into->views += from->views;
+  into->proven |= from->proven;
+  if (const auto moved = motions_.find(gone); moved != motions_.end()) {
+    auto& path = motions_[kept];
+    path.insert(path.end(), moved->second.begin(), moved->second.end());
+    std::stable_sort(path.begin(), path.end(), [](const auto& a, const auto& b) { return a.set < b.set; });
+    motions_.erase(gone);
+  }
   into->last_seen = std::max(into->last_seen, from->last_seen);
   into->first_ns = std::min(into->first_ns, from->first_ns);
   into->last_ns = std::max(into->last_ns, from->last_ns);

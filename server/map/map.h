@@ -29,14 +29,15 @@ struct TrackPoint {
 // A feature track of one camera as the server knows it.
 struct ServerTrack {
   TrackId id;
-  PointId point;                     // 0 = unmapped
-  std::vector<TrackPoint> seen;      // ascending sets, thinned when old
+  PointId point;                   // 0 = unmapped
+  std::vector<TrackPoint> seen;    // ascending sets, thinned when old
   std::optional<PatchGrey> patch;  // newest received
   SetId patch_set;
   std::vector<std::uint8_t> descriptor;  // kDescriptorBytes or empty
   std::uint32_t mapping_after = 0;       // set number before which mapping it is not tried again
   int gate_failures = 0;                 // in succession
   std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
+  bool moving = false;                   // follows something that moves, as far as its own camera can tell
 };
 
 // Where one camera was at one frame set.
@@ -57,6 +58,7 @@ struct MapCamera {
   CameraModel model;
   double sigma_px = 1.0;  // measured standard deviation of its observations
   MapId map;              // that it is being localised in; 0 = not placed
+  bool sparse = false;    // it sees so few proven points that it has to use the others too
   int lost_sets = 0;      // frame sets in succession without a pose, while it has a map
   Similarity3 moved;      // how its world was moved since the last patch to its agent
   bool alive = true;
@@ -90,6 +92,9 @@ struct MapPoint {
   PointId id;
   MapId map;
   PointState state = PointState::kStatic;
+  // Poses and bundle adjustment rest on it. A point from a short track of one camera has to stand still for a while
+  // first: until then it could move in a way that this camera's own motion explains.
+  bool proven = true;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   SetId created;
@@ -103,6 +108,13 @@ struct MapPoint {
   std::uint32_t views = 0;                    // observations that were gated in, all frames
   std::vector<Eigen::Vector3d> updated_from;  // by camera, as far as needed: ray at the last Kalman update or 0
   std::uint8_t grey = 128;
+};
+
+// What was seen of a moving point at one set; its position follows from the poses, whenever these are corrected.
+struct MotionSample {
+  SetId set;
+  TimeNs t_ns = 0;
+  std::vector<std::pair<CameraId, Eigen::Vector2f>> undistorted_px;
 };
 
 struct KeyFrame {
@@ -168,6 +180,10 @@ class Map {
   void remove_point(PointId id);
   // `gone` is the same thing as `kept`: its tracks and observations move over.
   void fuse(PointId kept, PointId gone);
+  // The present observations of a moving point become part of its path.
+  void record_motion(const MapPoint& point);
+  // Paths of points that move or moved, also of those that are gone.
+  const std::map<PointId, std::vector<MotionSample>>& motions() const { return motions_; }
   // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
   // already.
   void add_key_frame(SetId set);
@@ -209,6 +225,7 @@ class Map {
   MapConfig config_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
+  std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
   std::uint32_t next_point_ = 1;
   std::uint32_t next_map_ = 1;

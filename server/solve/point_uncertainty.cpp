@@ -56,9 +56,8 @@ Eigen::MatrixXd pose_covariance(Eigen::MatrixXd information, const BundleProblem
       rows = gauge_motion(problem.poses[i].cam_from_world);
       rows.topRows<3>().setZero();  // centres only
     }
-    const Eigen::MatrixXd q =
-        Eigen::HouseholderQR<Eigen::MatrixXd>(constraint).householderQ() *
-        Eigen::MatrixXd::Identity(information.rows(), kGauge);
+    const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(constraint).householderQ() *
+                              Eigen::MatrixXd::Identity(information.rows(), kGauge);
     information += 1e3 * information.diagonal().maxCoeff() * q * q.transpose();
   }
   information.diagonal().array() *= 1 + 1e-12;

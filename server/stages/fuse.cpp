@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "server/stages/track_grid.h"
 #include "server/stages/patch_match.h"
+#include "server/stages/track_grid.h"
 
 namespace coslam {
 namespace {

@@ -14,7 +14,7 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
   for (const auto& [id, track] : camera.tracks) {
     if (track.point == PointId() || set.value < track.distrusted_before) continue;
     const MapPoint* p = map.find(track.point);
-    if (p->state != PointState::kStatic) continue;
+    if (p->state != PointState::kStatic || !(p->proven || camera.sparse)) continue;
     const auto at = std::lower_bound(track.seen.begin(), track.seen.end(), set,
                                      [](const TrackPoint& s, SetId want) { return s.set < want; });
     if (at == track.seen.end() || at->set != set) continue;

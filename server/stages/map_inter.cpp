@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "server/stages/patch_match.h"
+#include "server/stages/track_grid.h"
 
 namespace coslam {
 namespace {
@@ -67,7 +68,7 @@ PairView make_pair_view(Map& map, const ViewEdge& edge) {
 std::vector<Feature> unmapped(MapCamera& camera) {
   std::vector<Feature> out;
   for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+    if (t.point == PointId() && !t.moving && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
   }
   return out;
 }
@@ -157,6 +158,96 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   return true;
 }
 
+// Tracks of moving things: those without a point, and those of moving points that the other camera does not see yet.
+std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
+  std::vector<Feature> out;
+  for (auto& [id, t] : camera.tracks) {
+    if (!t.moving || !t.patch) continue;
+    const MapPoint* p = map.find(t.point);
+    if (p != nullptr && (p->state != PointState::kDynamic || seen_by(*p, other))) continue;
+    out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+  }
+  return out;
+}
+
+// Position of two observations of one instant, if they agree.
+std::optional<TriangulationResult> position_at(const Map& map, const PairView& view, const FramePose& fa,
+                                               const Eigen::Vector2f& a, const FramePose& fb, const Eigen::Vector2f& b,
+                                               double min_parallax_rad) {
+  const View views[] = {{&view.first->model, fa.cam_from_world, a.cast<double>()},
+                        {&view.second->model, fb.cam_from_world, b.cast<double>()}};
+  const double sigma_px = std::max(map.covariance_sigma_px(*view.first), map.covariance_sigma_px(*view.second));
+  const double gate_px = std::max(map.gate_sigma_px(*view.first), map.gate_sigma_px(*view.second));
+  const TriangulationResult t = triangulate(views, sigma_px, min_parallax_rad);
+  if (t.status != TriangulationStatus::kOk || t.max_error_px > map.config().theta * gate_px) return std::nullopt;
+  return t;
+}
+
+// The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
+// epipolar line does not keep up while the thing moves.
+bool together_back(const Map& map, const PairView& view, const ServerTrack& a, const ServerTrack& b, int least,
+                   int most) {
+  int checked = 0;
+  for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
+    const SetId at = a.seen[i].set;
+    const auto other = std::lower_bound(b.seen.begin(), b.seen.end(), at,
+                                        [](const TrackPoint& s, SetId want) { return s.set < want; });
+    const FramePose *fa = view.first->frame_at(at), *fb = view.second->frame_at(at);
+    if (other == b.seen.end() || other->set != at || fa == nullptr || fb == nullptr) continue;
+    if (fa->map != view.first->map || fb->map != view.first->map) continue;
+    if (!position_at(map, view, *fa, a.seen[i].undistorted_px, *fb, other->undistorted_px, 0)) return false;
+    ++checked;
+  }
+  return checked >= least;
+}
+
+// What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
+bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
+                 const MapInterConfig& config) {
+  const auto now =
+      position_at(map, view, view.first->frames.back(), a.track->seen.back().undistorted_px, view.second->frames.back(),
+                  b.track->seen.back().undistorted_px, config.min_parallax_rad);
+  if (!now || !together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back))
+    return false;
+  const double distance = (now->position - view.first_pose.center()).norm();
+  if (std::sqrt(now->covariance.trace()) > config.max_relative_sigma * distance) return false;
+  MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  if (p != nullptr && q != nullptr) {
+    for (const BoundTrack& bound : p->bound) {
+      if (seen_by(*q, bound.camera)) return false;
+    }
+    map.fuse(p->id, q->id);
+    return true;
+  }
+  if (p == nullptr) std::swap(p, q);
+  if (p == nullptr) {
+    p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
+    p->state = PointState::kDynamic;
+  }
+  if (a.track->point == PointId()) map.bind(*p, view.first->id, *a.track);
+  if (b.track->point == PointId()) map.bind(*p, view.second->id, *b.track);
+  p->key_observations.clear();
+  return true;
+}
+
+int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
+               const MapInterConfig& config, MapInterReport* report, auto&& join) {
+  std::vector<Score> of_a(a.size()), of_b(b.size());
+  score_all(view, a, b, band_px, config, &of_a, &of_b, &report->compared);
+  int joined = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Score& s = of_a[i];
+    if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
+    const Score& back = of_b[static_cast<std::size_t>(s.best)];
+    if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
+    const Feature& other = b[static_cast<std::size_t>(s.best)];
+    if (!same_centre(*a[i].track->patch, *other.track->patch)) continue;
+    ++report->matched;
+    joined += join(a[i], other) ? 1 : 0;
+  }
+  return joined;
+}
+
 }  // namespace
 
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
@@ -168,19 +259,13 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
     };
     if (!here(edge.first) || !here(edge.second)) continue;
     const PairView view = make_pair_view(map, edge);
-    const std::vector<Feature> a = unmapped(*view.first), b = unmapped(*view.second);
-    std::vector<Score> of_a(a.size()), of_b(b.size());
     const double band_px = 3.0 * 0.5 * (map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second)) / 1.5;
-    score_all(view, a, b, band_px, config, &of_a, &of_b, &report.compared);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      const Score& s = of_a[i];
-      if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
-      const Score& back = of_b[static_cast<std::size_t>(s.best)];
-      if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
-      if (!same_centre(*a[i].track->patch, *b[static_cast<std::size_t>(s.best)].track->patch)) continue;
-      ++report.matched;
-      if (try_point(map, view, a[i], b[static_cast<std::size_t>(s.best)], set, config)) ++report.created;
-    }
+    report.created +=
+        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px, config, &report,
+                   [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+    report.moving += best_pairs(
+        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px, config, &report,
+        [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;
 }

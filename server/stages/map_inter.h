@@ -16,15 +16,19 @@ struct MapInterConfig {
   double min_parallax_rad = 0.017;
   double max_relative_sigma = 0.3;  // sqrt(trace Sigma) over the distance
   int check_back = 30;              // earlier frames in which the static point must fit both tracks
+  int moving_check_back = 12;       // instants at which two tracks of a moving thing must have met
 };
 
 struct MapInterReport {
-  int compared = 0, matched = 0, created = 0;
+  int compared = 0, matched = 0;
+  int created = 0;  // static points
+  int moving = 0;   // pairs of tracks joined in a moving point
 };
 
 // New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
 // band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
-// back in time.
+// back in time. Tracks that move are matched among themselves, and joined when they were at one place at each of the
+// last instants; where that was is triangulated from one instant alone.
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 }  // namespace coslam

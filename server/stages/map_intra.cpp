@@ -35,10 +35,12 @@ MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& co
     const Eigen::Vector3d center = camera.frames.back().cam_from_world.center();
     for (auto& [id, track] : camera.tracks) {
       if (track.point != PointId() || set.id.value < track.mapping_after) continue;
-      const auto length = static_cast<int>(track.seen.size());
-      if (length < config.early_track_frames) continue;
+      if (track.moving) continue;
+      // A track that left a point before may do so because it moves: it has to prove itself for longer.
+      const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
+      if (static_cast<int>(track.seen.size()) < least) continue;
       const std::vector<View> all = map.views_of(camera, track, 1000);
-      if (static_cast<int>(all.size()) < config.early_track_frames) continue;
+      if (static_cast<int>(all.size()) < least) continue;
       track.mapping_after = set.id.value + kRetrySets;
       const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
       const double parallax = mature ? config.min_parallax_rad : config.early_parallax_rad;
@@ -50,6 +52,7 @@ MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& co
       const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
       if (std::sqrt(covariance.trace()) > config.max_relative_sigma * (t.position - center).norm()) continue;
       MapPoint& p = map.create_point(camera.map, t.position, covariance, set.id, set.t_ns);
+      p.proven = mature;
       map.bind(p, camera.id, track);
       ++report.created;
     }

@@ -58,8 +58,8 @@ PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other
   PatchGrey out;
   for (int row = 0; row < kPatchSide; ++row) {
     for (int col = 0; col < kPatchSide; ++col) {
-      const Eigen::Vector2f at = other_from_image * Eigen::Vector2f(static_cast<float>(col - kHalf),
-                                                                    static_cast<float>(row - kHalf));
+      const Eigen::Vector2f at =
+          other_from_image * Eigen::Vector2f(static_cast<float>(col - kHalf), static_cast<float>(row - kHalf));
       const float x = std::clamp(at.x() + kHalf, 0.0F, kPatchSide - 1.0F);
       const float y = std::clamp(at.y() + kHalf, 0.0F, kPatchSide - 1.0F);
       const int x0 = std::min(static_cast<int>(x), kPatchSide - 2), y0 = std::min(static_cast<int>(y), kPatchSide - 2);

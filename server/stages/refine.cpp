@@ -44,7 +44,7 @@ void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, 
 
 void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of || p.state != PointState::kStatic || p.key_observations.empty()) continue;
+    if (p.map != of || p.state != PointState::kStatic || !p.proven || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
     const auto usable =
         std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/stages/patch_match.h"
 #include "server/stages/track_grid.h"
 #include "server/stages/verify.h"
-#include "server/stages/patch_match.h"
 
 namespace coslam {
 namespace {
@@ -36,7 +36,8 @@ struct Candidate {
 void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vector<Candidate>* out) {
   TrackGrid grid;
   for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames) grid.add(&t);
+    if (t.point == PointId() && !t.moving && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames)
+      grid.add(&t);
   }
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;

@@ -3,6 +3,7 @@
 #include "server/stages/verify.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 namespace coslam {
 
@@ -44,6 +45,16 @@ bool turned(MapPoint& point, const MapCamera& camera, const Rigid3& pose, double
   return !first;
 }
 
+bool seen_by_others(const MapPoint& point, CameraId camera) {
+  return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) { return b.camera != camera; });
+}
+
+bool elsewhere_for_others(const Map& map, const MapPoint& point, CameraId camera) {
+  return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) {
+    return b.camera != camera && map.camera(b.camera).tracks.at(b.track).gate_failures > 0;
+  });
+}
+
 }  // namespace
 
 VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
@@ -54,6 +65,7 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
     const FramePose& frame = camera.frames.back();
     if (!frame.valid()) continue;
     const double gate_px = map.gate_sigma_px(camera);
+    int proven = 0;
     for (auto& [id, track] : camera.tracks) {
       MapPoint* point = map.find(track.point);
       if (point == nullptr || point->state != PointState::kStatic) continue;
@@ -63,9 +75,13 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
         ++report.inside;
         track.gate_failures = 0;
         ++point->views;
+        point->proven |=
+            point->views >= static_cast<std::uint32_t>(config.prove_views) || seen_by_others(*point, camera.id);
         point->last_seen = set.id;
         point->last_ns = set.t_ns;
         if (track.patch_set == set.id) map.give_patch(*point, camera.id, track);
+        proven += point->proven;
+        if (!point->proven) continue;
         if (turned(*point, camera, frame.cam_from_world, config.update_turn_rad)) {
           kalman_update(*point, camera.model, frame.cam_from_world, px, map.covariance_sigma_px(camera));
           ++report.updated;
@@ -74,10 +90,12 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
       }
       ++report.outside;
       if (++track.gate_failures < config.failures) continue;
+      if (config.leave_moved && elsewhere_for_others(map, *point, camera.id)) continue;
       track.distrusted_before = set.id.value;
       map.unbind(camera.id, track);
       ++report.unbound;
     }
+    camera.sparse = proven < config.sparse_points;
   }
   return report;
 }

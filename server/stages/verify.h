@@ -8,6 +8,9 @@ namespace coslam {
 
 struct VerifyConfig {
   int failures = 3;               // gate failures in succession that unbind a track
+  bool leave_moved = false;       // points that several cameras see elsewhere are left as they are, for classify()
+  int prove_views = 20;           // observations inside the gate that prove a point of one camera
+  int sparse_points = 60;         // a camera that sees fewer proven points relies on the others too
   double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
 };
 
@@ -17,7 +20,7 @@ struct VerifyReport {
 
 // Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
 // r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
-// correlated in time. A patch that came
+// correlated in time, and the point is proven. A patch that came
 // now becomes the point's. Outside for several sets: the track no longer follows the point.
 VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config);
 

@@ -23,6 +23,29 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   return out;
 }
 
+// Paths of moving points, by the final poses.
+void write_dynamic(const Map& map, MapId of, DynamicWriter* writer) {
+  std::vector<ResultDynamicRow> rows;
+  for (const auto& [id, path] : map.motions()) {
+    for (const MotionSample& sample : path) {
+      std::vector<View> views;
+      double sigma_px = 0;
+      for (const auto& [camera, px] : sample.undistorted_px) {
+        const MapCamera& c = map.camera(camera);
+        const FramePose* f = c.frame_at(sample.set);
+        if (f == nullptr || f->map != of) continue;
+        views.push_back({&c.model, f->cam_from_world, px.cast<double>()});
+        sigma_px = std::max(sigma_px, map.covariance_sigma_px(c));
+      }
+      const TriangulationResult t = triangulate(views, sigma_px, 0.0);
+      if (t.status != TriangulationStatus::kOk) continue;
+      rows.push_back({sample.t_ns, id, t.position, t.covariance, static_cast<int>(views.size())});
+    }
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
+  for (const ResultDynamicRow& row : rows) writer->write(row);
+}
+
 Trajectory final_trajectory(const MapCamera& camera, MapId of) {
   Trajectory t;
   for (const FramePose& f : camera.frames) {
@@ -69,6 +92,7 @@ void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) 
     row.raw_px = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
     row.point = track.point;
     if (const MapPoint* p = server.map().find(track.point)) row.state = p->state;
+    if (track.point == PointId() && track.moving) row.state = PointState::kDynamic;
     writer->write(row);
   }
 }
@@ -97,6 +121,7 @@ void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& 
   write_ply(folder_.map(), points);
   for (auto& [name, tracks] : tracks_) tracks->close();
   groups_.close();
+  write_dynamic(server.map(), of, &dynamic_);
   dynamic_.close();
   write_json(folder_.report(), report);
 }

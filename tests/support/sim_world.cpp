@@ -36,6 +36,7 @@ Eigen::Vector3d on_plane(Random& random) {
 
 SimWorld::SimWorld(const WorldConfig& config) {
   Random random(config.seed);
+  Point body;
   for (int i = 0; i < config.points + config.moving_points; ++i) {
     Point& p = points_.emplace_back();
     p.position = config.layout == Layout::kPlane ? on_plane(random) : in_room(random);
@@ -45,10 +46,18 @@ SimWorld::SimWorld(const WorldConfig& config) {
       ripple = {frequency * Eigen::Vector2d(std::cos(angle), std::sin(angle)), uniform(random, 0, 6.28)};
     }
     if (i < config.points) continue;
-    p.position.z() = uniform(random, 4, 6);
-    p.radius_m = uniform(random, 0.3, 0.6);
-    p.rate_rad_s = uniform(random, 1.0, 2.0);
-    p.phase_rad = uniform(random, 0, 6.28);
+    constexpr int kBodyPoints = 25;
+    if ((i - config.points) % kBodyPoints == 0) {
+      body.position = {uniform(random, -2, 2), uniform(random, -0.6, 0.6), uniform(random, 4, 6)};
+      body.radius_m = uniform(random, 0.3, 0.6);
+      body.rate_rad_s = uniform(random, 1.0, 2.0);
+      body.phase_rad = uniform(random, 0, 6.28);
+    }
+    const Eigen::Vector3d offset(uniform(random, -0.25, 0.25), uniform(random, -0.6, 0.6), uniform(random, -0.2, 0.2));
+    p.position = body.position + offset;
+    p.radius_m = body.radius_m;
+    p.rate_rad_s = body.rate_rad_s;
+    p.phase_rad = body.phase_rad;
   }
 }
 
@@ -72,8 +81,8 @@ Patch SimWorld::patch(int point, const CameraModel& camera, const Rigid3& cam_fr
   const Eigen::Matrix2d texture_by_patch = texture_px_per_m * (px_by_world * tangents).inverse() / kPatchScale;
   Patch out;
   for (int i = 0; i < kPatchBytes; ++i) {
-    const Eigen::Vector2d d = texture_by_patch * Eigen::Vector2d(i % kPatchSide - kPatchSide / 2,
-                                                                 i / kPatchSide - kPatchSide / 2);
+    const Eigen::Vector2d d =
+        texture_by_patch * Eigen::Vector2d(i % kPatchSide - kPatchSide / 2, i / kPatchSide - kPatchSide / 2);
     double grey = 128;
     for (const auto& ripple : p.texture) grey += 22 * std::cos(ripple.rad_px.dot(d) + ripple.phase_rad);
     out[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));

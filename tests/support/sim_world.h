@@ -28,7 +28,7 @@ struct WorldConfig {
   unsigned seed = 1;
   Layout layout = Layout::kRoom;  // kPlane: all points on one wall, seen at a slant
   int points = 450;
-  int moving_points = 0;  // the last ones; each on a circle of its own
+  int moving_points = 0;  // the last ones, on bodies of 25 points that do not turn; each body on a circle of its own
 };
 
 // Immutable after construction.

@@ -62,7 +62,8 @@ PatchGrey blob(double dx, double dy) {
   PatchGrey out;
   for (int i = 0; i < kPatchBytes; ++i) {
     const double x = i % kPatchSide - 5 - dx, y = i / kPatchSide - 5 - dy;
-    out[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(40 + 180 * std::exp(-(x * x + y * y) / 6)));
+    out[static_cast<std::size_t>(i)] =
+        static_cast<std::uint8_t>(std::lround(40 + 180 * std::exp(-(x * x + y * y) / 6)));
   }
   return quantised_patch(out);
 }

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/support/sim_map.h"
+#include "tests/support/sim_run.h"
+
+// The whole server in a world where things move, against truth.
+namespace coslam {
+namespace {
+
+using test::SimRun;
+using test::SimWorld;
+
+// How the tracks that are at least 15 frames old are called, frame by frame.
+struct Called {
+  int dynamic_moving = 0, dynamic_still = 0, other_moving = 0, other_still = 0;
+  double precision() const { return static_cast<double>(dynamic_moving) / (dynamic_moving + dynamic_still); }
+  double recall() const { return static_cast<double>(dynamic_moving) / (dynamic_moving + other_moving); }
+  double false_alarms() const { return static_cast<double>(dynamic_still) / (dynamic_still + other_still); }
+};
+
+void count(SimRun& run, const SimWorld& world, Called* called) {
+  for (const MapCamera& c : run.map().cameras()) {
+    for (const auto& [id, t] : c.tracks) {
+      if (t.seen.size() < 15) continue;
+      const MapPoint* p = run.map().find(t.point);
+      const bool dynamic = p != nullptr ? p->state == PointState::kDynamic : t.moving;
+      const bool moves = world.moves(run.agent(c.id).tracker().point_of(id));
+      ++(moves ? (dynamic ? called->dynamic_moving : called->other_moving)
+               : (dynamic ? called->dynamic_still : called->other_still));
+    }
+  }
+}
+
+class MovingWorld : public testing::TestWithParam<unsigned> {
+ protected:
+  MovingWorld() : world_({.seed = GetParam(), .points = 350, .moving_points = 100}) {}
+  void add_agents(SimRun& run) const {
+    for (const auto& path : test::paths_side_by_side(3)) run.add_agent(path);
+  }
+  // True places of what a dynamic point's tracks follow, and where the map has it now.
+  std::vector<double> relative_errors(SimRun& run) const {
+    const Similarity3 truth_from_map = run.path_error().truth_from_map;
+    std::vector<double> errors;
+    for (const auto& [id, p] : run.map().points()) {
+      const int point = run.world_point(p);
+      if (p.state != PointState::kDynamic || point < 0 || p.last_seen != run.map().now()) continue;
+      const Eigen::Vector3d truth = world_.position(point, run.map().now_ns());
+      const double distance_m = (truth - run.truth(CameraId(0), run.map().now_ns()).center()).norm();
+      errors.push_back((truth_from_map * p.position - truth).norm() / distance_m);
+    }
+    return errors;
+  }
+  const test::TrackingConfig tracking_{.outliers = 0.002, .ends = 0.004, .max_tracks = 400};
+  const SimWorld world_;
+};
+
+TEST_P(MovingWorld, WhatMovesIsKnownAndFollowed) {
+  SimRun run(world_, {}, tracking_);
+  add_agents(run);
+  run.step(45);
+  Called called;
+  std::vector<double> errors;
+  for (int i = 0; i < 200; ++i) {
+    run.step(1);
+    count(run, world_, &called);
+    const auto now = relative_errors(run);
+    errors.insert(errors.end(), now.begin(), now.end());
+  }
+  EXPECT_GT(called.dynamic_moving, 10000);
+  EXPECT_GT(called.precision(), 0.95);
+  EXPECT_GT(called.recall(), 0.90);
+  EXPECT_LT(called.false_alarms(), 0.01);
+  EXPECT_GT(errors.size(), 5000U);
+  EXPECT_LT(test::median(errors), 0.02);
+  const test::PathError path = run.path_error();
+  EXPECT_EQ(path.frames, path.all_frames);
+  EXPECT_LT(path.ate, 0.003 * path.path_m);
+}
+
+TEST_P(MovingWorld, PathsKeepTheirIdAndAreManySamplesLong) {
+  SimRun run(world_, {}, tracking_);
+  add_agents(run);
+  run.step(200);
+  std::vector<double> lengths;
+  for (const auto& [id, path] : run.map().motions()) {
+    lengths.push_back(static_cast<double>(path.size()));
+    for (std::size_t i = 1; i < path.size(); ++i) EXPECT_LE(path[i - 1].set, path[i].set);
+  }
+  EXPECT_GT(lengths.size(), 50U);
+  EXPECT_GT(test::median(lengths), 60);
+}
+
+TEST_P(MovingWorld, SwitchedOffEverythingIsStatic) {
+  MapServerConfig config;
+  config.classify.enabled = false;
+  SimRun run(world_, config, tracking_);
+  add_agents(run);
+  run.step(100);
+  for (const auto& [id, p] : run.map().points()) EXPECT_EQ(p.state, PointState::kStatic);
+  EXPECT_TRUE(run.map().motions().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, MovingWorld, testing::Range(1U, 4U));
+
+}  // namespace
+}  // namespace coslam
