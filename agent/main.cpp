@@ -5,6 +5,7 @@
 #include <csignal>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <random>
 
 #include "agent/agent_config.h"
@@ -110,7 +111,7 @@ void run(Options& o) {
       hello, o.agent);
   while (!stop_requested && loop.step(stop_requested)) {
   }
-  loop.finish();
+  loop.finish(stop_requested);
   // The last status travels while the server writes its result; leave when it has, or is gone.
   for (int i = 0; i < 50 && !stop_requested; ++i) {
     const auto status = link->wait_server_status(std::chrono::milliseconds(100));
@@ -166,6 +167,7 @@ int main_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
   cv::setNumThreads(1);  // the other cores belong to the other processes of this machine
   try {
     return coslam::main_of(argc, argv);
