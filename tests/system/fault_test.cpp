@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Processes that are killed or come late: the others go on, and somebody says what happened.
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "common/dataset/result.h"
+#include "common/dataset/trajectory.h"
+#include "tests/support/test_domain.h"
+#include "tests/system/program.h"
+#include "tests/system/small_scene.h"
+
+namespace coslam {
+namespace {
+
+using test::lines_with;
+using test::Program;
+using test::SmallScene;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr int kFrames = 300;
+
+class Fault : public ::testing::Test {
+ protected:
+  std::vector<std::string> run() const {
+    return {"run", scene_.sequence(), "--out", result_.path().string(), "--domain", domain()};
+  }
+  std::vector<std::string> server() const {
+    return {"--loopback", "--domain", domain(), "--out", result_.path().string()};
+  }
+  std::vector<std::string> agent(int camera) const {
+    return {
+        "--loopback",    "--domain",           domain(), "--id", scene_.name(camera), "--source", scene_.source(camera),
+        "--calibration", scene_.calibration(), "--rate", "max"};
+  }
+  std::string domain() const { return std::to_string(domain_.number()); }
+
+  const SmallScene scene_{2, kFrames};
+  const ResultFolder result_{scene_.folder() / "result"};
+  const test::TestDomain domain_;
+};
+
+TEST_F(Fault, KilledAgentLeavesTheOthersAtWork) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  const pid_t victim = run.child_with({"coslam-agent", "cam1"});
+  ASSERT_GT(victim, 0);
+  kill(victim, SIGKILL);
+  EXPECT_EQ(run.exit_code(), 1) << run.err();
+  EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
+  EXPECT_THAT(run.err(), HasSubstr("coslam run: agent cam1 was killed by signal 9; the others went on without it\n"));
+  EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
+  const std::size_t before = load_tum(result_.trajectory("cam1")).size();
+  EXPECT_GT(before, 0U);
+  EXPECT_LT(before, static_cast<std::size_t>(kFrames));
+}
+
+TEST_F(Fault, KilledServerEndsTheRun) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  kill(run.child_with({"coslam-server"}), SIGKILL);
+  EXPECT_EQ(run.exit_code(), 1);
+  EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
+  EXPECT_THAT(run.err(), HasSubstr("coslam run: the map server was killed by signal 9\n"));
+}
+
+TEST_F(Fault, KilledServerEndsReplayingAgents) {
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
+  ASSERT_TRUE(server.says("frame set")) << server.err();
+  server.signal(SIGKILL);
+  for (Program* agent : {&a, &b}) {
+    EXPECT_EQ(agent->exit_code(), 1) << agent->err();
+    EXPECT_THAT(lines_with(agent->err(), "coslam-agent: the map server no longer answers"), SizeIs(1)) << agent->err();
+  }
+}
+
+TEST_F(Fault, InterruptedServerWritesTheResultAndEndsReplayingAgents) {
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
+  ASSERT_TRUE(server.says("frame set")) << server.err();
+  server.signal(SIGINT);
+  EXPECT_EQ(server.exit_code(), 0) << server.err();
+  EXPECT_EQ(a.exit_code(), 0) << a.err();
+  EXPECT_EQ(b.exit_code(), 0) << b.err();
+  EXPECT_GT(load_tum(result_.trajectory("cam0")).size(), 0U);
+}
+
+TEST_F(Fault, InterruptedRunWritesTheResult) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  run.signal(SIGINT);
+  EXPECT_EQ(run.exit_code(), 0) << run.err();
+  EXPECT_GT(load_tum(result_.trajectory("cam0")).size(), 0U);
+}
+
+TEST_F(Fault, KilledRunEndsItsProcesses) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  run.signal(SIGKILL);
+  EXPECT_EQ(run.exit_code(), 128 + SIGKILL);  // its children have ended too
+  EXPECT_TRUE(std::filesystem::exists(result_.report())) << run.err();
+}
+
+TEST_F(Fault, LateAgentCatchesUp) {
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0));
+  ASSERT_TRUE(server.says("frame set")) << server.err();
+  Program b("coslam-agent", agent(1));
+  ASSERT_TRUE(server.says("agent cam0 has ended")) << server.err();
+  ASSERT_TRUE(server.says("agent cam1 has ended")) << server.err();
+  server.signal(SIGINT);
+  EXPECT_EQ(server.exit_code(), 0) << server.err();
+  EXPECT_EQ(a.exit_code(), 0) << a.err();
+  EXPECT_EQ(b.exit_code(), 0) << b.err();
+  EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
+  const Trajectory late = load_tum(result_.trajectory("cam1"));
+  EXPECT_GT(late.size(), static_cast<std::size_t>(kFrames / 4)) << server.err();
+  EXPECT_LT(late.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_EQ(late.back().t_ns, load_tum(result_.trajectory("cam0")).back().t_ns);  // they end together
+  Program eval("coslam", {"eval", result_.path().string(), scene_.sequence()});
+  ASSERT_EQ(eval.exit_code(), 0) << eval.err();
+  EXPECT_LT(read_json(result_.evaluation())["ate_percent"].get<double>(), 2.0);
+}
+
+}  // namespace
+}  // namespace coslam
