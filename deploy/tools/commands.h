@@ -15,5 +15,6 @@ void add_eval_command(CLI::App& app, Command& chosen);
 void add_export_command(CLI::App& app, Command& chosen);
 void add_run_command(CLI::App& app, Command& chosen);
 void add_render_command(CLI::App& app, Command& chosen);
+void add_status_command(CLI::App& app, Command& chosen);
 
 }  // namespace coslam

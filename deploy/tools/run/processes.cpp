@@ -130,13 +130,15 @@ class Supervisor {
       code = 1;
     }
     if (server_.killed()) std::fprintf(stderr, "coslam run: %s\n", server_.problem().c_str());
+    if (server_.problem().empty() && !started_)
+      std::fprintf(stderr, "coslam run: stopped before all agents were there\n");
     return code;
   }
 
  private:
   void read_progress() {
     for (const std::string& line : server_.lines()) {
-      if (line == "ready") start_agents();
+      if (line == "ready" && !server_.ended()) start_agents();
       if (line == "started") started_ = true;
       int done = 0;
       const int all = options_.frame_sets;
