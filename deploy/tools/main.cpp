@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
   coslam::add_eval_command(app, chosen);
   coslam::add_export_command(app, chosen);
   coslam::add_status_command(app, chosen);
+  coslam::add_calibrate_command(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
