@@ -8,41 +8,18 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <random>
 
-#include "agent/agent_config.h"
 #include "agent/agent_loop.h"
+#include "agent/agent_options.h"
 #include "agent/link/dds_agent_link.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
-#include "common/wire/wire_options.h"
 
 namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-
-struct Options {
-  std::string id = "cam0";
-  std::string source;
-  std::string calibration;
-  std::string rate = "1";
-  SourceOptions play;
-  WireConfig wire;
-  AgentConfig agent;
-};
-
-template <class V>
-void describe(V& v, Options& o) {
-  v.field("id", o.id, "name of this agent, unique among those of one server");
-  v.field("source", o.source, "image folder, list.csv, video, EuRoC or TUM folder, v4l2:N, gst:PIPELINE, rtsp://...");
-  v.field("calibration", o.calibration, "camera calibration file");
-  v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
-  v.field("start_s", o.play.start_s, {0, 1e9}, "offset into the source");
-  v.field("rate_hz", o.play.rate_hz, {0.1, 1000}, "nominal frame rate");
-  v.section("wire", o.wire);
-  v.section("agent", o.agent);
-}
 
 RunId draw_run_id() {
   std::random_device device;
@@ -85,7 +62,7 @@ std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate
   return real_time_feed(std::move(source), rate, start_utc_ns);
 }
 
-void run(Options& o) {
+void run(AgentOptions& o) {
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
   if (o.calibration.empty()) throw UsageError("--calibration is missing (see --help)");
   const double rate = parse_rate(o.rate);
@@ -131,7 +108,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--id", id, "name of this agent")->type_name("NAME");
   app.add_option("--source", source, "images")->type_name("URI");
   app.add_option("--calibration", calibration, "camera calibration")->type_name("FILE");
-  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--rate", rate, "speed of replay: a factor, or max")->type_name("R");
   app.add_option("--start", start_s, "offset into the source, seconds")->type_name("S");
   app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
@@ -144,7 +121,7 @@ int main_of(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  Options o;
+  AgentOptions o;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);

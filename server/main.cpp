@@ -9,28 +9,14 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
-#include "common/wire/wire_options.h"
 #include "server/link/dds_server_link.h"
 #include "server/server_loop.h"
+#include "server/server_options.h"
 
 namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-
-struct Options {
-  std::vector<std::string> agents;
-  WireConfig wire;
-  ServerConfig server;
-};
-
-template <class V>
-void describe(V& v, Options& o) {
-  v.field("agents", o.agents,
-          "wait for these, number cameras in this order, end when they have ended; empty: run until stopped");
-  v.section("wire", o.wire);
-  v.section("server", o.server);
-}
 
 RunId draw_run_id() {
   std::random_device device;
@@ -78,7 +64,7 @@ int main_of(int argc, char** argv) {
   std::vector<std::string> sets;
   bool loopback = false, progress = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
-  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--out", out, "RESULT folder")->type_name("DIR");
   app.add_flag("--loopback", loopback, "talk on this machine only");
   app.add_flag("--report-progress", progress,
@@ -90,7 +76,7 @@ int main_of(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   init_log("server");
-  Options o;
+  ServerOptions o;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);

@@ -11,6 +11,7 @@
 
 #include "common/dataset/calibration.h"
 #include "common/dataset/result.h"
+#include "tests/support/all_ports.h"
 #include "tests/support/test_domain.h"
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
@@ -114,7 +115,8 @@ TEST_F(BadInput, WrongUsage) {
   Program run("coslam", this->run(scene_.sequence(), {"--agents", "cam9"}));
   expect_sentence(run, kWrongUsage, {"has no agent cam9"});
   Program domain("coslam-server", {"--domain", "233"});
-  expect_sentence(domain, kFailed, {"DDS domain 233 is outside the range 0 to 232"});
+  EXPECT_EQ(domain.exit_code(), kWrongUsage);
+  EXPECT_THAT(domain.err(), HasSubstr("--domain: Value 233 not in range 0 to 232"));
 }
 
 TEST_F(BadInput, DomainOfAnotherServer) {
@@ -128,6 +130,15 @@ TEST_F(BadInput, DomainOfAnotherServer) {
   first.signal(SIGINT);
   EXPECT_EQ(first.exit_code(), 0);
   EXPECT_THAT(lines_with(first.err(), " joined"), SizeIs(1)) << "it met nobody else: " << first.err();
+}
+
+TEST_F(BadInput, DomainWithoutFreePort) {
+  const test::AllPorts taken(domain_.number());
+  const std::string sentence = "no UDP port is free for DDS domain " + domain();
+  Program run("coslam", this->run(scene_.sequence()));
+  expect_sentence(run, kFailed, {sentence});
+  Program agent("coslam-agent", this->agent(scene_.source(0)));
+  expect_sentence(agent, kFailed, {sentence});
 }
 
 TEST_F(BadInput, SameNameTwice) {
