@@ -34,8 +34,8 @@ cv::Mat picture_of_board(const Rigid3& board_from_cam) {
   for (int v = 0; v < picture.rows; ++v) {
     for (int u = 0; u < picture.cols; ++u) {
       double sum = 0;
-      for (const double du : {-0.33, 0.0, 0.33}) {
-        for (const double dv : {-0.33, 0.0, 0.33}) {
+      for (const double du : {-0.25, 0.25}) {
+        for (const double dv : {-0.25, 0.25}) {
           const auto px = kCamera.undistorted_from_raw({u + du, v + dv});
           if (!px) continue;
           const Eigen::Vector2d n = kCamera.normalized_from_pixel(*px);
@@ -44,7 +44,7 @@ cv::Mat picture_of_board(const Rigid3& board_from_cam) {
           sum += grey_at(hit.x() / kSquare_m, hit.y() / kSquare_m);
         }
       }
-      picture.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(sum / 9);
+      picture.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(sum / 4);
     }
   }
   return picture;

@@ -21,7 +21,7 @@ using test::SmallScene;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-constexpr int kFrames = 300;
+constexpr int kFrames = 200;
 
 class Fault : public ::testing::Test {
  protected:
@@ -45,7 +45,7 @@ class Fault : public ::testing::Test {
 
 TEST_F(Fault, KilledAgentLeavesTheOthersAtWork) {
   Program run("coslam", this->run());
-  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
   const pid_t victim = run.child_with({"coslam-agent", "cam1"});
   ASSERT_GT(victim, 0);
   kill(victim, SIGKILL);
@@ -53,14 +53,12 @@ TEST_F(Fault, KilledAgentLeavesTheOthersAtWork) {
   EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
   EXPECT_THAT(run.err(), HasSubstr("coslam run: agent cam1 was killed by signal 9; the others went on without it\n"));
   EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
-  const std::size_t before = load_tum(result_.trajectory("cam1")).size();
-  EXPECT_GT(before, 0U);
-  EXPECT_LT(before, static_cast<std::size_t>(kFrames));
+  EXPECT_LT(load_tum(result_.trajectory("cam1")).size(), static_cast<std::size_t>(kFrames));
 }
 
 TEST_F(Fault, KilledServerEndsTheRun) {
   Program run("coslam", this->run());
-  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
   kill(run.child_with({"coslam-server"}), SIGKILL);
   EXPECT_EQ(run.exit_code(), 1);
   EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
@@ -70,7 +68,8 @@ TEST_F(Fault, KilledServerEndsTheRun) {
 TEST_F(Fault, KilledServerEndsReplayingAgents) {
   Program server("coslam-server", this->server());
   Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
-  ASSERT_TRUE(server.says("frame set")) << server.err();
+  for (const char* name : {"cam0", "cam1"})
+    ASSERT_TRUE(server.says(std::string("agent ") + name + " joined")) << server.err();
   server.signal(SIGKILL);
   for (Program* agent : {&a, &b}) {
     EXPECT_EQ(agent->exit_code(), 1) << agent->err();
@@ -81,35 +80,41 @@ TEST_F(Fault, KilledServerEndsReplayingAgents) {
 TEST_F(Fault, InterruptedServerWritesTheResultAndEndsReplayingAgents) {
   Program server("coslam-server", this->server());
   Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
-  ASSERT_TRUE(server.says("frame set")) << server.err();
+  for (const char* name : {"cam0", "cam1"})
+    ASSERT_TRUE(server.says(std::string("agent ") + name + " joined")) << server.err();
   server.signal(SIGINT);
   EXPECT_EQ(server.exit_code(), 0) << server.err();
   EXPECT_EQ(a.exit_code(), 0) << a.err();
   EXPECT_EQ(b.exit_code(), 0) << b.err();
-  EXPECT_GT(load_tum(result_.trajectory("cam0")).size(), 0U);
+  EXPECT_TRUE(std::filesystem::exists(result_.report()));
 }
 
 TEST_F(Fault, InterruptedRunWritesTheResult) {
   Program run("coslam", this->run());
-  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
   run.signal(SIGINT);
   EXPECT_EQ(run.exit_code(), 0) << run.err();
-  EXPECT_GT(load_tum(result_.trajectory("cam0")).size(), 0U);
+  EXPECT_TRUE(std::filesystem::exists(result_.report()));
 }
 
 TEST_F(Fault, KilledRunEndsItsProcesses) {
   Program run("coslam", this->run());
-  ASSERT_TRUE(run.says("mapping:")) << run.err();
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
   run.signal(SIGKILL);
   EXPECT_EQ(run.exit_code(), 128 + SIGKILL);  // its children have ended too
   EXPECT_TRUE(std::filesystem::exists(result_.report())) << run.err();
 }
 
 TEST_F(Fault, LateAgentCatchesUp) {
+  std::vector<std::string> first = agent(0);
+  first.insert(first.end(), {"--set", "wire.lease_s=60"});  // not to be given up while it is halted
   Program server("coslam-server", this->server());
-  Program a("coslam-agent", agent(0));
+  Program a("coslam-agent", first);
   ASSERT_TRUE(server.says("frame set")) << server.err();
+  a.signal(SIGSTOP);
   Program b("coslam-agent", agent(1));
+  ASSERT_TRUE(server.says("agent cam1 joined")) << server.err();
+  a.signal(SIGCONT);
   ASSERT_TRUE(server.says("agent cam0 has ended")) << server.err();
   ASSERT_TRUE(server.says("agent cam1 has ended")) << server.err();
   server.signal(SIGINT);

@@ -37,6 +37,7 @@ TEST(Status, TellsWhoIsAlive) {
         "--calibration", scene.calibration(), "--rate", "1"};
   };
   Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
+  for (const int camera : {0, 1}) ASSERT_TRUE(server.says("agent " + scene.name(camera) + " joined")) << server.err();
   ASSERT_TRUE(server.says("frame set")) << server.err();
   Program status("coslam", {"status", "--loopback", "--domain", number});
   ASSERT_EQ(status.exit_code(), 0) << status.err();

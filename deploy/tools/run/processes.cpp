@@ -114,7 +114,9 @@ class Supervisor {
       read_progress();
       for (Child& a : agents_) {
         // Before the start the server would wait for it for ever.
-        if (a.ended() && !a.problem().empty() && !started_) server_.interrupt();
+        if (!a.ended() || a.problem().empty()) continue;
+        read_progress();  // it may have started just now
+        if (!started_) server_.interrupt();
       }
       if (interrupts > passed_on_) pass_on_interrupt();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
