@@ -82,6 +82,7 @@ void run(AgentOptions& o) {
     const auto start = wait_for_start(*link, hello, o.wire);
     if (!start) return;
     start_utc_ns = *start;
+    log_info("playing " + o.source);
   }
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),

@@ -52,7 +52,8 @@ TEST(Status, TellsWhoIsAlive) {
     EXPECT_EQ(words[2], "tracked") << status.out();
     EXPECT_EQ(words[3], "1") << "group: " << status.out();
     EXPECT_GT(std::stod(words[6]), 20) << "tracks: " << status.out();
-    EXPECT_NEAR(std::stod(words[8]), 30, 15) << "Hz: " << status.out();
+    EXPECT_GT(std::stod(words[8]), 5) << "Hz: " << status.out();  // 30 on a machine with time
+    EXPECT_LT(std::stod(words[8]), 60) << "Hz: " << status.out();
     EXPECT_LT(std::stod(words[9]), 500) << "lag: " << status.out();
     EXPECT_GT(std::stod(words[10]), 1) << "up: " << status.out();
     EXPECT_GT(std::stod(words[11]), 1) << "down: " << status.out();
