@@ -148,7 +148,8 @@ TEST_F(BadInput, SameNameTwice) {
   Program first("coslam-agent", agent(file("long.csv"), "1"));
   ASSERT_TRUE(server.says("agent cam0 joined")) << server.err() << first.err();
   Program second("coslam-agent", agent(scene_.source(0)));
-  expect_sentence(second, kFailed, {"the name 'cam0' is taken by a running agent"});
+  EXPECT_EQ(second.exit_code(), kFailed) << second.err();
+  EXPECT_THAT(second.err(), ::testing::EndsWith("coslam-agent: the name 'cam0' is taken by a running agent\n"));
   first.signal(SIGINT);
   EXPECT_EQ(first.exit_code(), 0) << first.err();
 }
