@@ -174,7 +174,7 @@ class DdsAgentLink : public AgentLink {
   Writer<idl::DescriptorReply> descriptors_;
   Writer<idl::Hello> hello_;
   Writer<idl::AgentStatus> status_;  // after hello_: its end waits for the last word, before the sign of life ends
-  Loop loop_;  // last: stops first
+  Loop loop_;                        // last: stops first
 };
 
 }  // namespace
