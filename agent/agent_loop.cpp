@@ -10,7 +10,7 @@
 namespace coslam {
 namespace {
 
-constexpr auto kServerPatience = std::chrono::seconds(20);
+constexpr auto kServerPatience = std::chrono::seconds(5);
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
 
 }  // namespace
@@ -19,12 +19,12 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
     : link_(link), feed_(std::move(feed)), hello_(hello), agent_(hello.agent, hello.agent_run, hello.camera, config) {}
 
 bool AgentLoop::step(const std::atomic<bool>& stop) {
-  const std::optional<Image> image = feed_->next();
+  const std::optional<Image> image = feed_->next(stop);
   if (!image) return false;
   ++frames_;
   agent_.track(*image);
   const std::vector<MapPatch> patches = collect_patches(stop);
-  if (stop) return false;
+  if (stop || server_stops()) return false;
   AgentOutput out = agent_.finish(patches);
   last_sent_ = out.frame.frame;
   link_.send(std::move(out.frame), out.patches, out.descriptors);
@@ -51,12 +51,18 @@ std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) 
       if (answered) return patches;
       continue;
     }
+    if (server_stops()) return patches;
     throw_if_refused();
     if (std::chrono::steady_clock::now() > give_up && !link_.server_alive()) {
       throw UserError("the map server no longer answers; a replay at full speed cannot go on without it");
     }
   }
   return patches;
+}
+
+bool AgentLoop::server_stops() const {
+  const auto server = link_.server_status();
+  return hello_.pacing == Pacing::kLockstep && server && server->stopping;
 }
 
 void AgentLoop::throw_if_refused() const {
@@ -90,6 +96,7 @@ std::string AgentLoop::report() const {
   }
   nlohmann::ordered_json out;
   out["frames"] = frames_ + feed_->dropped();
+  out["unreadable"] = feed_->unreadable();
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
   out["ms_per_frame"] = total_ms / std::max(1U, frames_);
   out["ms"] = ms;
@@ -97,11 +104,10 @@ std::string AgentLoop::report() const {
   return out.dump();
 }
 
-void AgentLoop::finish() {
+void AgentLoop::finish(const std::atomic<bool>& stop) {
   // In lock-step the answer to the last frame is still to come; without it the server may not have used that frame.
-  const std::atomic<bool> go_on{false};
   try {
-    if (hello_.pacing == Pacing::kLockstep && link_.server_alive()) collect_patches(go_on);
+    if (hello_.pacing == Pacing::kLockstep && link_.server_alive()) collect_patches(stop);
   } catch (const UserError&) {
     // It is gone: there is nobody to report to either.
   }

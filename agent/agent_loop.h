@@ -22,14 +22,15 @@ class AgentLoop {
  public:
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config);
 
-  // One image; false at the end of the feed. stop: give up waiting. Throws UserError when the server is gone in
-  // lock-step or turned this agent away.
+  // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
+  // UserError when the server is gone in lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
   // Tells the server that this agent has ended, with its report.
-  void finish();
+  void finish(const std::atomic<bool>& stop);
 
  private:
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
+  bool server_stops() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
   std::string report() const;

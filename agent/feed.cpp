@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/feed.h"
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -20,8 +19,9 @@ constexpr std::size_t kRealTimeQueue = 8;  // a quarter of a second: one slow st
 class DirectFeed final : public Feed {
  public:
   explicit DirectFeed(std::unique_ptr<ImageSource> source) : source_(std::move(source)) {}
-  std::optional<Image> next() override { return source_->next(); }
+  std::optional<Image> next(const std::atomic<bool>&) override { return source_->next(); }
   std::uint32_t dropped() const override { return 0; }
+  std::uint32_t unreadable() const override { return static_cast<std::uint32_t>(source_->unreadable()); }
 
  private:
   std::unique_ptr<ImageSource> source_;
@@ -38,13 +38,21 @@ class ThreadedFeed final : public Feed {
         worker_("capture", [this](const std::stop_token& stop) { read(stop); }) {}
   ~ThreadedFeed() override {
     worker_.request_stop();
+    source_->stop();
     queue_.close();
   }
   ThreadedFeed(const ThreadedFeed&) = delete;
   ThreadedFeed& operator=(const ThreadedFeed&) = delete;
 
-  std::optional<Image> next() override { return queue_.pop(); }
+  std::optional<Image> next(const std::atomic<bool>& stop) override {
+    while (!stop) {
+      if (auto image = queue_.pop_for(std::chrono::milliseconds(100))) return image;
+      if (queue_.closed()) return queue_.try_pop();
+    }
+    return std::nullopt;
+  }
   std::uint32_t dropped() const override { return skipped_ + static_cast<std::uint32_t>(queue_.counts().dropped); }
+  std::uint32_t unreadable() const override { return unreadable_; }
 
  private:
   using Clock = std::chrono::system_clock;
@@ -53,6 +61,7 @@ class ThreadedFeed final : public Feed {
     while (!stop.stop_requested()) {
       if (rate_ > 0 && !source_->live() && !wait_until_due(stop)) break;
       std::optional<Image> image = source_->next();
+      unreadable_ = static_cast<std::uint32_t>(source_->unreadable());
       if (!image || !queue_.push(std::move(*image))) break;
     }
     queue_.close();
@@ -80,7 +89,7 @@ class ThreadedFeed final : public Feed {
   std::unique_ptr<ImageSource> source_;
   double rate_;
   TimeNs start_utc_ns_;
-  std::atomic<std::uint32_t> skipped_{0};
+  std::atomic<std::uint32_t> skipped_{0}, unreadable_{0};
   std::condition_variable_any sleep_;
   BoundedQueue<Image> queue_;
   Worker worker_;  // last: joins before what it uses goes

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -13,8 +14,10 @@ namespace coslam {
 class Feed {
  public:
   virtual ~Feed() = default;
-  virtual std::optional<Image> next() = 0;  // blocking; empty at the end
+  // Waits for the next image; empty at the end, and soon after `stop` is set.
+  virtual std::optional<Image> next(const std::atomic<bool>& stop) = 0;
   virtual std::uint32_t dropped() const = 0;
+  virtual std::uint32_t unreadable() const = 0;  // images passed over because they cannot be read
 };
 
 // As fast as they are taken, in the caller's thread.

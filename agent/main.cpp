@@ -5,43 +5,21 @@
 #include <csignal>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <random>
 
-#include "agent/agent_config.h"
 #include "agent/agent_loop.h"
+#include "agent/agent_options.h"
 #include "agent/link/dds_agent_link.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
-#include "common/wire/wire_options.h"
 
 namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-
-struct Options {
-  std::string id = "cam0";
-  std::string source;
-  std::string calibration;
-  std::string rate = "1";
-  SourceOptions play;
-  WireConfig wire;
-  AgentConfig agent;
-};
-
-template <class V>
-void describe(V& v, Options& o) {
-  v.field("id", o.id, "name of this agent, unique among those of one server");
-  v.field("source", o.source, "image folder, list.csv, video, EuRoC or TUM folder, v4l2:N, gst:PIPELINE, rtsp://...");
-  v.field("calibration", o.calibration, "camera calibration file");
-  v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
-  v.field("start_s", o.play.start_s, {0, 1e9}, "offset into the source");
-  v.field("rate_hz", o.play.rate_hz, {0.1, 1000}, "nominal frame rate");
-  v.section("wire", o.wire);
-  v.section("agent", o.agent);
-}
 
 RunId draw_run_id() {
   std::random_device device;
@@ -84,7 +62,7 @@ std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate
   return real_time_feed(std::move(source), rate, start_utc_ns);
 }
 
-void run(Options& o) {
+void run(AgentOptions& o) {
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
   if (o.calibration.empty()) throw UsageError("--calibration is missing (see --help)");
   const double rate = parse_rate(o.rate);
@@ -104,13 +82,14 @@ void run(Options& o) {
     const auto start = wait_for_start(*link, hello, o.wire);
     if (!start) return;
     start_utc_ns = *start;
+    log_info("playing " + o.source);
   }
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
       hello, o.agent);
   while (!stop_requested && loop.step(stop_requested)) {
   }
-  loop.finish();
+  loop.finish(stop_requested);
   // The last status travels while the server writes its result; leave when it has, or is gone.
   for (int i = 0; i < 50 && !stop_requested; ++i) {
     const auto status = link->wait_server_status(std::chrono::milliseconds(100));
@@ -130,7 +109,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--id", id, "name of this agent")->type_name("NAME");
   app.add_option("--source", source, "images")->type_name("URI");
   app.add_option("--calibration", calibration, "camera calibration")->type_name("FILE");
-  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--rate", rate, "speed of replay: a factor, or max")->type_name("R");
   app.add_option("--start", start_s, "offset into the source, seconds")->type_name("S");
   app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
@@ -143,7 +122,7 @@ int main_of(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  Options o;
+  AgentOptions o;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
@@ -166,6 +145,7 @@ int main_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
   cv::setNumThreads(1);  // the other cores belong to the other processes of this machine
   try {
     return coslam::main_of(argc, argv);

@@ -9,28 +9,14 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
-#include "common/wire/wire_options.h"
 #include "server/link/dds_server_link.h"
 #include "server/server_loop.h"
+#include "server/server_options.h"
 
 namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-
-struct Options {
-  std::vector<std::string> agents;
-  WireConfig wire;
-  ServerConfig server;
-};
-
-template <class V>
-void describe(V& v, Options& o) {
-  v.field("agents", o.agents,
-          "wait for these, number cameras in this order, end when they have ended; empty: run until stopped");
-  v.section("wire", o.wire);
-  v.section("server", o.server);
-}
 
 RunId draw_run_id() {
   std::random_device device;
@@ -38,20 +24,38 @@ RunId draw_run_id() {
   return RunId((high << 32U | low) | 1U);
 }
 
-void show_progress(const ServerLoop& loop, bool for_programs, std::chrono::steady_clock::time_point* last) {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - *last < std::chrono::seconds(1) || !loop.started()) return;
-  *last = now;
-  const MapServer& s = loop.map_server();
-  if (for_programs) {
-    std::printf("started\nprogress %d\n", s.counts().frame_sets);
-    std::fflush(stdout);
-    return;
+// What the server does, once a second: in the log, or on standard output for the program that started it, which also
+// waits for the words "ready" (no other server is in the domain) and "started" (all agents are here).
+class Announcer {
+ public:
+  explicit Announcer(bool for_programs) : for_programs_(for_programs) {}
+
+  void show(const ServerLink& link, const ServerLoop& loop) {
+    if (for_programs_ && !ready_ && link.at_work()) ready_ = say("ready");
+    if (for_programs_ && !started_ && loop.started()) started_ = say("started");
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::seconds(1) || loop.map_server().counts().frame_sets == 0) return;
+    last_ = now;
+    const MapServer& s = loop.map_server();
+    const std::string sets = std::to_string(s.counts().frame_sets);
+    if (for_programs_) {
+      say("progress " + sets);
+    } else {
+      log_info("frame set " + sets + ", " + std::to_string(s.map().points().size()) + " points, " +
+               std::to_string(s.map().key_frames().size()) + " key frames");
+    }
   }
-  if (s.counts().frame_sets == 0) return;
-  log_info("frame set " + std::to_string(s.counts().frame_sets) + ", " + std::to_string(s.map().points().size()) +
-           " points, " + std::to_string(s.map().key_frames().size()) + " key frames");
-}
+
+ private:
+  static bool say(const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+    return true;
+  }
+
+  bool for_programs_, ready_ = false, started_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
@@ -60,10 +64,11 @@ int main_of(int argc, char** argv) {
   std::vector<std::string> sets;
   bool loopback = false, progress = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
-  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--out", out, "RESULT folder")->type_name("DIR");
   app.add_flag("--loopback", loopback, "talk on this machine only");
-  app.add_flag("--report-progress", progress, "for programs: 'started' and 'progress DONE' lines on standard output");
+  app.add_flag("--report-progress", progress,
+               "for programs: 'ready', 'started' and 'progress DONE' on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
   try {
     app.parse(argc, argv);
@@ -71,7 +76,7 @@ int main_of(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   init_log("server");
-  Options o;
+  ServerOptions o;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
@@ -80,10 +85,9 @@ int main_of(int argc, char** argv) {
   const RunId run = draw_run_id();
   const auto link = open_server_link(o.wire, run);
   ServerLoop loop(*link, run, {.server = o.server, .expected_agents = o.agents, .out = out});
-  auto last = std::chrono::steady_clock::now();
-  while (!stop_requested && loop.poll(std::chrono::milliseconds(20))) {
-    show_progress(loop, progress, &last);
-  }
+  Announcer announcer(progress);
+  while (!stop_requested && loop.poll(std::chrono::milliseconds(20))) announcer.show(*link, loop);
+  announcer.show(*link, loop);
   log_info(stop_requested ? "stopped; adjusting the whole map" : "all agents have ended; adjusting the whole map");
   loop.finish(config::dump_json(o));
   return 0;
@@ -95,6 +99,7 @@ int main_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  std::signal(SIGPIPE, SIG_IGN);  // a result is written even when nobody reads the progress any more
   try {
     return coslam::main_of(argc, argv);
   } catch (const coslam::UsageError& e) {

@@ -182,6 +182,7 @@ void ServerLoop::on_status(const AgentStatus& status) {
   if (at == agents_.end() || at->second.run != status.agent_run) return;
   at->second.last_status = status;
   if (status.state == AgentState::kFinished && !at->second.ended) {
+    log_info("agent " + status.agent + " has ended");
     at->second.ended = true;
     sync_.finish(at->second.camera);
     server_.set_alive(at->second.camera, false);

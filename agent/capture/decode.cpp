@@ -3,11 +3,11 @@
 #include "agent/capture/decode.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
 #include <vector>
 
 #include "common/base/error.h"
@@ -22,13 +22,16 @@ Bytes read_bytes(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-// libjpeg fills the missing rest of an image with grey and reports success, so the end marker is looked for here.
-bool is_truncated_jpeg(const Bytes& bytes) {
-  constexpr std::array<unsigned char, 2> kStart = {0xff, 0xd8}, kEnd = {0xff, 0xd9};
+bool is_cut_off(const Bytes& bytes, std::string_view start, std::string_view end) {
   constexpr std::size_t kPadding = 1024;  // some cameras pad their files
-  if (bytes.size() < 4 || !std::equal(kStart.begin(), kStart.end(), bytes.begin())) return false;
-  const auto tail = bytes.end() - static_cast<std::ptrdiff_t>(std::min(bytes.size(), kPadding));
-  return std::search(tail, bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
+  const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return all.starts_with(start) && all.substr(all.size() - std::min(all.size(), kPadding)).find(end) == all.npos;
+}
+
+// Told by the end marker: libjpeg fills the missing rest with grey and reports success, libpng writes to standard
+// error.
+bool is_truncated(const Bytes& bytes) {
+  return is_cut_off(bytes, "\xff\xd8", "\xff\xd9") || is_cut_off(bytes, "\x89PNG", "IEND");
 }
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
@@ -37,7 +40,7 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 
 cv::Mat read_grey(const std::filesystem::path& file) {
   const Bytes bytes = read_bytes(file);
-  if (bytes.empty() || is_truncated_jpeg(bytes)) return {};
+  if (bytes.empty() || is_truncated(bytes)) return {};
   try {
     // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
     return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);

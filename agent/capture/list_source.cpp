@@ -5,6 +5,7 @@
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -33,6 +34,9 @@ class ListSource final : public ImageSource {
       cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : read_grey(frames_[i].file);
       if (grey.size() == size_) return Image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
       ++unreadable_;
+      if (!log_.pass()) continue;
+      log_warn(frames_[i].file.string() +
+               (grey.empty() ? " cannot be read; passed over" : " has not the size of the first image; passed over"));
     }
     return std::nullopt;
   }
@@ -55,6 +59,7 @@ class ListSource final : public ImageSource {
   cv::Mat first_image_;
   cv::Size size_;
   std::size_t unreadable_ = 0;
+  LogLimiter log_;
 };
 
 }  // namespace

@@ -40,8 +40,8 @@ class DdsAgentLink : public AgentLink {
         tracks_(participant_),
         patches_(participant_),
         descriptors_(participant_),
-        status_(participant_),
         hello_(participant_),
+        status_(participant_),
         loop_(participant_, "agent-link", heartbeat(config), [this] { hello_.assert_alive(); }) {
     loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive(decode(m)); }, {},
                               partition_of(hello.agent_run));
@@ -172,9 +172,9 @@ class DdsAgentLink : public AgentLink {
   Writer<idl::TrackFrame> tracks_;
   Writer<idl::PatchReply> patches_;
   Writer<idl::DescriptorReply> descriptors_;
-  Writer<idl::AgentStatus> status_;
   Writer<idl::Hello> hello_;
-  Loop loop_;  // last: stops first
+  Writer<idl::AgentStatus> status_;  // after hello_: its end waits for the last word, before the sign of life ends
+  Loop loop_;                        // last: stops first
 };
 
 }  // namespace

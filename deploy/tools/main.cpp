@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <exception>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
@@ -19,6 +20,8 @@ int run(int argc, char** argv) {
   coslam::add_render_command(app, chosen);
   coslam::add_eval_command(app, chosen);
   coslam::add_export_command(app, chosen);
+  coslam::add_status_command(app, chosen);
+  coslam::add_calibrate_command(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -32,6 +35,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     coslam::init_log("coslam");
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
     return run(argc, argv);
   } catch (const coslam::UsageError& e) {
     std::fprintf(stderr, "coslam: %s\n", e.what());

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <system_error>
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
@@ -55,6 +58,13 @@ int check_inputs(const Sequence& sequence) {
   return most;
 }
 
+void make_result_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) != 0) error.assign(errno, std::generic_category());
+  if (error) throw UserError("cannot make the result folder " + folder.string() + ": " + error.message());
+}
+
 double number(const nlohmann::json& j, const char* a, const char* b = nullptr, const char* c = nullptr) {
   const nlohmann::json* at = &j;
   for (const char* key : {a, b, c}) {
@@ -89,6 +99,7 @@ int run(RunArguments arguments) {
   options.frame_sets = check_inputs(options.sequence);
   options.out = arguments.out;
   if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
+  make_result_folder(options.out);
   const int code = arguments.in_one_process ? run_inline(options) : run_processes(options);
   if (std::filesystem::exists(ResultFolder(options.out).report())) print_summary(options.out);
   return code;

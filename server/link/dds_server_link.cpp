@@ -68,6 +68,11 @@ class DdsServerLink : public ServerLink {
     return event;
   }
 
+  bool at_work() const override {
+    const std::lock_guard lock(mutex_);
+    return settled_;
+  }
+
   void send(const MapPatch& patch) override {
     idl::MapPatch message = encode(patch);
     const std::lock_guard lock(mutex_);

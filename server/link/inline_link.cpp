@@ -54,6 +54,7 @@ class InlineServer : public ServerLink {
  public:
   explicit InlineServer(RunId run) : sessions(milliseconds(0), rejection_counts) { status.server_run = run; }
 
+  bool at_work() const override { return true; }
   std::optional<ServerEvent> next_event(milliseconds) override {
     if (events.empty()) return std::nullopt;
     std::optional<ServerEvent> event(std::move(events.front()));

@@ -58,6 +58,9 @@ class ServerLink {
   // nothing for 0.6 s, and for 2.5 to 3.5 s when it knows of another one that may just be starting too.
   virtual std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) = 0;
 
+  // False at first, while it says nothing, see next_event().
+  virtual bool at_work() const = 0;
+
   // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.
   virtual void send(const MapPatch& patch) = 0;
   // Publishes the status; the link adds its own refusals (same name twice, another protocol) to status.refused.

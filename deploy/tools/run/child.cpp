@@ -3,7 +3,7 @@
 #include "deploy/tools/run/child.h"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,26 +15,27 @@
 
 #include "common/base/error.h"
 
-extern char** environ;
-
 namespace coslam {
 
 Child::Child(std::string name, const std::vector<std::string>& command) : name_(std::move(name)) {
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC | O_NONBLOCK) != 0)
     throw UserError("cannot make a pipe: " + std::string(std::strerror(errno)));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
   std::vector<std::string> words = command;
   std::vector<char*> argv;
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
-  const int error = posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  pid_ = fork();
+  if (pid_ == 0) {
+    // Only system calls here. Without its parent it is to end as when asked to, the result written.
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    dup2(pipe_ends[1], STDOUT_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
   ::close(pipe_ends[1]);
   output_ = pipe_ends[0];
-  if (error != 0) throw UserError("cannot start " + command.front() + ": " + std::strerror(error));
+  if (pid_ < 0) throw UserError("cannot start " + command.front() + ": " + std::strerror(errno));
 }
 
 Child::Child(Child&& other) noexcept
@@ -42,6 +43,7 @@ Child::Child(Child&& other) noexcept
       pid_(std::exchange(other.pid_, -1)),
       output_(std::exchange(other.output_, -1)),
       ended_(other.ended_),
+      killed_(other.killed_),
       problem_(std::move(other.problem_)),
       partial_(std::move(other.partial_)) {}
 
@@ -58,7 +60,8 @@ bool Child::ended() {
   int status = 0;
   if (waitpid(pid_, &status, WNOHANG) != pid_) return false;
   ended_ = true;
-  if (WIFSIGNALED(status)) problem_ = name_ + " was killed by signal " + std::to_string(WTERMSIG(status));
+  killed_ = WIFSIGNALED(status);
+  if (killed_) problem_ = name_ + " was killed by signal " + std::to_string(WTERMSIG(status));
   if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
     problem_ = name_ + " ended with exit code " + std::to_string(WEXITSTATUS(status));
   return true;

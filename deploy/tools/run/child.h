@@ -10,7 +10,8 @@
 
 namespace coslam {
 
-// A child process whose standard output can be read line by line without blocking. Killed if it still runs at the end.
+// A child process whose standard output can be read line by line without blocking. Killed if it still runs at the end,
+// and asked to end when this process is killed.
 class Child {
  public:
   // Throws UserError when the program cannot be started.
@@ -24,7 +25,8 @@ class Child {
   // Whether it has ended; then problem() says what was wrong with that, empty for exit code 0.
   bool ended();
   const std::string& problem() const { return problem_; }
-  void interrupt() const;  // SIGINT: end cleanly
+  bool killed() const { return killed_; }  // by a signal, so that it said nothing itself
+  void interrupt() const;                  // SIGINT: end cleanly
   void kill() const;
 
   // Complete lines that came since the last call.
@@ -34,7 +36,7 @@ class Child {
   std::string name_;
   pid_t pid_ = -1;
   int output_ = -1;
-  bool ended_ = false;
+  bool ended_ = false, killed_ = false;
   std::string problem_;
   std::string partial_;
 };

@@ -65,7 +65,7 @@ int run_inline(const RunOptions& options) {
   while (server.poll(no_wait) && !stop_requested) {
     for (InlineAgent& a : agents) {
       if (!a.running || a.loop->step(stop_requested)) continue;
-      a.loop->finish();
+      a.loop->finish(stop_requested);
       a.running = false;
     }
     progress(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);

@@ -107,16 +107,16 @@ int free_domain() {
 class Supervisor {
  public:
   Supervisor(const RunOptions& options, int domain)
-      : server_(start_server(options, domain)), frame_sets_(options.frame_sets) {
-    for (const SequenceAgent& a : options.sequence.agents) agents_.push_back(start_agent(options, a, domain));
-  }
+      : options_(options), domain_(domain), server_(start_server(options, domain)) {}
 
   int watch() {
     while (!server_.ended()) {
       read_progress();
       for (Child& a : agents_) {
         // Before the start the server would wait for it for ever.
-        if (a.ended() && !a.problem().empty() && !started_) server_.interrupt();
+        if (!a.ended() || a.problem().empty()) continue;
+        read_progress();  // it may have started just now
+        if (!started_) server_.interrupt();
       }
       if (interrupts > passed_on_) pass_on_interrupt();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -131,17 +131,25 @@ class Supervisor {
                    started_ ? "; the others went on without it" : "");
       code = 1;
     }
-    if (!server_.problem().empty()) std::fprintf(stderr, "coslam run: %s\n", server_.problem().c_str());
+    if (server_.killed()) std::fprintf(stderr, "coslam run: %s\n", server_.problem().c_str());
+    if (server_.problem().empty() && !started_)
+      std::fprintf(stderr, "coslam run: stopped before all agents were there\n");
     return code;
   }
 
  private:
   void read_progress() {
     for (const std::string& line : server_.lines()) {
+      if (line == "ready" && !server_.ended()) start_agents();
       if (line == "started") started_ = true;
       int done = 0;
-      if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_(std::min(done, frame_sets_), frame_sets_);
+      const int all = options_.frame_sets;
+      if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_(std::min(done, all), all);
     }
+  }
+  // Not before: in the domain of another server they would meet that one.
+  void start_agents() {
+    for (const SequenceAgent& a : options_.sequence.agents) agents_.push_back(start_agent(options_, a, domain_));
   }
   void pass_on_interrupt() {
     ++passed_on_;
@@ -157,8 +165,9 @@ class Supervisor {
     }
   }
 
+  const RunOptions& options_;
+  const int domain_;
   Child server_;
-  int frame_sets_;
   std::vector<Child> agents_;
   Progress progress_{"mapping"};
   bool started_ = false;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/error.h"
+#include "tests/support/all_ports.h"
 #include "tests/support/test_domain.h"
 
 namespace coslam {
@@ -42,29 +43,9 @@ TEST(Participant, PeersMustBeAddresses) {
   EXPECT_THAT(error_of(config), HasSubstr("peer 'server.local' is not an IPv4 address"));
 }
 
-// Holds all UDP ports of a domain that a participant on this host could listen on.
-class AllPorts {
- public:
-  explicit AllPorts(int domain) {
-    for (int port = 7400 + 250 * domain; port < 7400 + 250 * (domain + 1); ++port) {
-      sockets_.push_back(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-      sockaddr_in any{};
-      any.sin_family = AF_INET;
-      any.sin_port = htons(static_cast<std::uint16_t>(port));
-      bind(sockets_.back(), reinterpret_cast<const sockaddr*>(&any), sizeof(any));
-    }
-  }
-  ~AllPorts() {
-    for (const int s : sockets_) close(s);
-  }
-
- private:
-  std::vector<int> sockets_;
-};
-
 TEST(Participant, TakenPortsAreAUserErrorNotSilence) {
   const TestDomain domain;
-  const AllPorts taken(domain.number());
+  const test::AllPorts taken(domain.number());
   EXPECT_THAT(error_of(loopback_config(domain.number())),
               HasSubstr("no UDP port is free for DDS domain " + std::to_string(domain.number())));
 }

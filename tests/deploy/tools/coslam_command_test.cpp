@@ -60,7 +60,7 @@ class CoslamCommand : public ::testing::Test {
 
 TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("--help").exit_code, 0);
-  for (const char* command : {"eval", "render", "export"}) {
+  for (const char* command : {"run", "eval", "render", "export", "status", "calibrate"}) {
     const Outcome help = coslam(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage: coslam " + std::string(command)));

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "agent/agent_config.h"
+#include "common/wire/wire_options.h"
+
+namespace coslam {
+
+// All keys of agent.yaml.
+struct AgentOptions {
+  std::string id = "cam0";
+  std::string source;
+  std::string calibration;
+  std::string rate = "1";
+  SourceOptions play;
+  WireConfig wire;
+  AgentConfig agent;
+};
+
+template <class V>
+void describe(V& v, AgentOptions& o) {
+  v.field("id", o.id, "name of this agent, unique among those of one server");
+  v.field("source", o.source, "image folder, list.csv, video, EuRoC or TUM folder, v4l2:N, gst:PIPELINE, rtsp://...");
+  v.field("calibration", o.calibration, "camera calibration file");
+  v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
+  v.field("start_s", o.play.start_s, {0, 1e9}, "offset into the source");
+  v.field("rate_hz", o.play.rate_hz, {0.1, 1000}, "nominal frame rate");
+  v.section("wire", o.wire);
+  v.section("agent", o.agent);
+}
+
+}  // namespace coslam

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "agent/capture/source.h"
+#include "agent/feed.h"
+#include "common/base/error.h"
+#include "common/base/text.h"
+#include "common/dataset/calibration.h"
+#include "deploy/tools/calibrate/chessboard.h"
+#include "deploy/tools/commands.h"
+#include "deploy/tools/console.h"
+
+namespace coslam {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+struct CalibrateArguments {
+  std::string source;
+  std::string board;
+  double square_m = 0;
+  std::string out;
+};
+
+Chessboard parse_board(const std::string& text, double square_m) {
+  const auto sides = split_fields(text, "x");
+  if (sides.size() == 2) {
+    const auto columns = parse_integer(sides[0]), rows = parse_integer(sides[1]);
+    const auto usable = [](const auto& corners) { return corners && *corners >= 3 && *corners <= 50; };
+    if (usable(columns) && usable(rows)) return {static_cast<int>(*columns), static_cast<int>(*rows), square_m};
+  }
+  throw UsageError("--board takes the inner corners as COLSxROWS, 3 to 50 each, e.g. 8x6, not '" + text + "'");
+}
+
+// Before the work, so that it is not lost.
+void require_writable(const std::filesystem::path& file) {
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file))
+    throw UserError(file.string() + ": cannot be written");
+}
+
+SourceOptions options() {
+  SourceOptions o;
+  o.rate_hz = 1;  // of folders without times: single photographs
+  return o;
+}
+
+int count_images(const std::string& uri) {
+  const auto source = open_source(uri, options());
+  int images = 0;
+  while (source->skip()) ++images;
+  return images;
+}
+
+// From a file all of it, from a camera until there are enough views or Ctrl-C.
+ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessboard& board) {
+  constexpr TimeNs kPeriod_ns = 200'000'000;  // of the images that are searched: those between show nothing new
+  ChessboardViews views(board);
+  auto source = open_source(arguments.source, options());
+  const bool live = source->live();
+  const int images = live ? 0 : count_images(arguments.source);
+  const auto feed = live ? real_time_feed(std::move(source), 1, 0) : prefetching_feed(std::move(source));
+  Progress progress(live ? "views" : "images");
+  std::optional<TimeNs> searched_ns;
+  while (const auto image = feed->next(stop_requested)) {
+    if (!searched_ns || image->capture_ns - *searched_ns >= kPeriod_ns) {
+      searched_ns = image->capture_ns;
+      views.add(image->grey);
+    }
+    if (live) {
+      progress(views.count(), ChessboardViews::kMost);
+    } else {
+      progress(static_cast<int>(image->frame.value) + 1, images);
+    }
+    if (views.count() == ChessboardViews::kMost) break;
+  }
+  return views;
+}
+
+int calibrate(const CalibrateArguments& arguments) {
+  const Chessboard board = parse_board(arguments.board, arguments.square_m);
+  require_writable(arguments.out);
+  std::signal(SIGINT, [](int) { stop_requested = true; });
+  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  const ChessboardViews views = collect_views(arguments, board);
+  const CalibrationFit fit = views.fit();
+  save_calibration(arguments.out, fit.camera);
+  const CameraModel& c = fit.camera;
+  std::printf("%s: %dx%d pixels, fx %.1f, fy %.1f, cx %.1f, cy %.1f\n", arguments.out.c_str(), c.width_px, c.height_px,
+              c.fx, c.fy, c.cx, c.cy);
+  std::printf("RMS reprojection error %.3f pixels over %d views%s\n", fit.rms_px, views.count(),
+              fit.rms_px > 1 ? ": that is much; is the board flat, and are the images sharp?" : "");
+  return 0;
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from views of a chessboard");
+  command->add_option("--source", arguments->source, "images, a video or a camera, as for an agent")
+      ->type_name("URI")
+      ->required();
+  command->add_option("--board", arguments->board, "inner corners of the board")->type_name("COLSxROWS")->required();
+  command->add_option("--square", arguments->square_m, "side of one square")
+      ->type_name("METRES")
+      ->check(CLI::PositiveNumber)
+      ->required();
+  command->add_option("--out", arguments->out, "calibration to write")->type_name("FILE")->required();
+  command->callback([arguments, &chosen] { chosen = [arguments] { return calibrate(*arguments); }; });
+}
+
+}  // namespace coslam

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/base/time.h"
+#include "common/model/map_patch.h"
+#include "common/model/session.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+// Who is in a DDS domain and how they fare, from what they say to each other while somebody listens. Pure: time is an
+// argument. Thread-compatible.
+class Census {
+ public:
+  void add(const ServerStatus& status);
+  void add(const Hello& hello, std::uint64_t bytes, Instant now);
+  void add(const AgentStatus& status, std::uint64_t bytes, Instant now);
+  void add(const TrackFrame& frame, std::uint64_t bytes, Instant now);
+  void add(const PatchReply& reply, std::uint64_t bytes, Instant now);
+  void add(const DescriptorReply& reply, std::uint64_t bytes, Instant now);
+  void add(const MapPatch& patch, std::uint64_t bytes, Instant now);
+  void set_alive(RunId run, bool alive);  // of an agent or a server
+
+  bool empty() const { return servers_.empty() && agents_.empty(); }
+  // A line for each server and each agent; rates are over the time since an agent was first heard.
+  std::string text(Instant now) const;
+
+ private:
+  struct Agent {
+    std::string name;
+    Instant since;
+    std::optional<AgentStatus> status;
+    std::uint64_t bytes_up = 0, bytes_down = 0;
+    int frames = 0;
+    Instant first_frame, last_frame;
+    std::map<FrameId, Instant> unanswered;
+    int answers = 0;
+    double lag_s = 0;  // sum over the answers
+    GroupId group;
+  };
+
+  Agent& heard(const std::string& name, RunId run, std::uint64_t bytes, Instant now);
+  std::string state_of(RunId run, const Agent& agent) const;
+  std::string line_of(RunId run, const Agent& agent, Instant now) const;
+  bool alive(RunId run) const;
+
+  std::map<RunId, ServerStatus> servers_;
+  std::map<RunId, Agent> agents_;
+  std::map<RunId, bool> alive_;  // absent: nothing to the contrary was heard
+};
+
+}  // namespace coslam

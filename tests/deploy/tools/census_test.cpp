@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/status/census.h"
+
+#include <gmock/gmock.h>
+
+namespace coslam {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+const RunId kServer(1), kLeft(2), kRight(3);
+
+TEST(Census, RatesLagAndBytes) {
+  Census census;
+  const Instant start;
+  for (std::uint32_t i = 0; i <= 10; ++i) {
+    const Instant now = start + i * milliseconds(100);
+    census.add(TrackFrame{.agent = "left", .agent_run = kLeft, .frame = FrameId(i)}, 1000, now);
+    census.add(TrackFrame{.agent = "left", .agent_run = kLeft, .frame = FrameId(i)}, 0, now);  // again
+    MapPatch patch;
+    patch.agent = "left";
+    patch.agent_run = kLeft;
+    patch.after_frame = FrameId(i);
+    patch.group = GroupId(2);
+    census.add(patch, 200, now + milliseconds(20));
+  }
+  AgentStatus status{.agent = "left", .agent_run = kLeft, .state = AgentState::kRunning};
+  status.pose_state = PoseState::kTracked;
+  status.frames = 77;
+  status.dropped = 3;
+  status.tracks = 123;
+  status.frame_ms = 4.5F;
+  census.add(status, 0, start);
+  EXPECT_THAT(census.text(start + milliseconds(1000)),
+              ContainsRegex("left +running +tracked +2 +77 +3 +123 +4.5 +10.0 +20.0 +11.0 +2.2\n"));
+}
+
+TEST(Census, WhoIsMissing) {
+  Census census;
+  EXPECT_TRUE(census.empty());
+  const Instant now;
+  census.add(Hello{.agent = "left", .agent_run = kLeft}, 0, now);
+  EXPECT_THAT(census.text(now), HasSubstr("no map server\n"));
+  EXPECT_THAT(census.text(now), ContainsRegex("left +waiting +none +- "));
+  ServerStatus server;
+  server.server_run = kServer;
+  server.started = true;
+  server.agents = {"left", "middle"};
+  server.refused = {{kRight, "the name is taken"}};
+  census.add(server);
+  census.add(Hello{.agent = "right", .agent_run = kRight}, 0, now);
+  census.set_alive(kLeft, false);
+  const std::string text = census.text(now);
+  EXPECT_THAT(text, HasSubstr("map server 0000000000000001: running"));
+  EXPECT_THAT(text, ContainsRegex("left +silent "));
+  EXPECT_THAT(text, ContainsRegex("middle +gone"));
+  EXPECT_THAT(text, ContainsRegex("right +refused "));
+  EXPECT_THAT(text, HasSubstr("refused: the name is taken\n"));
+  census.set_alive(kServer, false);
+  EXPECT_THAT(census.text(now), HasSubstr("map server 0000000000000001: silent"));
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Processes that are killed or come late: the others go on, and somebody says what happened.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "common/dataset/result.h"
+#include "common/dataset/trajectory.h"
+#include "tests/support/test_domain.h"
+#include "tests/system/program.h"
+#include "tests/system/small_scene.h"
+
+namespace coslam {
+namespace {
+
+using test::lines_with;
+using test::Program;
+using test::SmallScene;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr int kFrames = 200;
+
+class Fault : public ::testing::Test {
+ protected:
+  std::vector<std::string> run() const {
+    return {"run", scene_.sequence(), "--out", result_.path().string(), "--domain", domain()};
+  }
+  std::vector<std::string> server() const {
+    return {"--loopback", "--domain", domain(), "--out", result_.path().string()};
+  }
+  std::vector<std::string> agent(int camera, const std::string& source = {}) const {
+    return {"--loopback",
+            "--domain",
+            domain(),
+            "--id",
+            scene_.name(camera),
+            "--source",
+            source.empty() ? scene_.source(camera) : source,
+            "--calibration",
+            scene_.calibration(),
+            "--rate",
+            "max"};
+  }
+  std::string domain() const { return std::to_string(domain_.number()); }
+
+  const SmallScene scene_{2, kFrames};
+  const ResultFolder result_{scene_.folder() / "result"};
+  const test::TestDomain domain_;
+};
+
+TEST_F(Fault, KilledAgentLeavesTheOthersAtWork) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
+  const pid_t victim = run.child_with({"coslam-agent", "cam1"});
+  ASSERT_GT(victim, 0);
+  kill(victim, SIGKILL);
+  EXPECT_EQ(run.exit_code(), 1) << run.err();
+  EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
+  EXPECT_THAT(run.err(), HasSubstr("coslam run: agent cam1 was killed by signal 9; the others went on without it\n"));
+  EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
+  EXPECT_LT(load_tum(result_.trajectory("cam1")).size(), static_cast<std::size_t>(kFrames));
+}
+
+TEST_F(Fault, KilledServerEndsTheRun) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
+  kill(run.child_with({"coslam-server"}), SIGKILL);
+  EXPECT_EQ(run.exit_code(), 1);
+  EXPECT_THAT(lines_with(run.err(), "coslam run: "), SizeIs(1)) << run.err();
+  EXPECT_THAT(run.err(), HasSubstr("coslam run: the map server was killed by signal 9\n"));
+}
+
+TEST_F(Fault, KilledServerEndsReplayingAgents) {
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
+  for (Program* agent : {&a, &b}) ASSERT_TRUE(agent->says("info: playing ")) << agent->err();
+  server.signal(SIGKILL);
+  for (Program* agent : {&a, &b}) {
+    EXPECT_EQ(agent->exit_code(), 1) << agent->err();
+    EXPECT_THAT(lines_with(agent->err(), "coslam-agent: the map server no longer answers"), SizeIs(1)) << agent->err();
+  }
+}
+
+TEST_F(Fault, InterruptedServerWritesTheResultAndEndsReplayingAgents) {
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
+  for (Program* agent : {&a, &b}) ASSERT_TRUE(agent->says("info: playing ")) << agent->err();
+  server.signal(SIGINT);
+  EXPECT_EQ(server.exit_code(), 0) << server.err();
+  EXPECT_EQ(a.exit_code(), 0) << a.err();
+  EXPECT_EQ(b.exit_code(), 0) << b.err();
+  EXPECT_TRUE(std::filesystem::exists(result_.report()));
+}
+
+TEST_F(Fault, InterruptedRunWritesTheResult) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
+  run.signal(SIGINT);
+  EXPECT_EQ(run.exit_code(), 0) << run.err();
+  EXPECT_TRUE(std::filesystem::exists(result_.report()));
+}
+
+TEST_F(Fault, KilledRunEndsItsProcesses) {
+  Program run("coslam", this->run());
+  ASSERT_TRUE(run.says("agent cam1 joined")) << run.err();
+  run.signal(SIGKILL);
+  EXPECT_EQ(run.exit_code(), 128 + SIGKILL);  // its children have ended too
+  EXPECT_TRUE(std::filesystem::exists(result_.report())) << run.err();
+}
+
+TEST_F(Fault, LateAgentCatchesUp) {
+  // The first comes to an image that is a pipe and waits there until the second has joined.
+  constexpr int kGate = 40;
+  const std::string gate = (scene_.folder() / "gate.png").string();
+  ASSERT_EQ(mkfifo(gate.c_str(), 0600), 0);
+  std::string list;
+  for (int f = 0; f < kFrames; ++f) {
+    list += std::to_string(f / SmallScene::kRate_hz) + "," + (f == kGate ? gate : scene_.image(0, f)) + "\n";
+  }
+  Program server("coslam-server", this->server());
+  Program a("coslam-agent", agent(0, scene_.folder().write("gated.csv", list).string()));
+  const int opened = open(gate.c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader
+  ASSERT_GE(opened, 0);
+  Program b("coslam-agent", agent(1));
+  ASSERT_TRUE(server.says("agent cam1 joined")) << server.err();
+  std::ifstream image(scene_.image(0, kGate), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(image), {}};
+  EXPECT_EQ(write(opened, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  close(opened);
+  ASSERT_TRUE(server.says("agent cam0 has ended")) << server.err();
+  ASSERT_TRUE(server.says("agent cam1 has ended")) << server.err();
+  server.signal(SIGINT);
+  EXPECT_EQ(server.exit_code(), 0) << server.err();
+  EXPECT_EQ(a.exit_code(), 0) << a.err();
+  EXPECT_EQ(b.exit_code(), 0) << b.err();
+  EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
+  const Trajectory late = load_tum(result_.trajectory("cam1"));
+  EXPECT_GT(late.size(), static_cast<std::size_t>(kFrames / 2)) << server.err();
+  EXPECT_LT(late.size(), static_cast<std::size_t>(kFrames - kGate / 2));
+  EXPECT_EQ(late.back().t_ns, load_tum(result_.trajectory("cam0")).back().t_ns);  // they end together
+  Program eval("coslam", {"eval", result_.path().string(), scene_.sequence()});
+  ASSERT_EQ(eval.exit_code(), 0) << eval.err();
+  EXPECT_LT(read_json(result_.evaluation())["ate_percent"].get<double>(), 2.0);
+}
+
+}  // namespace
+}  // namespace coslam
