@@ -141,7 +141,7 @@ struct MapConfig {
   // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its
   // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md
   // (NEES).
-  double covariance_sigma_factor = 2.8;
+  double covariance_sigma_factor = 2.6;
   int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
 };
 
