@@ -45,6 +45,20 @@ float raw_albedo(const Material& m, const SurfacePoint& p) {
       return foliage_albedo(m, p);
     case MaterialKind::kPaint:
       return paint_albedo(m, p);
+    case MaterialKind::kCheckedCloth:
+      return checked_cloth_albedo(m, p);
+    case MaterialKind::kPrintedCloth:
+      return printed_cloth_albedo(m, p);
+    case MaterialKind::kStripedCloth:
+      return striped_cloth_albedo(m, p);
+    case MaterialKind::kDenim:
+      return denim_albedo(m, p);
+    case MaterialKind::kFace:
+      return face_albedo(m, p);
+    case MaterialKind::kHand:
+      return hand_albedo(m, p);
+    case MaterialKind::kShoe:
+      return shoe_albedo(m, p);
     case MaterialKind::kLamp:
       break;
   }

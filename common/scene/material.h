@@ -28,6 +28,13 @@ enum class MaterialKind : std::uint8_t {
   kFoliage,
   kPaint,
   kLamp,
+  kCheckedCloth,
+  kPrintedCloth,
+  kStripedCloth,
+  kDenim,
+  kFace,
+  kHand,
+  kShoe,
 };
 
 struct Material {
@@ -46,7 +53,7 @@ struct SurfacePoint {
 float albedo(const Material& material, const SurfacePoint& p);
 
 // One function a kind; surfaces (material_surface.cpp) repeat over any size, prints (material_print.cpp) fill the
-// facet.
+// facet, and what people wear (material_clothes.cpp) goes around a part.
 float brick_albedo(const Material& m, const SurfacePoint& p);
 float plaster_albedo(const Material& m, const SurfacePoint& p);
 float planks_albedo(const Material& m, const SurfacePoint& p);
@@ -65,5 +72,12 @@ float newspaper_albedo(const Material& m, const SurfacePoint& p);
 float book_spine_albedo(const Material& m, const SurfacePoint& p);
 float pages_albedo(const Material& m, const SurfacePoint& p);
 float screen_albedo(const Material& m, const SurfacePoint& p);
+float checked_cloth_albedo(const Material& m, const SurfacePoint& p);
+float printed_cloth_albedo(const Material& m, const SurfacePoint& p);
+float striped_cloth_albedo(const Material& m, const SurfacePoint& p);
+float denim_albedo(const Material& m, const SurfacePoint& p);
+float face_albedo(const Material& m, const SurfacePoint& p);
+float hand_albedo(const Material& m, const SurfacePoint& p);
+float shoe_albedo(const Material& m, const SurfacePoint& p);
 
 }  // namespace coslam::sim

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "common/scene/lighting.h"
 #include "common/scene/parallel.h"
+#include "common/scene/scene.h"
 
 namespace coslam::sim {
 namespace {
@@ -91,36 +93,157 @@ float Renderer::shade(const FacetHit& hit, const Eigen::Vector3f& direction, flo
   return surface.radiance.sample(hit.u, hit.v, read_m * surface.texels_per_m);
 }
 
-cv::Mat1f Renderer::radiance(const RayTable& rays, const Rigid3& cam_from_world) const {
+Renderer::Renderer(const World& world, const Caster& caster, const std::vector<Mesh>& parts, int threads,
+                   double coarseness)
+    : Renderer(world, caster, threads, coarseness) {
+  bake_parts(parts, threads, coarseness);
+}
+
+void Renderer::bake_parts(const std::vector<Mesh>& parts, int threads, double coarseness) {
+  parts_.resize(parts.size());
+  parallel_for(static_cast<int>(parts.size()), threads, [&](int i) {
+    const Mesh& mesh = parts[static_cast<std::size_t>(i)];
+    PartSurface& part = parts_[static_cast<std::size_t>(i)];
+    part.mesh = &mesh;
+    for (const Skin& skin : mesh.skins) {
+      const double texel_m = skin.texel_m * coarseness;
+      const auto width_m = static_cast<float>(skin.width_m), height_m = static_cast<float>(skin.height_m);
+      const int columns = std::clamp(static_cast<int>(std::ceil(skin.width_m / texel_m)), 1, kMaxTexels);
+      const int rows = std::clamp(static_cast<int>(std::ceil(skin.height_m / texel_m)), 1, kMaxTexels);
+      part.albedo.emplace_back(columns, rows, [&](int column, int row) {
+        const float u = (static_cast<float>(column) + 0.5F) / static_cast<float>(columns);
+        const float v = (static_cast<float>(row) + 0.5F) / static_cast<float>(rows);
+        return albedo(skin.material, {u * width_m, v * height_m, width_m, height_m});
+      });
+      part.texels_per_m.push_back(static_cast<float>(columns) / width_m);
+    }
+    for (const MeshVertex& vertex : mesh.vertices) part.middle += vertex.point.cast<double>();
+    part.middle /= static_cast<double>(mesh.vertices.size());
+  });
+}
+
+// Something close above the floor takes light from it.
+struct FloorShade {
+  Eigen::Vector2f middle;
+  float strength = 0, spread_m = 0;
+};
+
+struct Renderer::LitParts {
+  struct Part {
+    Eigen::Matrix3f part_from_world;
+    Eigen::Vector3f origin;    // world
+    std::vector<float> light;  // of the vertices
+  };
+  const PosedParts* posed = nullptr;
+  std::vector<Part> parts;
+  std::vector<FloorShade> shades;
+
+  float on_floor(const Eigen::Vector3f& point) const {
+    float share = 1;
+    for (const FloorShade& shade : shades) {
+      const float off = (point.head<2>() - shade.middle).squaredNorm() / (shade.spread_m * shade.spread_m);
+      if (off < 6.0F) share *= 1.0F - shade.strength * std::exp(-off);
+    }
+    return share;
+  }
+};
+
+Renderer::LitParts Renderer::light(const PosedParts& posed) const {
+  constexpr double kShadeUpToM = 0.45, kCrowded = 0.9;
+  LitParts out;
+  out.posed = &posed;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Rigid3& world_from_part = posed.world_from_part(i);
+    const Eigen::Matrix3d rotation = world_from_part.rotation.toRotationMatrix();
+    LitParts::Part part{rotation.transpose().cast<float>(), world_from_part.translation.cast<float>(), {}};
+    part.light.reserve(parts_[i].mesh->vertices.size());
+    for (const MeshVertex& v : parts_[i].mesh->vertices) {
+      const Eigen::Vector3d normal = rotation * v.normal.cast<double>();
+      part.light.push_back(
+          static_cast<float>(kCrowded * unshaded_light(world_, world_from_part * v.point.cast<double>(), normal)));
+    }
+    out.parts.push_back(std::move(part));
+    const Eigen::Vector3d middle = world_from_part * parts_[i].middle;
+    if (middle.z() < kShadeUpToM) {
+      const double height = middle.z() / kShadeUpToM;
+      out.shades.push_back({middle.head<2>().cast<float>(), static_cast<float>(0.45 * (1 - height)),
+                            static_cast<float>(0.14 + 0.25 * height)});
+    }
+  }
+  return out;
+}
+
+float Renderer::shade_part(const LitParts& lit, const FacetHit& hit, const Eigen::Vector3f& direction,
+                           float pixel_rad) const {
+  const PartSurface& surface = parts_[hit.part];
+  const LitParts::Part& part = lit.parts[hit.part];
+  const MeshTriangle& triangle = surface.mesh->triangles[hit.facet];
+  const auto& [ia, ib, ic] = triangle.corners;
+  const MeshVertex &a = surface.mesh->vertices[ia], &b = surface.mesh->vertices[ib], &c = surface.mesh->vertices[ic];
+  const float share_a = 1.0F - hit.u - hit.v;
+  const Eigen::Vector2f uv = share_a * a.uv + hit.u * b.uv + hit.v * c.uv;
+  const float light = share_a * part.light[ia] + hit.u * part.light[ib] + hit.v * part.light[ic];
+  const float length = direction.norm();
+  const Eigen::Vector3f normal = (b.point - a.point).cross(c.point - a.point).normalized();
+  const float cosine = std::max(0.02F, std::abs(normal.dot(part.part_from_world * direction)) / length);
+  const float read_m = hit.distance * length * pixel_rad * std::max(kShareAcross, kShareAlong / cosine);
+  return light * surface.albedo[triangle.skin].sample(uv.x(), uv.y(), read_m * surface.texels_per_m[triangle.skin]);
+}
+
+cv::Mat1f Renderer::radiance(const RayTable& rays, const Rigid3& cam_from_world, const PosedParts* posed,
+                             cv::Mat1b* moving) const {
+  constexpr float kFloorM = 0.05F;
+  const LitParts lit = posed != nullptr ? light(*posed) : LitParts();
   const Eigen::Matrix3f world_from_cam = cam_from_world.rotation.conjugate().toRotationMatrix().cast<float>();
   const Eigen::Vector3f origin = cam_from_world.center().cast<float>();
   const auto pixel_rad = static_cast<float>(1.0 / rays.focal_px());
   cv::Mat1f out(rays.height(), rays.width());
+  if (moving != nullptr) *moving = cv::Mat1b::zeros(rays.height(), rays.width());
+  const auto moves = [&](const FacetHit& hit, const Eigen::Vector3f& direction) {
+    const LitParts::Part& part = lit.parts[hit.part];
+    const Eigen::Vector3f in_part = part.part_from_world * (origin + hit.distance * direction - part.origin);
+    return posed->velocity(hit.part, in_part.cast<double>()).norm() > kMovingSpeed_m_s;
+  };
   for (int y = 0; y < rays.height(); ++y) {
     for (int x = 0; x < rays.width(); ++x) {
       Caster::Directions directions;
       for (int k = 0; k < RayTable::kRays; ++k) {
         directions.col(k) = world_from_cam * rays.ray(x, y, k).homogeneous();
       }
-      const auto hits = caster_.cast_packet(origin, directions);
+      const auto hits =
+          posed != nullptr ? posed->caster().cast_packet(origin, directions) : caster_.cast_packet(origin, directions);
       float sum = 0;
+      int rays_moving = 0;
       for (int k = 0; k < RayTable::kRays; ++k) {
-        sum += shade(hits[static_cast<std::size_t>(k)], directions.col(k), pixel_rad);
+        const FacetHit& hit = hits[static_cast<std::size_t>(k)];
+        const Eigen::Vector3f direction = directions.col(k);
+        if (hit.part != kNoPart) {
+          sum += shade_part(lit, hit, direction, pixel_rad);
+          if (moving != nullptr && moves(hit, direction)) ++rays_moving;
+          continue;
+        }
+        float value = shade(hit, direction, pixel_rad);
+        if (posed != nullptr && hit.facet != kNoFacet && origin.z() + hit.distance * direction.z() < kFloorM) {
+          value *= lit.on_floor(origin + hit.distance * direction);
+        }
+        sum += value;
       }
       out(y, x) = sum / RayTable::kRays;
+      if (2 * rays_moving > RayTable::kRays) (*moving)(y, x) = 255;
     }
   }
   return out;
 }
 
-cv::Mat1w Renderer::depth_mm(const RayTable& rays, const Rigid3& cam_from_world) const {
+cv::Mat1w Renderer::depth_mm(const RayTable& rays, const Rigid3& cam_from_world, const PosedParts* posed) const {
   const Eigen::Matrix3d world_from_cam = cam_from_world.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d origin = cam_from_world.center();
   cv::Mat1w out(rays.height(), rays.width());
   for (int y = 0; y < rays.height(); ++y) {
     for (int x = 0; x < rays.width(); ++x) {
       // The direction has z = 1 in the camera, so that the distance along it is the depth.
-      const auto hit = caster_.cast(origin, world_from_cam * rays.central(x, y).cast<double>().homogeneous());
+      const Eigen::Vector3d direction = world_from_cam * rays.central(x, y).cast<double>().homogeneous();
+      const auto hit = posed != nullptr ? posed->caster().cast(origin, direction) : caster_.cast(origin, direction);
       const float mm = hit ? hit->distance * 1000.0F : 0.0F;
       out(y, x) = mm < 65535.0F ? static_cast<std::uint16_t>(std::lround(mm)) : std::uint16_t{0};
     }

@@ -8,6 +8,7 @@
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
 #include "common/scene/caster.h"
+#include "common/scene/posed_parts.h"
 #include "common/scene/texture.h"
 #include "common/scene/world.h"
 
@@ -36,16 +37,21 @@ class RayTable {
   std::vector<Eigen::Vector2f> rays_, central_;
 };
 
-// Draws a world without moving parts. Light and textures are computed once, at construction; after that thread-safe.
-// The world and the caster must outlive it.
+// Draws a world and what moves in it. The light on the world and all textures are computed once, at construction; after
+// that thread-safe. Moving things are lit by the lights and darken the floor around their feet, but throw no shadow on
+// each other. The world, the caster and the parts must outlive it.
 class Renderer {
  public:
   // coarseness > 1: textures and shadows coarser by that factor, for tests.
   Renderer(const World& world, const Caster& caster, int threads, double coarseness = 1.0);
+  Renderer(const World& world, const Caster& caster, const std::vector<Mesh>& parts, int threads, double coarseness);
 
-  cv::Mat1f radiance(const RayTable& rays, const Rigid3& cam_from_world) const;
+  // posed: where the parts are; null draws the world alone. moving: 255 where most of a pixel shows something that
+  // moves (Scene::moving), else 0.
+  cv::Mat1f radiance(const RayTable& rays, const Rigid3& cam_from_world, const PosedParts* posed = nullptr,
+                     cv::Mat1b* moving = nullptr) const;
   // Depth along z of the pixel centres in millimetres; 0 where nothing is met or it is beyond 65 m.
-  cv::Mat1w depth_mm(const RayTable& rays, const Rigid3& cam_from_world) const;
+  cv::Mat1w depth_mm(const RayTable& rays, const Rigid3& cam_from_world, const PosedParts* posed = nullptr) const;
 
  private:
   // What shading needs of a facet, close together.
@@ -56,10 +62,23 @@ class Renderer {
   };
   Surface bake(const Facet& facet, double coarseness) const;
   float shade(const FacetHit& hit, const Eigen::Vector3f& direction, float pixel_rad) const;
+  // What shading needs of the skins of a part.
+  struct PartSurface {
+    const Mesh* mesh = nullptr;
+    std::vector<Texture> albedo;
+    std::vector<float> texels_per_m;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  };
+  // The parts of one instant under the lights.
+  struct LitParts;
+  void bake_parts(const std::vector<Mesh>& parts, int threads, double coarseness);
+  LitParts light(const PosedParts& posed) const;
+  float shade_part(const LitParts& lit, const FacetHit& hit, const Eigen::Vector3f& direction, float pixel_rad) const;
 
   const World& world_;
   const Caster& caster_;
   std::vector<Surface> surfaces_;
+  std::vector<PartSurface> parts_;
 };
 
 }  // namespace coslam::sim

@@ -24,6 +24,15 @@ struct RayHit {
   double distance_m = 0;
 };
 
+// A place on a surface, wherever the surface goes: metres in the frame of the rigid object that it belongs to.
+struct SurfaceSpot {
+  std::uint32_t object = 0;
+  Eigen::Vector3d in_object = Eigen::Vector3d::Zero();
+};
+
+// From which speed on a place on a surface is said to move. Somebody who stands still is static for that time.
+inline constexpr double kMovingSpeed_m_s = 0.02;
+
 // A simulated world with exact truth: what the cameras see, where they are, what moves.
 class Scene {
  public:
@@ -36,6 +45,15 @@ class Scene {
   // First surface along a ray at time t_s; empty when it leaves the world.
   virtual std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                      double t_s) const = 0;
+
+  // Whether an object can move at all. The parts of a body are objects of their own.
+  virtual bool can_move(std::uint32_t /*object*/) const { return false; }
+  // The place that a ray met at t_s.
+  virtual SurfaceSpot spot(const RayHit& hit, double /*t_s*/) const { return {hit.object, hit.point}; }
+  // World, metres.
+  virtual Eigen::Vector3d position(const SurfaceSpot& spot, double /*t_s*/) const { return spot.in_object; }
+  virtual double speed_m_s(const SurfaceSpot& /*spot*/, double /*t_s*/) const { return 0; }
+  bool moving(const SurfaceSpot& spot, double t_s) const { return speed_m_s(spot, t_s) > kMovingSpeed_m_s; }
 };
 
 // Names that `sim:NAME` accepts.
@@ -52,9 +70,10 @@ struct RenderOptions {
 };
 
 // Renders a sequence folder in the form of docs/configuration.md: sequence.yaml, <agent>/<6 digits>.png + times.txt,
-// calibration, truth <agent>.tum, and what eval needs. Written aside and renamed, so that a folder that exists is
-// complete. progress(done, total) is called from this thread; an exception that it throws ends the rendering and leaves
-// nothing. Throws UserError when the folder has something in it or cannot be written.
+// calibration, truth <agent>.tum, and what eval needs; masks and points.csv where things move. Written aside and
+// renamed, so that a folder that exists is complete. progress(done, total) is called from this thread; an exception
+// that it throws ends the rendering and leaves nothing. Throws UserError when the folder has something in it or cannot
+// be written.
 void render_sequence(const RenderOptions& options, const std::filesystem::path& folder,
                      const std::function<void(int, int)>& progress);
 

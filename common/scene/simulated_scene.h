@@ -4,10 +4,13 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
+#include "common/scene/body.h"
 #include "common/scene/caster.h"
+#include "common/scene/posed_parts.h"
 #include "common/scene/scene.h"
 #include "common/scene/sensor.h"
 #include "common/scene/world.h"
@@ -23,6 +26,7 @@ struct SceneCamera {
 // A scene as its author writes it.
 struct SceneDescription {
   World world;
+  std::vector<Body> bodies;
   std::vector<SceneCamera> cameras;
   int frames = 0;
   double rate_hz = 30;
@@ -34,13 +38,15 @@ inline constexpr int kMaxCameras = 16;
 SceneDescription describe_room(std::uint64_t seed, int cameras);
 // Two walls; the cameras turn from one to the other from frame 180 to 256, nearly on the spot.
 SceneDescription describe_wall(std::uint64_t seed, int cameras);
+// A dim room; a man walks round in front of three cameras and stops now and then, a cart rolls past once.
+SceneDescription describe_walking_man(std::uint64_t seed, int cameras);
 
 struct SceneSize {
   int cameras = 0, frames = 0;  // <= 0: the scene's own number
   double image_scale = 1;       // of the images; tests use small ones
 };
 
-// A static world. Thread-safe.
+// A world with what moves in it. Thread-safe.
 class SimulatedScene : public Scene {
  public:
   SimulatedScene(SceneDescription description, const SceneSize& size);
@@ -52,15 +58,33 @@ class SimulatedScene : public Scene {
   Rigid3 cam_from_world(int camera, double t_s) const override { return at(camera).cam_from_world(t_s); }
   std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                              double t_s) const override;
+  bool can_move(std::uint32_t object) const override;
+  SurfaceSpot spot(const RayHit& hit, double t_s) const override;
+  Eigen::Vector3d position(const SurfaceSpot& spot, double t_s) const override;
+  double speed_m_s(const SurfaceSpot& spot, double t_s) const override;
 
   double time_s(int frame) const { return frame / description_.rate_hz; }
   const SceneCamera& at(int camera) const;
   const World& world() const { return description_.world; }
   const Caster& caster() const { return caster_; }
+  // The rigid parts of all bodies, one after the other; part i is object kFirstMovingObject + i.
+  const std::vector<Mesh>& parts() const { return parts_; }
+  int bodies() const { return static_cast<int>(description_.bodies.size()); }
+  // The first part of a body; for body == bodies() the number of parts.
+  std::size_t first_part(int body) const { return first_part_[static_cast<std::size_t>(body)]; }
+  // Where the parts are at an instant; null when nothing can move. The last few instants are kept.
+  std::shared_ptr<const PosedParts> posed(double t_s) const;
 
  private:
+  std::vector<Rigid3> world_from_parts(double t_s) const;
+  std::size_t part_of(std::uint32_t object) const;
+
   SceneDescription description_;
+  std::vector<Mesh> parts_;
+  std::vector<std::size_t> first_part_;
   Caster caster_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::shared_ptr<const PosedParts>> recent_;  // newest last
 };
 
 // As make_scene(). Throws UserError for an unknown name or too many cameras.

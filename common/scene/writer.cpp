@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/base/error.h"
+#include "common/scene/marked_spots.h"
 #include "common/scene/parallel.h"
 #include "common/scene/renderer.h"
 
@@ -76,6 +77,7 @@ std::string sequence_text(const SimulatedScene& scene, const WriteOptions& optio
     const Eigen::Vector3d apart = scene.cam_from_world(0, 0).center() - scene.cam_from_world(1, 0).center();
     out += formatted("scale: {baseline_m: %.9f}\n", apart.norm());
   }
+  if (scene.bodies() > 0) out += "truth_points: points.csv\nmasks: masks\n";
   out += "agents:\n";
   for (int camera = 0; camera < scene.cameras(); ++camera) {
     const std::string name = agent_name(camera);
@@ -83,6 +85,20 @@ std::string sequence_text(const SimulatedScene& scene, const WriteOptions& optio
            ".tum\n";
   }
   return out;
+}
+
+// A line for every marked spot and frame.
+void write_marked_points(const SimulatedScene& scene, std::uint64_t seed, const fs::path& file) {
+  constexpr int kMarked = 300;
+  const std::vector<SurfaceSpot> spots = marked_spots(scene, kMarked, seed);
+  std::string out = "t_s,id,x,y,z\n";
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    for (std::size_t i = 0; i < spots.size(); ++i) {
+      const Eigen::Vector3d p = scene.position(spots[i], scene.time_s(frame));
+      out += formatted("%.9f,%zu,%.5f,%.5f,%.5f\n", scene.time_s(frame), i + 1, p.x(), p.y(), p.z());
+    }
+  }
+  write_text(file, out);
 }
 
 void write_descriptions(const SimulatedScene& scene, const WriteOptions& options, const fs::path& folder) {
@@ -93,7 +109,9 @@ void write_descriptions(const SimulatedScene& scene, const WriteOptions& options
     write_text(folder / (name + ".yaml"), calibration_text(scene.camera(camera)));
     write_text(folder / (name + ".tum"), truth_text(scene, camera));
     write_text(folder / name / "times.txt", times_text(scene));
+    if (scene.bodies() > 0) fs::create_directories(folder / "masks" / name);
   }
+  if (scene.bodies() > 0) write_marked_points(scene, options.seed, folder / "points.csv");
   write_text(folder / "sequence.yaml", sequence_text(scene, options));
 }
 
@@ -103,7 +121,7 @@ class FrameWriter {
   FrameWriter(const SimulatedScene& scene, const WriteOptions& options, fs::path folder)
       : scene_(scene),
         folder_(std::move(folder)),
-        renderer_(scene.world(), scene.caster(), options.threads, options.coarseness) {
+        renderer_(scene.world(), scene.caster(), scene.parts(), options.threads, options.coarseness) {
     for (int i = 0; i < scene.cameras(); ++i) rays_.emplace_back(scene.camera(i), options.threads);
   }
 
@@ -112,10 +130,15 @@ class FrameWriter {
     const RayTable& rays = rays_[static_cast<std::size_t>(camera)];
     const double t_s = scene_.time_s(frame);
     const Rigid3 pose = scene_.cam_from_world(camera, t_s);
-    const cv::Mat1b image = expose(renderer_.radiance(rays, pose), scene_.at(camera).sensor, frame, t_s);
+    const auto posed = scene_.posed(t_s);
+    cv::Mat1b moving;
+    const cv::Mat1f radiance = renderer_.radiance(rays, pose, posed.get(), posed ? &moving : nullptr);
+    const cv::Mat1b image = expose(radiance, scene_.at(camera).sensor, frame, t_s);
+    if (posed) write_image(folder_ / "masks" / agent_name(camera) / image_name(frame), moving);
     write_image(folder_ / agent_name(camera) / image_name(frame), image);
     if (frame % kDepthEvery == 0) {
-      write_image(folder_ / "depth" / agent_name(camera) / image_name(frame), renderer_.depth_mm(rays, pose));
+      write_image(folder_ / "depth" / agent_name(camera) / image_name(frame),
+                  renderer_.depth_mm(rays, pose, posed.get()));
     }
   }
 
