@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,7 +22,11 @@ class EveryScene : public testing::TestWithParam<std::string> {
   std::unique_ptr<Scene> scene_ = make_scene(GetParam(), 1);
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()), [](const auto& p) {
+  std::string name = p.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 // The ray through a raw pixel, in the world.
 Eigen::Vector3d direction_of(const Scene& scene, int camera, const Eigen::Vector2d& raw_px, double t_s) {
