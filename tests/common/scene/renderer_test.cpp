@@ -271,7 +271,7 @@ TEST_P(SceneFrames, EveryViewHasHundredsOfCornersInAllParts) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneFrames, testing::ValuesIn(scene_names()), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneFrames, testing::Values("room", "wall"), [](const auto& p) { return p.param; });
 
 }  // namespace
 }  // namespace coslam::sim
