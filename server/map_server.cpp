@@ -3,6 +3,7 @@
 #include "server/map_server.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace coslam {
@@ -37,6 +38,11 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const LocaliseReport r = localise(map_, set, config_.localise);
     count("tracked", r.tracked);
     count("lost", r.lost);
+  }
+  if (const InterPoseReport r = run_inter_pose(set); r.calls > 0) {
+    counts_.inter_pose_calls += r.calls;
+    count("inter_posed", r.posed);
+    count("rescued", r.rescued);
   }
   StartReport started;
   {
@@ -102,6 +108,14 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   const auto t = times_.measure("correct");
   return write_patches(set, started.wants_descriptors);
+}
+
+// Timed only when it had something to do.
+InterPoseReport MapServer::run_inter_pose(const FrameSet& set) {
+  const auto begin = std::chrono::steady_clock::now();
+  const InterPoseReport r = inter_pose(map_, set, graph_, config_.inter_pose);
+  if (r.calls > 0) times_.add("inter_pose", std::chrono::steady_clock::now() - begin);
+  return r;
 }
 
 MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {

@@ -16,6 +16,7 @@
 #include "server/stages/cull.h"
 #include "server/stages/fuse.h"
 #include "server/stages/group.h"
+#include "server/stages/inter_pose.h"
 #include "server/stages/key_frame.h"
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
@@ -31,6 +32,7 @@ struct MapServerConfig {
   MapConfig map;
   StartStageConfig start;
   LocaliseConfig localise;
+  InterPoseConfig inter_pose;
   VerifyConfig verify;
   ClassifyConfig classify;
   RegisterConfig registration;
@@ -84,6 +86,7 @@ class MapServer {
   RunId run() const { return run_; }
 
  private:
+  InterPoseReport run_inter_pose(const FrameSet& set);
   void apply_refined();
   void plan_refinement(bool key_frame);
   void set_scale();

@@ -34,6 +34,15 @@ void describe(V& v, LocaliseConfig& c) {
 }
 
 template <class V>
+void describe(V& v, InterPoseConfig& c) {
+  v.field("enabled", c.enabled, "poses from static and moving points of a whole group");
+  v.field("hull_area_min", c.hull_area_min, {0, 1}, "of the image that static points cover; less: called");
+  v.field("max_iterations", c.max_iterations, {1, 200}, "of the solver");
+  v.field("min_inliers", c.min_inliers, {6, 1000}, "static and moving together, of each camera");
+  v.field("min_moving", c.min_moving, {1, 1000}, "moving points that two cameras of the group see");
+}
+
+template <class V>
 void describe(V& v, VerifyConfig& c) {
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
   v.field("prove_views", c.prove_views, {1, 1000}, "observations inside the gate that prove a point of one camera");
@@ -143,6 +152,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("sync", c.sync);
   v.section("start", c.map.start);
   v.section("localise", c.map.localise);
+  v.section("inter_pose", c.map.inter_pose);
   v.section("verify", c.map.verify);
   v.section("classify", c.map.classify);
   v.section("register", c.map.registration);

@@ -48,6 +48,10 @@ class StageTimes {
   };
 
   Scope measure(const std::string& stage) { return Scope(stages_[stage]); }
+  // A time measured elsewhere, for a stage that only counts when it had something to do.
+  void add(const std::string& stage, std::chrono::steady_clock::duration elapsed) {
+    stages_[stage].add_ms(std::chrono::duration<double, std::milli>(elapsed).count());
+  }
   const std::map<std::string, DurationHistogram>& stages() const { return stages_; }
 
  private:

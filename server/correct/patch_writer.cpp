@@ -105,7 +105,7 @@ MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame&
   const FramePose& f = camera.frames.back();
   // The agent cannot know where it is: it was just placed, or lost its way, or missed how the map moved.
   const bool knows = frame.pose_state == PoseState::kTracked && !snapshot;
-  if (f.valid() && !knows) patch.placed = PlacedPose{f.frame, f.cam_from_world};
+  if (f.valid() && (!knows || camera.corrected)) patch.placed = PlacedPose{f.frame, f.cam_from_world};
   write_bindings(map, camera, snapshot, &patch);
   write_requests(map, camera, &patch);
   patch.descriptor_request = wants_descriptors;

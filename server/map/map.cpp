@@ -104,6 +104,7 @@ void Map::ingest(const FrameSet& set) {
   for (const CameraFrame& cf : set.frames) {
     MapCamera& c = camera(cf.camera);
     c.frames.push_back({set.id, cf.frame.frame, cf.frame.capture_ns, {}, {}});
+    c.corrected = false;
     for (const TrackObservation& o : cf.frame.tracks) {
       ServerTrack& track = c.tracks[o.track];
       track.id = o.track;

@@ -56,11 +56,12 @@ struct MapCamera {
   std::string name;
   RunId run;
   CameraModel model;
-  double sigma_px = 1.0;  // measured standard deviation of its observations
-  MapId map;              // that it is being localised in; 0 = not placed
-  bool sparse = false;    // it sees so few proven points that it has to use the others too
-  int lost_sets = 0;      // frame sets in succession without a pose, while it has a map
-  Similarity3 moved;      // how its world was moved since the last patch to its agent
+  double sigma_px = 1.0;   // measured standard deviation of its observations
+  MapId map;               // that it is being localised in; 0 = not placed
+  bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
+  bool sparse = false;     // it sees so few proven points that it has to use the others too
+  int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;       // how its world was moved since the last patch to its agent
   bool alive = true;
   std::vector<FramePose> frames;          // ascending sets, the whole run
   std::map<TrackId, ServerTrack> tracks;  // live ones

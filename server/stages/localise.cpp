@@ -28,7 +28,20 @@ bool good(const PoseResult& r, std::size_t observations, const LocaliseConfig& c
          r.inliers >= config.min_inlier_ratio * static_cast<double>(observations);
 }
 
-// Where to start: the agent's pose when it speaks of this map as it is now, else the motion so far.
+double sigma_bound_px(const Map& map, const MapCamera& camera) {
+  return map.config().sigma_px * camera.model.width_px / 640.0;
+}
+
+void leave_map(Map& map, MapCamera& camera) {
+  for (auto& [id, track] : camera.tracks) {
+    if (track.point != PointId()) map.unbind(camera.id, track);
+  }
+  camera.map = MapId();
+  camera.lost_sets = 0;
+}
+
+}  // namespace
+
 Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
   if (frame.pose_state == PoseState::kTracked && frame.epoch == map.epoch()) return frame.cam_from_world;
   const std::size_t n = camera.frames.size();
@@ -43,20 +56,6 @@ Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& fra
     return last->cam_from_world;
   return last->cam_from_world * before->cam_from_world.inverse() * last->cam_from_world;
 }
-
-double sigma_bound_px(const Map& map, const MapCamera& camera) {
-  return map.config().sigma_px * camera.model.width_px / 640.0;
-}
-
-void leave_map(Map& map, MapCamera& camera) {
-  for (auto& [id, track] : camera.tracks) {
-    if (track.point != PointId()) map.unbind(camera.id, track);
-  }
-  camera.map = MapId();
-  camera.lost_sets = 0;
-}
-
-}  // namespace
 
 LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config) {
   LocaliseReport report;

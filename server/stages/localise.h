@@ -22,6 +22,10 @@ struct LocaliseReport {
 // was.
 LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config);
 
+// Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
+// now, else the motion so far.
+Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame);
+
 // Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
 bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config);
 

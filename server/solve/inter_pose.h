@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "common/geometry/camera_model.h"
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+// Poses of several cameras at one instant, from the static points that each sees and the moving points that they see
+// together (3):
+//   argmin over poses and moving points of sum_c [ sum_static rho(|m - pi(M; T_c)|) + sum_moving rho(|m - pi(X; T_c)|)
+//   ]
+// Static points stand (their covariance weighs them), moving points are free.
+struct InterPoseProblem {
+  struct Camera {
+    const CameraModel* model = nullptr;
+    Rigid3 cam_from_world;  // where to start
+    double sigma_px = 1.0;
+    std::vector<PointObservation> statics;
+  };
+  struct MovingPoint {
+    Eigen::Vector3d position;                           // where to start
+    std::vector<std::pair<int, Eigen::Vector2d>> seen;  // camera index, undistorted pixel; at least two cameras
+  };
+  std::vector<Camera> cameras;
+  std::vector<MovingPoint> moving;
+};
+
+struct InterPoseResult {
+  bool ok = false;  // false: the observations do not determine the poses
+  struct Camera {
+    Rigid3 cam_from_world;
+    Matrix6d covariance = Matrix6d::Zero();  // marginal, order of retract()
+    int inliers = 0;                         // static and moving
+  };
+  std::vector<Camera> cameras;
+  std::vector<Eigen::Vector3d> moving;
+  int iterations = 0;
+};
+
+// Levenberg-Marquardt with the moving points eliminated (their 3x3 blocks), Tukey's loss as in refine_pose().
+InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterations);
+
+}  // namespace coslam

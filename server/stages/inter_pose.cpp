@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/inter_pose.h"
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/triangulation.h"
+#include "server/solve/inter_pose.h"
+
+namespace coslam {
+namespace {
+
+struct Member {
+  const CameraFrame* frame;
+  MapCamera* camera;
+  std::vector<PointObservation> statics;
+  int moving = 0;
+};
+
+Member look_at(Map& map, const CameraFrame& cf) {
+  Member m{&cf, &map.camera(cf.camera), {}, 0};
+  for (const auto& [id, track] : m.camera->tracks) {
+    const MapPoint* p = map.find(track.point);
+    if (p == nullptr || p->map != m.camera->map) continue;
+    if (p->state == PointState::kDynamic) ++m.moving;
+    if (p->state != PointState::kStatic || !(p->proven || m.camera->sparse) || track.gate_failures > 0) continue;
+    m.statics.push_back({p->position, p->covariance, track.seen.back().undistorted_px.cast<double>()});
+  }
+  return m;
+}
+
+bool weak(const Member& m, const InterPoseConfig& config) {
+  if (!m.camera->frames.back().valid() || m.moving > static_cast<int>(m.statics.size())) return true;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const PointObservation& o : m.statics) pixels.push_back(o.undistorted_px);
+  return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
+}
+
+// Moving points that at least two of the members see now.
+std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const std::vector<Member>& members,
+                                                         const std::vector<Rigid3>& poses) {
+  std::map<CameraId, int> index;
+  for (std::size_t i = 0; i < members.size(); ++i) index[members[i].camera->id] = static_cast<int>(i);
+  std::vector<InterPoseProblem::MovingPoint> out;
+  for (const auto& [id, p] : map.points()) {
+    if (p.state != PointState::kDynamic) continue;
+    InterPoseProblem::MovingPoint m{p.position, {}};
+    std::vector<View> views;
+    for (const BoundTrack& b : p.bound) {
+      const auto at = index.find(b.camera);
+      if (at == index.end()) continue;
+      const MapCamera& c = map.camera(b.camera);
+      const Eigen::Vector2d px = c.tracks.at(b.track).seen.back().undistorted_px.cast<double>();
+      m.seen.emplace_back(at->second, px);
+      views.push_back({&c.model, poses[static_cast<std::size_t>(at->second)], px});
+    }
+    if (m.seen.size() < 2) continue;
+    const TriangulationResult t = triangulate(views, 1.0, 0.0);
+    if (t.status == TriangulationStatus::kOk) m.position = t.position;
+    out.push_back(std::move(m));
+  }
+  return out;
+}
+
+void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
+  InterPoseProblem problem;
+  std::vector<Rigid3> poses;
+  for (Member& m : members) {
+    const FramePose& f = m.camera->frames.back();
+    poses.push_back(f.valid() ? f.cam_from_world : start_pose(map, *m.camera, m.frame->frame));
+    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(0.3, m.camera->sigma_px), m.statics});
+  }
+  problem.moving = shared_moving(map, members, poses);
+  if (static_cast<int>(problem.moving.size()) < config.min_moving) return;
+  ++report->calls;
+  const InterPoseResult result = solve_inter_pose(problem, config.max_iterations);
+  if (!result.ok) return;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (result.cameras[i].inliers < config.min_inliers) continue;
+    MapCamera& c = *members[i].camera;
+    FramePose& f = c.frames.back();
+    report->rescued += !f.valid();
+    ++report->posed;
+    f.cam_from_world = result.cameras[i].cam_from_world;
+    f.map = c.map;
+    c.lost_sets = 0;
+    c.corrected = true;
+  }
+}
+
+}  // namespace
+
+InterPoseReport inter_pose(Map& map, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config) {
+  InterPoseReport report;
+  if (!config.enabled) return report;
+  for (const auto& group : graph.groups) {
+    std::vector<Member> members;
+    for (const CameraFrame& cf : set.frames) {
+      const bool in = std::find(group.begin(), group.end(), cf.camera) != group.end();
+      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf));
+    }
+    if (members.size() < 2) continue;
+    const bool same_map = std::all_of(members.begin(), members.end(),
+                                      [&](const Member& m) { return m.camera->map == members[0].camera->map; });
+    if (!same_map) continue;
+    if (std::none_of(members.begin(), members.end(), [&](const Member& m) { return weak(m, config); })) continue;
+    solve_group(map, std::move(members), config, &report);
+  }
+  return report;
+}
+
+}  // namespace coslam
