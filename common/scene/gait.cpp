@@ -20,7 +20,7 @@ constexpr double kUsualStrideM = 1.3;
 
 // Shares of a foot's cycle, which starts when its heel comes down.
 constexpr double kFlat = 0.12, kHeelRises = 0.33, kToeLeaves = 0.62;
-constexpr double kLandingRad = -18 * kRadPerDeg, kLeavingRad = 50 * kRadPerDeg;
+constexpr double kLandingRad = -18 * kRadPerDeg, kLeavingRad = 42 * kRadPerDeg;
 // Where in the cycle the hips are above the ankle.
 constexpr double kPassing = 0.23;
 constexpr double kFootHalfM = 0.085;

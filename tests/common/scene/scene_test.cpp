@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,7 +22,11 @@ class EveryScene : public testing::TestWithParam<std::string> {
   std::unique_ptr<Scene> scene_ = make_scene(GetParam(), 1);
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()), [](const auto& p) {
+  std::string name = p.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 // The ray through a raw pixel, in the world.
 Eigen::Vector3d direction_of(const Scene& scene, int camera, const Eigen::Vector2d& raw_px, double t_s) {
@@ -87,7 +92,7 @@ TEST_P(EveryScene, MovesSmoothlyAndStartsSlowly) {
       ASSERT_LT(turn, 60) << "camera " << i << " at " << t;
       const double change = std::isnan(last_speed) ? 0 : std::abs(speed - last_speed);
       ASSERT_LT(change, 0.05) << "camera " << i << " at " << t;
-      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.2) << "camera " << i << " at " << t;
+      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.8) << "camera " << i << " at " << t;
       last_speed = speed;
     }
   }
@@ -121,7 +126,7 @@ TEST_P(EveryScene, CastMeetsSurfacesThatFaceTheViewer) {
         EXPECT_NEAR(hit->normal.norm(), 1, 1e-9);
         EXPECT_LE(hit->normal.dot(direction), 0);
         EXPECT_GT(hit->object, 0U);
-        EXPECT_LT(hit->object, sim::kFirstMovingObject);
+        EXPECT_EQ(scene_->can_move(hit->object), hit->object >= sim::kFirstMovingObject);
         EXPECT_NEAR((hit->point - pose.center()).norm(), hit->distance_m, 1e-9);
         const Eigen::Vector2d raw_px =
             scene_->camera(i).raw_from_undistorted(scene_->camera(i).project(pose * hit->point));
