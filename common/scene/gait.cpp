@@ -27,6 +27,7 @@ constexpr double kFootHalfM = 0.085;
 
 std::vector<ViewPose> flat_poses(const std::vector<Vector2d>& waypoints) {
   std::vector<ViewPose> out;
+  out.reserve(waypoints.size());
   for (const Vector2d& p : waypoints) out.push_back({{p.x(), p.y(), 0}, 0, 0, 0});
   return out;
 }

@@ -201,7 +201,8 @@ double walked_m(double t_s) { return kLoopM * eased_start(t_s, kRiseS) / (kLoopS
 
 // Along the way, looking ahead and to the lawn.
 ViewPose garden_view(const GroundPath& way, int index, double t_s) {
-  const double place = (index % 3) - 1.0, row = static_cast<double>(index / 3);
+  const double place = (index % 3) - 1.0;
+  const int row = index / 3;
   const double gone_m = walked_m(t_s), turn = 2 * std::numbers::pi * gone_m / kLoopM;
   const auto off = [&](double times, double shift) {
     const double phase = 0.9 * place + shift;

@@ -95,7 +95,8 @@ double away(double t_s) {
 ViewPose view(int index, double t_s) {
   constexpr int kInRow = 4, kWaypoints = 10;
   constexpr double kPeriodS = 9, kRiseS = 0.5;
-  const double place = (index % kInRow) - 1.5, row = static_cast<double>(index / kInRow);
+  const double place = (index % kInRow) - 1.5;
+  const int row = index / kInRow;
   std::vector<ViewPose> round;
   for (int i = 0; i < kWaypoints; ++i) {
     const double a = 2 * std::numbers::pi * i / kWaypoints, phase = 0.8 * place;

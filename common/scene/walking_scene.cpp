@@ -78,7 +78,8 @@ World dim_room(std::uint64_t seed) {
 
 // Somebody who holds a camera and shifts from foot to foot.
 ViewPose held_view(int index, double t_s) {
-  const double place = (index % 3) - 1.0, row = static_cast<double>(index / 3);
+  const double place = (index % 3) - 1.0;
+  const int row = index / 3;
   std::vector<ViewPose> round;
   constexpr int kWaypoints = 10;
   for (int i = 0; i < kWaypoints; ++i) {
