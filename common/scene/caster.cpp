@@ -44,7 +44,7 @@ std::optional<FacetHit> intersect(RTCScene scene, const Eigen::Vector3d& origin,
   query.ray = ray_along(origin, direction, kNearM, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -54,6 +54,7 @@ std::optional<FacetHit> intersect(RTCScene scene, const Eigen::Vector3d& origin,
 std::array<FacetHit, Caster::kPacket> intersect_packet(RTCScene scene, const Eigen::Vector3f& origin,
                                                        const Caster::Directions& directions) {
   alignas(32) static constexpr int kAll[Caster::kPacket] = {-1, -1, -1, -1, -1, -1, -1, -1};
+  // What Embree reads is set below. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
   alignas(32) RTCRayHit8 query;
   for (int i = 0; i < Caster::kPacket; ++i) {
     query.ray.org_x[i] = origin.x();
@@ -70,7 +71,7 @@ std::array<FacetHit, Caster::kPacket> intersect_packet(RTCScene scene, const Eig
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect8(kAll, scene, &context, &query);
@@ -172,7 +173,7 @@ std::array<FacetHit, Caster::kPacket> Caster::cast_packet(const Eigen::Vector3f&
 
 bool Caster::blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
   alignas(16) RTCRay ray = ray_along(from, to - from, 0, 0.9999F);
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   rtcOccluded1(handles_->scene, &context, &ray);
   return ray.tfar < 0;

@@ -20,13 +20,14 @@ constexpr double kUsualStrideM = 1.3;
 
 // Shares of a foot's cycle, which starts when its heel comes down.
 constexpr double kFlat = 0.12, kHeelRises = 0.33, kToeLeaves = 0.62;
-constexpr double kLandingRad = -18 * kRadPerDeg, kLeavingRad = 50 * kRadPerDeg;
+constexpr double kLandingRad = -18 * kRadPerDeg, kLeavingRad = 42 * kRadPerDeg;
 // Where in the cycle the hips are above the ankle.
 constexpr double kPassing = 0.23;
 constexpr double kFootHalfM = 0.085;
 
 std::vector<ViewPose> flat_poses(const std::vector<Vector2d>& waypoints) {
   std::vector<ViewPose> out;
+  out.reserve(waypoints.size());
   for (const Vector2d& p : waypoints) out.push_back({{p.x(), p.y(), 0}, 0, 0, 0});
   return out;
 }

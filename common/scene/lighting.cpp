@@ -106,19 +106,20 @@ float LightMap::at(float u, float v) const {
 }
 
 double unshaded_light(const World& world, const Vector3d& point, const Vector3d& normal) {
-  constexpr int kPlaces = 2;  // along each edge of a light
+  constexpr double kPlaces[] = {0.25, 0.75};  // along each edge of a light
   constexpr double kFromBelow = 0.45;
   double sum = world.ambient * (kFromBelow + (1 - kFromBelow) * 0.5 * (1 + normal.z()));
   for (const RectLight& light : world.lights) {
     const double area_m2 = light.edge_u.cross(light.edge_v).norm();
     double seen = 0;
-    for (int i = 0; i < kPlaces * kPlaces; ++i) {
-      const double u = (i % kPlaces + 0.5) / kPlaces, v = (i / kPlaces + 0.5) / kPlaces;
-      const Vector3d way = light.corner + u * light.edge_u + v * light.edge_v - point;
-      const double squared = std::max(way.squaredNorm(), 0.01), length = std::sqrt(squared);
-      seen += std::max(0.0, normal.dot(way) / length) * std::max(0.0, -light.normal.dot(way) / length) / squared;
+    for (const double u : kPlaces) {
+      for (const double v : kPlaces) {
+        const Vector3d way = light.corner + u * light.edge_u + v * light.edge_v - point;
+        const double squared = std::max(way.squaredNorm(), 0.01), length = std::sqrt(squared);
+        seen += std::max(0.0, normal.dot(way) / length) * std::max(0.0, -light.normal.dot(way) / length) / squared;
+      }
     }
-    sum += light.radiance * area_m2 * seen / (kPlaces * kPlaces * std::numbers::pi);
+    sum += light.radiance * area_m2 * seen / (4 * std::numbers::pi);
   }
   return sum;
 }

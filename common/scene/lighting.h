@@ -13,9 +13,7 @@ namespace coslam::sim {
 // nothing stands close by. The radiance of a Lambertian surface is its albedo times this.
 class LightMap {
  public:
-  static constexpr double kCellM = 0.04;
-
-  LightMap(const World& world, const Caster& caster, const Facet& facet, double cell_m = kCellM);
+  LightMap(const World& world, const Caster& caster, const Facet& facet, double cell_m);
   // u, v in [0, 1] along the facet's edges.
   float at(float u, float v) const;
 

@@ -92,19 +92,19 @@ float face_albedo(const Material& m, const SurfacePoint& p) {
   const float dx = side * p.width_m, dy = p.v_m;
   const float strands = fractal_noise(p.u_m * 70.0F, p.v_m * 14.0F, 3, m.seed);
   const float hair_line =
-      0.40F + 0.28F * smooth_step(0.12F, 0.24F, std::abs(side)) + 0.05F * value_noise(p.u_m * 45.0F, 0.0F, m.seed + 1U);
+      0.24F + 0.32F * smooth_step(0.12F, 0.24F, std::abs(side)) + 0.05F * value_noise(p.u_m * 45.0F, 0.0F, m.seed + 1U);
   if (y < hair_line) {
     const CellNoise lock = cell_noise(p.u_m / 0.04F, p.v_m / 0.05F, m.seed + 2U);
     return (0.08F + 0.28F * unit(lock.id)) * (1.0F + 0.6F * strands);
   }
   float value = m.tone * (1.0F + 0.15F * fractal_noise(p.u_m * 25.0F, p.v_m * 25.0F, 4, m.seed + 3U));
-  const float eye_v = 0.50F * p.height_m, mouth_v = 0.68F * p.height_m;
+  const float eye_v = 0.40F * p.height_m, mouth_v = 0.60F * p.height_m;
   const float eye_x = std::abs(dx) - 0.035F;
   if (std::hypot(eye_x, 1.6F * (dy - eye_v)) < 0.016F) value = std::abs(eye_x) < 0.007F ? 0.03F : 0.8F;
   if (std::abs(eye_x) < 0.02F && std::abs(dy - eye_v + 0.02F) < 0.004F) value = 0.08F;
-  if (std::abs(dx) < 0.012F && std::abs(dy - 0.59F * p.height_m) < 0.006F) value *= 0.55F;
+  if (std::abs(dx) < 0.012F && std::abs(dy - 0.51F * p.height_m) < 0.006F) value *= 0.55F;
   if (std::abs(dx) < 0.027F && std::abs(dy - mouth_v) < 0.006F) value = 0.15F;
-  if (std::hypot(std::abs(side) - 0.25F, 0.6F * (y - 0.53F)) < 0.03F) value *= 0.6F;  // ears
+  if (std::hypot(std::abs(side) - 0.25F, 0.6F * (y - 0.48F)) < 0.03F) value *= 0.6F;  // ears
   return value;
 }
 

@@ -20,13 +20,13 @@ struct Skin {
 };
 
 struct MeshVertex {
-  Eigen::Vector3f point;   // frame of the part, metres
-  Eigen::Vector3f normal;  // unit, outwards
-  Eigen::Vector2f uv;      // in the skin, [0, 1]
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();   // frame of the part, metres
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, outwards
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();      // in the skin, [0, 1]
 };
 
 struct MeshTriangle {
-  std::array<std::uint32_t, 3> corners;
+  std::array<std::uint32_t, 3> corners{};
   std::uint32_t skin = 0;
 };
 

@@ -34,7 +34,7 @@ enum PersonPart {
 inline constexpr double kThighM = 0.43, kShankM = 0.42, kAnkleM = 0.08, kHipHalfM = 0.09;
 inline constexpr double kUpperArmM = 0.29, kForearmM = 0.25;
 // From the ankle on the floor: where the heel and the ball of the foot are.
-inline constexpr double kHeelM = -0.06, kBallM = 0.13;
+inline constexpr double kHeelM = -0.06, kBallM = 0.17;
 
 struct ArmPosture {
   double swing_rad = 0;   // of the upper arm to the front

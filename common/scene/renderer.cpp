@@ -63,7 +63,7 @@ Renderer::Renderer(const World& world, const Caster& caster, int threads, double
 }
 
 Renderer::Surface Renderer::bake(const Facet& facet, double coarseness) const {
-  const LightMap light(world_, caster_, facet, LightMap::kCellM * coarseness);
+  const LightMap light(world_, caster_, facet, facet.light_cell_m * coarseness);
   const double texel_m = facet.texel_m * coarseness;
   const auto count = [&](double length_m) {
     return std::clamp(static_cast<int>(std::ceil(length_m / texel_m)), 1, kMaxTexels);

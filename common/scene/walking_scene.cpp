@@ -78,12 +78,15 @@ World dim_room(std::uint64_t seed) {
 
 // Somebody who holds a camera and shifts from foot to foot.
 ViewPose held_view(int index, double t_s) {
-  const double place = (index % 3) - 1.0, row = static_cast<double>(index / 3);
+  const double place = (index % 3) - 1.0;
+  const int row = index / 3;
   std::vector<ViewPose> round;
   constexpr int kWaypoints = 10;
   for (int i = 0; i < kWaypoints; ++i) {
     const double a = 2 * std::numbers::pi * i / kWaypoints, phase = 0.7 * place;
-    const auto off = [&](double times, double shift) { return std::sin(times * a + phase + shift) - std::sin(phase + shift); };  // from the formation
+    const auto off = [&](double times, double shift) {
+      return std::sin(times * a + phase + shift) - std::sin(phase + shift);
+    };  // from the formation
     ViewPose view;
     view.position_m = {0.6 * place + 0.38 * off(1, 0), -2.45 - 0.1 * place * place + 0.3 * off(1, 1.7),
                        1.5 + 0.04 * place + 0.09 * off(2, 0.4)};

@@ -20,7 +20,8 @@ struct Facet {
   Material material;
   double offset_u_m = 0, offset_v_m = 0;  // where the facet lies in its material
   double texel_m = 0.003;
-  float emission = 0;  // radiance of its own
+  double light_cell_m = 0.04;  // of its light map
+  float emission = 0;          // radiance of its own
   std::uint32_t object = 0;
 
   double width_m() const { return edge_u.norm(); }

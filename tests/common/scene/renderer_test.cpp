@@ -116,7 +116,7 @@ TEST(LightMap, AThingThrowsAShadow) {
   World world = b.world();
   world.ambient = 0.05;
   const Caster caster(world);
-  const LightMap light(world, caster, world.facets[0]);
+  const LightMap light(world, caster, world.facets[0], world.facets[0].light_cell_m);
   EXPECT_LT(light.at(0.5F, 0.5F), 0.4F * light.at(0.8F, 0.5F));    // below the box, beside it
   EXPECT_LT(light.at(0.99F, 0.99F), 0.9F * light.at(0.8F, 0.5F));  // farther from the lamp
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <thread>
@@ -80,6 +81,24 @@ TEST_F(WriterTest, WritesEverythingOfTheContract) {
     EXPECT_NE(sequence.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);  // nothing left beside it
+}
+
+TEST_F(WriterTest, WhatMovesHasMasksAndMarkedPoints) {
+  const auto scene = make_simulated_scene("walking-man", 3, {kCameras, 2, 0.25});
+  write_sequence(*scene, {"walking-man", 3, 2, 12.0}, root_ / "out", {});
+  for (const char* mask : {"cam0/000000.png", "cam0/000001.png", "cam1/000001.png"}) {
+    const cv::Mat read = cv::imread((root_ / "out/masks" / mask).string(), cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(read.type(), CV_8UC1);
+    EXPECT_EQ(read.size(), cv::Size(160, 120));
+    EXPECT_GT(cv::countNonZero(read), 100) << mask;
+    EXPECT_LT(cv::countNonZero(read), 160 * 120 / 4) << mask;
+  }
+  const int lines = lines_of(root_ / "out/points.csv");
+  EXPECT_EQ(lines % 2, 1);  // a heading
+  EXPECT_GE(lines / 2, 200);
+  EXPECT_LE(lines / 2, 400);
+  EXPECT_EQ(text_of(root_ / "out/points.csv").rfind("t_s,id,x,y,z\n", 0), 0U);
+  EXPECT_NE(text_of(root_ / "out/sequence.yaml").find("truth_points: points.csv\nmasks: masks\n"), std::string::npos);
 }
 
 TEST_F(WriterTest, TruthIsTheCameraInTheWorld) {
