@@ -45,7 +45,7 @@ void describe(V& v, InterPoseConfig& c) {
 template <class V>
 void describe(V& v, VerifyConfig& c) {
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
-  v.field("prove_views", c.prove_views, {1, 1000}, "observations inside the gate that prove a point of one camera");
+  v.field("prove_views", c.prove_views, {1, 1000}, "frames inside the gate that prove a point of one camera");
   v.field("sparse_points", c.sparse_points, {0, 1000}, "a camera with fewer proven points relies on the others too");
   v.field("update_turn_rad", c.update_turn_rad, {0, 1},
           "turn of the viewing ray between two filter updates of a point");

@@ -57,6 +57,7 @@ struct MapCamera {
   RunId run;
   CameraModel model;
   double sigma_px = 1.0;   // measured standard deviation of its observations
+  int sigma_frames = 0;   // that it was measured in
   MapId map;               // that it is being localised in; 0 = not placed
   bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
   bool sparse = false;     // it sees so few proven points that it has to use the others too
@@ -93,8 +94,8 @@ struct MapPoint {
   PointId id;
   MapId map;
   PointState state = PointState::kStatic;
-  // Poses and bundle adjustment rest on it. A point from a short track of one camera has to stand still for a while
-  // first: until then it could move in a way that this camera's own motion explains.
+  // Poses, filter and bundle adjustment rest on it. A point from a short track of one camera or from the start has to
+  // stand still for a while first: one that moves would be followed, and drag the poses along.
   bool proven = true;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

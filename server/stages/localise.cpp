@@ -9,12 +9,13 @@
 namespace coslam {
 namespace {
 
-std::vector<PointObservation> bound_observations(const Map& map, const MapCamera& camera, SetId set) {
+std::vector<PointObservation> bound_observations(const Map& map, const MapCamera& camera, SetId set,
+                                                 bool unproven_too) {
   std::vector<PointObservation> observations;
   for (const auto& [id, track] : camera.tracks) {
     if (track.point == PointId() || set.value < track.distrusted_before) continue;
     const MapPoint* p = map.find(track.point);
-    if (p->state != PointState::kStatic || !(p->proven || camera.sparse)) continue;
+    if (p->state != PointState::kStatic || !(p->proven || unproven_too)) continue;
     const auto at = std::lower_bound(track.seen.begin(), track.seen.end(), set,
                                      [](const TrackPoint& s, SetId want) { return s.set < want; });
     if (at == track.seen.end() || at->set != set) continue;
@@ -62,13 +63,18 @@ LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& con
   for (const CameraFrame& cf : set.frames) {
     MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId()) continue;
-    const auto observations = bound_observations(map, camera, set.id);
-    const PoseResult r = refine_pose(camera.model, observations, start_pose(map, camera, cf.frame),
-                                     {.sigma_px = sigma_bound_px(map, camera)});
+    auto observations = bound_observations(map, camera, set.id, camera.sparse);
+    const Rigid3 start = start_pose(map, camera, cf.frame);
+    PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
+    if (!good(r, observations.size(), config) && !camera.sparse) {
+      camera.sparse = true;  // better on points that may move than not at all
+      observations = bound_observations(map, camera, set.id, true);
+      r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
+    }
     if (good(r, observations.size(), config)) {
       camera.frames.back().cam_from_world = r.cam_from_world;
       camera.frames.back().map = camera.map;
-      camera.sigma_px += 0.1 * (r.sigma_px - camera.sigma_px);
+      camera.sigma_px += std::max(0.1, 1.0 / ++camera.sigma_frames) * (r.sigma_px - camera.sigma_px);
       camera.lost_sets = 0;
       ++report.tracked;
     } else {
@@ -82,7 +88,7 @@ LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& con
 bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config) {
   FramePose* frame = camera.frame_at(set);
   if (frame == nullptr) return false;
-  const auto observations = bound_observations(map, camera, set);
+  const auto observations = bound_observations(map, camera, set, true);
   const PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
   if (!good(r, observations.size(), config)) return false;
   frame->cam_from_world = r.cam_from_world;

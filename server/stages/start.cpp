@@ -72,7 +72,9 @@ void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
 
 MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views,
                           const FrameSet& set) {
-  return map.create_point(id, position, triangulation_covariance(views, position, 3.0), set.id, set.t_ns);
+  MapPoint& p = map.create_point(id, position, triangulation_covariance(views, position, 1.5), set.id, set.t_ns);
+  p.proven = false;
+  return p;
 }
 
 // All unplaced cameras with descriptors at once.

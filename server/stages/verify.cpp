@@ -45,8 +45,11 @@ bool turned(MapPoint& point, const MapCamera& camera, const Rigid3& pose, double
   return !first;
 }
 
-bool seen_by_others(const MapPoint& point, CameraId camera) {
-  return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) { return b.camera != camera; });
+// Several cameras see sooner that a point moves than one, whose own motion may explain it.
+bool stood_still(const MapPoint& p, const VerifyConfig& config) {
+  const auto tracks = static_cast<std::uint32_t>(p.bound.size());
+  const auto frames = static_cast<std::uint32_t>(config.prove_views);
+  return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);
 }
 
 bool elsewhere_for_others(const Map& map, const MapPoint& point, CameraId camera) {
@@ -75,8 +78,7 @@ VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
         ++report.inside;
         track.gate_failures = 0;
         ++point->views;
-        point->proven |=
-            point->views >= static_cast<std::uint32_t>(config.prove_views) || seen_by_others(*point, camera.id);
+        point->proven |= stood_still(*point, config);
         point->last_seen = set.id;
         point->last_ns = set.t_ns;
         if (track.patch_set == set.id) map.give_patch(*point, camera.id, track);
