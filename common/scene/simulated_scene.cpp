@@ -156,6 +156,7 @@ std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, st
 
 std::vector<std::string> scene_names() {
   std::vector<std::string> out;
+  out.reserve(sim::kScenes.size());
   for (const sim::NamedScene& scene : sim::kScenes) out.emplace_back(scene.name);
   return out;
 }

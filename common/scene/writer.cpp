@@ -81,8 +81,8 @@ std::string sequence_text(const SimulatedScene& scene, const WriteOptions& optio
   out += "agents:\n";
   for (int camera = 0; camera < scene.cameras(); ++camera) {
     const std::string name = agent_name(camera);
-    out += "  - name: " + name + "\n    source: " + name + "\n    calibration: " + name + ".yaml\n    truth: " + name +
-           ".tum\n";
+    const char* n = name.c_str();
+    out += formatted("  - name: %s\n    source: %s\n    calibration: %s.yaml\n    truth: %s.tum\n", n, n, n, n);
   }
   return out;
 }
