@@ -72,9 +72,14 @@ void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
 
 MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views,
                           const FrameSet& set) {
-  MapPoint& p = map.create_point(id, position, triangulation_covariance(views, position, 1.5), set.id, set.t_ns);
-  p.proven = false;
-  return p;
+  return map.create_point(id, position, triangulation_covariance(views, position, 1.5), set.id, set.t_ns);
+}
+
+// Its points have to stand still for a while before anything else rests on them.
+void put_to_the_proof(Map& map, MapId of) {
+  for (auto& [id, p] : map.points()) {
+    if (p.map == of) p.proven = false;
+  }
 }
 
 // All unplaced cameras with descriptors at once.
@@ -117,6 +122,7 @@ void start_together(Map& map, const FrameSet& set, const StartStageConfig& confi
   for (const CameraId c : cameras) {
     if (map.camera(c).map == id) localise_backwards(map, map.camera(c), set.id, config.localise);
   }
+  put_to_the_proof(map, id);
   map.raise_epoch();
   ++report->started;
 }
@@ -200,6 +206,7 @@ void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartSt
   if (const auto job = plan_refine(map, id, true, config.refine)) {
     apply_refine(map, *job, solve_refine(*job));
   }
+  put_to_the_proof(map, id);
   map.raise_epoch();
   ++report->started;
 }
