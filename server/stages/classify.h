@@ -9,7 +9,7 @@ namespace coslam {
 struct ClassifyConfig {
   bool enabled = true;
   int failures = 3;                // gate failures in succession of one camera's track that count
-  int still_frames = 45;           // a dynamic point that stood so long is static again (paper: N_min)
+  int still_frames = 20;           // a dynamic point that stood so long is static again (paper: N_min)
   int test_frames = 30;            // newest of an unmapped track that are tested for motion; half of them at least
   double motion_px = 5.0;          // that it misses the best static point by, at 640 px image width
   double neighbour_share = 0.5;    // of the tracks around it that must move too
