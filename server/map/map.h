@@ -57,7 +57,7 @@ struct MapCamera {
   RunId run;
   CameraModel model;
   double sigma_px = 1.0;   // measured standard deviation of its observations
-  int sigma_frames = 0;   // that it was measured in
+  int sigma_frames = 0;    // that it was measured in
   MapId map;               // that it is being localised in; 0 = not placed
   bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
   bool sparse = false;     // it sees so few proven points that it has to use the others too

@@ -9,7 +9,7 @@ namespace coslam {
 struct VerifyConfig {
   int failures = 3;               // gate failures in succession that unbind a track
   bool leave_moved = false;       // points that several cameras see elsewhere are left as they are, for classify()
-  int prove_views = 20;      // frames inside the gate that prove a point of one camera; of several: half
+  int prove_views = 20;           // frames inside the gate that prove a point of one camera; of several: half
   int sparse_points = 60;         // a camera that sees fewer proven points relies on the others too
   double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
 };

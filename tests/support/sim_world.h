@@ -47,7 +47,7 @@ class SimWorld {
 
  private:
   struct Point {
-    Eigen::Vector3d position;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
     double radius_m = 0, rate_rad_s = 0, phase_rad = 0;
     Descriptor descriptor;
     struct Ripple {
