@@ -113,7 +113,9 @@ TEST(PatchSteps, AtMostSixteenEachOfAPowerOfTwoAndTwiceIsOnce) {
     EXPECT_EQ(quantised_patch(once), once) << span;
     const auto [least, most] = std::minmax_element(once.begin(), once.end());
     EXPECT_LE((*most - *least) >> shift, 15) << span;
-    if (span <= 16) EXPECT_EQ(once, grey) << span;
+    if (span <= 16) {
+      EXPECT_EQ(once, grey) << span;
+    }
     for (std::size_t i = 0; i < grey.size(); ++i) EXPECT_LE(std::abs(grey[i] - once[i]), (1 << shift) / 2) << span;
   }
 }
