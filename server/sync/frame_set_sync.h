@@ -16,7 +16,7 @@ namespace coslam {
 
 struct SyncConfig {
   double tolerance_frames = 0.55;  // of the frame period: frames this close belong to one instant
-  double deadline_s = 0.12;        // live: how long the others wait for the last
+  double deadline_s = 0.4;         // live: how long the others wait for the last
   int queue_frames = 90;           // waiting per agent at most; the oldest goes first
 };
 
