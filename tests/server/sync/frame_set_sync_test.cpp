@@ -48,7 +48,7 @@ class SyncTest : public testing::Test {
   }
   void wait_ms(int ms) { now_ns_ += ms * kMs; }
 
-  FrameSetSync sync_{SyncConfig{}};  // 0.55 of a period, 120 ms, 90 frames
+  FrameSetSync sync_{SyncConfig{.deadline_s = 0.12}};  // 0.55 of a period, 90 frames
   TimeNs now_ns_ = 1'000'000 * kMs, t_ns_ = 0;
   std::uint32_t next_set_ = 0;
 };
@@ -230,7 +230,7 @@ TEST_F(SyncTest, QueuesAreBoundedButNotInLockstep) {
   EXPECT_EQ(sync_.overflowed(), 110U);
   push(kB, 110 * kPeriod);
   EXPECT_EQ(pop(), "0@" + std::to_string(110 * 33) + " 1@" + std::to_string(110 * 33)) << "the oldest went";
-  FrameSetSync lockstep{SyncConfig{}};
+  FrameSetSync lockstep{SyncConfig{.deadline_s = 0.12}};
   lockstep.add(kA, 30, true);
   for (int i = 0; i < 200; ++i) lockstep.push(frame_of(kA, i * kPeriod), 0);
   EXPECT_EQ(lockstep.overflowed(), 0U);
