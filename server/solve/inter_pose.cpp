@@ -122,16 +122,19 @@ System build(const InterPoseProblem& problem, const State& state, const std::vec
   return s;
 }
 
+Eigen::Matrix3d damped_inverse(Eigen::Matrix3d own, double lambda) {
+  own.diagonal() *= 1 + lambda;
+  own.diagonal().array() += 1e-9 * (1e-9 + own.trace());
+  return own.inverse();
+}
+
 // Takes the moving points out: what is left speaks of the poses alone.
 void eliminate(const System& s, double lambda, Eigen::MatrixXd* a, Eigen::VectorXd* b) {
   *a = s.a;
   *b = s.b;
   for (std::size_t m = 0; m < s.own.size(); ++m) {
     if (s.coupling[m].size() < 2) continue;
-    Eigen::Matrix3d own = s.own[m];
-    own.diagonal() *= 1 + lambda;
-    own.diagonal().array() += 1e-9 * (1e-9 + own.trace());
-    const Eigen::Matrix3d inverse = own.inverse();
+    const Eigen::Matrix3d inverse = damped_inverse(s.own[m], lambda);
     for (const auto& [i, wi] : s.coupling[m]) {
       const Matrix63 left = wi * inverse;
       b->segment<6>(6 * i) -= left * s.right[m];
@@ -148,10 +151,7 @@ State stepped(const System& s, const State& state, const Eigen::VectorXd& step, 
   for (std::size_t m = 0; m < state.points.size(); ++m) {
     Eigen::Vector3d right = s.right[m];
     for (const auto& [i, wi] : s.coupling[m]) right -= wi.transpose() * step.segment<6>(6 * i);
-    Eigen::Matrix3d own = s.own[m];
-    own.diagonal() *= 1 + lambda;
-    own.diagonal().array() += 1e-9 * (1e-9 + own.trace());
-    next.points[m] += own.inverse() * right;
+    next.points[m] += damped_inverse(s.own[m], lambda) * right;
   }
   return next;
 }

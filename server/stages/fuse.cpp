@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "server/stages/patch_match.h"
@@ -20,13 +21,18 @@ struct Candidate {
 };
 
 void collect(Map& map, MapCamera& camera, FuseReport* report, std::vector<Candidate>* out) {
-  TrackGrid grid;
-  for (auto& [id, t] : camera.tracks) {
-    const MapPoint* p = map.find(t.point);
-    if (p != nullptr && p->state == PointState::kStatic && t.patch && t.gate_failures == 0) grid.add(&t);
-  }
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
+  TrackGrid grid;
+  std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of the tracks in the grid
+  for (auto& [id, t] : camera.tracks) {
+    const MapPoint* p = map.find(t.point);
+    if (p == nullptr || p->state != PointState::kStatic || !t.patch || t.gate_failures > 0) continue;
+    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
+    if (!window) continue;
+    covariances[id] = window->covariance;
+    grid.add(&t);
+  }
   for (const auto& [id, p] : map.points()) {
     if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
     if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
@@ -34,14 +40,11 @@ void collect(Map& map, MapCamera& camera, FuseReport* report, std::vector<Candid
     if (!window) continue;
     Candidate best{theta * theta, id, PointId(), camera.id, nullptr};
     grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
-      const MapPoint& q = *map.find(t->point);
-      const auto other = search_window(camera.model, pose, q, gate_px, theta);
-      if (!other) return;
       const Eigen::Matrix2d s =
-          window->covariance + other->covariance + gate_px * gate_px * Eigen::Matrix2d::Identity();
+          window->covariance + covariances.at(t->id) + gate_px * gate_px * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
       const double d2 = r.dot(s.inverse() * r);
-      if (d2 < best.d2) best = {d2, id, q.id, camera.id, t};
+      if (d2 < best.d2) best = {d2, id, t->point, camera.id, t};
     });
     if (best.track == nullptr) continue;
     ++report->candidates;
