@@ -43,6 +43,7 @@ struct Tracker::State {
     Eigen::Vector2f motion_px = Eigen::Vector2f::Zero();  // from the image before to the last
     std::unique_ptr<KeyPatch> key;
     int doubts = 0;
+    bool moving = false;  // apart from the image as a whole
   };
 
   explicit State(const TrackerConfig& c) : config(c) {}
@@ -60,6 +61,8 @@ struct Tracker::State {
   std::vector<std::optional<Eigen::Vector2f>> match_all();
   bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
+  void tell_moving();
+  Eigen::Vector2f motion_near(const Eigen::Vector2f& px) const;
   TrackId start(const Eigen::Vector2f& px);
   void replenish();
 };
@@ -134,10 +137,35 @@ void Tracker::State::follow() {
   memories.resize(kept);
 }
 
+void Tracker::State::tell_moving() {
+  std::vector<Eigen::Vector2f> from, to;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    from.push_back(tracks[i].raw_px - memories[i].motion_px);
+    to.push_back(tracks[i].raw_px);
+  }
+  const std::vector<bool> moving = moves_apart(from, to);
+  for (std::size_t i = 0; i < tracks.size(); ++i) memories[i].moving = moving[i];
+}
+
+// A new track goes with what moves beside it, else with the image as a whole.
+Eigen::Vector2f Tracker::State::motion_near(const Eigen::Vector2f& px) const {
+  constexpr float kBeside_px = 40.0f;
+  float nearest = kBeside_px * kBeside_px;
+  Eigen::Vector2f motion = shift_px;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const float distance2 = (tracks[i].raw_px - px).squaredNorm();
+    if (distance2 >= nearest) continue;
+    nearest = distance2;
+    motion = memories[i].moving ? memories[i].motion_px : shift_px;
+  }
+  return motion;
+}
+
 TrackId Tracker::State::start(const Eigen::Vector2f& px) {
+  const Eigen::Vector2f motion = motion_near(px);
   tracks.push_back({TrackId(next_id++), px, 0});
   Memory& memory = memories.emplace_back();
-  memory.motion_px = shift_px;
+  memory.motion_px = motion;
   memory.key = std::make_unique<KeyPatch>();
   memory.key->take(current.level(0), px);
   return tracks.back().id;
@@ -147,9 +175,12 @@ void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
   if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, current.level(0).cols()));
-  std::vector<Eigen::Vector2f> live_px;
-  for (const Track& t : tracks) live_px.push_back(t.raw_px);
-  for (const Eigen::Vector2f& px : finder->find(current, live_px, missing)) {
+  std::vector<Eigen::Vector2f> live_px, moving_px;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    live_px.push_back(tracks[i].raw_px);
+    if (memories[i].moving) moving_px.push_back(tracks[i].raw_px);
+  }
+  for (const Eigen::Vector2f& px : finder->find(current, live_px, moving_px, missing)) {
     start(px);
   }
 }
@@ -165,6 +196,7 @@ const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   std::swap(state_->previous, state_->current);
   state_->current.build(grey, state_->config.levels);
   state_->follow();
+  state_->tell_moving();
   state_->replenish();
   return state_->tracks;
 }
