@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/stages/follow.h"
 #include "server/stages/patch_match.h"
 #include "server/stages/track_grid.h"
 
@@ -170,17 +171,14 @@ std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
   return out;
 }
 
-// Position of two observations of one instant, if they agree.
-std::optional<TriangulationResult> position_at(const Map& map, const PairView& view, const FramePose& fa,
-                                               const Eigen::Vector2f& a, const FramePose& fb, const Eigen::Vector2f& b,
-                                               double min_parallax_rad) {
-  const View views[] = {{&view.first->model, fa.cam_from_world, a.cast<double>()},
-                        {&view.second->model, fb.cam_from_world, b.cast<double>()}};
-  const double sigma_px = std::max(map.covariance_sigma_px(*view.first), map.covariance_sigma_px(*view.second));
-  const double gate_px = std::max(map.gate_sigma_px(*view.first), map.gate_sigma_px(*view.second));
-  const TriangulationResult t = triangulate(views, sigma_px, min_parallax_rad);
-  if (t.status != TriangulationStatus::kOk || t.max_error_px > map.config().theta * gate_px) return std::nullopt;
-  return t;
+// Where the two tracks were one place, at the instant of the first one's i-th observation; empty when they were not.
+std::optional<TriangulationResult> meeting(const Map& map, const PairView& view, const ServerTrack& a, std::size_t i,
+                                           const ServerTrack& b, std::size_t j, double min_parallax_rad) {
+  const FramePose* f = view.first->frame_at(a.seen[i].set);
+  if (f == nullptr) return std::nullopt;
+  const auto va = view_at(*view.first, a, i, f->capture_ns), vb = view_at(*view.second, b, j, f->capture_ns);
+  if (!va || !vb) return std::nullopt;
+  return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}}, min_parallax_rad);
 }
 
 // The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
@@ -192,10 +190,9 @@ bool together_back(const Map& map, const PairView& view, const ServerTrack& a, c
     const SetId at = a.seen[i].set;
     const auto other = std::lower_bound(b.seen.begin(), b.seen.end(), at,
                                         [](const TrackPoint& s, SetId want) { return s.set < want; });
-    const FramePose *fa = view.first->frame_at(at), *fb = view.second->frame_at(at);
-    if (other == b.seen.end() || other->set != at || fa == nullptr || fb == nullptr) continue;
-    if (fa->map != view.first->map || fb->map != view.first->map) continue;
-    if (!position_at(map, view, *fa, a.seen[i].undistorted_px, *fb, other->undistorted_px, 0)) return false;
+    if (other == b.seen.end() || other->set != at) continue;
+    if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
+    if (!meeting(map, view, a, i, b, static_cast<std::size_t>(other - b.seen.begin()), 0)) return false;
     ++checked;
   }
   return checked >= least;
@@ -204,9 +201,8 @@ bool together_back(const Map& map, const PairView& view, const ServerTrack& a, c
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
 bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                  const MapInterConfig& config) {
-  const auto now =
-      position_at(map, view, view.first->frames.back(), a.track->seen.back().undistorted_px, view.second->frames.back(),
-                  b.track->seen.back().undistorted_px, config.min_parallax_rad);
+  const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
+                           config.min_parallax_rad);
   if (!now || !together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back))
     return false;
   const double distance = (now->position - view.first_pose.center()).norm();
@@ -250,22 +246,38 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
 
 }  // namespace
 
+namespace {
+
+bool here(const MapCamera& c, const FrameSet& set) {
+  return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
+}
+
+double band_px_of(const Map& map, const PairView& view) {
+  return map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second);
+}
+
+}  // namespace
+
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {
-    const auto here = [&](CameraId id) {
-      const MapCamera& c = map.camera(id);
-      return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
-    };
-    if (!here(edge.first) || !here(edge.second)) continue;
+    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
     const PairView view = make_pair_view(map, edge);
-    const double band_px = 3.0 * 0.5 * (map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second)) / 1.5;
     report.created +=
-        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px, config, &report,
+        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, &report,
                    [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+  }
+  return report;
+}
+
+MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  MapInterReport report;
+  for (const ViewEdge& edge : graph.edges) {
+    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
+    const PairView view = make_pair_view(map, edge);
     report.moving += best_pairs(
-        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px, config, &report,
-        [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
+        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px_of(map, view),
+        config, &report, [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;
 }

@@ -33,8 +33,9 @@ void write_dynamic(const Map& map, MapId of, DynamicWriter* writer) {
       for (const auto& [camera, px] : sample.undistorted_px) {
         const MapCamera& c = map.camera(camera);
         const FramePose* f = c.frame_at(sample.set);
-        if (f == nullptr || f->map != of) continue;
-        views.push_back({&c.model, f->cam_from_world, px.cast<double>()});
+        const auto pose = c.pose_at(sample.set, sample.t_ns);
+        if (!pose || f->map != of) continue;
+        views.push_back({&c.model, *pose, px.cast<double>()});
         sigma_px = std::max(sigma_px, map.covariance_sigma_px(c));
       }
       const TriangulationResult t = triangulate(views, sigma_px, 0.0);
