@@ -169,13 +169,14 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
 
 void Map::give_patch(MapPoint& point, CameraId camera_id, const ServerTrack& track) {
   if (!track.patch) return;
-  point.patches.push_back({camera_id, track.patch_set, *track.patch});
+  point.patches.push_back({camera_id, track.patch_set, *track.patch, track.offset_px});
 }
 
 void Map::unbind(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
   track.point = PointId();
   track.gate_failures = 0;
+  track.offset_px.setZero();
 }
 
 void Map::unbind_and_forget(CameraId camera_id, ServerTrack& track) {

@@ -39,6 +39,8 @@ struct ServerTrack {
   int gate_failures = 0;                 // in succession
   std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
   bool moving = false;                   // follows something that moves, as far as its own camera can tell
+  // From the track to the point, while that moves: two cameras find different corners of one small structure.
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 };
 
 // Where one camera was at one frame set.
@@ -86,6 +88,7 @@ struct PointPatch {
   CameraId camera;
   SetId set;  // of the image it was cut from
   PatchGrey pixels;
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();  // from the patch's centre to the point
 };
 
 struct BoundTrack {

@@ -13,6 +13,8 @@
 namespace coslam {
 namespace {
 
+constexpr float kMostStaticOffset_px = 0.7F;
+
 ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
 
 // Its observations so far are of a place that it left.
@@ -80,7 +82,7 @@ std::optional<double> apparent_speed_px_s(const Map& map, const MapCamera& c, co
     if (f == nullptr || f->map != p.map) continue;
     Eigen::Vector2d px;
     if (!project_world(c.model, f->cam_from_world, p.position, &px)) return std::nullopt;
-    const Eigen::Vector2d r = t.seen[i].undistorted_px.cast<double>() - px;
+    const Eigen::Vector2d r = (t.seen[i].undistorted_px + t.offset_px).cast<double>() - px;
     if (r.norm() > most_px) return std::nullopt;
     const double t_s = to_seconds(f->capture_ns - map.now_ns());
     n += 1;
@@ -94,21 +96,26 @@ std::optional<double> apparent_speed_px_s(const Map& map, const MapCamera& c, co
   return ((n * sum_rt - sum_t * sum_r) / spread).norm();
 }
 
-// Its tracks have not moved against it in the last frames, in at least two cameras.
-bool stands_still(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
+// Its tracks have not moved against it in the last `frames`, in at least two cameras.
+bool stands_still(const Map& map, const MapPoint& p, int frames, double most_px_s) {
   int cameras = 0;
   for (const BoundTrack& b : p.bound) {
     const MapCamera& c = map.camera(b.camera);
     const ServerTrack& t = c.tracks.at(b.track);
-    if (static_cast<int>(t.seen.size()) < config.still_frames) continue;
-    const auto speed_px_s = apparent_speed_px_s(map, c, t, p, config.still_frames);
-    if (!speed_px_s || *speed_px_s > config.still_px_s * c.model.width_px / 640.0) return false;
+    if (static_cast<int>(t.seen.size()) < frames) continue;
+    const auto speed_px_s = apparent_speed_px_s(map, c, t, p, frames);
+    if (!speed_px_s || *speed_px_s > most_px_s * c.model.width_px / 640.0) return false;
     ++cameras;
   }
   return cameras >= 2;
 }
 
 void become_static(Map& map, MapPoint& p, int frames) {
+  // Static points are seen exactly where their tracks are.
+  const std::vector<BoundTrack> bound = p.bound;
+  for (const BoundTrack& b : bound) {
+    if (track_of(map, b).offset_px.norm() > kMostStaticOffset_px) map.unbind(b.camera, track_of(map, b));
+  }
   p.state = PointState::kStatic;
   p.proven = false;  // it may go on
   p.views = 0;
@@ -122,10 +129,31 @@ void become_static(Map& map, MapPoint& p, int frames) {
   p.covariance = map.covariance_of(p);
 }
 
+// Slow things take the longer look; what was fast is known to have stopped after half of it.
+bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
+  constexpr double kFast = 15;  // times still_px_s
+  if (stands_still(map, p, config.still_frames, config.still_px_s)) return true;
+  const int few = (config.still_frames + 1) / 2;
+  if (!stands_still(map, p, few, 2 * config.still_px_s)) return false;
+  for (const BoundTrack& b : p.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const ServerTrack& t = c.tracks.at(b.track);
+    if (static_cast<int>(t.seen.size()) < 2 * config.still_frames) continue;
+    const auto before = t.seen.size() - static_cast<std::size_t>(2 * config.still_frames);
+    Eigen::Vector2d px;
+    const auto view = view_at(c, t, before, c.frame_at(t.seen[before].set)->capture_ns);
+    if (!view || !project_world(c.model, view->cam_from_world, p.position, &px)) continue;
+    const double seconds = to_seconds(c.frames.back().capture_ns - c.frame_at(t.seen[before].set)->capture_ns);
+    if ((px - view->undistorted_px).norm() > kFast * config.still_px_s * seconds * c.model.width_px / 640.0)
+      return true;
+  }
+  return false;
+}
+
 // Moving points that stopped.
 void settle(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
   for (auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic || p.last_seen != set.id || !stands_still(map, p, config)) continue;
+    if (p.state != PointState::kDynamic || p.last_seen != set.id || !stopped(map, p, config)) continue;
     become_static(map, p, config.still_frames);
     ++report->stopped;
   }
@@ -224,8 +252,12 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  if (to_640 * motion_px(views, views.size(), nearest) <= config.motion_px) return Verdict::kUndecided;
-  const auto still = static_cast<std::size_t>(config.still_frames);
+  // Slow things take the longer look; what was fast is known to have stopped after half of it.
+  const double moved_px = to_640 * motion_px(views, views.size(), nearest);
+  if (moved_px <= config.motion_px) return Verdict::kUndecided;
+  constexpr double kFast = 6;  // times motion_px
+  const auto still = static_cast<std::size_t>(moved_px > kFast * config.motion_px ? (config.still_frames + 1) / 2
+                                                                                  : config.still_frames);
   if (views.size() > still && to_640 * motion_px(views, still, nearest) < config.still_px) return Verdict::kUndecided;
   return Verdict::kMoves;
 }

@@ -75,6 +75,15 @@ double distance_to_cameras(const Map& map, const MapPoint& p) {
   return least;
 }
 
+void refresh_patches(Map& map, MapPoint& p, const FrameSet& set) {
+  constexpr std::size_t kMost = 12;
+  for (const BoundTrack& b : p.bound) {
+    const ServerTrack& t = map.camera(b.camera).tracks.at(b.track);
+    if (t.patch_set == set.id) map.give_patch(p, b.camera, t);
+  }
+  if (p.patches.size() > kMost) p.patches.erase(p.patches.begin(), p.patches.end() - kMost);
+}
+
 // Positions from two cameras, this instant.
 void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
                   std::vector<Loose>* loose) {
@@ -102,6 +111,7 @@ void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vect
       sample.undistorted_px.emplace_back(s.track.camera, s.view.undistorted_px.cast<float>());
     }
     map.record_motion(id, std::move(sample));
+    refresh_patches(map, p, set);
     ++report->positioned;
   }
 }
@@ -152,36 +162,52 @@ void carry(Map& map, const FrameSet& set, const std::vector<Step>& steps, Loose&
   if (loose.seen.size() == 1) keep_to_ray(p, loose.seen.front().view);
 }
 
-double best_zncc(const MapPoint& p, const PatchGrey& patch, std::size_t newest) {
-  double best = -1;
-  for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= newest;) {
-    if (same_centre(p.patches[i].pixels, patch)) best = std::max(best, zncc(p.patches[i].pixels, patch));
+struct Look {
+  ServerTrack* track = nullptr;
+  double zncc = -1;
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
+};
+
+// How a track looks beside the newest of the point's patches.
+Look look_of(const MapPoint& p, ServerTrack& t) {
+  constexpr std::size_t kNewest = 6;
+  Look best{&t};
+  for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
+    const PointPatch& known = p.patches[i];
+    const auto shift_px = centre_in(known.pixels, *t.patch, kMostOffset_px);
+    const double score = shift_px ? zncc(known.pixels, *t.patch) : -1;
+    if (score > best.zncc) best = {&t, score, known.offset_px + shift_px->cast<float>()};
   }
   return best;
 }
 
 // The free track that looks most like the point, where it should be.
-ServerTrack* find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, const MapPoint& p,
-                        const FollowConfig& config) {
-  constexpr std::size_t kNewest = 6;
+Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, const MapPoint& p,
+                const FollowConfig& config) {
   const double gate_px = map.gate_sigma_px(camera), most_px = config.search_px * camera.model.width_px / 640.0;
   const auto window = search_window(camera.model, camera.frames.back().cam_from_world, p, gate_px, map.config().theta);
-  if (!window) return nullptr;
-  ServerTrack* best = nullptr;
-  double first = -1, second = -1;
+  if (!window) return {};
+  Look best;
+  double second = -1;
   const double radius_px = std::min(window->radius_px, most_px);
   grid.near(window->px, radius_px, [&](ServerTrack* t) {
     if ((t->seen.back().undistorted_px.cast<double>() - window->px).norm() > radius_px) return;
-    const double score = best_zncc(p, *t->patch, kNewest);
-    if (score > first) {
-      second = first;
-      first = score;
-      best = t;
-    } else {
-      second = std::max(second, score);
-    }
+    const Look look = look_of(p, *t);
+    second = std::max(second, std::min(look.zncc, best.zncc));
+    if (look.zncc > best.zncc) best = look;
   });
-  return first >= config.zncc_min && first - second >= config.zncc_margin ? best : nullptr;
+  return best.zncc >= config.zncc_min && best.zncc - second >= config.zncc_margin ? best : Look{};
+}
+
+// With what other cameras see of the point now.
+bool agrees(const Map& map, const MapCamera& camera, const MapPoint& p, const Look& look) {
+  std::vector<Seen> seen = seen_now(map, p);
+  if (seen.empty()) return true;
+  auto view = view_at(camera, *look.track, look.track->seen.size() - 1, map.now_ns());
+  if (!view) return false;
+  view->undistorted_px += look.offset_px.cast<double>();
+  seen.push_back({{camera.id, look.track->id}, *view});
+  return position_of(map, seen, kMovingParallax_rad).has_value();
 }
 
 }  // namespace
@@ -191,13 +217,13 @@ std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, s
   const FramePose* f = camera.frame_at(set);
   const auto pose = camera.pose_at(set, t_ns);
   if (!pose || f->map != camera.map) return std::nullopt;
-  View view{&camera.model, *pose, track.seen[i].undistorted_px.cast<double>()};
+  View view{&camera.model, *pose, (track.seen[i].undistorted_px + track.offset_px).cast<double>()};
   const FramePose* before = i == 0 ? nullptr : camera.frame_at(track.seen[i - 1].set);
   if (before == nullptr || before + 1 != f) return view;
   const double share =
       static_cast<double>(t_ns - before->capture_ns) / static_cast<double>(f->capture_ns - before->capture_ns);
   if (share < 0 || share > 2) return view;
-  const Eigen::Vector2d before_px = track.seen[i - 1].undistorted_px.cast<double>();
+  const Eigen::Vector2d before_px = (track.seen[i - 1].undistorted_px + track.offset_px).cast<double>();
   view.undistorted_px = before_px + share * (view.undistorted_px - before_px);
   return view;
 }
@@ -226,6 +252,13 @@ std::optional<TriangulationResult> position_of(const Map& map, const std::vector
   return t;
 }
 
+void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px) {
+  track.offset_px = offset_px;
+  track.moving = true;
+  map.bind(p, camera, track);
+  p.key_observations.clear();
+}
+
 void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
   p.position = t.position;
   p.covariance = t.covariance;
@@ -252,15 +285,14 @@ void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, Fo
     if (!camera.frames.back().valid()) continue;
     TrackGrid grid;
     for (auto& [id, t] : camera.tracks) {
-      if (t.point == PointId() && t.patch) grid.add(&t);
+      if (t.point == PointId() && t.moving && t.patch) grid.add(&t);
     }
     for (auto& [id, p] : map.points()) {
       if (p.state != PointState::kDynamic || p.map != camera.map || seen_by(p, camera.id)) continue;
-      ServerTrack* t = find_track(map, camera, grid, p, config);
-      if (t == nullptr || t->point != PointId()) continue;
-      map.bind(p, camera.id, *t);
-      t->moving = true;
-      p.key_observations.clear();
+      const Look look = find_track(map, camera, grid, p, config);
+      if (look.track == nullptr || look.track->point != PointId()) continue;
+      if (!agrees(map, camera, p, look)) continue;
+      bind_moving(map, p, camera.id, *look.track, look.offset_px);
       ++report->bound;
     }
   }

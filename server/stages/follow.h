@@ -17,6 +17,7 @@ struct Seen {
 };
 
 inline constexpr double kMovingParallax_rad = 0.01;
+inline constexpr double kMostOffset_px = 3.5;  // between the corners that two cameras follow on one structure
 
 // The i-th observation of a track as it would be at t_ns: interpolated, pose and pixel, when the camera took its image
 // at another time. Empty without a pose in the camera's map.
@@ -27,6 +28,9 @@ std::vector<Seen> seen_now(const Map& map, const MapPoint& p);
 
 // The one place that observations of one instant by at least two cameras agree on.
 std::optional<TriangulationResult> position_of(const Map& map, const std::vector<Seen>& seen, double min_parallax_rad);
+
+// Makes the track one of a moving point, which lies offset_px from it in the image.
+void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px);
 
 void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set);
 

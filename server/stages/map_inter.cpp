@@ -138,6 +138,7 @@ bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::V
 
 bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                const MapInterConfig& config) {
+  if (!same_centre(*a.track->patch, *b.track->patch)) return false;
   std::vector<View> views = map.views_of(*view.first, *a.track, 6);
   const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
   if (views.empty() || other.empty()) return false;
@@ -198,16 +199,47 @@ bool together_back(const Map& map, const PairView& view, const ServerTrack& a, c
   return checked >= least;
 }
 
+// Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
+// lines, and things are compact.
+bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d& position) {
+  constexpr double kBeside = 0.12;     // of the image width
+  constexpr double kMostDepth = 0.12;  // of the depth
+  Eigen::Vector2d px;
+  if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
+  const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
+  int alike = 0, others = 0;
+  for (const auto& [id, p] : map.points()) {
+    if (p.state != PointState::kDynamic || p.map != view.first->map || p.last_seen.value + 2 < map.now().value)
+      continue;
+    Eigen::Vector2d other_px;
+    if (!project_world(view.first->model, view.first_pose, p.position, &other_px)) continue;
+    if ((other_px - px).norm() > radius_px) continue;
+    (std::abs((view.first_pose * p.position).z() - depth) < kMostDepth * depth ? alike : others) += 1;
+  }
+  return alike >= others;
+}
+
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
 bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                  const MapInterConfig& config) {
+  MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  const auto shift_px = centre_in(*a.track->patch, *b.track->patch, kMostOffset_px);
+  if (!shift_px) return false;
+  // The free one of the two is brought to where the other one's point is.
+  const bool free_b = q == nullptr;
+  ServerTrack& free = free_b ? *b.track : *a.track;
+  const Eigen::Vector2f shift = shift_px->cast<float>();
+  const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
+  if (p == nullptr || q == nullptr) free.offset_px = offset_px;
   const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
                            config.min_parallax_rad);
-  if (!now || !together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back))
-    return false;
-  const double distance = (now->position - view.first_pose.center()).norm();
-  if (std::sqrt(now->covariance.trace()) > config.max_relative_sigma * distance) return false;
-  MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  const double distance = now ? (now->position - view.first_pose.center()).norm() : 0;
+  const bool joined =
+      now && std::sqrt(now->covariance.trace()) <= config.max_relative_sigma * distance &&
+      beside_in_depth(map, view, now->position) &&
+      together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back);
+  if (p == nullptr || q == nullptr) free.offset_px.setZero();
+  if (!joined) return false;
   if (p != nullptr && q != nullptr) {
     for (const BoundTrack& bound : p->bound) {
       if (seen_by(*q, bound.camera)) return false;
@@ -219,10 +251,9 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
   if (p == nullptr) {
     p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
     p->state = PointState::kDynamic;
+    bind_moving(map, *p, view.first->id, *a.track, Eigen::Vector2f::Zero());
   }
-  if (a.track->point == PointId()) map.bind(*p, view.first->id, *a.track);
-  if (b.track->point == PointId()) map.bind(*p, view.second->id, *b.track);
-  p->key_observations.clear();
+  bind_moving(map, *p, (free_b ? view.second : view.first)->id, free, offset_px);
   return true;
 }
 
@@ -237,7 +268,6 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
     const Score& back = of_b[static_cast<std::size_t>(s.best)];
     if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
     const Feature& other = b[static_cast<std::size_t>(s.best)];
-    if (!same_centre(*a[i].track->patch, *other.track->patch)) continue;
     ++report->matched;
     joined += join(a[i], other) ? 1 : 0;
   }
