@@ -61,6 +61,40 @@ std::optional<Eigen::Vector3d> step_near(const std::vector<Step>& steps, const E
   return weights > 0 ? std::optional<Eigen::Vector3d>(sum / weights) : std::nullopt;
 }
 
+// Motion in the image since the last set, near a place in it, of the tracks that move.
+std::optional<Eigen::Vector2d> flow_near(const MapCamera& camera, const Eigen::Vector2d& before_px) {
+  constexpr double kNear = 0.06;  // of the image width
+  const double radius_px = kNear * camera.model.width_px;
+  double weights = 0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const auto& [id, t] : camera.tracks) {
+    const std::size_t n = t.seen.size();
+    if (!t.moving || n < 2 || t.seen[n - 2].set.value + 1 != t.seen[n - 1].set.value) continue;
+    const double distance2 = (t.seen[n - 2].undistorted_px.cast<double>() - before_px).squaredNorm();
+    if (distance2 > radius_px * radius_px) continue;
+    const double weight = 1 / (distance2 + 0.04 * radius_px * radius_px);
+    weights += weight;
+    sum += weight * (t.seen[n - 1].undistorted_px - t.seen[n - 2].undistorted_px).cast<double>();
+  }
+  return weights > 0 ? std::optional<Eigen::Vector2d>(sum / weights) : std::nullopt;
+}
+
+// Where each camera would see the point now if it went with what moves beside it in the image.
+std::vector<View> views_by_flow(const Map& map, const MapPoint& p) {
+  std::vector<View> views;
+  for (const MapCamera& c : map.cameras()) {
+    if (c.map != p.map || c.frames.size() < 2 || c.frames.back().set != map.now()) continue;
+    const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
+    Eigen::Vector2d before_px;
+    if (now.map != p.map || before.map != p.map ||
+        !project_world(c.model, before.cam_from_world, p.position, &before_px))
+      continue;
+    if (const auto flow_px = flow_near(c, before_px))
+      views.push_back({&c.model, now.cam_from_world, before_px + *flow_px});
+  }
+  return views;
+}
+
 struct Loose {
   MapPoint* point;
   std::vector<Seen> seen;
@@ -141,12 +175,30 @@ void keep_to_ray(MapPoint& p, const View& v) {
   p.position = center + ray * std::max(1e-6, (p.position - center).dot(ray));
 }
 
+// Its step since the last set: as its moving neighbours in space or, without any, in the images.
+std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const std::vector<Step>& steps,
+                                       double radius) {
+  if (const auto step = step_near(steps, p.position, radius)) return step;
+  const std::vector<View> views = views_by_flow(map, p);
+  if (views.empty()) return std::nullopt;
+  MapPoint moved{.position = p.position};
+  if (views.size() == 1) {
+    keep_to_ray(moved, views.front());
+  } else {
+    const TriangulationResult t = triangulate(views, 1.0, kMovingParallax_rad);
+    if (t.status != TriangulationStatus::kOk) return std::nullopt;
+    moved.position = t.position;
+  }
+  const Eigen::Vector3d step = moved.position - p.position;
+  return step.norm() < radius ? std::optional(step) : std::nullopt;
+}
+
 void carry(Map& map, const FrameSet& set, const std::vector<Step>& steps, Loose& loose, const FollowConfig& config,
            FollowReport* report, std::vector<PointId>* gone) {
   MapPoint& p = *loose.point;
   const std::uint32_t since = set.id.value - p.last_seen.value;
   const double radius = config.neighbour_radius * distance_to_cameras(map, p);
-  const auto step = step_near(steps, p.position, radius);
+  const auto step = step_of(map, p, steps, radius);
   const int limit = step || !loose.seen.empty() ? config.forget_sets : config.forget_alone_sets;
   if (since > static_cast<std::uint32_t>(limit)) {
     gone->push_back(p.id);

@@ -17,7 +17,7 @@ struct Seen {
 };
 
 inline constexpr double kMovingParallax_rad = 0.01;
-inline constexpr double kMostOffset_px = 3.5;  // between the corners that two cameras follow on one structure
+inline constexpr double kMostOffset_px = 1.7;  // between the corners that two cameras follow on one structure
 
 // The i-th observation of a track as it would be at t_ns: interpolated, pose and pixel, when the camera took its image
 // at another time. Empty without a pose in the camera's map.
