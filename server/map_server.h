@@ -21,6 +21,7 @@
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
 #include "server/stages/map_intra.h"
+#include "server/stages/objects.h"
 #include "server/stages/refine.h"
 #include "server/stages/register.h"
 #include "server/stages/start.h"
@@ -40,6 +41,7 @@ struct MapServerConfig {
   MapInterConfig inter;
   FuseConfig fuse;
   CullConfig cull;
+  ObjectsConfig objects;
   KeyFrameConfig key_frame;
   RefineConfig refine;
   PatchWriterConfig patches;
@@ -77,6 +79,8 @@ class MapServer {
 
   const Map& map() const { return map_; }
   const ViewGraph& graph() const { return graph_; }
+  // What moves as one, at the last frame set.
+  const std::vector<MovingObject>& objects() const { return objects_.objects(); }
   const MapServerCounts& counts() const { return counts_; }
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
@@ -97,6 +101,7 @@ class MapServer {
   MapServerConfig config_;
   Map map_;
   ViewGraph graph_;
+  ObjectFinder objects_;
   std::map<CameraId, PatchWriter> writers_;
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
