@@ -8,7 +8,8 @@
 
 namespace coslam {
 
-MapServer::MapServer(RunId run, const MapServerConfig& config) : run_(run), config_(config), map_(config.map) {
+MapServer::MapServer(RunId run, const MapServerConfig& config)
+    : run_(run), config_(config), map_(config.map), objects_(config.objects), moving_writer_(run) {
   config_.verify.leave_moved = config_.classify.enabled;
 }
 
@@ -106,6 +107,13 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("culled", cull(map_, set, config_.cull).removed);
   }
   set_scale();
+  {
+    const auto t = times_.measure("objects");
+    const ObjectsReport r = objects_.step(map_, set, scaled_map_);
+    count("objects_started", r.started);
+    count("object_sets", r.objects);
+    moving_ = moving_writer_.write(map_, objects_.objects(), scaled_map_);
+  }
   {
     const auto t = times_.measure("key_frame");
     plan_refinement(decide_key_frame(map_, set, config_.key_frame));

@@ -10,6 +10,7 @@
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
+#include "server/correct/moving_writer.h"
 #include "server/correct/patch_writer.h"
 #include "server/map/map.h"
 #include "server/stages/classify.h"
@@ -21,6 +22,7 @@
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
 #include "server/stages/map_intra.h"
+#include "server/stages/objects.h"
 #include "server/stages/refine.h"
 #include "server/stages/register.h"
 #include "server/stages/start.h"
@@ -40,6 +42,7 @@ struct MapServerConfig {
   MapInterConfig inter;
   FuseConfig fuse;
   CullConfig cull;
+  ObjectsConfig objects;
   KeyFrameConfig key_frame;
   RefineConfig refine;
   PatchWriterConfig patches;
@@ -77,6 +80,10 @@ class MapServer {
 
   const Map& map() const { return map_; }
   const ViewGraph& graph() const { return graph_; }
+  // What moves as one, at the last frame set.
+  const std::vector<MovingObject>& objects() const { return objects_.objects(); }
+  // The same and the moving points, for others.
+  const std::vector<MovingState>& moving() const { return moving_; }
   const MapServerCounts& counts() const { return counts_; }
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
@@ -97,6 +104,9 @@ class MapServer {
   MapServerConfig config_;
   Map map_;
   ViewGraph graph_;
+  ObjectFinder objects_;
+  MovingWriter moving_writer_;
+  std::vector<MovingState> moving_;
   std::map<CameraId, PatchWriter> writers_;
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;

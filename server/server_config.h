@@ -111,6 +111,21 @@ void describe(V& v, CullConfig& c) {
 }
 
 template <class V>
+void describe(V& v, ObjectsConfig& c) {
+  v.field("reach_m", c.reach_m, {0.01, 1000}, "between neighbouring points of a body, when the scale is known");
+  v.field("reach_share", c.reach_share, {0.001, 1}, "the same when it is not, of the distance from the cameras");
+  v.field("path_s", c.path_s, {0.2, 10}, "newest part of the paths that is compared and gives the velocity");
+  v.field("min_path_s", c.min_path_s, {0.05, 10}, "points with shorter paths wait");
+  v.field("max_sigma", c.max_sigma, {0.01, 10}, "of a point's position, of the reach; less certain ones wait");
+  v.field("stretch", c.stretch, {0.01, 10}, "of the reach, by which distances within a body may change");
+  v.field("shift", c.shift, {0.01, 10}, "of the reach, by which parts of a body may shift against each other");
+  v.field("speed_gate", c.speed_gate, {0.01, 100}, "of the reach a second, for an object that is seen again");
+  v.field("min_speed", c.min_speed, {0, 100}, "of the reach a second, of a new object");
+  v.field("min_points", c.min_points, {2, 1000}, "of a new object");
+  v.field("keep_s", c.keep_s, {0, 100}, "an object out of sight for so long is forgotten");
+}
+
+template <class V>
 void describe(V& v, KeyFrameConfig& c) {
   v.field("keyframe_drop", c.drop, {0.01, 1}, "of a camera's points since the last key frame");
   v.field("min_sets", c.min_sets, {1, 1000}, "between key frames");
@@ -164,6 +179,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("map_inter", c.map.inter);
   v.section("fuse", c.map.fuse);
   v.section("cull", c.map.cull);
+  v.section("objects", c.map.objects);
   v.section("key_frame", c.map.key_frame);
   v.section("refine", c.map.refine);
   v.section("patches", c.map.patches);

@@ -202,6 +202,7 @@ void ServerLoop::on_gone(const std::string& name, RunId run) {
 void ServerLoop::run_set(const FrameSet& set) {
   exchange_refinement(set.id);
   for (const MapPatch& patch : server_.step(set)) link_.send(patch);
+  for (const MovingState& state : server_.moving()) link_.send(state);
   if (auto job = server_.take_refine_job()) refiner_->start(std::move(*job), set.id);
   if (store_) store_->record(set, server_);
 }

@@ -19,6 +19,7 @@ constexpr std::string_view kPointHeader =
     "id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,state,first_t_s,last_t_s,views";
 constexpr std::string_view kTrackHeader = "frame,t_s,track,u,v,point,state";
 constexpr std::string_view kDynamicHeader = "t_s,id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,views";
+constexpr std::string_view kObjectHeader = "t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members";
 constexpr std::string_view kGroupHeader = "t_s,group,agents";
 
 constexpr std::array<PointState, 4> kStates = {PointState::kStatic, PointState::kUncertain, PointState::kDynamic,
@@ -124,6 +125,7 @@ void CsvWriter::close() { close_file(stream_, file_); }
 PointWriter::PointWriter(const std::filesystem::path& file) : CsvWriter(file, kPointHeader) {}
 TrackWriter::TrackWriter(const std::filesystem::path& file) : CsvWriter(file, kTrackHeader) {}
 DynamicWriter::DynamicWriter(const std::filesystem::path& file) : CsvWriter(file, kDynamicHeader) {}
+ObjectWriter::ObjectWriter(const std::filesystem::path& file) : CsvWriter(file, kObjectHeader) {}
 GroupWriter::GroupWriter(const std::filesystem::path& file) : CsvWriter(file, kGroupHeader) {}
 
 void PointWriter::write(const ResultPoint& p) {
@@ -141,6 +143,17 @@ void TrackWriter::write(const ResultTrackRow& r) {
 void DynamicWriter::write(const ResultDynamicRow& r) {
   stream_ << format_seconds(r.t_ns) << ',' << r.id.value << ',' << position_text(r.position, r.covariance) << ','
           << r.views << '\n';
+}
+
+void ObjectWriter::write(const ResultObjectRow& r) {
+  stream_ << format_seconds(r.t_ns) << ',' << r.object.value;
+  char text[128];
+  for (const Eigen::Vector3d& v : {r.position, r.velocity_per_s, r.extent}) {
+    std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g", v.x(), v.y(), v.z());
+    stream_ << text;
+  }
+  for (std::size_t i = 0; i < r.members.size(); ++i) stream_ << (i == 0 ? ',' : ' ') << r.members[i].value;
+  stream_ << (r.members.empty() ? ",\n" : "\n");
 }
 
 void GroupWriter::write(const ResultGroupRow& r) {
@@ -193,6 +206,26 @@ void for_each_dynamic_row(const std::filesystem::path& file, const std::function
     r.covariance = f.covariance();
     r.views = static_cast<int>(f.count());
     if (!f.complete()) return false;
+    row(r);
+    return true;
+  });
+}
+
+void for_each_object_row(const std::filesystem::path& file, const std::function<void(const ResultObjectRow&)>& row) {
+  read_csv(file, kObjectHeader, [&](FieldReader& f) {
+    ResultObjectRow r;
+    r.t_ns = f.time();
+    r.object = ObjectId(f.count());
+    r.position = f.vector();
+    r.velocity_per_s = f.vector();
+    r.extent = f.vector();
+    bool good = true;
+    for (const std::string_view member : split_fields(f.text())) {
+      const auto id = parse_integer(member);
+      good = good && id && *id > 0 && *id <= 0xffffffff;
+      r.members.emplace_back(static_cast<std::uint32_t>(id.value_or(0)));
+    }
+    if (!good || !f.complete()) return false;
     row(r);
     return true;
   });

@@ -30,6 +30,7 @@ class ResultFolder {
   std::filesystem::path tracks(const std::string& agent) const { return folder_ / "tracks" / (agent + ".csv"); }
   std::filesystem::path points() const { return folder_ / "points.csv"; }
   std::filesystem::path dynamic() const { return folder_ / "dynamic.csv"; }
+  std::filesystem::path objects() const { return folder_ / "objects.csv"; }
   std::filesystem::path groups() const { return folder_ / "groups.csv"; }
   std::filesystem::path map() const { return folder_ / "map.ply"; }
   std::filesystem::path report() const { return folder_ / "report.json"; }
@@ -71,6 +72,15 @@ struct ResultDynamicRow {
   int views = 0;
 };
 
+struct ResultObjectRow {
+  TimeNs t_ns = 0;
+  ObjectId object;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the middle, map frame
+  Eigen::Vector3d velocity_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // sides of the box along the axes of the map
+  std::vector<PointId> members;
+};
+
 struct ResultGroupRow {  // from t_ns on these agents form the group
   TimeNs t_ns = 0;
   GroupId group;
@@ -108,6 +118,12 @@ class DynamicWriter : public CsvWriter {
   void write(const ResultDynamicRow& row);
 };
 
+class ObjectWriter : public CsvWriter {
+ public:
+  explicit ObjectWriter(const std::filesystem::path& file);
+  void write(const ResultObjectRow& row);
+};
+
 class GroupWriter : public CsvWriter {
  public:
   explicit GroupWriter(const std::filesystem::path& file);
@@ -117,6 +133,7 @@ class GroupWriter : public CsvWriter {
 std::vector<ResultPoint> read_points(const std::filesystem::path& file);
 void for_each_track_row(const std::filesystem::path& file, const std::function<void(const ResultTrackRow&)>& row);
 void for_each_dynamic_row(const std::filesystem::path& file, const std::function<void(const ResultDynamicRow&)>& row);
+void for_each_object_row(const std::filesystem::path& file, const std::function<void(const ResultObjectRow&)>& row);
 std::vector<ResultGroupRow> read_groups(const std::filesystem::path& file);
 
 // The static ones of the points as binary PLY: position, grey as red, green, blue, and sqrt_trace_sigma.

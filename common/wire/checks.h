@@ -30,6 +30,14 @@ Problem check_position(const Vector& position) {
   return std::nullopt;
 }
 
+// Packed xx xy xz yy yz zz.
+template <class Packed>
+Problem check_covariance(const Packed& packed) {
+  if (!packed.allFinite()) return Rejection::kNotFinite;
+  if (!(packed[0] >= 0 && packed[3] >= 0 && packed[5] >= 0)) return Rejection::kOutOfRange;
+  return std::nullopt;
+}
+
 // Unit norm up to the rounding that products of rotations gather.
 inline Problem check_rotation(const Eigen::Quaterniond& q) {
   if (!q.coeffs().allFinite()) return Rejection::kNotFinite;

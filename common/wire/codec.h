@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "common/model/map_patch.h"
+#include "common/model/moving_state.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
@@ -40,6 +41,7 @@ idl::PatchReply encode(const PatchReply& reply);
 idl::Hello encode(const Hello& hello);
 idl::AgentStatus encode(const AgentStatus& status);
 idl::MapPatch encode(const MapPatch& patch);
+idl::MovingState encode(const MovingState& state);
 idl::ServerStatus encode(const ServerStatus& status);
 
 Decoded<TrackFrame> decode(const idl::TrackFrame& message);
@@ -48,6 +50,7 @@ Decoded<PatchReply> decode(const idl::PatchReply& message);
 Decoded<Hello> decode(const idl::Hello& message);  // of any protocol version, see Admission
 Decoded<AgentStatus> decode(const idl::AgentStatus& message);
 Decoded<MapPatch> decode(const idl::MapPatch& message);
+Decoded<MovingState> decode(const idl::MovingState& message);
 Decoded<ServerStatus> decode(const idl::ServerStatus& message);
 
 // 1 to 32 letters, digits, '_', '-', '.', not starting with '.': names of agents are also names of files.

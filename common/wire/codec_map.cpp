@@ -53,10 +53,8 @@ Problem unpack_point(Unpacker& in, BoundPoint& b) {
   b.state = static_cast<PointState>(state);
   for (float& v : b.position) v = *in.get<float>();
   for (float& v : b.covariance) v = *in.get<float>();
-  if (!b.covariance.allFinite()) return Rejection::kNotFinite;
-  if (!(b.covariance[0] >= 0 && b.covariance[3] >= 0 && b.covariance[5] >= 0)) return Rejection::kOutOfRange;
-  return first_of(
-      {check_id(b.track), check_id(b.point), check_enum(state, PointState::kFalse), check_position(b.position)});
+  return first_of({check_covariance(b.covariance), check_id(b.track), check_id(b.point),
+                   check_enum(state, PointState::kFalse), check_position(b.position)});
 }
 
 Problem unpack_points(const std::vector<std::uint8_t>& octets, std::vector<BoundPoint>& points) {

@@ -194,6 +194,7 @@ template void Loop::read(OnSample<idl::PatchReply>, OnPresence, const std::strin
 template void Loop::read(OnSample<idl::DescriptorReply>, OnPresence, const std::string&);
 template void Loop::read(OnSample<idl::AgentStatus>, OnPresence, const std::string&);
 template void Loop::read(OnSample<idl::MapPatch>, OnPresence, const std::string&);
+template void Loop::read(OnSample<idl::MovingState>, OnPresence, const std::string&);
 template void Loop::read(OnSample<idl::ServerStatus>, OnPresence, const std::string&);
 
 }  // namespace coslam

@@ -68,6 +68,10 @@ struct Serialiser<idl::MapPatch> {
   using type = Guarded<idl::MapPatchPubSubType>;
 };
 template <>
+struct Serialiser<idl::MovingState> {
+  using type = Guarded<idl::MovingStatePubSubType>;
+};
+template <>
 struct Serialiser<idl::ServerStatus> {
   using type = Guarded<idl::ServerStatusPubSubType>;
 };

@@ -36,6 +36,7 @@ constexpr std::array<Profile, kTopicCount> kProfiles = {{
     {true, false, 4, 4, 0.5, true, false},       // descriptors: likewise, 100 kB each
     {true, true, 1, 2, 0.2, false, false},       // agent status: the newest state
     {true, false, 256, 256, 0.2, false, false},  // map: every patch, in order
+    {false, false, 1, 1, 0.2, false, false},     // moving: the newest state
     {true, true, 1, 4, 0.2, false, true},        // server status: the newest state, and the server's sign of life
 }};
 

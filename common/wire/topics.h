@@ -13,11 +13,11 @@
 namespace coslam {
 
 // idl/README.md has the same table in words.
-enum class Topic : std::uint8_t { kHello, kTracks, kPatches, kDescriptors, kAgentStatus, kMap, kServerStatus };
-constexpr std::size_t kTopicCount = 7;
+enum class Topic : std::uint8_t { kHello, kTracks, kPatches, kDescriptors, kAgentStatus, kMap, kMoving, kServerStatus };
+constexpr std::size_t kTopicCount = 8;
 constexpr std::array<const char*, kTopicCount> kTopicNames = {"coslam/hello",       "coslam/tracks", "coslam/patches",
                                                               "coslam/descriptors", "coslam/agent",  "coslam/map",
-                                                              "coslam/server"};
+                                                              "coslam/moving",      "coslam/server"};
 
 constexpr const char* name_of(Topic topic) { return kTopicNames[static_cast<std::size_t>(topic)]; }
 
@@ -39,6 +39,8 @@ template <>
 inline constexpr Topic kTopicOf<idl::AgentStatus> = Topic::kAgentStatus;
 template <>
 inline constexpr Topic kTopicOf<idl::MapPatch> = Topic::kMap;
+template <>
+inline constexpr Topic kTopicOf<idl::MovingState> = Topic::kMoving;
 template <>
 inline constexpr Topic kTopicOf<idl::ServerStatus> = Topic::kServerStatus;
 

@@ -83,6 +83,7 @@ template class Writer<idl::PatchReply>;
 template class Writer<idl::DescriptorReply>;
 template class Writer<idl::AgentStatus>;
 template class Writer<idl::MapPatch>;
+template class Writer<idl::MovingState>;
 template class Writer<idl::ServerStatus>;
 
 }  // namespace coslam

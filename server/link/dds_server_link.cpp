@@ -46,6 +46,7 @@ class DdsServerLink : public ServerLink {
         events_(kQueueCapacity, QueuePolicy::kDropOldest,
                 [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
         status_writer_(participant_),
+        moving_writer_(participant_),
         loop_(participant_, "server-link", kTick, [this] { tick(); }) {
     status_.server_run = server_run;
     // Frames first: what an agent says about its frames shall not overtake them.
@@ -80,6 +81,10 @@ class DdsServerLink : public ServerLink {
     if (path == paths_.end()) return;
     path->second.last = std::move(message);
     write_last(path->first, path->second);
+  }
+
+  void send(const MovingState& state) override {
+    if (moving_writer_.readers() > 0) moving_writer_.write(encode(state));
   }
 
   void send_status(const ServerStatus& status) override {
@@ -220,6 +225,7 @@ class DdsServerLink : public ServerLink {
   Sessions sessions_;
   BoundedQueue<ServerEvent> events_;
   Writer<idl::ServerStatus> status_writer_;
+  Writer<idl::MovingState> moving_writer_;
   std::map<RunId, Path> paths_;
   std::map<WriterId, RunId> origins_;  // of hellos, whose writers are the agents' signs of life
   ServerStatus status_;

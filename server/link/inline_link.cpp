@@ -70,6 +70,8 @@ class InlineServer : public ServerLink {
     agent->second->receive(message, cost(message));
   }
 
+  void send(const MovingState&) override {}  // agents do not read it, and nobody else can
+
   void send_status(const ServerStatus& s) override {
     status = s;
     publish_status();

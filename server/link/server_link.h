@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "common/model/map_patch.h"
+#include "common/model/moving_state.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
@@ -63,6 +64,8 @@ class ServerLink {
 
   // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.
   virtual void send(const MapPatch& patch) = 0;
+  // To everybody who reads it; over DDS only. Never waits.
+  virtual void send(const MovingState& state) = 0;
   // Publishes the status; the link adds its own refusals (same name twice, another protocol) to status.refused.
   virtual void send_status(const ServerStatus& status) = 0;
   // Turns an agent away after its Hello, with one sentence for its user; nothing of that run is delivered any more.

@@ -24,27 +24,20 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
 }
 
 // Paths of moving points, by the final poses.
-void write_dynamic(const Map& map, MapId of, DynamicWriter* writer) {
+std::map<PointId, MovingPath> write_dynamic(const Map& map, MapId of, DynamicWriter* writer) {
+  std::map<PointId, MovingPath> paths;
   std::vector<ResultDynamicRow> rows;
   for (const auto& [id, path] : map.motions()) {
     for (const MotionSample& sample : path) {
-      std::vector<View> views;
-      double sigma_px = 0;
-      for (const auto& [camera, px] : sample.undistorted_px) {
-        const MapCamera& c = map.camera(camera);
-        const FramePose* f = c.frame_at(sample.set);
-        const auto pose = c.pose_at(sample.set, sample.t_ns);
-        if (!pose || f->map != of) continue;
-        views.push_back({&c.model, *pose, px.cast<double>()});
-        sigma_px = std::max(sigma_px, map.covariance_sigma_px(c));
-      }
-      const TriangulationResult t = triangulate(views, sigma_px, 0.0);
-      if (t.status != TriangulationStatus::kOk) continue;
-      rows.push_back({sample.t_ns, id, t.position, t.covariance, static_cast<int>(views.size())});
+      const auto seen = position_of(map, of, sample);
+      if (!seen) continue;
+      rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
+      paths[id].push_back({sample.set, sample.t_ns, seen->at.position});
     }
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
   for (const ResultDynamicRow& row : rows) writer->write(row);
+  return paths;
 }
 
 Trajectory final_trajectory(const MapCamera& camera, MapId of) {
@@ -68,7 +61,8 @@ ResultStore::ResultStore(const std::filesystem::path& folder)
         return folder;
       }()),
       groups_(folder_.groups()),
-      dynamic_(folder_.dynamic()) {}
+      dynamic_(folder_.dynamic()),
+      object_rows_(folder_.objects()) {}
 
 void ResultStore::record(const FrameSet& set, const MapServer& server) {
   for (const CameraFrame& cf : set.frames) {
@@ -79,6 +73,7 @@ void ResultStore::record(const FrameSet& set, const MapServer& server) {
     if (f.frame.value % kTrackEvery == 0) record_tracks(cf, server);
   }
   record_groups(set, server);
+  record_objects(set, server);
 }
 
 void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) {
@@ -109,6 +104,35 @@ void ResultStore::record_groups(const FrameSet& set, const MapServer& server) {
   }
 }
 
+void ResultStore::record_objects(const FrameSet& set, const MapServer& server) {
+  for (const MovingObject& o : server.objects()) objects_.push_back({set.t_ns, o.id, o.members});
+}
+
+// Where the members were by the final poses, and how fast by their paths before and after the instant: without the lag
+// of what was known at the time.
+void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths) {
+  constexpr double kBeside_s = 0.25, kMinSpan_s = 0.2;
+  for (const SeenObject& o : objects_) {
+    std::vector<PointMotion> motions;
+    ResultObjectRow row{.t_ns = o.t_ns, .object = o.id};
+    for (const PointId id : o.members) {
+      const auto path = paths.find(id);
+      if (path == paths.end()) continue;
+      const auto motion =
+          motion_at(path->second, o.t_ns, o.t_ns - to_ns(kBeside_s), o.t_ns + to_ns(kBeside_s), kMinSpan_s);
+      if (!motion) continue;
+      motions.push_back(*motion);
+      row.members.push_back(id);
+    }
+    if (motions.empty()) continue;
+    const BodyMotion body = body_of(motions);
+    row.position = body.centroid;
+    row.velocity_per_s = body.velocity;
+    row.extent = body.extent;
+    object_rows_.write(row);
+  }
+}
+
 void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& report) {
   const MapId of = server.largest_map();
   for (const MapCamera& c : server.map().cameras()) {
@@ -122,8 +146,10 @@ void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& 
   write_ply(folder_.map(), points);
   for (auto& [name, tracks] : tracks_) tracks->close();
   groups_.close();
-  write_dynamic(server.map(), of, &dynamic_);
+  const std::map<PointId, MovingPath> paths = write_dynamic(server.map(), of, &dynamic_);
   dynamic_.close();
+  write_objects(paths);
+  object_rows_.close();
   write_json(folder_.report(), report);
 }
 

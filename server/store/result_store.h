@@ -29,12 +29,22 @@ class ResultStore {
  private:
   void record_tracks(const CameraFrame& frame, const MapServer& server);
   void record_groups(const FrameSet& set, const MapServer& server);
+  void record_objects(const FrameSet& set, const MapServer& server);
+  void write_objects(const std::map<PointId, MovingPath>& paths);
+
+  struct SeenObject {
+    TimeNs t_ns = 0;
+    ObjectId id;
+    std::vector<PointId> members;
+  };
 
   ResultFolder folder_;
   std::map<std::string, Trajectory> live_;
   std::map<std::string, std::unique_ptr<TrackWriter>> tracks_;
   GroupWriter groups_;
   DynamicWriter dynamic_;
+  ObjectWriter object_rows_;
+  std::vector<SeenObject> objects_;
   std::vector<std::vector<CameraId>> last_groups_;
 };
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "tests/support/sim_map.h"
@@ -54,6 +57,13 @@ class MovingWorld : public testing::TestWithParam<unsigned> {
     }
     return errors;
   }
+  // -1: stands still.
+  int body_of(int point) const { return point < 0 || !world_.moves(point) ? -1 : (point - 350) / 25; }
+  Eigen::Vector3d velocity_of(int body, const SimRun& run) const {
+    const int point = 350 + 25 * body;
+    const TimeNs now_ns = run.map().now_ns(), step_ns = to_ns(0.01);
+    return (world_.position(point, now_ns + step_ns) - world_.position(point, now_ns - step_ns)) / 0.02;
+  }
   const test::TrackingConfig tracking_{.outliers = 0.002, .ends = 0.004, .max_tracks = 400};
   const SimWorld world_;
 };
@@ -102,6 +112,52 @@ TEST_P(MovingWorld, SwitchedOffEverythingIsStatic) {
   run.step(100);
   for (const auto& [id, p] : run.map().points()) EXPECT_EQ(p.state, PointState::kStatic);
   EXPECT_TRUE(run.map().motions().empty());
+}
+
+// Of the bodies that have at least six moving points now, how many are one object of that body alone.
+struct Collected {
+  int bodies = 0, as_one = 0, mixed = 0;
+  std::vector<double> velocity_errors;
+};
+
+TEST_P(MovingWorld, BodiesAreObjects) {
+  SimRun run(world_, {.baseline_m = 1.204}, tracking_);
+  add_agents(run);
+  run.step(60);
+  Collected all;
+  std::set<ObjectId> ids;
+  for (int i = 0; i < 150; ++i) {
+    run.step(1);
+    const Similarity3 truth_from_map = run.path_error().truth_from_map;
+    std::map<int, int> points;              // by body
+    std::map<int, std::set<ObjectId>> own;  // objects that have points of it
+    for (const auto& [id, p] : run.map().points()) {
+      if (p.state != PointState::kDynamic || run.world_point(p) < 0) continue;
+      if (p.last_seen == run.map().now()) ++points[body_of(run.world_point(p))];
+    }
+    for (const MovingObject& o : run.server().objects()) {
+      std::map<int, std::size_t> votes;
+      for (const PointId id : o.members) ++votes[body_of(run.world_point(*run.map().find(id)))];
+      const auto most = std::max_element(votes.begin(), votes.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      all.mixed += most->second < o.members.size();
+      own[most->first].insert(o.id);
+      ids.insert(o.id);
+      const Eigen::Vector3d velocity = truth_from_map.scale * (truth_from_map.rotation * o.motion.velocity);
+      if (most->first >= 0) all.velocity_errors.push_back((velocity - velocity_of(most->first, run)).norm());
+    }
+    for (const auto& [body, count] : points) {
+      if (body < 0 || count < 6) continue;
+      ++all.bodies;
+      all.as_one += own[body].size() == 1;
+    }
+  }
+  EXPECT_GT(all.bodies, 300);
+  EXPECT_GT(all.as_one, 0.8 * all.bodies);
+  // Their circles overlap: now and then two go through each other.
+  EXPECT_LT(all.mixed, 0.2 * all.bodies);
+  EXPECT_LT(test::median(all.velocity_errors), 0.2);
+  EXPECT_LT(ids.size(), 12U) << "four bodies";
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, MovingWorld, testing::Range(1U, 4U));

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "common/model/map_patch.h"
+#include "common/model/moving_state.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
@@ -128,6 +129,31 @@ inline void expect_same(const MapPatch& a, const MapPatch& b) {
   EXPECT_EQ(a.descriptor_request, b.descriptor_request);
   EXPECT_EQ(a.group, b.group);
   EXPECT_EQ(a.scale_known, b.scale_known);
+}
+
+inline void expect_same(const MovingState& a, const MovingState& b) {
+  EXPECT_EQ(a.server_run, b.server_run);
+  EXPECT_EQ(a.map, b.map);
+  EXPECT_EQ(a.epoch, b.epoch);
+  EXPECT_EQ(a.t_ns, b.t_ns);
+  EXPECT_EQ(a.scale_known, b.scale_known);
+  EXPECT_EQ(a.left_out, b.left_out);
+  ASSERT_EQ(a.objects.size(), b.objects.size());
+  for (std::size_t i = 0; i < a.objects.size(); ++i) {
+    EXPECT_EQ(a.objects[i].object, b.objects[i].object);
+    expect_same_matrix(a.objects[i].centroid, b.objects[i].centroid, "centroid");
+    expect_same_matrix(a.objects[i].velocity_per_s, b.objects[i].velocity_per_s, "velocity_per_s");
+    expect_same_matrix(a.objects[i].extent, b.objects[i].extent, "extent");
+    EXPECT_EQ(a.objects[i].points, b.objects[i].points);
+  }
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    EXPECT_EQ(a.points[i].point, b.points[i].point);
+    EXPECT_EQ(a.points[i].object, b.points[i].object);
+    expect_same_matrix(a.points[i].position, b.points[i].position, "position");
+    expect_same_matrix(a.points[i].covariance, b.points[i].covariance, "covariance");
+    EXPECT_EQ(a.points[i].cameras, b.points[i].cameras);
+  }
 }
 
 inline void expect_same(const ServerStatus& a, const ServerStatus& b) {

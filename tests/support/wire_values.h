@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/model/map_patch.h"
+#include "common/model/moving_state.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
@@ -122,6 +123,26 @@ class WireValues {
     for (float& v : b.position) v = static_cast<float>(uniform(-50, 50));
     for (float& v : b.covariance) v = static_cast<float>(uniform(0, 0.1));
     return b;
+  }
+
+  Eigen::Vector3f vector(float low, float high) {
+    return Eigen::Vector3f::NullaryExpr([&] { return static_cast<float>(uniform(low, high)); });
+  }
+  MovingState moving_state(std::size_t objects = 3, std::size_t points = 20) {
+    MovingState s{RunId(77), MapId(2), MapEpoch(5), 1'700'000'000'000'000'000, true, below(9), {}, {}};
+    for (std::size_t i = 0; i < objects; ++i) {
+      s.objects.push_back({ObjectId(1 + below(1000)), vector(-50, 50), vector(-3, 3), vector(0, 2),
+                           static_cast<std::uint16_t>(below(100))});
+    }
+    for (std::size_t i = 0; i < points; ++i) {
+      MovingPointState& p = s.points.emplace_back();
+      p.point = PointId(1 + below(1000000));
+      p.object = ObjectId(below(3));
+      p.position = vector(-50, 50);
+      for (float& v : p.covariance) v = static_cast<float>(uniform(0, 0.1));
+      p.cameras = static_cast<std::uint8_t>(2 + below(5));
+    }
+    return s;
   }
 
   ServerStatus server_status(RunId run) {

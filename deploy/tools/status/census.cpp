@@ -86,6 +86,8 @@ void Census::add(const MapPatch& patch, std::uint64_t bytes, Instant now) {
   agent.unanswered.erase(agent.unanswered.begin(), std::next(frame));
 }
 
+void Census::add(const MovingState& state, std::uint64_t, Instant) { moving_[{state.server_run, state.map}] = state; }
+
 void Census::set_alive(RunId run, bool alive) { alive_[run] = alive; }
 
 bool Census::alive(RunId run) const {
@@ -137,6 +139,14 @@ std::string Census::text(Instant now) const {
   for (const auto& [run, agent] : agents_) lines.push_back(line_of(run, agent, now));
   std::ranges::sort(lines);
   for (const std::string& line : lines) text += line;
+  for (const auto& [key, state] : moving_) {
+    const char* unit = state.scale_known ? "m" : "units";
+    for (const MovingObjectState& o : state.objects) {
+      text += format("object %u: %u points at %.2f %.2f %.2f, %.2f %s/s, %.2f x %.2f x %.2f %s\n", o.object.value,
+                     static_cast<unsigned>(o.points), o.centroid.x(), o.centroid.y(), o.centroid.z(),
+                     o.velocity_per_s.norm(), unit, o.extent.x(), o.extent.y(), o.extent.z(), unit);
+    }
+  }
   // The server remembers those that have left.
   for (const auto& [run, server] : servers_) {
     for (const std::string& name : server.agents) {

@@ -5,9 +5,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/base/time.h"
 #include "common/model/map_patch.h"
+#include "common/model/moving_state.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
@@ -24,10 +26,12 @@ class Census {
   void add(const PatchReply& reply, std::uint64_t bytes, Instant now);
   void add(const DescriptorReply& reply, std::uint64_t bytes, Instant now);
   void add(const MapPatch& patch, std::uint64_t bytes, Instant now);
+  void add(const MovingState& state, std::uint64_t bytes, Instant now);
   void set_alive(RunId run, bool alive);  // of an agent or a server
 
   bool empty() const { return servers_.empty() && agents_.empty(); }
-  // A line for each server and each agent; rates are over the time since an agent was first heard.
+  // A line for each server, each agent and each object that moves; rates are over the time since an agent was first
+  // heard.
   std::string text(Instant now) const;
 
  private:
@@ -51,6 +55,7 @@ class Census {
 
   std::map<RunId, ServerStatus> servers_;
   std::map<RunId, Agent> agents_;
+  std::map<std::pair<RunId, MapId>, MovingState> moving_;
   std::map<RunId, bool> alive_;  // absent: nothing to the contrary was heard
 };
 

@@ -29,6 +29,7 @@ class Listener {
     read<idl::DescriptorReply>();
     read<idl::AgentStatus>();
     read<idl::MapPatch>("run-*");
+    read<idl::MovingState>();
     loop_.read<idl::Hello>(
         [this](const idl::Hello& m, const Sample& s) {
           origins_[s.writer] = RunId(m.agent_run());

@@ -100,6 +100,31 @@ TEST_F(Result, DynamicAndGroupsRoundTrip) {
   EXPECT_TRUE(read[1].agents.empty());
 }
 
+TEST_F(Result, ObjectsRoundTrip) {
+  ObjectWriter writer(folder_.objects());
+  writer.write({500'000'000, ObjectId(3), {1, 2, 3}, {0.5, 0, -1}, {0.25, 0.5, 2}, {PointId(9), PointId(12)}});
+  writer.write({600'000'000, ObjectId(4), {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {}});
+  writer.close();
+  EXPECT_EQ(text_of(folder_.objects()),
+            "t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members\n"
+            "0.500000000,3,1,2,3,0.5,0,-1,0.25,0.5,2,9 12\n0.600000000,4,0,0,0,0,0,0,0,0,0,\n");
+  std::vector<ResultObjectRow> rows;
+  for_each_object_row(folder_.objects(), [&](const ResultObjectRow& r) { rows.push_back(r); });
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].t_ns, 500'000'000);
+  EXPECT_EQ(rows[0].object, ObjectId(3));
+  EXPECT_EQ(rows[0].position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(rows[0].velocity_per_s, Eigen::Vector3d(0.5, 0, -1));
+  EXPECT_EQ(rows[0].extent, Eigen::Vector3d(0.25, 0.5, 2));
+  EXPECT_THAT(rows[0].members, ElementsAre(PointId(9), PointId(12)));
+  EXPECT_TRUE(rows[1].members.empty());
+  const auto bad = temp_.write("bad.csv",
+                               "t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members\n"
+                               "0.5,3,1,2,3,0.5,0,-1,0.25,0.5,2,9 x\n");
+  EXPECT_THAT(test::error_of<UserError>([&] { for_each_object_row(bad, [](const ResultObjectRow&) {}); }),
+              HasSubstr("bad.csv:2: not a line"));
+}
+
 TEST_F(Result, ReadersNameFileAndLine) {
   const auto error = [&](const std::string& text) {
     const auto file = temp_.write("t.csv", text);

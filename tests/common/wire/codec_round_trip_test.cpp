@@ -105,6 +105,14 @@ TEST(CodecRoundTrip, MapPatches) {
   }
 }
 
+TEST(CodecRoundTrip, MovingStates) {
+  WireValues values(10);
+  for (const std::size_t objects : {0U, 1U, 12U}) {
+    expect_unharmed(values.moving_state(objects, 0));
+    expect_unharmed(values.moving_state(objects, most_moving_points(objects)));
+  }
+}
+
 TEST(CodecRoundTrip, AlmostIdentityIsNotTakenForIdentity) {
   MapPatch patch = WireValues(7).map_patch("cam0", RunId(9), 1, 0);
   patch.new_from_old.scale = std::nextafter(1.0, 2.0);
@@ -119,6 +127,14 @@ TEST(CodecSize, AFrameOf300TracksStaysBelow2300Bytes) {
   RecordProperty("bytes", static_cast<int>(bytes));
   EXPECT_LE(bytes, 2300u);
   EXPECT_GE(bytes, 1500u) << "four bytes of coordinates and at least one of id a track";
+}
+
+TEST(CodecSize, AMovingStateIsOneDatagram) {
+  constexpr std::size_t kWithoutFragments = 1224;  // docs/wire.md
+  for (std::size_t objects = 0; objects <= kMostMovingObjects; ++objects) {
+    const MovingState full = WireValues(11).moving_state(objects, most_moving_points(objects));
+    EXPECT_LE(sample_bytes(encode(full)), kWithoutFragments) << objects;
+  }
 }
 
 TEST(CodecSize, ABoundPointCosts45Bytes) {

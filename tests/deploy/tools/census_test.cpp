@@ -63,5 +63,17 @@ TEST(Census, WhoIsMissing) {
   EXPECT_THAT(census.text(now), HasSubstr("map server 0000000000000001: silent"));
 }
 
+TEST(Census, ALineForEachObject) {
+  Census census;
+  const Instant now;
+  MovingState state{.server_run = kServer, .map = MapId(1), .scale_known = true};
+  state.objects.push_back({ObjectId(4), {1, 2, 3}, {0.6F, 0.8F, 0}, {0.5F, 1.7F, 0.4F}, 9});
+  census.add(state, 0, now);
+  EXPECT_THAT(census.text(now), HasSubstr("object 4: 9 points at 1.00 2.00 3.00, 1.00 m/s, 0.50 x 1.70 x 0.40 m\n"));
+  state.objects.clear();
+  census.add(state, 0, now);
+  EXPECT_THAT(census.text(now), ::testing::Not(HasSubstr("object 4")));
+}
+
 }  // namespace
 }  // namespace coslam

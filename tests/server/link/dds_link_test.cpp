@@ -15,6 +15,7 @@
 #include "server/link/inline_link.h"
 #include "tests/server/link/echo_server.h"
 #include "tests/support/child_process.h"
+#include "tests/support/planner.h"
 #include "tests/support/test_domain.h"
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
@@ -116,6 +117,20 @@ TEST_F(DdsLinkTest, LockstepLosesNothingAndChangesNoBit) {
     EXPECT_NEAR(static_cast<double>(server.link().bytes(names[a]).up), static_cast<double>(bytes[a].up), 20000);
     EXPECT_GT(bytes[a].down, 0u);
   }
+}
+
+TEST_F(DdsLinkTest, WhatMovesIsHeardByWhoeverReadsIt) {
+  const MovingState state = WireValues(4).moving_state(12, 14);
+  EchoServer server(config_, kServer);
+  server.link().send(state);  // nobody reads it yet
+  test::Planner planner(config_);
+  std::optional<MovingState> heard;
+  ASSERT_TRUE(server.serve_until([&] {
+    server.link().send(state);
+    heard = planner.newest();
+    return heard.has_value();
+  }));
+  expect_same(*heard, state);
 }
 
 TEST_F(DdsLinkTest, AServerThatStartsLateHearsTheHello) {

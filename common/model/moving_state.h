@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+
+namespace coslam {
+
+struct MovingPointState {
+  PointId point;
+  ObjectId object;                                                             // 0 = in none
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();                          // map frame, metres when scale_known
+  Eigen::Matrix<float, 6, 1> covariance = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz
+  std::uint8_t cameras = 0;                                                    // that saw it at this instant
+};
+
+struct MovingObjectState {
+  ObjectId object;
+  Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
+  Eigen::Vector3f velocity_per_s = Eigen::Vector3f::Zero();
+  Eigen::Vector3f extent = Eigen::Vector3f::Zero();  // sides of its box along the axes of the map
+  std::uint16_t points = 0;
+};
+
+// What moves in one map at the instant of one frame set, understandable alone.
+struct MovingState {
+  RunId server_run;
+  MapId map;
+  MapEpoch epoch;
+  TimeNs t_ns = 0;  // capture time
+  bool scale_known = false;
+  std::uint32_t left_out = 0;              // points and objects there was no room for
+  std::vector<MovingObjectState> objects;  // those of most points first
+  std::vector<MovingPointState> points;    // the most certain first
+};
+
+// It travels in one datagram: a point more would be fragments, of which a lost one loses all.
+constexpr std::size_t kMostMovingObjects = 12;
+constexpr std::size_t most_moving_points(std::size_t objects) { return 26 - objects; }
+
+}  // namespace coslam

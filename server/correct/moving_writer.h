@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "common/model/moving_state.h"
+#include "server/map/map.h"
+#include "server/stages/objects.h"
+
+namespace coslam {
+
+// What moves, for everybody who wants to know: a state for each map in which something moves, after each frame set, and
+// an empty one when that is over.
+class MovingWriter {
+ public:
+  explicit MovingWriter(RunId server_run) : server_run_(server_run) {}
+
+  // in_metres: the map whose scale is known, or none.
+  std::vector<MovingState> write(const Map& map, const std::vector<MovingObject>& objects, MapId in_metres);
+
+ private:
+  RunId server_run_;
+  std::set<MapId> told_;  // in these something moved when last told
+};
+
+}  // namespace coslam

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/map/map.h"
+#include "server/stages/moving_path.h"
+
+namespace coslam {
+
+// Lengths are in units of the reach: how far apart two neighbouring points of one body may be.
+struct ObjectsConfig {
+  double reach_m = 0.8;       // where the scale is known
+  double reach_share = 0.16;  // of the distance from the cameras, where it is not
+  double path_s = 1.0;        // newest part of the points' paths that is compared and gives the velocity
+  double min_path_s = 0.2;    // shorter paths wait
+  double max_sigma = 0.4;     // sqrt(trace Sigma); less certain points wait
+  double stretch = 0.25;      // that the distance of two points of one body changes by at most
+  double shift = 0.6;         // by which parts of one body may shift against each other over their path
+  double speed_gate = 1.2;    // a second: by which an object may differ from what it was before it was out of sight
+  double min_speed = 0.2;     // a second: slower ones are not taken up, but kept
+  int min_points = 3;         // of a new object; a known one is kept with two
+  double keep_s = 1.0;        // an object that is out of sight for so long is forgotten
+};
+
+// A moving point as the objects see it.
+struct MovingPoint {
+  PointId id;
+  MapId map;
+  MovingPath path;  // the newest path_s
+  double sigma = 0;
+  double reach = 0;
+};
+
+struct MovingObject {
+  ObjectId id;
+  MapId map;
+  BodyMotion motion;
+  std::vector<PointId> members;  // ascending
+};
+
+struct ObjectsReport {
+  int points = 0;   // that could be in an object
+  int objects = 0;  // now
+  int started = 0;  // with a new id
+};
+
+// Which moving points move together, every frame set. Points are linked, nearest first, when they are near each other
+// and their distance has hardly changed over their common path: so limbs hang on a body although they swing, and what
+// passes by does not. Parts of several points are joined only when they go the same way. An object keeps its id by its
+// members, and when all of them were replaced by where it would be by now.
+class ObjectFinder {
+ public:
+  explicit ObjectFinder(const ObjectsConfig& config) : config_(config) {}
+
+  // in_metres: the map whose scale is known, or none.
+  ObjectsReport step(const Map& map, const FrameSet& set, MapId in_metres);
+  // The same for points by themselves.
+  ObjectsReport step(const std::vector<MovingPoint>& points, TimeNs now_ns);
+
+  // Of the last step, ascending id.
+  const std::vector<MovingObject>& objects() const { return objects_; }
+
+ private:
+  struct Candidate;
+  struct Part;
+  struct Known {
+    MapId map;
+    BodyMotion motion;
+    double reach = 0;
+    TimeNs first_ns = 0, last_ns = 0;
+  };
+  struct Membership {
+    ObjectId object;
+    TimeNs last_ns = 0;
+  };
+  // Where a sample lies for the cameras that saw it: it follows when the map moves, at less than a triangulation each.
+  struct Anchor {
+    CameraId first, second;
+    Eigen::Vector3d in_first = Eigen::Vector3d::Zero();
+    double baseline = 0;
+  };
+  struct FollowedPath {
+    MovingPath samples;
+    std::vector<Anchor> anchors;  // one for each
+  };
+  static std::optional<Anchor> anchor_of(const Map& map, MapId in, const MotionSample& sample,
+                                         const Eigen::Vector3d& position);
+  static bool follow(const Map& map, MapId in, Anchor* anchor, PathSample* sample);
+  static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
+  void update_paths(const Map& map, TimeNs now_ns);
+  std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
+  std::vector<Part> parts(const std::vector<Candidate>& candidates, TimeNs now_ns) const;
+  bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
+  ObjectId object_of(PointId point) const;
+  void name_by_members(std::vector<Part>& parts) const;
+  void name_by_place(std::vector<Part>& parts, TimeNs now_ns) const;
+  void forget(TimeNs now_ns);
+
+  ObjectsConfig config_;
+  std::map<PointId, FollowedPath> paths_;
+  MapEpoch epoch_;  // of the paths
+  std::map<PointId, Membership> members_;
+  std::map<ObjectId, Known> known_;
+  std::uint32_t next_object_ = 1;
+  std::vector<MovingObject> objects_;
+};
+
+}  // namespace coslam
