@@ -129,11 +129,11 @@ void become_static(Map& map, MapPoint& p, int frames) {
   p.covariance = map.covariance_of(p);
 }
 
-// Slow things take the longer look; what was fast is known to have stopped after half of it.
+// Slow things take the longer look; what was fast is known to have stopped after a third of it.
 bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
   constexpr double kFast = 15;  // times still_px_s
   if (stands_still(map, p, config.still_frames, config.still_px_s)) return true;
-  const int few = (config.still_frames + 1) / 2;
+  const int few = (config.still_frames + 2) / 3;
   if (!stands_still(map, p, few, 2 * config.still_px_s)) return false;
   for (const BoundTrack& b : p.bound) {
     const MapCamera& c = map.camera(b.camera);
@@ -252,11 +252,11 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  // Slow things take the longer look; what was fast is known to have stopped after half of it.
+  // Slow things take the longer look; what was fast is known to have stopped after a third of it.
   const double moved_px = to_640 * motion_px(views, views.size(), nearest);
   if (moved_px <= config.motion_px) return Verdict::kUndecided;
   constexpr double kFast = 6;  // times motion_px
-  const auto still = static_cast<std::size_t>(moved_px > kFast * config.motion_px ? (config.still_frames + 1) / 2
+  const auto still = static_cast<std::size_t>(moved_px > kFast * config.motion_px ? (config.still_frames + 2) / 3
                                                                                   : config.still_frames);
   if (views.size() > still && to_640 * motion_px(views, still, nearest) < config.still_px) return Verdict::kUndecided;
   return Verdict::kMoves;
