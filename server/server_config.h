@@ -56,8 +56,7 @@ void describe(V& v, ClassifyConfig& c) {
   v.field("enabled", c.enabled, "tell moving points from static ones");
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that make a point uncertain");
   v.field("still_frames", c.still_frames, {2, 1000}, "a moving point that stood so long is static again");
-  v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which it stands, at 640 px image width");
-  v.field("still_px", c.still_px, {0, 50}, "motion of an unmapped track in still_frames below which it stands");
+  v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which a thing stands, at 640 px image width");
   v.field("least_frames", c.least_frames, {2, 200}, "age at which an unmapped track is tested for motion");
   v.field("test_frames", c.test_frames, {4, 200}, "of an unmapped track that are tested for motion");
   v.field("motion_px", c.motion_px, {0.5, 50}, "that it misses every static point by, at 640 px image width");

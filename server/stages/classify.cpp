@@ -129,25 +129,9 @@ void become_static(Map& map, MapPoint& p, int frames) {
   p.covariance = map.covariance_of(p);
 }
 
-// Slow things take the longer look; what was fast is known to have stopped after a third of it.
 bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
-  constexpr double kFast = 15;  // times still_px_s
-  if (stands_still(map, p, config.still_frames, config.still_px_s)) return true;
-  const int few = (config.still_frames + 2) / 3;
-  if (!stands_still(map, p, few, 2 * config.still_px_s)) return false;
-  for (const BoundTrack& b : p.bound) {
-    const MapCamera& c = map.camera(b.camera);
-    const ServerTrack& t = c.tracks.at(b.track);
-    if (static_cast<int>(t.seen.size()) < 2 * config.still_frames) continue;
-    const auto before = t.seen.size() - static_cast<std::size_t>(2 * config.still_frames);
-    Eigen::Vector2d px;
-    const auto view = view_at(c, t, before, c.frame_at(t.seen[before].set)->capture_ns);
-    if (!view || !project_world(c.model, view->cam_from_world, p.position, &px)) continue;
-    const double seconds = to_seconds(c.frames.back().capture_ns - c.frame_at(t.seen[before].set)->capture_ns);
-    if ((px - view->undistorted_px).norm() > kFast * config.still_px_s * seconds * c.model.width_px / 640.0)
-      return true;
-  }
-  return false;
+  const int frames = config.still_frames;  // twice as long a look for tracks with more noise
+  return stands_still(map, p, frames, config.still_px_s) || stands_still(map, p, 2 * frames, config.still_px_s);
 }
 
 // Moving points that stopped.
@@ -252,13 +236,14 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  // Slow things take the longer look; what was fast is known to have stopped after a third of it.
-  const double moved_px = to_640 * motion_px(views, views.size(), nearest);
-  if (moved_px <= config.motion_px) return Verdict::kUndecided;
-  constexpr double kFast = 6;  // times motion_px
-  const auto still = static_cast<std::size_t>(moved_px > kFast * config.motion_px ? (config.still_frames + 2) / 3
-                                                                                  : config.still_frames);
-  if (views.size() > still && to_640 * motion_px(views, still, nearest) < config.still_px) return Verdict::kUndecided;
+  if (to_640 * motion_px(views, views.size(), nearest) <= config.motion_px) return Verdict::kUndecided;
+  const auto few = static_cast<std::size_t>(config.still_frames);
+  for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
+    if (views.size() <= frames) break;
+    const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
+    const double still_px = config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns);
+    if (to_640 * motion_px(views, frames, nearest) < still_px) return Verdict::kUndecided;
+  }
   return Verdict::kMoves;
 }
 
