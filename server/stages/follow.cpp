@@ -227,7 +227,7 @@ Look look_of(const MapPoint& p, ServerTrack& t) {
   for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
     const PointPatch& known = p.patches[i];
     const auto shift_px = centre_in(known.pixels, *t.patch, kMostOffset_px);
-    const double score = shift_px ? zncc(known.pixels, *t.patch) : -1;
+    const double score = shift_px ? zncc_of_middle(known.pixels, *t.patch) : -1;
     if (score > best.zncc) best = {&t, score, known.offset_px + shift_px->cast<float>()};
   }
   return best;

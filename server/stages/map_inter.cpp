@@ -103,7 +103,8 @@ struct Score {
 
 // All candidate pairs scored by correlation; best per feature on both sides.
 void score_all(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-               const MapInterConfig& config, std::vector<Score>* of_a, std::vector<Score>* of_b, int* compared) {
+               const MapInterConfig& config, auto&& alike, std::vector<Score>* of_a, std::vector<Score>* of_b,
+               int* compared) {
   const double radius_px = config.seed_radius * std::max(view.first->model.width_px, view.first->model.height_px);
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Eigen::Vector3d line = view.fundamental * a[i].px.homogeneous();
@@ -114,7 +115,7 @@ void score_all(const PairView& view, const std::vector<Feature>& a, const std::v
       if (std::abs(line.dot(b[j].px.homogeneous())) > band_px * norm) continue;
       if (disparity && (b[j].px - a[i].px - *disparity).norm() > config.disparity_gate * radius_px) continue;
       ++*compared;
-      const double s = zncc(*a[i].track->patch, *b[j].track->patch);
+      const double s = alike(*a[i].track->patch, *b[j].track->patch);
       (*of_a)[i].offer(static_cast<int>(j), s);
       (*of_b)[j].offer(static_cast<int>(i), s);
     }
@@ -199,6 +200,21 @@ bool together_back(const Map& map, const PairView& view, const ServerTrack& a, c
   return checked >= least;
 }
 
+// The path of a new moving point begins when its two tracks first met, not when that was found out.
+void record_past(Map& map, const PairView& view, PointId point, const ServerTrack& a, const ServerTrack& b) {
+  std::vector<MotionSample> past;
+  for (std::size_t i = a.seen.size() - 1, j = b.seen.size() - 1; i-- > 0 && j-- > 0;) {
+    if (a.seen[i].set != b.seen[j].set || !meeting(map, view, a, i, b, j, kMovingParallax_rad)) break;
+    const TimeNs t_ns = view.first->frame_at(a.seen[i].set)->capture_ns;
+    const auto va = view_at(*view.first, a, i, t_ns), vb = view_at(*view.second, b, j, t_ns);
+    past.push_back(
+        {a.seen[i].set,
+         t_ns,
+         {{view.first->id, va->undistorted_px.cast<float>()}, {view.second->id, vb->undistorted_px.cast<float>()}}});
+  }
+  for (auto s = past.rbegin(); s != past.rend(); ++s) map.record_motion(point, std::move(*s));
+}
+
 // Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
 // lines, and things are compact.
 bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d& position) {
@@ -252,15 +268,17 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
     p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
     p->state = PointState::kDynamic;
     bind_moving(map, *p, view.first->id, *a.track, Eigen::Vector2f::Zero());
+    free.offset_px = offset_px;
+    record_past(map, view, p->id, *a.track, *b.track);
   }
   bind_moving(map, *p, (free_b ? view.second : view.first)->id, free, offset_px);
   return true;
 }
 
 int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-               const MapInterConfig& config, MapInterReport* report, auto&& join) {
+               const MapInterConfig& config, auto&& alike, MapInterReport* report, auto&& join) {
   std::vector<Score> of_a(a.size()), of_b(b.size());
-  score_all(view, a, b, band_px, config, &of_a, &of_b, &report->compared);
+  score_all(view, a, b, band_px, config, alike, &of_a, &of_b, &report->compared);
   int joined = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Score& s = of_a[i];
@@ -294,7 +312,7 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
     if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
     const PairView view = make_pair_view(map, edge);
     report.created +=
-        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, &report,
+        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, zncc, &report,
                    [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
   }
   return report;
@@ -305,9 +323,10 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
   for (const ViewEdge& edge : graph.edges) {
     if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
     const PairView view = make_pair_view(map, edge);
-    report.moving += best_pairs(
-        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px_of(map, view),
-        config, &report, [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
+    report.moving +=
+        best_pairs(view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first),
+                   band_px_of(map, view), config, zncc_of_middle, &report,
+                   [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;
 }

@@ -36,6 +36,7 @@ double correlation(const PatchGrey& a, const PatchGrey& b, int margin, int dx, i
 }  // namespace
 
 double zncc(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 0, 0, 0); }
+double zncc_of_middle(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 2, 0, 0); }
 
 std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b, double most_px) {
   constexpr double kImageByPatch = 1 / 0.3;

@@ -11,6 +11,8 @@ namespace coslam {
 
 // Zero-mean normalised cross correlation of two patches, -1 to 1; 0 for a flat patch.
 double zncc(const PatchGrey& a, const PatchGrey& b);
+// The same of their middle alone, 7 x 7: around the middle of a patch on something thin that moves is what lies behind.
+double zncc_of_middle(const PatchGrey& a, const PatchGrey& b);
 
 // Whether the two are centred on the same thing: the peak of their correlation lies within a pixel or so of the image
 // (0.4 of the patch's, which are 3.3 times as large). Corners that two cameras found on one structure often do not.
