@@ -201,16 +201,17 @@ double epipolar_miss_px(const View& now, const View& then, double nearest) {
   return (off - share * along).norm();
 }
 
-// The worst of the newest view against some earlier ones, and of one static explanation of all.
-double motion_px(const std::vector<View>& views, std::size_t frames, double nearest) {
-  double worst_px = 0;
+// Whether no static place explains the newest views up to so many pixels: neither the newest against some earlier ones,
+// nor all of them together.
+bool moves_by_more(const std::vector<View>& views, std::size_t frames, double nearest, double most_px) {
   std::vector<View> some;
-  const std::size_t last = std::min(frames, views.size()) - 1, step = std::max<std::size_t>(1, (last + 4) / 5);
-  for (std::size_t i = 0; i <= last; i += step) some.push_back(views[i]);
-  if ((last % step) != 0) some.push_back(views[last]);
-  for (std::size_t i = 1; i < some.size(); ++i)
-    worst_px = std::max(worst_px, epipolar_miss_px(some[0], some[i], nearest));
-  return std::max(worst_px, static_miss_px(some));
+  const std::size_t last = std::min(frames, views.size() - 1), step = std::max<std::size_t>(1, (last + 4) / 5);
+  for (std::size_t i = 0; i < last; i += step) some.push_back(views[i]);
+  some.push_back(views[last]);
+  for (std::size_t i = 1; i < some.size(); ++i) {
+    if (epipolar_miss_px(some[0], some[i], nearest) > most_px) return true;
+  }
+  return static_miss_px(some) > most_px;
 }
 
 // Nothing that stands still is expected closer than this: a share of the median depth of what stands still.
@@ -236,13 +237,13 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  if (to_640 * motion_px(views, views.size(), nearest) <= config.motion_px) return Verdict::kUndecided;
+  if (!moves_by_more(views, views.size() - 1, nearest, config.motion_px / to_640)) return Verdict::kUndecided;
   const auto few = static_cast<std::size_t>(config.still_frames);
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
     const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
     const double still_px = config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns);
-    if (to_640 * motion_px(views, frames, nearest) < still_px) return Verdict::kUndecided;
+    if (!moves_by_more(views, frames, nearest, still_px / to_640)) return Verdict::kUndecided;
   }
   return Verdict::kMoves;
 }
