@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "common/scene/mesh.h"
@@ -13,6 +14,7 @@ namespace coslam::sim {
 struct Body {
   std::vector<Mesh> parts;
   std::function<std::vector<Rigid3>(double t_s)> world_from_parts;
+  std::string kind;
 };
 
 }  // namespace coslam::sim

@@ -48,7 +48,8 @@ std::vector<Mesh> cart_parts(std::uint64_t seed) {
 Body make_cart(std::uint64_t seed, const Eigen::Vector2d& start, double heading_deg,
                std::function<double(double t_s)> rolled_m) {
   const Quaterniond heading(AngleAxisd(heading_deg * std::numbers::pi / 180.0, Vector3d::UnitZ()));
-  return {cart_parts(seed), [start, heading, rolled_m = std::move(rolled_m)](double t_s) {
+  return {cart_parts(seed),
+          [start, heading, rolled_m = std::move(rolled_m)](double t_s) {
             const double way_m = rolled_m(t_s);
             const Rigid3 cart(heading, Vector3d(start.x(), start.y(), 0) + way_m * (heading * Vector3d::UnitX()));
             const Quaterniond turned(AngleAxisd(way_m / kCartWheelM, Vector3d::UnitY()));
@@ -59,7 +60,8 @@ Body make_cart(std::uint64_t seed, const Eigen::Vector2d& start, double heading_
               }
             }
             return out;
-          }};
+          },
+          "cart"};
 }
 
 }  // namespace coslam::sim

@@ -167,7 +167,8 @@ std::vector<Mesh> person_parts(std::uint64_t seed) {
 }
 
 Body make_person(std::uint64_t seed, std::function<Posture(double t_s)> posture) {
-  return {person_parts(seed), [posture = std::move(posture)](double t_s) { return place_person(posture(t_s)); }};
+  return {person_parts(seed), [posture = std::move(posture)](double t_s) { return place_person(posture(t_s)); },
+          "person"};
 }
 
 }  // namespace coslam::sim

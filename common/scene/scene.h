@@ -48,11 +48,16 @@ class Scene {
 
   // Whether an object can move at all. The parts of a body are objects of their own.
   virtual bool can_move(std::uint32_t /*object*/) const { return false; }
+  // The name of the body that an object is a part of; empty where it cannot move.
+  virtual std::string body(std::uint32_t /*object*/) const { return {}; }
   // The place that a ray met at t_s.
   virtual SurfaceSpot spot(const RayHit& hit, double /*t_s*/) const { return {hit.object, hit.point}; }
   // World, metres.
   virtual Eigen::Vector3d position(const SurfaceSpot& spot, double /*t_s*/) const { return spot.in_object; }
-  virtual double speed_m_s(const SurfaceSpot& /*spot*/, double /*t_s*/) const { return 0; }
+  virtual Eigen::Vector3d velocity_m_s(const SurfaceSpot& /*spot*/, double /*t_s*/) const {
+    return Eigen::Vector3d::Zero();
+  }
+  double speed_m_s(const SurfaceSpot& spot, double t_s) const { return velocity_m_s(spot, t_s).norm(); }
   bool moving(const SurfaceSpot& spot, double t_s) const { return speed_m_s(spot, t_s) > kMovingSpeed_m_s; }
 };
 

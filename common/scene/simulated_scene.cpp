@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/scene/simulated_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -112,6 +113,13 @@ std::optional<RayHit> SimulatedScene::cast(const Eigen::Vector3d& origin, const 
 
 bool SimulatedScene::can_move(std::uint32_t object) const { return object >= kFirstMovingObject; }
 
+std::string SimulatedScene::body(std::uint32_t object) const {
+  if (!can_move(object)) return {};
+  const auto after = std::upper_bound(first_part_.begin(), first_part_.end(), part_of(object));
+  const auto number = static_cast<std::size_t>(after - first_part_.begin());
+  return description_.bodies[number - 1].kind + " " + std::to_string(number);
+}
+
 std::size_t SimulatedScene::part_of(std::uint32_t object) const {
   COSLAM_CHECK(object - kFirstMovingObject < parts_.size(), "no such moving object");
   return object - kFirstMovingObject;
@@ -127,9 +135,9 @@ Eigen::Vector3d SimulatedScene::position(const SurfaceSpot& spot, double t_s) co
   return posed(t_s)->world_from_part(part_of(spot.object)) * spot.in_object;
 }
 
-double SimulatedScene::speed_m_s(const SurfaceSpot& spot, double t_s) const {
-  if (!can_move(spot.object)) return 0;
-  return posed(t_s)->velocity(part_of(spot.object), spot.in_object).norm();
+Eigen::Vector3d SimulatedScene::velocity_m_s(const SurfaceSpot& spot, double t_s) const {
+  if (!can_move(spot.object)) return Eigen::Vector3d::Zero();
+  return posed(t_s)->velocity(part_of(spot.object), spot.in_object);
 }
 
 std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, std::uint64_t seed,

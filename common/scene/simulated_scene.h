@@ -65,9 +65,10 @@ class SimulatedScene : public Scene {
   std::optional<RayHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                              double t_s) const override;
   bool can_move(std::uint32_t object) const override;
+  std::string body(std::uint32_t object) const override;
   SurfaceSpot spot(const RayHit& hit, double t_s) const override;
   Eigen::Vector3d position(const SurfaceSpot& spot, double t_s) const override;
-  double speed_m_s(const SurfaceSpot& spot, double t_s) const override;
+  Eigen::Vector3d velocity_m_s(const SurfaceSpot& spot, double t_s) const override;
 
   double time_s(int frame) const { return frame / description_.rate_hz; }
   const SceneCamera& at(int camera) const;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/tools/eval/evaluation.h"
 
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "common/dataset/calibration.h"
 #include "deploy/tools/eval/moving.h"
@@ -32,8 +34,11 @@ SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::v
     if (!cam_from_world || !undistorted_px) return std::nullopt;
     const Eigen::Vector3d in_cam = eye->second.camera.normalized_from_pixel(*undistorted_px).homogeneous();
     const Eigen::Vector3d direction = cam_from_world->rotation.conjugate() * in_cam.normalized();
-    const auto hit = scene.cast(cam_from_world->center(), direction, to_seconds(t_ns));
-    return hit ? std::optional(SurfacePoint{hit->point, hit->distance_m}) : std::nullopt;
+    const double t_s = to_seconds(t_ns);
+    const auto hit = scene.cast(cam_from_world->center(), direction, t_s);
+    if (!hit) return std::nullopt;
+    return SurfacePoint{hit->point, hit->distance_m, scene.body(hit->object),
+                        scene.velocity_m_s(scene.spot(*hit, t_s), t_s)};
   };
 }
 
@@ -42,64 +47,95 @@ class TrackEvaluation {
  public:
   TrackEvaluation(const ResultFolder& result, const Sequence& sequence, const SurfaceAt& surface,
                   const Similarity3& truth_from_map)
-      : result_(result), surface_(surface), truth_from_map_(truth_from_map) {
+      : result_(result),
+        surface_(surface),
+        truth_from_map_(truth_from_map),
+        frame_ns_(sequence.rate_hz > 0 ? to_ns(1 / sequence.rate_hz) : 0) {
     if (sequence.masks) masks_.emplace(*sequence.masks);
     if (std::filesystem::exists(result.dynamic())) dynamic_ = read_dynamic(result.dynamic());
   }
 
   void read(const std::string& agent) {
     const auto file = result_.tracks(agent);
-    if (std::filesystem::exists(file)) for_each_track_row(file, [&](const ResultTrackRow& row) { add(agent, row); });
+    if (!std::filesystem::exists(file)) return;
+    TrackAges ages;
+    for_each_track_row(file, [&](const ResultTrackRow& row) { add(agent, row, ages.age(row)); });
   }
 
   void report(Evaluation& e) const {
     if (classification_.observations() > 0) {
       e.classification = {classification_.precision(), classification_.recall(), classification_.static_on_moving(),
-                          classification_.observations()};
+                          classification_.false_alarm(), classification_.observations()};
     }
+    e.dynamic_length_s = median_length_s(dynamic_);
     if (!surface_) return;
     if (static_truth_.points() > 0 && std::filesystem::exists(result_.points())) {
       const auto truth = static_truth_.positions();
       e.points = accuracy_of(read_points(result_.points()), truth, truth_from_map_);
       e.points->without_truth = static_cast<int>(static_truth_.points() - truth.size());
     }
-    if (!dynamic_errors_m_.empty()) e.dynamic_surface_error_m = spread_of(dynamic_errors_m_);
+    report_dynamic(e);
+    std::optional<ObjectsAt> objects;
+    if (std::filesystem::exists(result_.objects())) objects = read_objects(result_.objects());
+    e.bodies = bodies_.scores(dynamic_, objects, truth_from_map_, frame_ns_);
   }
 
   const std::unordered_map<PointId, PointPath>& dynamic() const { return dynamic_; }
 
  private:
-  void add(const std::string& agent, const ResultTrackRow& row) {
-    if (!row.state) return;
-    if (masks_) {
+  struct DynamicError {
+    PointId point;
+    TimeNs t_ns;
+    double error_m;
+  };
+
+  void add(const std::string& agent, const ResultTrackRow& row, std::uint32_t age_frames) {
+    constexpr std::uint32_t kMinAgeFrames = 15;  // what has just appeared cannot have been told yet
+    if (masks_ && age_frames >= kMinAgeFrames) {
       const auto moving = masks_->moving_at(agent, row.frame, row.raw_px);
-      if (moving) classification_.add(*moving, *row.state);
+      if (moving) classification_.add(*moving, row.state);
     }
     if (!surface_) return;
-    if (row.state == PointState::kStatic) {
-      if (const auto seen = surface_(agent, row.t_ns, row.raw_px)) static_truth_.add(row.point, *seen);
-    } else if (row.state == PointState::kDynamic) {
-      add_dynamic(agent, row);
-    }
+    const auto seen = surface_(agent, row.t_ns, row.raw_px);
+    if (!seen) return;
+    bodies_.add(agent, row, *seen);
+    if (row.state == PointState::kStatic) static_truth_.add(row.point, *seen);
+    if (row.state == PointState::kDynamic) add_dynamic(row, *seen);
   }
 
-  void add_dynamic(const std::string& agent, const ResultTrackRow& row) {
+  void add_dynamic(const ResultTrackRow& row, const SurfacePoint& seen) {
     constexpr TimeNs kMaxGap_ns = 100'000'000;  // a few frames
     const auto path = dynamic_.find(row.point);
     if (path == dynamic_.end()) return;
     const auto estimate = position_at(path->second, row.t_ns, kMaxGap_ns);
-    const auto seen = surface_(agent, row.t_ns, row.raw_px);
-    if (estimate && seen) dynamic_errors_m_.push_back((truth_from_map_ * *estimate - seen->position).norm());
+    if (!estimate) return;
+    dynamic_errors_.push_back({row.point, row.t_ns, (truth_from_map_ * *estimate - seen.position).norm()});
+    double& nearest_m = nearest_m_.try_emplace({row.point, row.t_ns}, seen.distance_m).first->second;
+    nearest_m = std::min(nearest_m, seen.distance_m);
+  }
+
+  void report_dynamic(Evaluation& e) const {
+    if (dynamic_errors_.empty()) return;
+    std::vector<double> errors_m, relative;
+    for (const DynamicError& d : dynamic_errors_) {
+      errors_m.push_back(d.error_m);
+      relative.push_back(d.error_m / nearest_m_.at({d.point, d.t_ns}));
+    }
+    e.dynamic_surface_error_m = spread_of(errors_m);
+    e.dynamic_relative_error = spread_of(relative);
   }
 
   const ResultFolder& result_;
   const SurfaceAt& surface_;
   Similarity3 truth_from_map_;
+  TimeNs frame_ns_;
   std::optional<Masks> masks_;
   std::unordered_map<PointId, PointPath> dynamic_;
   Classification classification_;
   StaticTruth static_truth_;
-  std::vector<double> dynamic_errors_m_;
+  std::vector<DynamicError> dynamic_errors_;
+  std::map<std::pair<PointId, TimeNs>, double> nearest_m_;  // of the cameras that see the point
+  BodyTracks bodies_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "common/dataset/sequence.h"
 #include "common/dataset/trajectory.h"
 #include "common/scene/scene.h"
+#include "deploy/tools/eval/bodies.h"
 #include "deploy/tools/eval/points.h"
 #include "deploy/tools/eval/trajectories.h"
 
@@ -40,7 +42,7 @@ struct AgentEvaluation {
 };
 
 struct ClassificationScore {
-  std::optional<double> precision, recall, static_on_moving;
+  std::optional<double> precision, recall, static_on_moving, false_alarm;
   int observations = 0;
 };
 
@@ -57,6 +59,9 @@ struct Evaluation {
   std::optional<ClassificationScore> classification;
   std::optional<ErrorSpread> dynamic_error_m;          // against the marked points
   std::optional<ErrorSpread> dynamic_surface_error_m;  // against the surface that the pixels show
+  std::optional<ErrorSpread> dynamic_relative_error;   // the same, over the distance of the nearest camera that sees it
+  std::optional<double> dynamic_length_s;              // median of the paths
+  std::map<std::string, BodyScore> bodies;             // of a simulated scene, by name
 };
 
 // Reads the paths of the agents that took part. Throws UserError when the result has no trajectory at all.

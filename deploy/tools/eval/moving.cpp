@@ -52,7 +52,7 @@ std::optional<bool> Masks::moving_at(const std::string& agent, FrameId frame, co
   return moving != 0;
 }
 
-void Classification::add(bool moving, PointState state) {
+void Classification::add(bool moving, std::optional<PointState> state) {
   const bool dynamic = state == PointState::kDynamic;
   if (moving) ++(dynamic ? dynamic_moving_ : other_moving_);
   if (!moving) ++(dynamic ? dynamic_still_ : other_still_);
@@ -65,6 +65,18 @@ std::optional<double> Classification::precision() const {
 std::optional<double> Classification::recall() const { return ratio(dynamic_moving_, dynamic_moving_ + other_moving_); }
 std::optional<double> Classification::static_on_moving() const {
   return ratio(static_moving_, dynamic_moving_ + other_moving_);
+}
+
+std::optional<double> Classification::false_alarm() const {
+  return ratio(dynamic_still_, dynamic_still_ + other_still_);
+}
+
+std::optional<double> median_length_s(const std::unordered_map<PointId, PointPath>& paths) {
+  std::vector<double> lengths_s;
+  for (const auto& [id, path] : paths) {
+    if (path.size() >= 2) lengths_s.push_back(to_seconds(path.back().t_ns - path.front().t_ns));
+  }
+  return lengths_s.empty() ? std::nullopt : std::optional(percentile(std::move(lengths_s), 50));
 }
 
 std::optional<Eigen::Vector3d> position_at(const PointPath& path, TimeNs t_ns, TimeNs max_gap_ns) {

@@ -32,17 +32,30 @@ class Masks {
   cv::Mat mask_;
 };
 
-// Counts observations that have a point. Positive = dynamic.
+// Counts observations. Positive = dynamic; a track that is said nothing of is not dynamic.
 class Classification {
  public:
-  void add(bool moving, PointState state);
+  void add(bool moving, std::optional<PointState> state);
   int observations() const { return dynamic_moving_ + dynamic_still_ + other_moving_ + other_still_; }
   std::optional<double> precision() const;         // of the observations called dynamic, those of moving things
   std::optional<double> recall() const;            // of the observations of moving things, those called dynamic
   std::optional<double> static_on_moving() const;  // of the observations of moving things, those called static
+  std::optional<double> false_alarm() const;       // of the observations of still things, those called dynamic
 
  private:
   int dynamic_moving_ = 0, dynamic_still_ = 0, other_moving_ = 0, other_still_ = 0, static_moving_ = 0;
+};
+
+// How long tracks of one agent are known, from the rows of its file.
+class TrackAges {
+ public:
+  // In frames, since the track's first row; the rows of a track come in order.
+  std::uint32_t age(const ResultTrackRow& row) {
+    return row.frame.value - first_.try_emplace(row.track, row.frame).first->second.value;
+  }
+
+ private:
+  std::unordered_map<TrackId, FrameId> first_;
 };
 
 struct StampedPosition {
@@ -53,6 +66,9 @@ using PointPath = std::vector<StampedPosition>;  // ascending time
 
 // The position at t_ns, linear between two samples at most max_gap_ns apart; empty outside.
 std::optional<Eigen::Vector3d> position_at(const PointPath& path, TimeNs t_ns, TimeNs max_gap_ns);
+
+// Seconds from the first to the last sample, in the median of the paths with two or more.
+std::optional<double> median_length_s(const std::unordered_map<PointId, PointPath>& paths);
 
 std::unordered_map<PointId, PointPath> read_dynamic(const std::filesystem::path& file);
 // `t_s,id,x,y,z`; throws UserError with file and line.

@@ -21,6 +21,8 @@ namespace coslam::eval {
 struct SurfacePoint {
   Eigen::Vector3d position;  // truth frame
   double distance_m = 0;     // from the camera
+  std::string body;          // that it is on; empty: a thing that cannot move
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
 };
 // What the agent's pixel shows at a time; empty where that is not known.
 using SurfaceAt =

@@ -40,7 +40,23 @@ Json json_of(const std::optional<ClassificationScore>& c) {
   return {{"precision", json_of(c->precision)},
           {"recall", json_of(c->recall)},
           {"static_on_moving", json_of(c->static_on_moving)},
+          {"false_alarm", json_of(c->false_alarm)},
           {"observations", c->observations}};
+}
+
+Json json_of(const BodyScore& b) {
+  return {{"instants", b.instants},
+          {"dynamic_coverage", json_of(b.coverage())},
+          {"object_instants", b.object_instants},
+          {"object_found", json_of(b.object_found())},
+          {"object_velocity_error_m_s", json_of(b.velocity_error_m_s())}};
+}
+
+// Of all bodies together.
+BodyScore sum_of(const Evaluation& e) {
+  BodyScore sum;
+  for (const auto& [name, score] : e.bodies) sum += score;
+  return sum;
 }
 
 Json json_of(const AgentEvaluation& a) {
@@ -86,14 +102,24 @@ std::string headline(const Evaluation& e) {
   return text + "\n";
 }
 
+std::string percent(const std::optional<double>& v) { return v ? printed("%.1f %%", 100 * *v) : std::string("-"); }
+
+std::string body_line(const std::string& name, const BodyScore& b) {
+  std::string text =
+      "  " + name + ": moving points at " + percent(b.coverage()) + printed(" of %d instants", b.instants);
+  if (b.object_instants > 0) {
+    text += "; one object at " + percent(b.object_found()) + printed(" of %d", b.object_instants);
+  }
+  if (const auto error = b.velocity_error_m_s()) text += printed(", its velocity %.3f m/s off", *error);
+  return text + "\n";
+}
+
 std::string moving_lines(const Evaluation& e) {
   std::string text;
-  const auto percent = [](const std::optional<double>& v) {
-    return v ? printed("%.1f %%", 100 * *v) : std::string("-");
-  };
   if (const auto& c = e.classification) {
     text += "  moving points: precision " + percent(c->precision) + ", recall " + percent(c->recall) +
-            ", taken for static " + percent(c->static_on_moving) + printed(" (%d observations)\n", c->observations);
+            ", taken for static " + percent(c->static_on_moving) + ", false alarms " + percent(c->false_alarm) +
+            printed(" (%d observations)\n", c->observations);
   }
   if (const auto& d = e.dynamic_error_m) {
     text +=
@@ -103,6 +129,13 @@ std::string moving_lines(const Evaluation& e) {
     text +=
         printed("  moving points: %.4f m median, %.4f m p90 to the true surface (%d)\n", d->median, d->p90, d->count);
   }
+  if (const auto& d = e.dynamic_relative_error) {
+    text += "  moving points: " + percent(d->median) + " median, " + percent(d->p90) +
+            printed(" p90 of the distance to the nearest camera (%d)\n", d->count);
+  }
+  if (e.dynamic_length_s) text += printed("  moving points: followed for %.2f s in the median\n", *e.dynamic_length_s);
+  for (const auto& [name, b] : e.bodies) text += body_line(name, b);
+  if (e.bodies.size() > 1) text += body_line("all", sum_of(e));
   return text;
 }
 
@@ -137,6 +170,14 @@ Json to_json(const Evaluation& e) {
   json["classification"] = json_of(e.classification);
   json["dynamic_error_m"] = json_of(e.dynamic_error_m);
   json["dynamic_surface_error_m"] = json_of(e.dynamic_surface_error_m);
+  json["dynamic_relative_error"] = json_of(e.dynamic_relative_error);
+  json["dynamic_length_s"] = json_of(e.dynamic_length_s);
+  const BodyScore bodies = sum_of(e);
+  json["dynamic_coverage"] = json_of(bodies.coverage());
+  json["object_found"] = json_of(bodies.object_found());
+  json["object_velocity_error_m_s"] = json_of(bodies.velocity_error_m_s());
+  json["bodies"] = Json::object();
+  for (const auto& [name, score] : e.bodies) json["bodies"][name] = json_of(score);
   return json;
 }
 

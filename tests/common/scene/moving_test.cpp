@@ -75,11 +75,11 @@ TEST_P(MovingScene, ASpotIsSeenAgainWhereItWent) {
   EXPECT_GT(again, 0.8 * static_cast<double>(seen.size()));
 }
 
-TEST_P(MovingScene, SpeedIsTheChangeOfThePosition) {
+TEST_P(MovingScene, VelocityIsTheChangeOfThePosition) {
   constexpr double kStepS = 1e-3, kNowS = 3.3;
   for (const SurfaceSpot& spot : marked_spots(*scene_, 40, 1)) {
     const Eigen::Vector3d moved = scene_->position(spot, kNowS + kStepS) - scene_->position(spot, kNowS - kStepS);
-    EXPECT_NEAR(scene_->speed_m_s(spot, kNowS), moved.norm() / (2 * kStepS), 5e-3);
+    EXPECT_NEAR((scene_->velocity_m_s(spot, kNowS) - moved / (2 * kStepS)).norm(), 0, 5e-3);
   }
 }
 
@@ -125,6 +125,15 @@ TEST_P(MovingScene, TheMaskIsWhatMovesAtThePixel) {
     EXPECT_LT(wrong, 0.08 * moving);  // pixels on the outline
     EXPECT_LE(wrong_depth, mask.rows * mask.cols / 200);
   }
+}
+
+TEST(WalkingMan, BodiesHaveNames) {
+  const auto scene = make_simulated_scene("walking-man", 1, {});
+  const auto first_of_cart = static_cast<std::uint32_t>(kFirstMovingObject + scene->first_part(1));
+  EXPECT_EQ(scene->body(kFirstMovingObject), "person 1");
+  EXPECT_EQ(scene->body(first_of_cart - 1), "person 1");
+  EXPECT_EQ(scene->body(first_of_cart), "cart 2");
+  EXPECT_EQ(scene->body(1), "");
 }
 
 TEST(WalkingMan, IsStaticWhileHeRests) {

@@ -38,6 +38,10 @@ class WallScene : public Scene {
         plate ? on_plate : Eigen::Vector3d(origin + direction * ((5 - origin.z()) / direction.z()));
     return RayHit{hit, -Eigen::Vector3d::UnitZ(), plate ? 1U : 0U, (hit - origin).norm()};
   }
+  std::string body(std::uint32_t object) const override { return object == 1 ? "plate" : ""; }
+  Eigen::Vector3d velocity_m_s(const SurfaceSpot& spot, double) const override {
+    return {spot.object == 1 ? 0.5 : 0, 0, 0};
+  }
   static constexpr int kFrames = 31;
 };
 
@@ -128,6 +132,11 @@ TEST_F(ResultOfWall, AllFigures) {
   ASSERT_TRUE(e.dynamic_surface_error_m);
   EXPECT_EQ(e.dynamic_surface_error_m->count, 4);
   EXPECT_NEAR(e.dynamic_surface_error_m->median, 0.02, 1e-3);
+  ASSERT_TRUE(e.dynamic_relative_error);
+  EXPECT_NEAR(e.dynamic_relative_error->median, 0.02 / 3, 1e-3);
+  EXPECT_DOUBLE_EQ(*e.dynamic_length_s, 3);
+  ASSERT_EQ(e.bodies.count("plate"), 1U);
+  EXPECT_EQ(e.bodies.at("plate").instants, 0);  // one track of one camera is not enough
   EXPECT_FALSE(e.dynamic_error_m);
   EXPECT_FALSE(e.classification);
 }
@@ -136,7 +145,8 @@ TEST_F(ResultOfWall, UnknownFiguresAreNull) {
   for (SequenceAgent& agent : sequence_.agents) agent.truth.reset();
   const auto json = to_json(evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr));
   for (const char* key : {"ate_m", "ate_percent", "scale", "path_m", "rpe", "tracked_percent", "relative_pose",
-                          "points", "nees", "classification", "dynamic_error_m"}) {
+                          "points", "nees", "classification", "dynamic_error_m", "dynamic_relative_error",
+                          "dynamic_coverage", "object_found", "object_velocity_error_m_s"}) {
     ASSERT_TRUE(json.contains(key)) << key;
     EXPECT_TRUE(json[key].is_null()) << key;
   }

@@ -39,12 +39,39 @@ TEST(Classification, PrecisionAndRecall) {
   for (int i = 0; i < 6; ++i) c.add(true, PointState::kDynamic);
   for (int i = 0; i < 2; ++i) c.add(false, PointState::kDynamic);
   c.add(true, PointState::kStatic);
-  c.add(true, PointState::kUncertain);
-  for (int i = 0; i < 50; ++i) c.add(false, PointState::kStatic);
+  c.add(true, std::nullopt);
+  for (int i = 0; i < 49; ++i) c.add(false, PointState::kStatic);
+  c.add(false, std::nullopt);
   EXPECT_DOUBLE_EQ(*c.precision(), 0.75);
   EXPECT_DOUBLE_EQ(*c.recall(), 0.75);
   EXPECT_DOUBLE_EQ(*c.static_on_moving(), 0.125);
+  EXPECT_DOUBLE_EQ(*c.false_alarm(), 2 / 52.0);
   EXPECT_EQ(c.observations(), 60);
+}
+
+TEST(TrackAges, CountFromTheFirstRow) {
+  TrackAges ages;
+  const auto age = [&](std::uint32_t frame, std::uint32_t track) {
+    ResultTrackRow row;
+    row.frame = FrameId(frame);
+    row.track = TrackId(track);
+    return ages.age(row);
+  };
+  EXPECT_EQ(age(20, 1), 0U);
+  EXPECT_EQ(age(20, 2), 0U);
+  EXPECT_EQ(age(30, 1), 10U);
+  EXPECT_EQ(age(50, 1), 30U);
+  EXPECT_EQ(age(40, 3), 0U);
+}
+
+TEST(MedianLength, OfPathsWithTwoSamples) {
+  std::unordered_map<PointId, PointPath> paths;
+  EXPECT_EQ(median_length_s(paths), std::nullopt);
+  paths[PointId(1)] = {{0, {}}};
+  EXPECT_EQ(median_length_s(paths), std::nullopt);
+  paths[PointId(2)] = {{0, {}}, {500'000'000, {}}, {1'000'000'000, {}}};
+  paths[PointId(3)] = {{0, {}}, {3'000'000'000, {}}};
+  EXPECT_DOUBLE_EQ(*median_length_s(paths), 2);
 }
 
 TEST(TruthPoints, ReadsAndNamesBadLines) {
