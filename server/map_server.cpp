@@ -69,6 +69,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("became_dynamic", r.dynamic);
     count("became_static", r.stopped);
     count("found_false", r.removed);
+    count("rebound", r.rebound);
     count("moving_track_sets", r.moving_tracks);
   }
   {
@@ -90,7 +91,10 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const MapInterReport r = map_inter(map_, set, graph_, config_.inter);
     count("inter_matched", r.matched);
     count("created_inter", r.created);
-    count("joined_moving", r.moving);
+  }
+  if (config_.classify.enabled && set.id.value % static_cast<std::uint32_t>(config_.inter.moving_period) == 0) {
+    const auto t = times_.measure("map_moving");
+    count("joined_moving", map_moving(map_, set, graph_, config_.inter).moving);
   }
   if (set.id.value % static_cast<std::uint32_t>(config_.fuse.period) == 0) {
     const auto t = times_.measure("fuse");

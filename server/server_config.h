@@ -56,8 +56,11 @@ void describe(V& v, ClassifyConfig& c) {
   v.field("enabled", c.enabled, "tell moving points from static ones");
   v.field("failures", c.failures, {1, 100}, "gate failures in succession that make a point uncertain");
   v.field("still_frames", c.still_frames, {2, 1000}, "a moving point that stood so long is static again");
+  v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which it stands, at 640 px image width");
+  v.field("still_px", c.still_px, {0, 50}, "motion of an unmapped track in still_frames below which it stands");
+  v.field("least_frames", c.least_frames, {2, 200}, "age at which an unmapped track is tested for motion");
   v.field("test_frames", c.test_frames, {4, 200}, "of an unmapped track that are tested for motion");
-  v.field("motion_px", c.motion_px, {0.5, 50}, "that it misses the best static point by, at 640 px image width");
+  v.field("motion_px", c.motion_px, {0.5, 50}, "that it misses every static point by, at 640 px image width");
   v.field("neighbour_share", c.neighbour_share, {0, 1}, "of the tracks around it that must move too");
   v.field("neighbour_radius", c.neighbour_radius, {0, 1}, "of the larger image side");
 }
@@ -82,6 +85,7 @@ void describe(V& v, MapIntraConfig& c) {
 template <class V>
 void describe(V& v, MapInterConfig& c) {
   v.field("inter_mapping_period", c.period, {1, 1000}, "frame sets between runs");
+  v.field("moving_period", c.moving_period, {1, 1000}, "the same for moving points");
   v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
   v.field("zncc_margin", c.zncc_margin, {0, 1}, "of the best match over the second best");
   v.field("seed_radius", c.seed_radius, {0, 1}, "phi_r, of the larger image side");

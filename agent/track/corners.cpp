@@ -9,8 +9,11 @@
 namespace coslam {
 namespace {
 
-constexpr int kTracksPerCell = 2;      // in a full, even image
-constexpr int kBarrenRest_images = 5;  // a cell without corners is not looked at again at once
+constexpr int kTracksPerCell = 2;  // in a full, even image
+// What moves is seen for a short while, turns, and swings its arms in front: more and closer tracks where it is.
+constexpr std::size_t kMovingTracksPerCell = 6;
+constexpr float kMovingDistance = 0.6f;  // of min_distance_px
+constexpr int kBarrenRest_images = 5;    // a cell without corners is not looked at again at once
 constexpr std::size_t kMostCandidates = 12;
 constexpr float kStrongestDecay = 0.995f;  // an image
 // Noise of 4 grey levels gives scores of 0.2 to 0.7 in the halved image. A corner must stand well out of that, or,
@@ -72,6 +75,7 @@ void CornerFinder::clear_cells() {
     cell.tracks.clear();
     cell.candidates.clear();
     cell.evaluated = false;
+    cell.moving = false;
     if (cell.rest_images > 0) --cell.rest_images;
   }
 }
@@ -112,8 +116,8 @@ void CornerFinder::keep_good(Cell& cell, float mean_score) {
   }
 }
 
-bool CornerFinder::has_room(const Eigen::Vector2f& px) const {
-  const float distance = config_.min_distance_px / scale_;
+bool CornerFinder::has_room(const Eigen::Vector2f& px, bool moving) const {
+  const float distance = (moving ? kMovingDistance : 1.0f) * config_.min_distance_px / scale_;
   const int index = static_cast<int>(cell_index(px)), column = index % grid_cols_, row = index / grid_cols_;
   for (int r = std::max(0, row - 1); r <= std::min(grid_rows_ - 1, row + 1); ++r) {
     for (int c = std::max(0, column - 1); c <= std::min(grid_cols_ - 1, column + 1); ++c) {
@@ -130,7 +134,7 @@ bool CornerFinder::take_best(Cell& cell) {
   while (!cell.candidates.empty()) {
     const Eigen::Vector2f px = cell.candidates.back().px;
     cell.candidates.pop_back();
-    if (!has_room(px)) continue;
+    if (!has_room(px, cell.moving)) continue;
     found_px_.push_back(px * scale_);
     cells_[cell_index(px)].tracks.push_back(px);
     return true;
@@ -146,8 +150,18 @@ bool CornerFinder::serve(Cell& cell, std::size_t round) {
   return false;
 }
 
+void CornerFinder::serve_moving(std::size_t wanted) {
+  for (std::size_t round = 0; round < kMovingTracksPerCell; ++round) {
+    for (Cell& cell : cells_) {
+      if (found_px_.size() >= wanted) return;
+      if (cell.moving) serve(cell, round);
+    }
+  }
+}
+
 const std::vector<Eigen::Vector2f>& CornerFinder::find(const Pyramid& pyramid,
-                                                       const std::vector<Eigen::Vector2f>& live_px, int wanted) {
+                                                       const std::vector<Eigen::Vector2f>& live_px,
+                                                       const std::vector<Eigen::Vector2f>& moving_px, int wanted) {
   const int level = std::min(1, pyramid.levels() - 1);
   scale_ = static_cast<float>(1 << level);
   lay_grid(pyramid.level(level));
@@ -158,6 +172,8 @@ const std::vector<Eigen::Vector2f>& CornerFinder::find(const Pyramid& pyramid,
     for (Cell& cell : cells_) cell.rest_images = 0;  // too few tracks to be choosy: the image may just have come back
   }
   for (const Eigen::Vector2f& px : live_px) cells_[cell_index(px / scale_)].tracks.push_back(px / scale_);
+  for (const Eigen::Vector2f& px : moving_px) cells_[cell_index(px / scale_)].moving = true;
+  serve_moving(static_cast<std::size_t>(wanted));
   // Rounds: cells with no track, then those with one, and so on. The cells of a round in an order that favours no part
   // of the image when only a few corners are wanted.
   std::size_t stride = cells_.size() * 5 / 8 + 1;

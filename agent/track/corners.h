@@ -25,10 +25,10 @@ class CornerFinder {
  public:
   explicit CornerFinder(const CornerConfig& config) : config_(config) {}
 
-  // At most `wanted` corners, none closer than min_distance_px to another or to a live track.
-  // All places are pixels of level 0.
+  // At most `wanted` corners, none closer than min_distance_px to another or to a live track. Where something moves
+  // (moving_px: tracks that do) first, and denser. All places are pixels of level 0.
   const std::vector<Eigen::Vector2f>& find(const Pyramid& pyramid, const std::vector<Eigen::Vector2f>& live_px,
-                                           int wanted);
+                                           const std::vector<Eigen::Vector2f>& moving_px, int wanted);
 
  private:
   // Below, all pixels are those of the level looked at.
@@ -40,6 +40,7 @@ class CornerFinder {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;   // pixels [x0, x1) x [y0, y1)
     std::vector<Eigen::Vector2f> tracks;  // in it, new ones included
     int rest_images = 0;                  // left before another look: nothing was found here
+    bool moving = false;                  // something moves in it
     bool evaluated = false;
     std::vector<Candidate> candidates;  // best last
   };
@@ -49,9 +50,10 @@ class CornerFinder {
   std::size_t cell_index(const Eigen::Vector2f& px) const;
   void evaluate(Cell& cell);
   void keep_good(Cell& cell, float mean_score);
-  bool has_room(const Eigen::Vector2f& px) const;
+  bool has_room(const Eigen::Vector2f& px, bool moving) const;
   bool take_best(Cell& cell);
   bool serve(Cell& cell, std::size_t round);
+  void serve_moving(std::size_t wanted);
 
   CornerConfig config_;
   const PyramidLevel* image_ = nullptr;  // during find()

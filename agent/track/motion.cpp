@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/track/motion.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -63,6 +64,39 @@ Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to) {
       static_cast<float>(best_x) + vertex(at(best_x - 1, best_y), best, at(best_x + 1, best_y)),
       static_cast<float>(best_y) + vertex(at(best_x, best_y - 1), best, at(best_x, best_y + 1)));
   return shift * static_cast<float>(1 << top);
+}
+
+std::vector<bool> moves_apart(const std::vector<Eigen::Vector2f>& from_px, const std::vector<Eigen::Vector2f>& to_px) {
+  constexpr std::size_t kLeastTracks = 20;
+  constexpr int kRounds = 5;
+  constexpr float kLeast_px = 1.5f;  // above what tracking leaves
+  constexpr float kOfMedian = 4.0f;  // of the others' distances from the model
+  const std::size_t n = from_px.size();
+  if (n < kLeastTracks) return std::vector<bool>(n, false);
+  std::vector<float> distances(n, 0.0f), sorted;
+  float median = 1e6f;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3f normal = 1e-3f * Eigen::Matrix3f::Identity();
+    Eigen::Matrix<float, 3, 2> right = Eigen::Matrix<float, 3, 2>::Zero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const float miss = distances[i] / std::max(2 * median, 0.5f);
+      const float weight = 1 / (1 + miss * miss);
+      const Eigen::Vector3f at(from_px[i].x() * 0.01f, from_px[i].y() * 0.01f, 1);
+      normal += weight * at * at.transpose();
+      right += weight * at * (to_px[i] - from_px[i]).transpose();
+    }
+    const Eigen::Matrix<float, 3, 2> model = normal.ldlt().solve(right);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Vector3f at(from_px[i].x() * 0.01f, from_px[i].y() * 0.01f, 1);
+      distances[i] = (to_px[i] - from_px[i] - model.transpose() * at).norm();
+    }
+    sorted = distances;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+    median = sorted[n / 2];
+  }
+  std::vector<bool> apart;
+  for (const float d : distances) apart.push_back(d > std::max(kLeast_px, kOfMedian * median));
+  return apart;
 }
 
 Eigen::Vector2f MotionField::near(const Eigen::Vector2f& px) {

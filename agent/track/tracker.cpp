@@ -23,8 +23,12 @@ constexpr int kBackwardTop = 1;  // the way back starts where it should end, so 
 constexpr float kKeyAgrees_px = 0.5f;
 // Further than this one of the two is wrong: the track slides, or no longer looks like its first patch.
 constexpr float kKeyDisagrees_px = 1.5f;
-constexpr int kMostDoubts = 3;        // images in a row in which the first patch may not be found
-constexpr float kCornerInset_px = 4;  // new corners keep off the border, where they would end at once
+constexpr int kMostDoubts = 3;  // images in a row in which the first patch may not be found
+// What moves bends, turns and has other motions beside it: there a track may fit less well, and where its first patch
+// is lost a new one is taken, so that it may drift.
+constexpr double kMovingZncc = 0.8;             // of min_zncc
+constexpr double kMovingForwardBackward = 2.5;  // of forward_backward_px
+constexpr float kCornerInset_px = 4;            // new corners keep off the border, where they would end at once
 
 CornerConfig corner_config(const TrackerConfig& config, int image_cols) {
   CornerConfig c;
@@ -43,6 +47,7 @@ struct Tracker::State {
     Eigen::Vector2f motion_px = Eigen::Vector2f::Zero();  // from the image before to the last
     std::unique_ptr<KeyPatch> key;
     int doubts = 0;
+    bool moving = false;  // apart from the image as a whole
   };
 
   explicit State(const TrackerConfig& c) : config(c) {}
@@ -56,10 +61,12 @@ struct Tracker::State {
   std::uint32_t next_id = 1;
 
   void follow();
-  std::optional<Eigen::Vector2f> match(const Track& track, const Eigen::Vector2f& guess_px, int top) const;
+  std::optional<Eigen::Vector2f> match(std::size_t index, const Eigen::Vector2f& guess_px, int top) const;
   std::vector<std::optional<Eigen::Vector2f>> match_all();
   bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
+  void tell_moving();
+  const Memory* mover_beside(const Eigen::Vector2f& px) const;
   TrackId start(const Eigen::Vector2f& px);
   void replenish();
 };
@@ -72,12 +79,17 @@ bool Tracker::State::inside(const Eigen::Vector2f& px) const {
 }
 
 // From the previous image to this one, from level `top` down, and back.
-std::optional<Eigen::Vector2f> Tracker::State::match(const Track& track, const Eigen::Vector2f& guess_px,
+std::optional<Eigen::Vector2f> Tracker::State::match(std::size_t index, const Eigen::Vector2f& guess_px,
                                                      int top) const {
+  const Track& track = tracks[index];
+  const bool moving = memories[index].moving;
   const WindowAlignment forward = align(previous, track.raw_px, current, guess_px, top);
-  if (!forward.found || !inside(forward.px) || forward.zncc < config.min_zncc) return std::nullopt;
+  if (!forward.found || !inside(forward.px) || forward.zncc < (moving ? kMovingZncc : 1.0) * config.min_zncc)
+    return std::nullopt;
   const WindowAlignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
-  if (!back.found || (back.px - track.raw_px).norm() > config.forward_backward_px) return std::nullopt;
+  if (!back.found ||
+      (back.px - track.raw_px).norm() > (moving ? kMovingForwardBackward : 1.0) * config.forward_backward_px)
+    return std::nullopt;
   return forward.px;
 }
 
@@ -92,12 +104,12 @@ std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
     const Eigen::Vector2f at = tracks[i].raw_px, motion = memories[i].motion_px;
     const std::array<Eigen::Vector2f, 3> guesses = {at + motion, at + motion + change, at + shift};
     const Guess guess = best_guess(previous, at, current, guesses);
-    matches.push_back(match(tracks[i], guess.px, guess.top));
+    matches.push_back(match(i, guess.px, guess.top));
     if (matches.back()) field.add(at, *matches.back() - at);
   }
   for (std::size_t i = 0; i < tracks.size() && !field.empty(); ++i) {
     const Eigen::Vector2f at = tracks[i].raw_px;
-    if (!matches[i]) matches[i] = match(tracks[i], at + field.near(at), kRetryTop);
+    if (!matches[i]) matches[i] = match(i, at + field.near(at), kRetryTop);
   }
   return matches;
 }
@@ -106,7 +118,13 @@ std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
 bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
   const KeyAlignment key = find_key_patch(*memory.key, current, px);
   const float distance_px = (key.px - px).norm();
-  if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) return ++memory.doubts < kMostDoubts;
+  if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) {
+    if (++memory.doubts < kMostDoubts) return true;
+    if (!memory.moving) return false;
+    memory.key->take(current.level(0), px);
+    memory.doubts = 0;
+    return true;
+  }
   memory.doubts = 0;
   if (distance_px < kKeyAgrees_px) {
     px = key.px;
@@ -134,12 +152,39 @@ void Tracker::State::follow() {
   memories.resize(kept);
 }
 
+void Tracker::State::tell_moving() {
+  std::vector<Eigen::Vector2f> from, to;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    from.push_back(tracks[i].raw_px - memories[i].motion_px);
+    to.push_back(tracks[i].raw_px);
+  }
+  const std::vector<bool> moving = moves_apart(from, to);
+  for (std::size_t i = 0; i < tracks.size(); ++i) memories[i].moving = moving[i];
+}
+
+// The nearest track, if it moves and is beside this place: a new track there will go with it.
+const Tracker::State::Memory* Tracker::State::mover_beside(const Eigen::Vector2f& px) const {
+  constexpr float kBeside_px = 40.0f;
+  float nearest = kBeside_px * kBeside_px;
+  const Memory* beside = nullptr;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const float distance2 = (tracks[i].raw_px - px).squaredNorm();
+    if (distance2 >= nearest) continue;
+    nearest = distance2;
+    beside = memories[i].moving ? &memories[i] : nullptr;
+  }
+  return beside;
+}
+
 TrackId Tracker::State::start(const Eigen::Vector2f& px) {
+  Memory memory;
+  const Memory* beside = mover_beside(px);
+  memory.motion_px = beside != nullptr ? beside->motion_px : shift_px;
+  memory.moving = beside != nullptr;
   tracks.push_back({TrackId(next_id++), px, 0});
-  Memory& memory = memories.emplace_back();
-  memory.motion_px = shift_px;
   memory.key = std::make_unique<KeyPatch>();
   memory.key->take(current.level(0), px);
+  memories.push_back(std::move(memory));
   return tracks.back().id;
 }
 
@@ -147,9 +192,12 @@ void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
   if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, current.level(0).cols()));
-  std::vector<Eigen::Vector2f> live_px;
-  for (const Track& t : tracks) live_px.push_back(t.raw_px);
-  for (const Eigen::Vector2f& px : finder->find(current, live_px, missing)) {
+  std::vector<Eigen::Vector2f> live_px, moving_px;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    live_px.push_back(tracks[i].raw_px);
+    if (memories[i].moving) moving_px.push_back(tracks[i].raw_px);
+  }
+  for (const Eigen::Vector2f& px : finder->find(current, live_px, moving_px, missing)) {
     start(px);
   }
 }
@@ -165,6 +213,7 @@ const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   std::swap(state_->previous, state_->current);
   state_->current.build(grey, state_->config.levels);
   state_->follow();
+  state_->tell_moving();
   state_->replenish();
   return state_->tracks;
 }

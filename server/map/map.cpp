@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "common/base/check.h"
@@ -66,6 +67,18 @@ void thin_out(std::vector<TrackPoint>& seen) {
 
 const FramePose* MapCamera::frame_at(SetId set) const { return find_frame(frames, set); }
 FramePose* MapCamera::frame_at(SetId set) { return find_frame(frames, set); }
+
+std::optional<Rigid3> MapCamera::pose_at(SetId set, TimeNs t_ns) const {
+  constexpr TimeNs kSameInstantNs = 1'000'000;
+  const FramePose* f = frame_at(set);
+  if (f == nullptr || !f->valid()) return std::nullopt;
+  const FramePose* before = f == frames.data() ? nullptr : f - 1;
+  if (std::abs(t_ns - f->capture_ns) < kSameInstantNs || before == nullptr || before->map != f->map)
+    return f->cam_from_world;
+  const double share =
+      static_cast<double>(t_ns - before->capture_ns) / static_cast<double>(f->capture_ns - before->capture_ns);
+  return share >= 0 && share <= 2 ? interpolate(before->cam_from_world, f->cam_from_world, share) : f->cam_from_world;
+}
 
 MapPoint* Map::find(PointId id) {
   const auto at = points_.find(id);
@@ -156,13 +169,14 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
 
 void Map::give_patch(MapPoint& point, CameraId camera_id, const ServerTrack& track) {
   if (!track.patch) return;
-  point.patches.push_back({camera_id, track.patch_set, *track.patch});
+  point.patches.push_back({camera_id, track.patch_set, *track.patch, track.offset_px});
 }
 
 void Map::unbind(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
   track.point = PointId();
   track.gate_failures = 0;
+  track.offset_px.setZero();
 }
 
 void Map::unbind_and_forget(CameraId camera_id, ServerTrack& track) {
@@ -186,17 +200,6 @@ void Map::remove_point(PointId id) {
 
 void Map::end_track(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
-}
-
-void Map::record_motion(const MapPoint& point) {
-  MotionSample sample{.set = now_, .t_ns = now_ns_};
-  for (const BoundTrack& b : point.bound) {
-    const MapCamera& c = camera(b.camera);
-    const ServerTrack& t = c.tracks.at(b.track);
-    if (t.seen.back().set == now_ && c.frames.back().set == now_ && c.frames.back().map == point.map)
-      sample.undistorted_px.emplace_back(b.camera, t.seen.back().undistorted_px);
-  }
-  if (sample.undistorted_px.size() >= 2) motions_[point.id].push_back(std::move(sample));
 }
 
 void Map::fuse(PointId kept, PointId gone) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/ids.h"
@@ -38,6 +39,8 @@ struct ServerTrack {
   int gate_failures = 0;                 // in succession
   std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
   bool moving = false;                   // follows something that moves, as far as its own camera can tell
+  // From the track to the point, while that moves: two cameras find different corners of one small structure.
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 };
 
 // Where one camera was at one frame set.
@@ -69,6 +72,9 @@ struct MapCamera {
 
   const FramePose* frame_at(SetId set) const;
   FramePose* frame_at(SetId set);
+  // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
+  // time; empty without poses in one map.
+  std::optional<Rigid3> pose_at(SetId set, TimeNs t_ns) const;
 };
 
 struct KeyObservation {
@@ -82,6 +88,7 @@ struct PointPatch {
   CameraId camera;
   SetId set;  // of the image it was cut from
   PatchGrey pixels;
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();  // from the patch's centre to the point
 };
 
 struct BoundTrack {
@@ -112,7 +119,8 @@ struct MapPoint {
   std::uint8_t grey = 128;
 };
 
-// What was seen of a moving point at one set; its position follows from the poses, whenever these are corrected.
+// What was seen of a moving point at one set, brought to its instant; its position follows from the poses, whenever
+// these are corrected.
 struct MotionSample {
   SetId set;
   TimeNs t_ns = 0;
@@ -182,8 +190,8 @@ class Map {
   void remove_point(PointId id);
   // `gone` is the same thing as `kept`: its tracks and observations move over.
   void fuse(PointId kept, PointId gone);
-  // The present observations of a moving point become part of its path.
-  void record_motion(const MapPoint& point);
+  // Observations of this instant become part of a moving point's path.
+  void record_motion(PointId point, MotionSample sample) { motions_[point].push_back(std::move(sample)); }
   // Paths of points that move or moved, also of those that are gone.
   const std::map<PointId, std::vector<MotionSample>>& motions() const { return motions_; }
   // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one

@@ -8,59 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "server/stages/follow.h"
+
 namespace coslam {
 namespace {
 
-struct Seen {
-  BoundTrack track;
-  View view;
-};
-
-// Observations of this very set, of cameras with a pose.
-std::vector<Seen> seen_now(const Map& map, const MapPoint& p) {
-  std::vector<Seen> out;
-  for (const BoundTrack& b : p.bound) {
-    const MapCamera& c = map.camera(b.camera);
-    const FramePose& f = c.frames.back();
-    const ServerTrack& t = c.tracks.at(b.track);
-    if (f.set != map.now() || !f.valid() || f.map != p.map || t.seen.back().set != f.set) continue;
-    out.push_back({b, {&c.model, f.cam_from_world, t.seen.back().undistorted_px.cast<double>()}});
-  }
-  return out;
-}
-
-int cameras_of(const std::vector<Seen>& seen) {
-  std::vector<CameraId> cameras;
-  for (const Seen& s : seen) {
-    if (std::find(cameras.begin(), cameras.end(), s.track.camera) == cameras.end()) cameras.push_back(s.track.camera);
-  }
-  return static_cast<int>(cameras.size());
-}
-
-constexpr double kMinParallax_rad = 0.01;
-
-// Where the point is now, by what is seen now; empty when the observations do not agree on one position.
-std::optional<TriangulationResult> position_now(const Map& map, const std::vector<Seen>& seen) {
-  if (cameras_of(seen) < 2) return std::nullopt;
-  std::vector<View> views;
-  double gate_px = 0, sigma_px = 0;
-  for (const Seen& s : seen) {
-    views.push_back(s.view);
-    gate_px = std::max(gate_px, map.gate_sigma_px(map.camera(s.track.camera)));
-    sigma_px = std::max(sigma_px, map.covariance_sigma_px(map.camera(s.track.camera)));
-  }
-  const TriangulationResult t = triangulate(views, sigma_px, kMinParallax_rad);
-  if (t.status != TriangulationStatus::kOk || t.max_error_px > map.config().theta * gate_px) return std::nullopt;
-  return t;
-}
-
-void take(MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
-  p.position = t.position;
-  p.covariance = t.covariance;
-  p.last_seen = set.id;
-  p.last_ns = set.t_ns;
-  ++p.views;
-}
+constexpr float kMostStaticOffset_px = 0.7F;
 
 ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
 
@@ -74,7 +27,7 @@ void forget_past(Map& map, MapPoint& p) {
 void become_dynamic(Map& map, MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
   p.state = PointState::kDynamic;
   forget_past(map, p);
-  take(p, t, set);
+  take_position(p, t, set);
   for (const BoundTrack& b : p.bound) {
     track_of(map, b).gate_failures = 0;
     track_of(map, b).moving = true;
@@ -103,7 +56,7 @@ void judge(Map& map, const FrameSet& set, ClassifyReport* report) {
   std::vector<PointId> gone;
   for (auto& [id, p] : map.points()) {
     if (p.state != PointState::kUncertain) continue;
-    if (const auto t = position_now(map, seen_now(map, p))) {
+    if (const auto t = position_of(map, seen_now(map, p), kMovingParallax_rad)) {
       become_dynamic(map, p, *t, set);
       ++report->dynamic;
     } else {
@@ -117,44 +70,55 @@ void judge(Map& map, const FrameSet& set, ClassifyReport* report) {
   }
 }
 
-// One of more than two observations is wrong: which one, if without it the others agree.
-std::optional<std::size_t> odd_one_out(const Map& map, const std::vector<Seen>& seen) {
-  if (seen.size() < 3) return std::nullopt;
-  std::optional<std::size_t> odd;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    std::vector<Seen> others = seen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    if (!position_now(map, others)) continue;
-    if (odd) return std::nullopt;
-    odd = i;
+// Speed in the image at which a track has moved against where its point is now taken to be, over the last frames; empty
+// when it is too young, or was further off than the gate once.
+std::optional<double> apparent_speed_px_s(const Map& map, const MapCamera& c, const ServerTrack& t, const MapPoint& p,
+                                          int frames) {
+  const double most_px = map.config().theta * map.gate_sigma_px(c);
+  double n = 0, sum_t = 0, sum_tt = 0;
+  Eigen::Vector2d sum_r = Eigen::Vector2d::Zero(), sum_rt = Eigen::Vector2d::Zero();
+  for (std::size_t i = t.seen.size(); i-- > 0 && n < frames;) {
+    const FramePose* f = c.frame_at(t.seen[i].set);
+    if (f == nullptr || f->map != p.map) continue;
+    Eigen::Vector2d px;
+    if (!project_world(c.model, f->cam_from_world, p.position, &px)) return std::nullopt;
+    const Eigen::Vector2d r = (t.seen[i].undistorted_px + t.offset_px).cast<double>() - px;
+    if (r.norm() > most_px) return std::nullopt;
+    const double t_s = to_seconds(f->capture_ns - map.now_ns());
+    n += 1;
+    sum_t += t_s;
+    sum_tt += t_s * t_s;
+    sum_r += r;
+    sum_rt += r * t_s;
   }
-  return odd;
+  const double spread = n * sum_tt - sum_t * sum_t;
+  if (n < frames || spread <= 0) return std::nullopt;
+  return ((n * sum_rt - sum_t * sum_r) / spread).norm();
 }
 
-// The present position explains every frame of the last ones, in at least two cameras.
-bool stands_still(const Map& map, const MapPoint& p, int frames) {
+// Its tracks have not moved against it in the last `frames`, in at least two cameras.
+bool stands_still(const Map& map, const MapPoint& p, int frames, double most_px_s) {
   int cameras = 0;
   for (const BoundTrack& b : p.bound) {
     const MapCamera& c = map.camera(b.camera);
     const ServerTrack& t = c.tracks.at(b.track);
     if (static_cast<int>(t.seen.size()) < frames) continue;
-    const double most_px = map.config().theta * map.gate_sigma_px(c);
-    int checked = 0;
-    for (std::size_t i = t.seen.size(); i-- > 0 && checked < frames;) {
-      const FramePose* f = c.frame_at(t.seen[i].set);
-      if (f == nullptr || f->map != p.map) continue;
-      Eigen::Vector2d px;
-      if (!project_world(c.model, f->cam_from_world, p.position, &px)) return false;
-      if ((px - t.seen[i].undistorted_px.cast<double>()).norm() > most_px) return false;
-      ++checked;
-    }
-    cameras += checked >= frames;
+    const auto speed_px_s = apparent_speed_px_s(map, c, t, p, frames);
+    if (!speed_px_s || *speed_px_s > most_px_s * c.model.width_px / 640.0) return false;
+    ++cameras;
   }
   return cameras >= 2;
 }
 
 void become_static(Map& map, MapPoint& p, int frames) {
+  // Static points are seen exactly where their tracks are.
+  const std::vector<BoundTrack> bound = p.bound;
+  for (const BoundTrack& b : bound) {
+    if (track_of(map, b).offset_px.norm() > kMostStaticOffset_px) map.unbind(b.camera, track_of(map, b));
+  }
   p.state = PointState::kStatic;
+  p.proven = false;  // it may go on
+  p.views = 0;
   p.updated_from.clear();
   for (const BoundTrack& b : p.bound) {
     ServerTrack& t = track_of(map, b);
@@ -165,40 +129,33 @@ void become_static(Map& map, MapPoint& p, int frames) {
   p.covariance = map.covariance_of(p);
 }
 
-void follow(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
-  constexpr std::uint32_t kForgetSets = 60;  // without a position
-  std::vector<PointId> gone;
-  for (auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic) continue;
-    std::vector<Seen> seen = seen_now(map, p);
-    auto t = position_now(map, seen);
-    if (!t) {
-      if (const auto odd = odd_one_out(map, seen)) {
-        const BoundTrack b = seen[*odd].track;
-        map.unbind(b.camera, track_of(map, b));
-        t = position_now(map, seen_now(map, p));
-      } else if (cameras_of(seen) >= 2) {
-        // Two disagree, and nobody can tell who is right.
-        for (const Seen& s : seen) ++track_of(map, s.track).gate_failures;
-        if (track_of(map, seen.front().track).gate_failures >= config.failures) gone.push_back(id);
-        continue;
-      }
-    }
-    if (t) {
-      take(p, *t, set);
-      for (const Seen& s : seen) track_of(map, s.track).gate_failures = 0;
-      map.record_motion(p);
-      if (stands_still(map, p, config.still_frames)) {
-        become_static(map, p, config.still_frames);
-        ++report->stopped;
-      }
-    } else if (p.last_seen.value + kForgetSets < set.id.value) {
-      gone.push_back(id);
-    }
+// Slow things take the longer look; what was fast is known to have stopped after half of it.
+bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
+  constexpr double kFast = 15;  // times still_px_s
+  if (stands_still(map, p, config.still_frames, config.still_px_s)) return true;
+  const int few = (config.still_frames + 1) / 2;
+  if (!stands_still(map, p, few, 2 * config.still_px_s)) return false;
+  for (const BoundTrack& b : p.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const ServerTrack& t = c.tracks.at(b.track);
+    if (static_cast<int>(t.seen.size()) < 2 * config.still_frames) continue;
+    const auto before = t.seen.size() - static_cast<std::size_t>(2 * config.still_frames);
+    Eigen::Vector2d px;
+    const auto view = view_at(c, t, before, c.frame_at(t.seen[before].set)->capture_ns);
+    if (!view || !project_world(c.model, view->cam_from_world, p.position, &px)) continue;
+    const double seconds = to_seconds(c.frames.back().capture_ns - c.frame_at(t.seen[before].set)->capture_ns);
+    if ((px - view->undistorted_px).norm() > kFast * config.still_px_s * seconds * c.model.width_px / 640.0)
+      return true;
   }
-  for (const PointId id : gone) {
-    map.remove_point(id);
-    ++report->removed;
+  return false;
+}
+
+// Moving points that stopped.
+void settle(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+  for (auto& [id, p] : map.points()) {
+    if (p.state != PointState::kDynamic || p.last_seen != set.id || !stopped(map, p, config)) continue;
+    become_static(map, p, config.still_frames);
+    ++report->stopped;
   }
 }
 
@@ -234,6 +191,7 @@ std::optional<Eigen::Vector2d> flow_of(const ServerTrack& t) {
   return (t.seen.back().undistorted_px - t.seen[t.seen.size() - 1 - kFlowFrames].undistorted_px).cast<double>();
 }
 
+// Newest first.
 std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, int frames) {
   std::vector<View> views;
   for (std::size_t i = track.seen.size(); i-- > 0 && static_cast<int>(views.size()) < frames;) {
@@ -244,14 +202,64 @@ std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track
   return views;
 }
 
-Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, const ClassifyConfig& config) {
+// How far the newer view is from where a thing that stood still may appear: on the epipolar line of the older view,
+// between infinitely far and `nearest` from the camera.
+double epipolar_miss_px(const View& now, const View& then, double nearest) {
+  const Eigen::Vector3d ray = world_ray(then);
+  Eigen::Vector2d near_px;
+  const Eigen::Vector3d far_in_cam = now.cam_from_world.rotation * ray;
+  if (far_in_cam.z() <= 0) return 0;
+  const Eigen::Vector2d far_px = now.camera->project(far_in_cam);
+  const Eigen::Vector3d near_point = then.cam_from_world.center() + nearest * ray;
+  if (!project_world(*now.camera, now.cam_from_world, near_point, &near_px)) return 0;
+  const Eigen::Vector2d along = near_px - far_px, off = now.undistorted_px - far_px;
+  const double share = along.squaredNorm() > 0 ? std::clamp(off.dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+  return (off - share * along).norm();
+}
+
+// The worst of the newest view against some earlier ones, and of one static explanation of all.
+double motion_px(const std::vector<View>& views, std::size_t frames, double nearest) {
+  double worst_px = 0;
+  std::vector<View> some;
+  const std::size_t last = std::min(frames, views.size()) - 1, step = std::max<std::size_t>(1, (last + 4) / 5);
+  for (std::size_t i = 0; i <= last; i += step) some.push_back(views[i]);
+  if ((last % step) != 0) some.push_back(views[last]);
+  for (std::size_t i = 1; i < some.size(); ++i)
+    worst_px = std::max(worst_px, epipolar_miss_px(some[0], some[i], nearest));
+  return std::max(worst_px, static_miss_px(some));
+}
+
+// Nothing that stands still is expected closer than this: a share of the median depth of what stands still.
+double nearest_depth(const Map& map, const MapCamera& camera) {
+  constexpr double kNearest = 0.15;
+  std::vector<double> depths;
+  for (const auto& [id, track] : camera.tracks) {
+    const MapPoint* p = map.find(track.point);
+    if (p == nullptr || p->state != PointState::kStatic || !p->proven) continue;
+    depths.push_back((camera.frames.back().cam_from_world * p->position).z());
+  }
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return kNearest * *middle;
+}
+
+Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double nearest,
+                   const ClassifyConfig& config) {
   if (const MapPoint* p = map.find(track.point)) {
     return p->state == PointState::kDynamic ? Verdict::kMoves : Verdict::kStill;
   }
   const auto views = newest_views(camera, track, config.test_frames);
-  if (static_cast<int>(views.size()) < config.test_frames / 2) return Verdict::kYoung;
-  const double most_px = config.motion_px * camera.model.width_px / 640.0;
-  return static_miss_px(views) > most_px ? Verdict::kMoves : Verdict::kUndecided;
+  if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
+  const double to_640 = 640.0 / camera.model.width_px;
+  // Slow things take the longer look; what was fast is known to have stopped after half of it.
+  const double moved_px = to_640 * motion_px(views, views.size(), nearest);
+  if (moved_px <= config.motion_px) return Verdict::kUndecided;
+  constexpr double kFast = 6;  // times motion_px
+  const auto still = static_cast<std::size_t>(moved_px > kFast * config.motion_px ? (config.still_frames + 1) / 2
+                                                                                  : config.still_frames);
+  if (views.size() > still && to_640 * motion_px(views, still, nearest) < config.still_px) return Verdict::kUndecided;
+  return Verdict::kMoves;
 }
 
 // What the tracks around one do.
@@ -286,9 +294,10 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
     MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Judged> all;
+    const double nearest = nearest_depth(map, camera);
     for (auto& [id, track] : camera.tracks) {
-      all.push_back({&track, track.seen.back().undistorted_px.cast<double>(), verdict_of(map, camera, track, config),
-                     flow_of(track)});
+      all.push_back({&track, track.seen.back().undistorted_px.cast<double>(),
+                     verdict_of(map, camera, track, nearest, config), flow_of(track)});
     }
     const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
     for (const Judged& j : all) {
@@ -315,7 +324,11 @@ ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& con
   if (!config.enabled) return report;
   doubt(map, set, config, &report);
   judge(map, set, &report);
-  follow(map, set, config, &report);
+  FollowReport followed = follow_moving(map, set, config.follow);
+  rebind_moving(map, set, config.follow, &followed);
+  report.removed += followed.removed;
+  report.rebound = followed.bound;
+  settle(map, set, config, &report);
   judge_tracks(map, set, config, &report);
   return report;
 }

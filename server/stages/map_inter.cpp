@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/stages/follow.h"
 #include "server/stages/patch_match.h"
 #include "server/stages/track_grid.h"
 
@@ -137,6 +138,7 @@ bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::V
 
 bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                const MapInterConfig& config) {
+  if (!same_centre(*a.track->patch, *b.track->patch)) return false;
   std::vector<View> views = map.views_of(*view.first, *a.track, 6);
   const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
   if (views.empty() || other.empty()) return false;
@@ -170,17 +172,14 @@ std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
   return out;
 }
 
-// Position of two observations of one instant, if they agree.
-std::optional<TriangulationResult> position_at(const Map& map, const PairView& view, const FramePose& fa,
-                                               const Eigen::Vector2f& a, const FramePose& fb, const Eigen::Vector2f& b,
-                                               double min_parallax_rad) {
-  const View views[] = {{&view.first->model, fa.cam_from_world, a.cast<double>()},
-                        {&view.second->model, fb.cam_from_world, b.cast<double>()}};
-  const double sigma_px = std::max(map.covariance_sigma_px(*view.first), map.covariance_sigma_px(*view.second));
-  const double gate_px = std::max(map.gate_sigma_px(*view.first), map.gate_sigma_px(*view.second));
-  const TriangulationResult t = triangulate(views, sigma_px, min_parallax_rad);
-  if (t.status != TriangulationStatus::kOk || t.max_error_px > map.config().theta * gate_px) return std::nullopt;
-  return t;
+// Where the two tracks were one place, at the instant of the first one's i-th observation; empty when they were not.
+std::optional<TriangulationResult> meeting(const Map& map, const PairView& view, const ServerTrack& a, std::size_t i,
+                                           const ServerTrack& b, std::size_t j, double min_parallax_rad) {
+  const FramePose* f = view.first->frame_at(a.seen[i].set);
+  if (f == nullptr) return std::nullopt;
+  const auto va = view_at(*view.first, a, i, f->capture_ns), vb = view_at(*view.second, b, j, f->capture_ns);
+  if (!va || !vb) return std::nullopt;
+  return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}}, min_parallax_rad);
 }
 
 // The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
@@ -192,26 +191,55 @@ bool together_back(const Map& map, const PairView& view, const ServerTrack& a, c
     const SetId at = a.seen[i].set;
     const auto other = std::lower_bound(b.seen.begin(), b.seen.end(), at,
                                         [](const TrackPoint& s, SetId want) { return s.set < want; });
-    const FramePose *fa = view.first->frame_at(at), *fb = view.second->frame_at(at);
-    if (other == b.seen.end() || other->set != at || fa == nullptr || fb == nullptr) continue;
-    if (fa->map != view.first->map || fb->map != view.first->map) continue;
-    if (!position_at(map, view, *fa, a.seen[i].undistorted_px, *fb, other->undistorted_px, 0)) return false;
+    if (other == b.seen.end() || other->set != at) continue;
+    if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
+    if (!meeting(map, view, a, i, b, static_cast<std::size_t>(other - b.seen.begin()), 0)) return false;
     ++checked;
   }
   return checked >= least;
 }
 
+// Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
+// lines, and things are compact.
+bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d& position) {
+  constexpr double kBeside = 0.12;     // of the image width
+  constexpr double kMostDepth = 0.12;  // of the depth
+  Eigen::Vector2d px;
+  if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
+  const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
+  int alike = 0, others = 0;
+  for (const auto& [id, p] : map.points()) {
+    if (p.state != PointState::kDynamic || p.map != view.first->map || p.last_seen.value + 2 < map.now().value)
+      continue;
+    Eigen::Vector2d other_px;
+    if (!project_world(view.first->model, view.first_pose, p.position, &other_px)) continue;
+    if ((other_px - px).norm() > radius_px) continue;
+    (std::abs((view.first_pose * p.position).z() - depth) < kMostDepth * depth ? alike : others) += 1;
+  }
+  return alike >= others;
+}
+
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
 bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                  const MapInterConfig& config) {
-  const auto now =
-      position_at(map, view, view.first->frames.back(), a.track->seen.back().undistorted_px, view.second->frames.back(),
-                  b.track->seen.back().undistorted_px, config.min_parallax_rad);
-  if (!now || !together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back))
-    return false;
-  const double distance = (now->position - view.first_pose.center()).norm();
-  if (std::sqrt(now->covariance.trace()) > config.max_relative_sigma * distance) return false;
   MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  const auto shift_px = centre_in(*a.track->patch, *b.track->patch, kMostOffset_px);
+  if (!shift_px) return false;
+  // The free one of the two is brought to where the other one's point is.
+  const bool free_b = q == nullptr;
+  ServerTrack& free = free_b ? *b.track : *a.track;
+  const Eigen::Vector2f shift = shift_px->cast<float>();
+  const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
+  if (p == nullptr || q == nullptr) free.offset_px = offset_px;
+  const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
+                           config.min_parallax_rad);
+  const double distance = now ? (now->position - view.first_pose.center()).norm() : 0;
+  const bool joined =
+      now && std::sqrt(now->covariance.trace()) <= config.max_relative_sigma * distance &&
+      beside_in_depth(map, view, now->position) &&
+      together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back);
+  if (p == nullptr || q == nullptr) free.offset_px.setZero();
+  if (!joined) return false;
   if (p != nullptr && q != nullptr) {
     for (const BoundTrack& bound : p->bound) {
       if (seen_by(*q, bound.camera)) return false;
@@ -223,10 +251,9 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
   if (p == nullptr) {
     p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
     p->state = PointState::kDynamic;
+    bind_moving(map, *p, view.first->id, *a.track, Eigen::Vector2f::Zero());
   }
-  if (a.track->point == PointId()) map.bind(*p, view.first->id, *a.track);
-  if (b.track->point == PointId()) map.bind(*p, view.second->id, *b.track);
-  p->key_observations.clear();
+  bind_moving(map, *p, (free_b ? view.second : view.first)->id, free, offset_px);
   return true;
 }
 
@@ -241,7 +268,6 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
     const Score& back = of_b[static_cast<std::size_t>(s.best)];
     if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
     const Feature& other = b[static_cast<std::size_t>(s.best)];
-    if (!same_centre(*a[i].track->patch, *other.track->patch)) continue;
     ++report->matched;
     joined += join(a[i], other) ? 1 : 0;
   }
@@ -250,22 +276,38 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
 
 }  // namespace
 
+namespace {
+
+bool here(const MapCamera& c, const FrameSet& set) {
+  return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
+}
+
+double band_px_of(const Map& map, const PairView& view) {
+  return map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second);
+}
+
+}  // namespace
+
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {
-    const auto here = [&](CameraId id) {
-      const MapCamera& c = map.camera(id);
-      return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
-    };
-    if (!here(edge.first) || !here(edge.second)) continue;
+    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
     const PairView view = make_pair_view(map, edge);
-    const double band_px = 3.0 * 0.5 * (map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second)) / 1.5;
     report.created +=
-        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px, config, &report,
+        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, &report,
                    [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+  }
+  return report;
+}
+
+MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  MapInterReport report;
+  for (const ViewEdge& edge : graph.edges) {
+    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
+    const PairView view = make_pair_view(map, edge);
     report.moving += best_pairs(
-        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px, config, &report,
-        [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
+        view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px_of(map, view),
+        config, &report, [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;
 }

@@ -8,7 +8,8 @@
 namespace coslam {
 
 struct MapInterConfig {
-  int period = 5;  // frame sets between runs
+  int period = 5;         // frame sets between runs
+  int moving_period = 2;  // the same for moving points
   double zncc_min = 0.7;
   double zncc_margin = 0.05;    // best over second best
   double seed_radius = 0.10;    // phi_r, of the larger image side
@@ -16,7 +17,7 @@ struct MapInterConfig {
   double min_parallax_rad = 0.017;
   double max_relative_sigma = 0.3;  // sqrt(trace Sigma) over the distance
   int check_back = 30;              // earlier frames in which the static point must fit both tracks
-  int moving_check_back = 12;       // instants at which two tracks of a moving thing must have met
+  int moving_check_back = 10;       // instants at which two tracks of a moving thing must have met
 };
 
 struct MapInterReport {
@@ -27,8 +28,11 @@ struct MapInterReport {
 
 // New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
 // band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
-// back in time. Tracks that move are matched among themselves, and joined when they were at one place at each of the
-// last instants; where that was is triangulated from one instant alone.
+// back in time.
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
+
+// Tracks of moving things, matched in the same way between any two cameras that see the same, and joined when they were
+// at one place at each of the last instants; where that was is triangulated from one instant alone.
+MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 }  // namespace coslam

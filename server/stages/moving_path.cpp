@@ -24,8 +24,9 @@ std::optional<MotionPosition> position_of(const Map& map, MapId in, const Motion
   for (const auto& [camera, px] : sample.undistorted_px) {
     const MapCamera& c = map.camera(camera);
     const FramePose* f = c.frame_at(sample.set);
-    if (f == nullptr || f->map != in) continue;
-    views.push_back({&c.model, f->cam_from_world, px.cast<double>()});
+    const auto pose = c.pose_at(sample.set, sample.t_ns);
+    if (!pose || f->map != in) continue;
+    views.push_back({&c.model, *pose, px.cast<double>()});
     sigma_px = std::max(sigma_px, map.covariance_sigma_px(c));
   }
   const TriangulationResult t = triangulate(views, sigma_px, 0.0);

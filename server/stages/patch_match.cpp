@@ -37,19 +37,24 @@ double correlation(const PatchGrey& a, const PatchGrey& b, int margin, int dx, i
 
 double zncc(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 0, 0, 0); }
 
-bool same_centre(const PatchGrey& a, const PatchGrey& b) {
-  constexpr double kMost = 0.4;
+std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b, double most_px) {
+  constexpr double kImageByPatch = 1 / 0.3;
   const double here = correlation(a, b, 1, 0, 0);
-  double shift2 = 0;
-  for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  for (int axis = 0; axis < 2; ++axis) {
     // Parabola through three values along each axis.
+    const int dx = axis == 0 ? 1 : 0, dy = 1 - dx;
     const double up = correlation(a, b, 1, dx, dy), down = correlation(a, b, 1, -dx, -dy);
     const double bend = 2 * here - up - down;
-    if (bend <= 0) return false;
-    const double shift = (up - down) / (2 * bend);
-    shift2 += shift * shift;
+    if (bend <= 0) return std::nullopt;
+    shift[axis] = kImageByPatch * (up - down) / (2 * bend);
   }
-  return shift2 <= kMost * kMost;
+  return shift.norm() <= most_px ? std::optional(shift) : std::nullopt;
+}
+
+bool same_centre(const PatchGrey& a, const PatchGrey& b) {
+  constexpr double kMost_px = 1.33;
+  return centre_in(a, b, kMost_px).has_value();
 }
 
 PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other) {

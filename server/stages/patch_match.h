@@ -16,6 +16,9 @@ double zncc(const PatchGrey& a, const PatchGrey& b);
 // (0.4 of the patch's, which are 3.3 times as large). Corners that two cameras found on one structure often do not.
 bool same_centre(const PatchGrey& a, const PatchGrey& b);
 
+// Where in `b` the centre of `a` is found, from b's centre, pixels of the image; at most `most_px` away.
+std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b, double most_px);
+
 // A patch as it would look with its content moved by image_from_other (2 x 2): what the other patch shows at
 // image_from_other^-1 * d shows here at d. Repeats the border where the other ends.
 PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other);

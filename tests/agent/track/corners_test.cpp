@@ -21,7 +21,7 @@ std::vector<Eigen::Vector2f> corners_of(const cv::Mat& image, int wanted = 300) 
   Pyramid p;
   p.build(image, 3);
   CornerFinder finder({});
-  return finder.find(p, {}, wanted);
+  return finder.find(p, {}, {}, wanted);
 }
 
 // Number of corners in each of 6 x 8 parts of the image.
@@ -86,7 +86,7 @@ TEST(Corners, ComeWhereNoTrackLives) {
     for (int x = 20; x < 320; x += 20) live.emplace_back(x, y);
   }
   CornerFinder finder({});
-  const auto& corners = finder.find(p, live, 20);
+  const auto& corners = finder.find(p, live, {}, 20);
   ASSERT_EQ(corners.size(), 20U);
   for (const Eigen::Vector2f& c : corners) EXPECT_GT(c.x(), 310);
 }

@@ -1,0 +1,353 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/follow.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/stages/patch_match.h"
+#include "server/stages/track_grid.h"
+
+namespace coslam {
+namespace {
+
+ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
+
+int cameras_of(const std::vector<Seen>& seen) {
+  std::vector<CameraId> cameras;
+  for (const Seen& s : seen) {
+    if (std::find(cameras.begin(), cameras.end(), s.track.camera) == cameras.end()) cameras.push_back(s.track.camera);
+  }
+  return static_cast<int>(cameras.size());
+}
+
+double gate_px_of(const Map& map, const std::vector<Seen>& seen) {
+  double gate_px = 0;
+  for (const Seen& s : seen) gate_px = std::max(gate_px, map.gate_sigma_px(map.camera(s.track.camera)));
+  return map.config().theta * gate_px;
+}
+
+// One of more than two observations is wrong: which one, if without it the others agree.
+std::optional<std::size_t> odd_one_out(const Map& map, const std::vector<Seen>& seen) {
+  if (seen.size() < 3) return std::nullopt;
+  std::optional<std::size_t> odd;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    std::vector<Seen> others = seen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!position_of(map, others, kMovingParallax_rad)) continue;
+    if (odd) return std::nullopt;
+    odd = i;
+  }
+  return odd;
+}
+
+struct Step {
+  Eigen::Vector3d from, to;
+};
+
+// How moving points near this place moved since the last set.
+std::optional<Eigen::Vector3d> step_near(const std::vector<Step>& steps, const Eigen::Vector3d& place, double radius) {
+  double weights = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Step& s : steps) {
+    const double distance2 = (s.from - place).squaredNorm();
+    if (distance2 > radius * radius) continue;
+    const double weight = 1 / (distance2 + 0.04 * radius * radius);
+    weights += weight;
+    sum += weight * (s.to - s.from);
+  }
+  return weights > 0 ? std::optional<Eigen::Vector3d>(sum / weights) : std::nullopt;
+}
+
+// Motion in the image since the last set, near a place in it, of the tracks that move.
+std::optional<Eigen::Vector2d> flow_near(const MapCamera& camera, const Eigen::Vector2d& before_px) {
+  constexpr double kNear = 0.06;  // of the image width
+  const double radius_px = kNear * camera.model.width_px;
+  double weights = 0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const auto& [id, t] : camera.tracks) {
+    const std::size_t n = t.seen.size();
+    if (!t.moving || n < 2 || t.seen[n - 2].set.value + 1 != t.seen[n - 1].set.value) continue;
+    const double distance2 = (t.seen[n - 2].undistorted_px.cast<double>() - before_px).squaredNorm();
+    if (distance2 > radius_px * radius_px) continue;
+    const double weight = 1 / (distance2 + 0.04 * radius_px * radius_px);
+    weights += weight;
+    sum += weight * (t.seen[n - 1].undistorted_px - t.seen[n - 2].undistorted_px).cast<double>();
+  }
+  return weights > 0 ? std::optional<Eigen::Vector2d>(sum / weights) : std::nullopt;
+}
+
+// Where each camera would see the point now if it went with what moves beside it in the image.
+std::vector<View> views_by_flow(const Map& map, const MapPoint& p) {
+  std::vector<View> views;
+  for (const MapCamera& c : map.cameras()) {
+    if (c.map != p.map || c.frames.size() < 2 || c.frames.back().set != map.now()) continue;
+    const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
+    Eigen::Vector2d before_px;
+    if (now.map != p.map || before.map != p.map ||
+        !project_world(c.model, before.cam_from_world, p.position, &before_px))
+      continue;
+    if (const auto flow_px = flow_near(c, before_px))
+      views.push_back({&c.model, now.cam_from_world, before_px + *flow_px});
+  }
+  return views;
+}
+
+struct Loose {
+  MapPoint* point;
+  std::vector<Seen> seen;
+};
+
+double distance_to_cameras(const Map& map, const MapPoint& p) {
+  double least = 1e9;
+  for (const MapCamera& c : map.cameras()) {
+    if (c.map != p.map || c.frames.empty() || !c.frames.back().valid()) continue;
+    least = std::min(least, (c.frames.back().cam_from_world.center() - p.position).norm());
+  }
+  return least;
+}
+
+void refresh_patches(Map& map, MapPoint& p, const FrameSet& set) {
+  constexpr std::size_t kMost = 12;
+  for (const BoundTrack& b : p.bound) {
+    const ServerTrack& t = map.camera(b.camera).tracks.at(b.track);
+    if (t.patch_set == set.id) map.give_patch(p, b.camera, t);
+  }
+  if (p.patches.size() > kMost) p.patches.erase(p.patches.begin(), p.patches.end() - kMost);
+}
+
+// Positions from two cameras, this instant.
+void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
+                  std::vector<Loose>* loose) {
+  for (auto& [id, p] : map.points()) {
+    if (p.state != PointState::kDynamic) continue;
+    std::vector<Seen> seen = seen_now(map, p);
+    auto t = position_of(map, seen, kMovingParallax_rad);
+    if (!t) {
+      if (const auto odd = odd_one_out(map, seen)) {
+        const BoundTrack b = seen[*odd].track;
+        map.unbind(b.camera, track_of(map, b));
+        ++report->unbound;
+        t = position_of(map, seen_now(map, p), kMovingParallax_rad);
+      }
+    }
+    if (!t) {
+      loose->push_back({&p, std::move(seen)});
+      continue;
+    }
+    if (p.last_seen.value + 1 == set.id.value) steps->push_back({p.position, t->position});
+    take_position(p, *t, set);
+    MotionSample sample{.set = set.id, .t_ns = set.t_ns};
+    for (const Seen& s : seen_now(map, p)) {
+      track_of(map, s.track).gate_failures = 0;
+      sample.undistorted_px.emplace_back(s.track.camera, s.view.undistorted_px.cast<float>());
+    }
+    map.record_motion(id, std::move(sample));
+    refresh_patches(map, p, set);
+    ++report->positioned;
+  }
+}
+
+// The tracks that do not lead to where the point was carried; the one nearest to it stays.
+void let_go_of_strays(Map& map, Loose& loose, double most_px, FollowReport* report) {
+  std::vector<std::pair<double, std::size_t>> miss_px;
+  for (std::size_t i = 0; i < loose.seen.size(); ++i) {
+    const View& v = loose.seen[i].view;
+    Eigen::Vector2d px;
+    const bool seen = project_world(*v.camera, v.cam_from_world, loose.point->position, &px);
+    miss_px.emplace_back(seen ? (px - v.undistorted_px).norm() : 1e9, i);
+  }
+  std::sort(miss_px.begin(), miss_px.end());
+  for (std::size_t k = miss_px.size(); k-- > 0;) {
+    if (k == 0 && miss_px[k].first <= most_px) break;
+    const BoundTrack b = loose.seen[miss_px[k].second].track;
+    map.unbind(b.camera, track_of(map, b));
+    ++report->unbound;
+  }
+  std::erase_if(loose.seen, [&](const Seen& s) { return track_of(map, s.track).point != loose.point->id; });
+}
+
+// Moves the point sideways onto the ray of its one view, at the depth that it has.
+void keep_to_ray(MapPoint& p, const View& v) {
+  const Eigen::Vector3d center = v.cam_from_world.center(), ray = world_ray(v);
+  p.position = center + ray * std::max(1e-6, (p.position - center).dot(ray));
+}
+
+// Its step since the last set: as its moving neighbours in space or, without any, in the images.
+std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const std::vector<Step>& steps,
+                                       double radius) {
+  if (const auto step = step_near(steps, p.position, radius)) return step;
+  const std::vector<View> views = views_by_flow(map, p);
+  if (views.empty()) return std::nullopt;
+  MapPoint moved{.position = p.position};
+  if (views.size() == 1) {
+    keep_to_ray(moved, views.front());
+  } else {
+    const TriangulationResult t = triangulate(views, 1.0, kMovingParallax_rad);
+    if (t.status != TriangulationStatus::kOk) return std::nullopt;
+    moved.position = t.position;
+  }
+  const Eigen::Vector3d step = moved.position - p.position;
+  return step.norm() < radius ? std::optional(step) : std::nullopt;
+}
+
+void carry(Map& map, const FrameSet& set, const std::vector<Step>& steps, Loose& loose, const FollowConfig& config,
+           FollowReport* report, std::vector<PointId>* gone) {
+  MapPoint& p = *loose.point;
+  const std::uint32_t since = set.id.value - p.last_seen.value;
+  const double radius = config.neighbour_radius * distance_to_cameras(map, p);
+  const auto step = step_of(map, p, steps, radius);
+  const int limit = step || !loose.seen.empty() ? config.forget_sets : config.forget_alone_sets;
+  if (since > static_cast<std::uint32_t>(limit)) {
+    gone->push_back(p.id);
+    return;
+  }
+  ++report->carried;
+  const Eigen::Vector3d move = step.value_or(Eigen::Vector3d::Zero());
+  p.position += move;
+  // Neighbours move alike to a fifth or so; without any the radius bounds where it may have gone in a while.
+  const double drift = step ? 0.2 * move.norm() : 0.05 * radius;
+  p.covariance += drift * drift * Eigen::Matrix3d::Identity();
+  if (cameras_of(loose.seen) >= 2) let_go_of_strays(map, loose, 2 * gate_px_of(map, loose.seen), report);
+  if (loose.seen.size() == 1) keep_to_ray(p, loose.seen.front().view);
+}
+
+struct Look {
+  ServerTrack* track = nullptr;
+  double zncc = -1;
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
+};
+
+// How a track looks beside the newest of the point's patches.
+Look look_of(const MapPoint& p, ServerTrack& t) {
+  constexpr std::size_t kNewest = 6;
+  Look best{&t};
+  for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
+    const PointPatch& known = p.patches[i];
+    const auto shift_px = centre_in(known.pixels, *t.patch, kMostOffset_px);
+    const double score = shift_px ? zncc(known.pixels, *t.patch) : -1;
+    if (score > best.zncc) best = {&t, score, known.offset_px + shift_px->cast<float>()};
+  }
+  return best;
+}
+
+// The free track that looks most like the point, where it should be.
+Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, const MapPoint& p,
+                const FollowConfig& config) {
+  const double gate_px = map.gate_sigma_px(camera), most_px = config.search_px * camera.model.width_px / 640.0;
+  const auto window = search_window(camera.model, camera.frames.back().cam_from_world, p, gate_px, map.config().theta);
+  if (!window) return {};
+  Look best;
+  double second = -1;
+  const double radius_px = std::min(window->radius_px, most_px);
+  grid.near(window->px, radius_px, [&](ServerTrack* t) {
+    if ((t->seen.back().undistorted_px.cast<double>() - window->px).norm() > radius_px) return;
+    const Look look = look_of(p, *t);
+    second = std::max(second, std::min(look.zncc, best.zncc));
+    if (look.zncc > best.zncc) best = look;
+  });
+  return best.zncc >= config.zncc_min && best.zncc - second >= config.zncc_margin ? best : Look{};
+}
+
+// With what other cameras see of the point now.
+bool agrees(const Map& map, const MapCamera& camera, const MapPoint& p, const Look& look) {
+  std::vector<Seen> seen = seen_now(map, p);
+  if (seen.empty()) return true;
+  auto view = view_at(camera, *look.track, look.track->seen.size() - 1, map.now_ns());
+  if (!view) return false;
+  view->undistorted_px += look.offset_px.cast<double>();
+  seen.push_back({{camera.id, look.track->id}, *view});
+  return position_of(map, seen, kMovingParallax_rad).has_value();
+}
+
+}  // namespace
+
+std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns) {
+  const SetId set = track.seen[i].set;
+  const FramePose* f = camera.frame_at(set);
+  const auto pose = camera.pose_at(set, t_ns);
+  if (!pose || f->map != camera.map) return std::nullopt;
+  View view{&camera.model, *pose, (track.seen[i].undistorted_px + track.offset_px).cast<double>()};
+  const FramePose* before = i == 0 ? nullptr : camera.frame_at(track.seen[i - 1].set);
+  if (before == nullptr || before + 1 != f) return view;
+  const double share =
+      static_cast<double>(t_ns - before->capture_ns) / static_cast<double>(f->capture_ns - before->capture_ns);
+  if (share < 0 || share > 2) return view;
+  const Eigen::Vector2d before_px = (track.seen[i - 1].undistorted_px + track.offset_px).cast<double>();
+  view.undistorted_px = before_px + share * (view.undistorted_px - before_px);
+  return view;
+}
+
+std::vector<Seen> seen_now(const Map& map, const MapPoint& p) {
+  std::vector<Seen> out;
+  for (const BoundTrack& b : p.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const ServerTrack& t = c.tracks.at(b.track);
+    if (c.map != p.map || t.seen.back().set != map.now()) continue;
+    if (const auto view = view_at(c, t, t.seen.size() - 1, map.now_ns())) out.push_back({b, *view});
+  }
+  return out;
+}
+
+std::optional<TriangulationResult> position_of(const Map& map, const std::vector<Seen>& seen, double min_parallax_rad) {
+  if (cameras_of(seen) < 2) return std::nullopt;
+  std::vector<View> views;
+  double sigma_px = 0;
+  for (const Seen& s : seen) {
+    views.push_back(s.view);
+    sigma_px = std::max(sigma_px, map.covariance_sigma_px(map.camera(s.track.camera)));
+  }
+  const TriangulationResult t = triangulate(views, sigma_px, min_parallax_rad);
+  if (t.status != TriangulationStatus::kOk || t.max_error_px > gate_px_of(map, seen)) return std::nullopt;
+  return t;
+}
+
+void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px) {
+  track.offset_px = offset_px;
+  track.moving = true;
+  map.bind(p, camera, track);
+  p.key_observations.clear();
+}
+
+void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
+  p.position = t.position;
+  p.covariance = t.covariance;
+  p.last_seen = set.id;
+  p.last_ns = set.t_ns;
+  ++p.views;
+}
+
+FollowReport follow_moving(Map& map, const FrameSet& set, const FollowConfig& config) {
+  FollowReport report;
+  std::vector<Step> steps;
+  std::vector<Loose> loose;
+  position_all(map, set, &report, &steps, &loose);
+  std::vector<PointId> gone;
+  for (Loose& l : loose) carry(map, set, steps, l, config, &report, &gone);
+  for (const PointId id : gone) map.remove_point(id);
+  report.removed = static_cast<int>(gone.size());
+  return report;
+}
+
+void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
+  for (const CameraFrame& cf : set.frames) {
+    MapCamera& camera = map.camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    TrackGrid grid;
+    for (auto& [id, t] : camera.tracks) {
+      if (t.point == PointId() && t.moving && t.patch) grid.add(&t);
+    }
+    for (auto& [id, p] : map.points()) {
+      if (p.state != PointState::kDynamic || p.map != camera.map || seen_by(p, camera.id)) continue;
+      const Look look = find_track(map, camera, grid, p, config);
+      if (look.track == nullptr || look.track->point != PointId()) continue;
+      if (!agrees(map, camera, p, look)) continue;
+      bind_moving(map, p, camera.id, *look.track, look.offset_px);
+      ++report->bound;
+    }
+  }
+}
+
+}  // namespace coslam

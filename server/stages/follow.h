@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "server/map/map.h"
+
+// Moving points, frame set by frame set: where they are, and which tracks are theirs.
+namespace coslam {
+
+// What a camera sees of a point at one instant.
+struct Seen {
+  BoundTrack track;
+  View view;
+};
+
+inline constexpr double kMovingParallax_rad = 0.01;
+inline constexpr double kMostOffset_px = 1.7;  // between the corners that two cameras follow on one structure
+
+// The i-th observation of a track as it would be at t_ns: interpolated, pose and pixel, when the camera took its image
+// at another time. Empty without a pose in the camera's map.
+std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns);
+
+// Observations of a point in this very set, at its instant, of cameras with a pose in its map.
+std::vector<Seen> seen_now(const Map& map, const MapPoint& p);
+
+// The one place that observations of one instant by at least two cameras agree on.
+std::optional<TriangulationResult> position_of(const Map& map, const std::vector<Seen>& seen, double min_parallax_rad);
+
+// Makes the track one of a moving point, which lies offset_px from it in the image.
+void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px);
+
+void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set);
+
+struct FollowConfig {
+  double neighbour_radius = 0.12;  // of the distance to the cameras: moving points so near move alike
+  int forget_sets = 60;            // without two cameras on it
+  int forget_alone_sets = 15;      // without neighbours either
+  double zncc_min = 0.7;           // of a further track's patch
+  double zncc_margin = 0.05;
+  double search_px = 12.0;  // most between a track and where its point should be, at 640 px image width
+};
+
+struct FollowReport {
+  int positioned = 0, carried = 0, removed = 0, unbound = 0, bound = 0;
+};
+
+// Triangulates every dynamic point from this instant. One that fewer than two cameras see is carried along with its
+// moving neighbours, and keeps to its one ray. A track that disagrees with the others, or with where the point was
+// carried, is let go.
+FollowReport follow_moving(Map& map, const FrameSet& set, const FollowConfig& config);
+
+// Free tracks where a moving point should appear, and which look like it, are its further tracks: so it keeps its id
+// when a track ends, is hidden for a moment, or begins in another camera.
+void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, FollowReport* report);
+
+}  // namespace coslam
