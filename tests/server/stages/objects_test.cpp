@@ -292,5 +292,45 @@ TEST(Objects, AStrayPointDoesNotWidenTheBox) {
   EXPECT_NEAR(body.extent.x(), 0.7, 0.01);
 }
 
+// A map with one body of 25 moving points, two cameras at their true poses, and no path recorded yet.
+class ObjectsOfAMap : public testing::Test {
+ protected:
+  ObjectsOfAMap() : sim_(world_, test::paths_side_by_side(2), {.noise_px = 0.1, .max_tracks = 400}) {
+    sim_.advance(20);
+    for (int i = 300; i < world_.size(); ++i) {
+      if (sim_.track_of(CameraId(0), i) == nullptr || sim_.track_of(CameraId(1), i) == nullptr) continue;
+      MapPoint& p = sim_.add_point(i, 0.02);
+      p.position = world_.position(i, sim_.set.t_ns);
+      p.state = PointState::kDynamic;
+    }
+  }
+
+  const test::SimWorld world_{{.points = 300, .moving_points = 25}};
+  test::SimMap sim_;
+  ObjectFinder finder_{{}};
+};
+
+TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
+  const ObjectsReport r = finder_.step(sim_.map, sim_.set, sim_.id);
+  EXPECT_GT(r.points, 8);
+  ASSERT_EQ(r.objects, 1);
+  const TimeNs now_ns = sim_.set.t_ns;
+  const Eigen::Vector3d velocity = (world_.position(300, now_ns) - world_.position(300, now_ns - to_ns(0.01))) / 0.01;
+  EXPECT_LT((finder_.objects()[0].motion.velocity - velocity).norm(), 0.3);
+}
+
+TEST_F(ObjectsOfAMap, PathsFollowTheMapWhenItIsMoved) {
+  finder_.step(sim_.map, sim_.set, sim_.id);
+  ASSERT_EQ(finder_.objects().size(), 1U);
+  const BodyMotion before = finder_.objects()[0].motion;
+  const Similarity3 moved{2, Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY())), {1, 2, 3}};
+  sim_.map.transform(sim_.id, moved);
+  finder_.step(sim_.map, sim_.set, MapId());
+  ASSERT_EQ(finder_.objects().size(), 1U);
+  const BodyMotion& after = finder_.objects()[0].motion;
+  EXPECT_LT((after.centroid - moved * before.centroid).norm(), 1e-6);
+  EXPECT_LT((after.velocity - 2 * (moved.rotation * before.velocity)).norm(), 0.02) << "a median of each coordinate";
+}
+
 }  // namespace
 }  // namespace coslam
