@@ -83,6 +83,7 @@ void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& c
     MapCamera& c = *members[i].camera;
     FramePose& f = c.frames.back();
     report->rescued += !f.valid();
+    f.joint = weak(members[i], config);
     ++report->posed;
     f.cam_from_world = result.cameras[i].cam_from_world;
     f.map = c.map;
