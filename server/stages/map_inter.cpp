@@ -252,7 +252,11 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
 
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
   MapInterReport report;
-  for (const ViewEdge& edge : graph.tree) {
+  const auto in_tree = [&](const ViewEdge& edge) {
+    return std::any_of(graph.tree.begin(), graph.tree.end(),
+                       [&](const ViewEdge& t) { return t.first == edge.first && t.second == edge.second; });
+  };
+  for (const ViewEdge& edge : graph.edges) {
     const auto here = [&](CameraId id) {
       const MapCamera& c = map.camera(id);
       return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
@@ -260,9 +264,11 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
     if (!here(edge.first) || !here(edge.second)) continue;
     const PairView view = make_pair_view(map, edge);
     const double band_px = 3.0 * 0.5 * (map.gate_sigma_px(*view.first) + map.gate_sigma_px(*view.second)) / 1.5;
-    report.created +=
-        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px, config, &report,
-                   [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+    if (in_tree(edge)) {
+      report.created +=
+          best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px, config, &report,
+                     [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+    }
     report.moving += best_pairs(
         view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first), band_px, config, &report,
         [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });

@@ -27,8 +27,8 @@ struct MapInterReport {
 
 // New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
 // band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
-// back in time. Tracks that move are matched among themselves, and joined when they were at one place at each of the
-// last instants; where that was is triangulated from one instant alone.
+// back in time. Tracks that move are matched among themselves, of all cameras that share points, and joined when they
+// were at one place at each of the last instants; where that was is triangulated from one instant alone.
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 }  // namespace coslam
