@@ -27,19 +27,19 @@ constexpr RoomShell kShell{-3.8,
                            MaterialKind::kBrick,
                            MaterialKind::kLamp};
 
-// From frame 150 to 240 some cameras are close to the man; they come and go in a second.
-constexpr double kCloseFromS = 150 / 30.0, kCloseToS = 240 / 30.0, kWayS = 1.0;
-constexpr double kSeatX = 0.35, kSeatY = 1.14;
+// From frame 150 to 240 some cameras are close to the man; they come and go in two seconds.
+constexpr double kCloseFromS = 150 / 30.0, kCloseToS = 240 / 30.0, kWayS = 2.0;
+constexpr double kSeatX = 0.0, kSeatY = 0.4;
 
 void furnish(WorldBuilder& b) {
   // The left part of the wall behind the man.
   add_bookcase(b, {-3.0, 3.2, 0, 0}, 1.2, 2.1, 0.3);
-  add_sideboard(b, {-1.75, 3.2, 0, 0}, 1.1, 0.42, 0.8);
-  add_book_stack(b, {-1.55, 3.1, 0.8, 5}, 6);
-  add_vase(b, {-2.05, 3.1, 0.8, 0}, 0.09, 0.34);
-  add_pinboard(b, {-1.85, 3.2, 1.35, 0}, 0.8, 0.9);
-  add_print(b, {-0.78, 3.2, 1.9, 0}, 0.6, 0.8, MaterialKind::kPoster);
-  add_carton(b, {-1.2, 2.6, 0, 12}, {0.45, 0.4, 0.4});
+  add_sideboard(b, {-1.9, 3.2, 0, 0}, 0.9, 0.42, 0.8);
+  add_book_stack(b, {-1.75, 3.1, 0.8, 5}, 6);
+  add_vase(b, {-2.15, 3.1, 0.8, 0}, 0.09, 0.34);
+  add_pinboard(b, {-1.95, 3.2, 1.35, 0}, 0.8, 0.9);
+  add_print(b, {-0.95, 3.2, 2.1, 0}, 0.34, 0.4, MaterialKind::kPoster);
+  add_carton(b, {-1.75, 2.5, 0, 12}, {0.45, 0.4, 0.4});
   add_chair(b, {-2.3, 2.1, 0, 25});
   add_rug(b, {-2.1, 1.9, 0, 0}, 1.8, 1.6);
   // The wall to the left, and what is behind the cameras.
@@ -123,16 +123,16 @@ ViewPose view(int index, double t_s) {
   ViewPose out = path.at(eased_start(t_s, kRiseS));
   const int close_place = index % kInRow - kInRow / 2;
   if (close_place < 0) return out;
-  constexpr double kCalm = 0.3;  // of the wander, where the man is near
+  constexpr double kCalm = 0.2;  // of the wander, where the man is near
   const ViewPose start = path.at(0);
   const double share = close(t_s);
   const auto come = [&](auto* value, const auto& at_start, const auto& at_man) {
     *value += share * (at_man + kCalm * (*value - at_start) - *value);
   };
-  const Eigen::Vector3d at_man(-0.05 + 0.4 * close_place, kSeatY - 0.78 - 0.05 * close_place, 1.1);
+  const Eigen::Vector3d at_man(-0.2 + 0.25 * close_place, kSeatY - 1.0, 1.05);
   come(&out.position_m, start.position_m, Eigen::Vector3d(at_man + row * row_m));
-  come(&out.heading_deg, start.heading_deg, 65.0 + 9 * close_place);
-  come(&out.pitch_deg, start.pitch_deg, 6.0);
+  come(&out.heading_deg, start.heading_deg, 66.0 + 2.5 * close_place);
+  come(&out.pitch_deg, start.pitch_deg, 10.0);
   return out;
 }
 

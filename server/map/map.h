@@ -50,6 +50,7 @@ struct FramePose {
   TimeNs capture_ns = 0;
   MapId map;  // whose frame the pose is in; 0 = no pose
   Rigid3 cam_from_world;
+  bool joint = false;  // rests on moving points too: the static ones alone would not hold it
 
   bool valid() const { return map != MapId(); }
 };

@@ -65,6 +65,13 @@ std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const s
   return out;
 }
 
+// Moving points that a camera shares with others.
+int shares(const InterPoseProblem& problem, int camera) {
+  return static_cast<int>(std::count_if(problem.moving.begin(), problem.moving.end(), [&](const auto& m) {
+    return std::any_of(m.seen.begin(), m.seen.end(), [&](const auto& seen) { return seen.first == camera; });
+  }));
+}
+
 void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
   InterPoseProblem problem;
   std::vector<Rigid3> poses;
@@ -83,6 +90,7 @@ void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& c
     MapCamera& c = *members[i].camera;
     FramePose& f = c.frames.back();
     report->rescued += !f.valid();
+    f.joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
     ++report->posed;
     f.cam_from_world = result.cameras[i].cam_from_world;
     f.map = c.map;

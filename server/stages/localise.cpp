@@ -53,8 +53,8 @@ Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& fra
     (last == nullptr ? last : before) = &camera.frames[i];
   }
   if (last == nullptr) return Rigid3();
-  if (before == nullptr || last->set.value != before->set.value + 1 || camera.lost_sets > 0)
-    return last->cam_from_world;
+  const std::uint32_t now = camera.frames.back().set.value;
+  if (before == nullptr || last->set.value + 1 != now || before->set.value + 2 != now) return last->cam_from_world;
   return last->cam_from_world * before->cam_from_world.inverse() * last->cam_from_world;
 }
 

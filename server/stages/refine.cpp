@@ -36,7 +36,7 @@ std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, 
 
 void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
   const FramePose* f = map.camera(camera).frame_at(set);
-  if (f == nullptr || f->map != of) return;
+  if (f == nullptr || f->map != of || f->joint) return;
   (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
   job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
   job->poses.push_back({set, camera});

@@ -184,6 +184,7 @@ nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
   return {{"frames", camera.frames.size()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
+          {"sigma_px", camera.sigma_px},
           {"lost_intervals", lost}};
 }
 

@@ -53,9 +53,11 @@ TEST_F(InterPoseTest, FindsTheCameraThatHasNoStaticPoints) {
   ASSERT_TRUE(frame().valid());
   EXPECT_THAT(frame().cam_from_world, PoseNear(sim_.truth(kPoor, sim_.set.id), 0.005, 0.03));
   EXPECT_TRUE(sim_.map.camera(kPoor).corrected) << "its agent is told";
+  EXPECT_TRUE(frame().joint);
   for (const CameraId rich : {CameraId(0), CameraId(1)}) {
     EXPECT_THAT(sim_.map.camera(rich).frames.back().cam_from_world,
                 PoseNear(sim_.truth(rich, sim_.set.id), 0.004, 0.02));
+    EXPECT_FALSE(sim_.map.camera(rich).frames.back().joint);
   }
 }
 

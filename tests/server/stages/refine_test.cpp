@@ -86,6 +86,17 @@ TEST_F(RefineTest, TheWindowIsFreeAndHistoryHoldsIt) {
   }
 }
 
+TEST_F(RefineTest, PosesThatRestOnMovingPointsAreCarriedAndNotAdjusted) {
+  constexpr int kSet = 48, kCamera = 1;
+  const std::size_t all = plan().poses.size();
+  sim_.map.camera(cam(kCamera)).frame_at(SetId(kSet))->joint = true;
+  const RefineJob job = plan();
+  EXPECT_EQ(job.poses.size(), all - 1);
+  for (const auto& p : job.poses) EXPECT_FALSE(p.camera == cam(kCamera) && p.set == SetId(kSet));
+  ASSERT_TRUE(apply_refine(sim_.map, job, solve_refine(job)).applied);
+  EXPECT_LT((pose(kCamera, kSet).center() - truth(kCamera, kSet).center()).norm(), 0.02);
+}
+
 TEST_F(RefineTest, KeyFramesAndTheFramesBetweenComeRight) {
   EXPECT_GT(worst_m(18, kSets - 1), 0.07);
   const MapEpoch before = sim_.map.epoch();
