@@ -38,7 +38,7 @@ void furnish(WorldBuilder& b) {
   add_book_stack(b, {-1.75, 3.1, 0.8, 5}, 6);
   add_vase(b, {-2.15, 3.1, 0.8, 0}, 0.09, 0.34);
   add_pinboard(b, {-1.95, 3.2, 1.35, 0}, 0.8, 0.9);
-  add_print(b, {-0.95, 3.2, 2.1, 0}, 0.34, 0.4, MaterialKind::kPoster);
+  add_print(b, {-0.95, 3.2, 2.1, 0}, 0.5, 0.6, MaterialKind::kPoster);
   add_carton(b, {-1.75, 2.5, 0, 12}, {0.45, 0.4, 0.4});
   add_chair(b, {-2.3, 2.1, 0, 25});
   add_rug(b, {-2.1, 1.9, 0, 0}, 1.8, 1.6);
@@ -129,10 +129,10 @@ ViewPose view(int index, double t_s) {
   const auto come = [&](auto* value, const auto& at_start, const auto& at_man) {
     *value += share * (at_man + kCalm * (*value - at_start) - *value);
   };
-  const Eigen::Vector3d at_man(-0.2 + 0.25 * close_place, kSeatY - 1.0, 1.05);
+  const Eigen::Vector3d at_man(-0.3 + 0.3 * close_place, kSeatY - 1.4, 1.05);
   come(&out.position_m, start.position_m, Eigen::Vector3d(at_man + row * row_m));
   come(&out.heading_deg, start.heading_deg, 66.0 + 2.5 * close_place);
-  come(&out.pitch_deg, start.pitch_deg, 10.0);
+  come(&out.pitch_deg, start.pitch_deg, 14.0);
   return out;
 }
 

@@ -214,9 +214,8 @@ bool moves_by_more(const std::vector<View>& views, std::size_t frames, double ne
   return static_miss_px(some) > most_px;
 }
 
-// Nothing that stands still is expected closer than this: a share of the median depth of what stands still.
-double nearest_depth(const Map& map, const MapCamera& camera) {
-  constexpr double kNearest = 0.15;
+// Of what stands still; 0 = unknown.
+double median_static_depth(const Map& map, const MapCamera& camera) {
   std::vector<double> depths;
   for (const auto& [id, track] : camera.tracks) {
     const MapPoint* p = map.find(track.point);
@@ -226,18 +225,24 @@ double nearest_depth(const Map& map, const MapCamera& camera) {
   if (depths.empty()) return 0;
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
-  return kNearest * *middle;
+  return *middle;
 }
 
-Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double nearest,
+Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double median_depth,
                    const ClassifyConfig& config) {
+  constexpr double kNearest = 0.15;  // nothing that stands still is expected closer, of the median depth
+  const double nearest = kNearest * median_depth;
   if (const MapPoint* p = map.find(track.point)) {
     return p->state == PointState::kDynamic ? Verdict::kMoves : Verdict::kStill;
   }
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  if (!moves_by_more(views, views.size() - 1, nearest, config.motion_px / to_640)) return Verdict::kUndecided;
+  // Corners where one thing hides another slide when the camera moves: by a part of the parallax.
+  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
+  const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
+  const double most_px = std::max(config.motion_px / to_640, config.motion_parallax * parallax_px);
+  if (!moves_by_more(views, views.size() - 1, nearest, most_px)) return Verdict::kUndecided;
   const auto few = static_cast<std::size_t>(config.still_frames);
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
@@ -280,10 +285,10 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
     MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Judged> all;
-    const double nearest = nearest_depth(map, camera);
+    const double median_depth = median_static_depth(map, camera);
     for (auto& [id, track] : camera.tracks) {
       all.push_back({&track, track.seen.back().undistorted_px.cast<double>(),
-                     verdict_of(map, camera, track, nearest, config), flow_of(track)});
+                     verdict_of(map, camera, track, median_depth, config), flow_of(track)});
     }
     const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
     for (const Judged& j : all) {

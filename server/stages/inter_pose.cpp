@@ -53,7 +53,8 @@ std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const s
       const auto at = index.find(b.camera);
       if (at == index.end()) continue;
       const MapCamera& c = map.camera(b.camera);
-      const Eigen::Vector2d px = c.tracks.at(b.track).seen.back().undistorted_px.cast<double>();
+      const ServerTrack& t = c.tracks.at(b.track);
+      const Eigen::Vector2d px = (t.seen.back().undistorted_px + t.offset_px).cast<double>();
       m.seen.emplace_back(at->second, px);
       views.push_back({&c.model, poses[static_cast<std::size_t>(at->second)], px});
     }
