@@ -48,28 +48,41 @@ struct System {
   double cost = 0;
 };
 
+struct Sigmas {
+  std::vector<double> still_px;  // by camera
+  double moving_px = 0;
+};
+
+bool alike(const Sigmas& a, const Sigmas& b) {
+  const auto near = [](double x, double y) { return std::abs(x - y) < 0.01 * y; };
+  return near(a.moving_px, b.moving_px) && std::equal(a.still_px.begin(), a.still_px.end(), b.still_px.begin(), near);
+}
+
 // Scale of each camera's residuals, not below its sigma: the start may be far off, and the loss follows the residuals
-// down.
-std::vector<double> measured_sigmas(const InterPoseProblem& problem, const State& state) {
-  std::vector<std::vector<double>> norms(problem.cameras.size());
-  const auto add = [&](std::size_t c, const Eigen::Vector3d& point, const Eigen::Vector2d& px) {
+// down. Those of moving points have a scale of their own: their tracks drift, and cameras follow neighbouring corners.
+Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
+  std::vector<double> moving;
+  const auto add = [&](std::size_t c, const Eigen::Vector3d& point, const Eigen::Vector2d& px,
+                       std::vector<double>* to) {
     const Eigen::Vector3d x = state.poses[c] * point;
-    if (x.z() > 1e-6) norms[c].push_back((px - problem.cameras[c].model->project(x)).norm());
+    if (x.z() > 1e-6) to->push_back((px - problem.cameras[c].model->project(x)).norm());
   };
+  Sigmas sigmas;
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    for (const PointObservation& o : problem.cameras[c].statics) add(c, o.point_in_world, o.undistorted_px);
+    std::vector<double> still;
+    for (const PointObservation& o : problem.cameras[c].statics) add(c, o.point_in_world, o.undistorted_px, &still);
+    sigmas.still_px.push_back(std::max(problem.cameras[c].sigma_px, robust_sigma_2d(still)));
   }
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
-    for (const auto& [camera, px] : problem.moving[m].seen) add(static_cast<std::size_t>(camera), state.points[m], px);
+    for (const auto& [camera, px] : problem.moving[m].seen) {
+      add(static_cast<std::size_t>(camera), state.points[m], px, &moving);
+    }
   }
-  std::vector<double> sigmas;
-  for (std::size_t c = 0; c < norms.size(); ++c) {
-    sigmas.push_back(std::max(problem.cameras[c].sigma_px, robust_sigma_2d(norms[c])));
-  }
+  sigmas.moving_px = std::max(problem.moving_sigma_px, robust_sigma_2d(moving));
   return sigmas;
 }
 
-System build(const InterPoseProblem& problem, const State& state, const std::vector<double>& sigmas_px) {
+System build(const InterPoseProblem& problem, const State& state, const Sigmas& sigmas) {
   const auto n = static_cast<Eigen::Index>(6 * problem.cameras.size());
   System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
   s.own.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
@@ -87,7 +100,7 @@ System build(const InterPoseProblem& problem, const State& state, const std::vec
         s.cost += tukey_rho(2 * kTukey, kTukey);
         continue;
       }
-      const Eigen::Matrix2d information = (sigmas_px[c] * sigmas_px[c] * Eigen::Matrix2d::Identity() +
+      const Eigen::Matrix2d information = (sigmas.still_px[c] * sigmas.still_px[c] * Eigen::Matrix2d::Identity() +
                                            p.by_point * o.point_covariance * p.by_point.transpose())
                                               .inverse();
       const double d = std::sqrt(p.r.dot(information * p.r)), w = tukey_weight(d, kTukey);
@@ -102,7 +115,7 @@ System build(const InterPoseProblem& problem, const State& state, const std::vec
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {
       const auto c = static_cast<std::size_t>(camera);
-      const double sigma_px = sigmas_px[c];
+      const double sigma_px = sigmas.moving_px;
       if (!project(*problem.cameras[c].model, state.poses[c], rotations[c], state.points[m], px, &p)) {
         s.cost += tukey_rho(2 * kTukey, kTukey);
         continue;
@@ -163,8 +176,8 @@ InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterat
   State state;
   for (const auto& c : problem.cameras) state.poses.push_back(c.cam_from_world);
   for (const auto& m : problem.moving) state.points.push_back(m.position);
-  std::vector<double> sigmas_px = measured_sigmas(problem, state);
-  System s = build(problem, state, sigmas_px);
+  Sigmas sigmas = measured_sigmas(problem, state);
+  System s = build(problem, state, sigmas);
   double lambda = 1e-4;
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
@@ -174,18 +187,16 @@ InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterat
     const Eigen::VectorXd step = a.ldlt().solve(b);
     if (!step.allFinite()) break;
     const State next = stepped(s, state, step, lambda);
-    const double cost = build(problem, next, sigmas_px).cost;
+    const double cost = build(problem, next, sigmas).cost;
     if (cost > s.cost * (1 + 1e-9)) {
       lambda *= 10;
       continue;
     }
     const double improved = s.cost - cost;
-    const std::vector<double> before_px = std::exchange(sigmas_px, measured_sigmas(problem, next));
-    const bool same_scale = std::equal(sigmas_px.begin(), sigmas_px.end(), before_px.begin(),
-                                       [](double x, double y) { return std::abs(x - y) < 0.01 * y; });
-    const bool settled = same_scale && improved < 1e-6 * s.cost;
+    const Sigmas before = std::exchange(sigmas, measured_sigmas(problem, next));
+    const bool settled = alike(sigmas, before) && improved < 1e-6 * s.cost;
     state = next;
-    s = build(problem, state, sigmas_px);
+    s = build(problem, state, sigmas);
     lambda = std::max(1e-9, 0.1 * lambda);
     if (settled) break;
   }

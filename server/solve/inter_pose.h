@@ -30,6 +30,7 @@ struct InterPoseProblem {
   };
   std::vector<Camera> cameras;
   std::vector<MovingPoint> moving;
+  double moving_sigma_px = 1.0;  // of a moving point's observation, at least
 };
 
 struct InterPoseResult {
