@@ -59,7 +59,9 @@ void describe(V& v, ClassifyConfig& c) {
   v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which a thing stands, at 640 px image width");
   v.field("least_frames", c.least_frames, {2, 200}, "age at which an unmapped track is tested for motion");
   v.field("test_frames", c.test_frames, {4, 200}, "of an unmapped track that are tested for motion");
-  v.field("motion_px", c.motion_px, {0.5, 50}, "that it misses every static point by, at 640 px image width");
+  v.field("doubtful_px", c.doubtful_px, {0.5, 50},
+          "that it misses every static point by, at 640 px image width: it is not mapped");
+  v.field("motion_px", c.motion_px, {0.5, 50}, "the same, to be called moving");
   v.field("motion_parallax", c.motion_parallax, {0, 10}, "and at least so much of the parallax at the median depth");
   v.field("neighbour_share", c.neighbour_share, {0, 1}, "of the tracks around it that must move too");
   v.field("neighbour_radius", c.neighbour_radius, {0, 1}, "of the larger image side");

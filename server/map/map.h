@@ -39,6 +39,7 @@ struct ServerTrack {
   int gate_failures = 0;                 // in succession
   std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
   bool moving = false;                   // follows something that moves, as far as its own camera can tell
+  bool doubtful = false;                 // no static place explains it well: it is not mapped as static
   // From the track to the point, while that moves: two cameras find different corners of one small structure.
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 };

@@ -122,7 +122,7 @@ void become_static(Map& map, MapPoint& p, int frames) {
   p.updated_from.clear();
   for (const BoundTrack& b : p.bound) {
     ServerTrack& t = track_of(map, b);
-    t.moving = false;
+    t.moving = t.doubtful = false;
     t.gate_failures = 0;
     t.distrusted_before = t.seen[t.seen.size() - std::min(t.seen.size(), static_cast<std::size_t>(frames))].set.value;
   }
@@ -159,7 +159,7 @@ double static_miss_px(const std::vector<View>& views) {
   return std::min(near_px, far_px);
 }
 
-enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kMoves };
+enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kDoubtful, kMoves };
 
 struct Judged {
   ServerTrack* track;
@@ -238,11 +238,7 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
-  // Corners where one thing hides another slide when the camera moves: by a part of the parallax.
-  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
-  const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
-  const double most_px = std::max(config.motion_px / to_640, config.motion_parallax * parallax_px);
-  if (!moves_by_more(views, views.size() - 1, nearest, most_px)) return Verdict::kUndecided;
+  if (!moves_by_more(views, views.size() - 1, nearest, config.doubtful_px / to_640)) return Verdict::kUndecided;
   const auto few = static_cast<std::size_t>(config.still_frames);
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
@@ -250,7 +246,11 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
     const double still_px = config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns);
     if (!moves_by_more(views, frames, nearest, still_px / to_640)) return Verdict::kUndecided;
   }
-  return Verdict::kMoves;
+  // Corners where one thing hides another slide when the camera moves: by a part of the parallax.
+  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
+  const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
+  const double most_px = std::max(config.motion_px / to_640, config.motion_parallax * parallax_px);
+  return moves_by_more(views, views.size() - 1, nearest, most_px) ? Verdict::kMoves : Verdict::kDoubtful;
 }
 
 // What the tracks around one do.
@@ -259,14 +259,15 @@ struct Around {
   Eigen::Vector2d moving_flow_px = Eigen::Vector2d::Zero(), still_flow_px = Eigen::Vector2d::Zero();  // means
 };
 
-Around around(const std::vector<Judged>& all, const Judged& j, double radius_px) {
+// moves: from this verdict on.
+Around around(const std::vector<Judged>& all, const Judged& j, Verdict moves, double radius_px) {
   Around a;
   int flows_moving = 0, flows_still = 0;
   for (const Judged& o : all) {
     const double distance2 = (o.px - j.px).squaredNorm();
     if (&o == &j || distance2 > 9 * radius_px * radius_px) continue;
     const bool close = distance2 < radius_px * radius_px;
-    if (o.verdict == Verdict::kMoves && close) {
+    if (o.verdict >= moves && close) {
       ++a.moving;
       if (o.flow_px && ++flows_moving > 0) a.moving_flow_px += *o.flow_px;
     }
@@ -278,6 +279,16 @@ Around around(const std::vector<Judged>& all, const Judged& j, double radius_px)
   a.moving_flow_px /= std::max(1, flows_moving);
   a.still_flow_px /= std::max(1, flows_still);
   return a;
+}
+
+// Its own verdict counts when its surroundings agree; without one it goes with its moving neighbours or with what
+// stands still.
+bool goes_along(const std::vector<Judged>& all, const Judged& j, Verdict moves, double radius_px, double share) {
+  if (j.verdict == Verdict::kYoung && !j.flow_px) return false;
+  const Around a = around(all, j, moves, radius_px);
+  if (j.verdict >= moves) return a.moving > 0 && a.moving >= share * (a.moving + a.still);
+  if (!j.flow_px || a.moving < 2) return false;
+  return (*j.flow_px - a.moving_flow_px).norm() < 0.5 * (*j.flow_px - a.still_flow_px).norm();
 }
 
 void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
@@ -293,16 +304,8 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
     const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
     for (const Judged& j : all) {
       if (j.track->point != PointId()) continue;
-      j.track->moving = false;
-      if (j.verdict == Verdict::kYoung && !j.flow_px) continue;
-      const Around a = around(all, j, radius_px);
-      if (j.verdict == Verdict::kMoves) {
-        j.track->moving = a.moving > 0 && a.moving >= config.neighbour_share * (a.moving + a.still);
-      } else if (j.flow_px && a.moving >= 2) {
-        // It goes with its moving neighbours rather than with what stands still.
-        const double with_px = (*j.flow_px - a.moving_flow_px).norm(), apart_px = (*j.flow_px - a.still_flow_px).norm();
-        j.track->moving = with_px < 0.5 * apart_px;
-      }
+      j.track->moving = goes_along(all, j, Verdict::kMoves, radius_px, config.neighbour_share);
+      j.track->doubtful = j.track->moving || goes_along(all, j, Verdict::kDoubtful, radius_px, config.neighbour_share);
       report->moving_tracks += j.track->moving;
     }
   }

@@ -14,7 +14,8 @@ struct ClassifyConfig {
   double still_px_s = 4.0;       // apparent speed below which a thing stands, at 640 px image width
   int test_frames = 30;          // newest of an unmapped track that are tested for motion
   int least_frames = 7;          // younger ones are not
-  double motion_px = 5.0;        // that it misses every static explanation by, at 640 px image width
+  double doubtful_px = 3.0;      // that it misses every static explanation by, at 640 px image width: not mapped
+  double motion_px = 5.0;        // the same, to be called moving
   double motion_parallax = 0.3;  // and at least so much of the parallax at the median depth
   double neighbour_share = 0.5;  // of the tracks around it that must move too
   double neighbour_radius = 0.06;  // of the larger image side

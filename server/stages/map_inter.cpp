@@ -69,7 +69,8 @@ PairView make_pair_view(Map& map, const ViewEdge& edge) {
 std::vector<Feature> unmapped(MapCamera& camera) {
   std::vector<Feature> out;
   for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && !t.moving && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+    if (t.point == PointId() && !t.moving && !t.doubtful && t.patch)
+      out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
   }
   return out;
 }

@@ -35,7 +35,7 @@ MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& co
     const Eigen::Vector3d center = camera.frames.back().cam_from_world.center();
     for (auto& [id, track] : camera.tracks) {
       if (track.point != PointId() || set.id.value < track.mapping_after) continue;
-      if (track.moving) continue;
+      if (track.moving || track.doubtful) continue;
       // A track that left a point before may do so because it moves: it has to prove itself for longer.
       const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
       if (static_cast<int>(track.seen.size()) < least) continue;

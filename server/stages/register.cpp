@@ -36,7 +36,8 @@ struct Candidate {
 void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vector<Candidate>* out) {
   TrackGrid grid;
   for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && !t.moving && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames)
+    if (t.point == PointId() && !t.moving && !t.doubtful && t.patch &&
+        static_cast<int>(t.seen.size()) >= config.min_track_frames)
       grid.add(&t);
   }
   const Rigid3& pose = camera.frames.back().cam_from_world;
