@@ -10,6 +10,8 @@
 #include <optional>
 #include <tuple>
 
+#include "server/stages/follow.h"
+
 namespace coslam {
 namespace {
 
@@ -142,6 +144,37 @@ bool ObjectFinder::follow(const Map& map, MapId in, Anchor* a, PathSample* sampl
   return baseline > 0;
 }
 
+// Where a new moving point was before it was known to be one, by the tracks that it has.
+void ObjectFinder::look_back(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path) {
+  const auto track = [&](const BoundTrack& b) -> const ServerTrack& { return map.camera(b.camera).tracks.at(b.track); };
+  const auto oldest = std::min_element(point.bound.begin(), point.bound.end(), [&](const auto& a, const auto& b) {
+    return track(a).seen.front().set < track(b).seen.front().set;
+  });
+  if (oldest == point.bound.end()) return;
+  for (const TrackPoint& at : track(*oldest).seen) {
+    const FramePose* f = map.camera(oldest->camera).frame_at(at.set);
+    if (f == nullptr || f->capture_ns < since_ns) continue;
+    MotionSample sample{.set = at.set, .t_ns = f->capture_ns};
+    std::vector<Seen> seen;
+    for (const BoundTrack& b : point.bound) {
+      const std::vector<TrackPoint>& points = track(b).seen;
+      const auto same = std::lower_bound(points.begin(), points.end(), at.set,
+                                         [](const TrackPoint& p, SetId set) { return p.set < set; });
+      if (same == points.end() || same->set != at.set) continue;
+      const auto view =
+          view_at(map.camera(b.camera), track(b), static_cast<std::size_t>(same - points.begin()), sample.t_ns);
+      if (!view) continue;
+      seen.push_back({b, *view});
+      sample.undistorted_px.emplace_back(b.camera, view->undistorted_px.cast<float>());
+    }
+    const auto position = position_of(map, seen, kMovingParallax_rad);
+    const auto anchor = position ? anchor_of(map, point.map, sample, position->position) : std::nullopt;
+    if (!anchor) continue;
+    path->samples.push_back({at.set, sample.t_ns, position->position});
+    path->anchors.push_back(*anchor);
+  }
+}
+
 void ObjectFinder::extend(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path) {
   const auto motion = map.motions().find(point.id);
   if (motion == map.motions().end()) return;
@@ -184,6 +217,7 @@ void ObjectFinder::update_paths(const Map& map, TimeNs now_ns) {
       kept.anchors.push_back(path.anchors[i]);
     }
     path = std::move(kept);
+    if (path.samples.empty()) look_back(map, point, since_ns, &path);
     extend(map, point, since_ns, &path);
   }
 }

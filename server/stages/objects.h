@@ -90,6 +90,7 @@ class ObjectFinder {
   static std::optional<Anchor> anchor_of(const Map& map, MapId in, const MotionSample& sample,
                                          const Eigen::Vector3d& position);
   static bool follow(const Map& map, MapId in, Anchor* anchor, PathSample* sample);
+  static void look_back(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
   static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
   void update_paths(const Map& map, TimeNs now_ns);
   std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
