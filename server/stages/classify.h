@@ -16,7 +16,7 @@ struct ClassifyConfig {
   int least_frames = 7;          // younger ones are not
   double doubtful_px = 3.0;      // that it misses every static explanation by, at 640 px image width: not mapped
   double motion_px = 5.0;        // the same, to be called moving
-  double motion_parallax = 0.3;  // and at least so much of the parallax at the median depth
+  double motion_parallax = 0.22;  // and at least so much of the parallax at the median depth
   double neighbour_share = 0.5;  // of the tracks around it that must move too
   double neighbour_radius = 0.06;  // of the larger image side
   FollowConfig follow;
