@@ -9,15 +9,15 @@ namespace coslam {
 
 struct ClassifyConfig {
   bool enabled = true;
-  int failures = 3;              // gate failures in succession of one camera's track that count
-  int still_frames = 6;          // what stood so long does not move now (the paper's N_min, 60, is too slow for people)
-  double still_px_s = 4.0;       // apparent speed below which a thing stands, at 640 px image width
-  int test_frames = 30;          // newest of an unmapped track that are tested for motion
-  int least_frames = 7;          // younger ones are not
-  double doubtful_px = 3.0;      // that it misses every static explanation by, at 640 px image width: not mapped
-  double motion_px = 5.0;        // the same, to be called moving
-  double motion_parallax = 0.22;  // and at least so much of the parallax at the median depth
-  double neighbour_share = 0.5;  // of the tracks around it that must move too
+  int failures = 3;          // gate failures in succession of one camera's track that count
+  int still_frames = 6;      // what stood so long does not move now (the paper's N_min, 60, is too slow for people)
+  double still_px_s = 4.0;   // apparent speed below which a thing stands, at 640 px image width
+  int test_frames = 30;      // newest of an unmapped track that are tested for motion
+  int least_frames = 7;      // younger ones are not
+  double doubtful_px = 3.0;  // that it misses every static explanation by, at 640 px image width: not mapped
+  double motion_px = 5.0;    // the same, to be called moving
+  double motion_parallax = 0.22;   // and at least so much of the parallax at the median depth
+  double neighbour_share = 0.5;    // of the tracks around it that must move too
   double neighbour_radius = 0.06;  // of the larger image side
   FollowConfig follow;
 };
