@@ -246,10 +246,12 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
     const double still_px = config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns);
     if (!moves_by_more(views, frames, nearest, still_px / to_640)) return Verdict::kUndecided;
   }
-  // Corners where one thing hides another slide when the camera moves: by a part of the parallax.
+  // Corners where one thing hides another slide when the camera moves: by a part of the parallax, and not for long.
+  constexpr double kMostSlide = 2.5;
   const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
   const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
-  const double most_px = std::max(config.motion_px / to_640, config.motion_parallax * parallax_px);
+  const double slide_px = std::min(config.motion_parallax * parallax_px, kMostSlide * config.motion_px / to_640);
+  const double most_px = std::max(config.motion_px / to_640, slide_px);
   return moves_by_more(views, views.size() - 1, nearest, most_px) ? Verdict::kMoves : Verdict::kDoubtful;
 }
 
