@@ -178,7 +178,7 @@ void keep_to_ray(MapPoint& p, const View& v) {
 // Its step since the last set: as its moving neighbours in space or, without any, in the images.
 std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const std::vector<Step>& steps,
                                        double radius) {
-  if (const auto step = step_near(steps, p.position, radius)) return step;
+  if (auto step = step_near(steps, p.position, radius)) return step;
   const std::vector<View> views = views_by_flow(map, p);
   if (views.empty()) return std::nullopt;
   MapPoint moved{.position = p.position};

@@ -45,7 +45,7 @@ class TrackGrid {
 struct SearchWindow {
   Eigen::Vector2d px;
   Eigen::Matrix2d covariance;  // of px by the point's own
-  double radius_px;
+  double radius_px = 0;
 };
 
 inline std::optional<SearchWindow> search_window(const CameraModel& camera, const Rigid3& cam_from_world,
