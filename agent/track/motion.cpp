@@ -95,6 +95,7 @@ std::vector<bool> moves_apart(const std::vector<Eigen::Vector2f>& from_px, const
     median = sorted[n / 2];
   }
   std::vector<bool> apart;
+  apart.reserve(n);
   for (const float d : distances) apart.push_back(d > std::max(kLeast_px, kOfMedian * median));
   return apart;
 }

@@ -366,7 +366,8 @@ void ObjectFinder::name_by_members(std::vector<Part>& parts) const {
 }
 
 void ObjectFinder::name_by_place(std::vector<Part>& parts, TimeNs now_ns) const {
-  for (const auto& [id, known] : known_) {
+  for (const auto& [object, known] : known_) {
+    const ObjectId id = object;
     if (std::any_of(parts.begin(), parts.end(), [&](const Part& p) { return p.object == id; })) continue;
     const Eigen::Vector3d predicted =
         known.motion.centroid + to_seconds(now_ns - known.last_ns) * known.motion.velocity;

@@ -94,7 +94,7 @@ class ObjectFinder {
   static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
   void update_paths(const Map& map, TimeNs now_ns);
   std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
-  std::vector<Part> parts(const std::vector<Candidate>& candidates, TimeNs now_ns) const;
+  std::vector<Part> parts(const std::vector<Candidate>& all, TimeNs now_ns) const;
   bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
   ObjectId object_of(PointId point) const;
   void name_by_members(std::vector<Part>& parts) const;
