@@ -15,8 +15,6 @@ namespace {
 
 constexpr float kMostStaticOffset_px = 0.7F;
 
-ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
-
 // Its observations so far are of a place that it left.
 void forget_past(Map& map, MapPoint& p) {
   p.key_observations.clear();

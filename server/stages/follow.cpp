@@ -13,8 +13,6 @@
 namespace coslam {
 namespace {
 
-ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
-
 int cameras_of(const std::vector<Seen>& seen) {
   std::vector<CameraId> cameras;
   for (const Seen& s : seen) {
@@ -130,7 +128,8 @@ void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vect
         const BoundTrack b = seen[*odd].track;
         map.unbind(b.camera, track_of(map, b));
         ++report->unbound;
-        t = position_of(map, seen_now(map, p), kMovingParallax_rad);
+        seen = seen_now(map, p);
+        t = position_of(map, seen, kMovingParallax_rad);
       }
     }
     if (!t) {
@@ -140,7 +139,7 @@ void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vect
     if (p.last_seen.value + 1 == set.id.value) steps->push_back({p.position, t->position});
     take_position(p, *t, set);
     MotionSample sample{.set = set.id, .t_ns = set.t_ns};
-    for (const Seen& s : seen_now(map, p)) {
+    for (const Seen& s : seen) {
       track_of(map, s.track).gate_failures = 0;
       sample.undistorted_px.emplace_back(s.track.camera, s.view.undistorted_px.cast<float>());
     }

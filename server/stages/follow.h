@@ -19,6 +19,8 @@ struct Seen {
 inline constexpr double kMovingParallax_rad = 0.01;
 inline constexpr double kMostOffset_px = 1.7;  // between the corners that two cameras follow on one structure
 
+inline ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
+
 // The i-th observation of a track as it would be at t_ns: interpolated, pose and pixel, when the camera took its image
 // at another time. Empty without a pose in the camera's map.
 std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns);
