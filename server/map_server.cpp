@@ -9,7 +9,12 @@
 namespace coslam {
 
 MapServer::MapServer(RunId run, const MapServerConfig& config)
-    : run_(run), config_(config), map_(config.map), objects_(config.objects), moving_writer_(run) {
+    : run_(run),
+      config_(config),
+      map_(config.map),
+      meetings_(config.meet),
+      objects_(config.objects),
+      moving_writer_(run) {
   config_.verify.leave_moved = config_.classify.enabled;
 }
 
@@ -45,14 +50,21 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("inter_posed", r.posed);
     count("rescued", r.rescued);
   }
-  StartReport started;
   {
     const auto t = times_.measure("start");
-    started = start(map_, set, config_.start);
-    count("maps_started", started.started);
-    count("placed", started.placed);
-    counts_.merges += started.merged;
-    if (started.merged > 0) refine_whole_ = started.merged_into;
+    count("maps_started", start(map_, set, config_.start).started);
+  }
+  MeetReport met;
+  {
+    const auto t = times_.measure("meet");
+    met = meetings_.step(map_, set, graph_);
+    count("sightings", met.sightings);
+    count("placed", met.placed);
+    count("loops_closed", met.closed);
+    count("places_linked", met.linked);
+    count("meetings_doubted", met.doubted);
+    counts_.merges += met.merged;
+    if (met.to_adjust != MapId()) refine_whole_ = met.to_adjust;
   }
   {
     const auto t = times_.measure("verify");
@@ -119,7 +131,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     plan_refinement(decide_key_frame(map_, set, config_.key_frame));
   }
   const auto t = times_.measure("correct");
-  return write_patches(set, started.wants_descriptors);
+  return write_patches(set, met.wants_descriptors);
 }
 
 // Timed only when it had something to do.
@@ -134,10 +146,11 @@ MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {
   return writers_.at(camera).acknowledge(map_, map_.camera(camera), frame);
 }
 
-std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, bool wants_descriptors) {
+std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const std::set<CameraId>& wants_descriptors) {
   std::vector<MapPatch> patches;
   for (const CameraFrame& cf : set.frames) {
-    patches.push_back(writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame, wants_descriptors));
+    patches.push_back(
+        writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame, wants_descriptors.contains(cf.camera)));
     patches.back().scale_known = scaled_map_ != MapId() && map_.camera(cf.camera).map == scaled_map_;
     for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
       const auto& members = graph_.groups[g];

@@ -22,6 +22,7 @@
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
 #include "server/stages/map_intra.h"
+#include "server/stages/meet.h"
 #include "server/stages/objects.h"
 #include "server/stages/refine.h"
 #include "server/stages/register.h"
@@ -33,6 +34,7 @@ namespace coslam {
 struct MapServerConfig {
   MapConfig map;
   StartStageConfig start;
+  MeetConfig meet;
   LocaliseConfig localise;
   InterPoseConfig inter_pose;
   VerifyConfig verify;
@@ -97,13 +99,14 @@ class MapServer {
   void apply_refined();
   void plan_refinement(bool key_frame);
   void set_scale();
-  std::vector<MapPatch> write_patches(const FrameSet& set, bool wants_descriptors);
+  std::vector<MapPatch> write_patches(const FrameSet& set, const std::set<CameraId>& wants_descriptors);
   void count(const char* event, long n) { counts_.events[event] += n; }
 
   RunId run_;
   MapServerConfig config_;
   Map map_;
   ViewGraph graph_;
+  Meetings meetings_;
   ObjectFinder objects_;
   MovingWriter moving_writer_;
   std::vector<MovingState> moving_;
@@ -111,7 +114,7 @@ class MapServer {
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
-  MapId refine_whole_;  // became one of two: adjust all of it; 0 = none
+  MapId refine_whole_;  // became one of two or was drawn together: adjust all of it; 0 = none
   MapId scaled_map_;    // the one in metres; 0 = none
   SetId scaled_at_;     // the instant of the known baseline
   MapServerCounts counts_;

@@ -18,12 +18,21 @@ template <class V>
 void describe(V& v, StartStageConfig& c) {
   v.field("min_matches", c.pair.min_matches, {10, 1000}, "between two cameras that start a map together");
   v.field("min_parallax_rad", c.pair.min_parallax_rad, {0.001, 1}, "median over their points");
-  v.field("request_period_sets", c.request_period, {1, 1000},
-          "between requests for descriptors while a camera is to be placed");
   v.field("alone_after_sets", c.alone_after_sets, {0, 10000}, "a camera that nobody placed starts a map of its own");
   v.field("min_flow_px", c.min_flow_px, {1, 200}, "median displacement of its tracks for that, at 640 px image width");
-  v.field("min_place_inliers", c.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
-  v.field("min_merge_inliers", c.min_merge_inliers, {8, 1000}, "to join two maps");
+}
+
+template <class V>
+void describe(V& v, MeetConfig& c) {
+  v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
+  v.field("min_place_inliers", c.recognise.min_inliers, {8, 1000}, "to place a camera by its descriptors");
+  v.field("min_merge_inliers", c.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
+  v.field("lost_period_sets", c.lost_period, {1, 1000},
+          "between requests for descriptors while a camera is to be placed");
+  v.field("apart_period_sets", c.apart_period, {1, 1000}, "the same while there are several maps");
+  v.field("least_period_sets", c.least_period, {1, 1000}, "the same because the view changed");
+  v.field("turned_rad", c.turned_rad, {0.01, 3}, "turn that changes the view");
+  v.field("moved_share", c.moved_share, {0.01, 10}, "the same for a shift, of the median depth");
 }
 
 template <class V>
@@ -172,6 +181,7 @@ void describe(V& v, ServerConfig& c) {
           "known distance of the first two cameras at the start; 0 = unknown");
   v.section("sync", c.sync);
   v.section("start", c.map.start);
+  v.section("meet", c.map.meet);
   v.section("localise", c.map.localise);
   v.section("inter_pose", c.map.inter_pose);
   v.section("verify", c.map.verify);

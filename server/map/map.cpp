@@ -159,11 +159,10 @@ void Map::bind(MapPoint& point, CameraId camera_id, ServerTrack& track) {
   track.gate_failures = 0;
   point.bound.push_back({camera_id, track.id});
   for (const TrackPoint& s : track.seen) {
-    if (s.set.value < track.distrusted_before || !is_key_frame(s.set)) continue;
+    if (s.set.value < track.distrusted_before || !keeps_observations_of(s.set, camera_id)) continue;
     point.key_observations.push_back({s.set, camera_id, track.id, s.undistorted_px});
   }
   sort_observations(point);
-  if (point.descriptor.empty()) point.descriptor = track.descriptor;
   give_patch(point, camera_id, track);
 }
 
@@ -230,6 +229,20 @@ void Map::fuse(PointId kept, PointId gone) {
 
 bool Map::is_key_frame(SetId set) const {
   return std::binary_search(key_frames_.begin(), key_frames_.end(), KeyFrame{set}, before);
+}
+
+bool Map::keeps_observations_of(SetId set, CameraId camera) const {
+  return is_key_frame(set) || key_images_.contains({set, camera});
+}
+
+void Map::add_key_image(SetId set, CameraId camera_id) {
+  if (!key_images_.emplace(set, camera_id).second || is_key_frame(set)) return;
+  for (const auto& [id, track] : camera(camera_id).tracks) {
+    MapPoint* p = find(track.point);
+    if (p == nullptr || track.seen.back().set != set || track.gate_failures > 0) continue;
+    p->key_observations.push_back({set, camera_id, id, track.seen.back().undistorted_px});
+    sort_observations(*p);
+  }
 }
 
 void Map::add_key_frame(SetId set) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,12 +35,11 @@ struct ServerTrack {
   std::vector<TrackPoint> seen;    // ascending sets, thinned when old
   std::optional<PatchGrey> patch;  // newest received
   SetId patch_set;
-  std::vector<std::uint8_t> descriptor;  // kDescriptorBytes or empty
-  std::uint32_t mapping_after = 0;       // set number before which mapping it is not tried again
-  int gate_failures = 0;                 // in succession
-  std::uint32_t distrusted_before = 0;   // observations of earlier sets are not used (it slid or was mismatched)
-  bool moving = false;                   // follows something that moves, as far as its own camera can tell
-  bool doubtful = false;                 // no static place explains it well: it is not mapped as static
+  std::uint32_t mapping_after = 0;      // set number before which mapping it is not tried again
+  int gate_failures = 0;                // in succession
+  std::uint32_t distrusted_before = 0;  // observations of earlier sets are not used (it slid or was mismatched)
+  bool moving = false;                  // follows something that moves, as far as its own camera can tell
+  bool doubtful = false;                // no static place explains it well: it is not mapped as static
   // From the track to the point, while that moves: two cameras find different corners of one small structure.
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 };
@@ -112,12 +112,11 @@ struct MapPoint {
   SetId last_seen;
   TimeNs first_ns = 0;
   TimeNs last_ns = 0;
-  std::vector<KeyObservation> key_observations;  // at key frames, ascending (set, camera)
+  std::vector<KeyObservation> key_observations;  // at key frames and key images, ascending (set, camera)
   std::vector<BoundTrack> bound;                 // live tracks
   std::vector<PointPatch> patches;               // from different directions, few
-  std::vector<std::uint8_t> descriptor;
-  std::uint32_t views = 0;                    // observations that were gated in, all frames
-  std::vector<Eigen::Vector3d> updated_from;  // by camera, as far as needed: ray at the last Kalman update or 0
+  std::uint32_t views = 0;                       // observations that were gated in, all frames
+  std::vector<Eigen::Vector3d> updated_from;     // by camera, as far as needed: ray at the last Kalman update or 0
   std::uint8_t grey = 128;
 };
 
@@ -200,6 +199,8 @@ class Map {
   // already.
   void add_key_frame(SetId set);
   bool is_key_frame(SetId set) const;
+  // One camera's image that is remembered by its looks: points keep their observations of it too.
+  void add_key_image(SetId set, CameraId camera);
 
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
   double gate_sigma_px(const MapCamera& camera) const;
@@ -233,12 +234,14 @@ class Map {
 
  private:
   void end_track(CameraId camera, ServerTrack& track);
+  bool keeps_observations_of(SetId set, CameraId camera) const;
 
   MapConfig config_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
+  std::set<std::pair<SetId, CameraId>> key_images_;
   std::uint32_t next_point_ = 1;
   std::uint32_t next_map_ = 1;
   MapEpoch epoch_;

@@ -96,4 +96,24 @@ bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, 
   return true;
 }
 
+void localise_backwards(Map& map, MapCamera& camera, SetId from, const LocaliseConfig& config) {
+  const FramePose* known = camera.frame_at(from);
+  Rigid3 pose = known->cam_from_world;
+  for (std::size_t i = camera.frames.size(); i-- > 0;) {
+    FramePose& f = camera.frames[i];
+    if (f.set >= from) continue;
+    if (f.valid()) break;
+    if (!localise_past(map, camera, f.set, pose, config)) break;
+    pose = f.cam_from_world;
+  }
+}
+
+void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
+  FramePose* f = camera.frame_at(set);
+  f->map = map;
+  f->cam_from_world = pose;
+  camera.map = map;
+  camera.lost_sets = 0;
+}
+
 }  // namespace coslam

@@ -29,4 +29,10 @@ Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& fra
 // Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
 bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config);
 
+// The same back from a known pose, until there is one or none is found.
+void localise_backwards(Map& map, MapCamera& camera, SetId from, const LocaliseConfig& config);
+
+// Puts a camera into a map, at its newest or an earlier set.
+void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose);
+
 }  // namespace coslam

@@ -12,23 +12,7 @@
 namespace coslam {
 namespace {
 
-// Descriptors of this set's images go to their tracks, and with them to their points.
-void take_descriptors(Map& map, const FrameSet& set) {
-  for (const CameraFrame& cf : set.frames) {
-    if (!cf.descriptors) continue;
-    MapCamera& camera = map.camera(cf.camera);
-    for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
-      const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
-      if (at == camera.tracks.end()) continue;
-      const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
-      at->second.descriptor.assign(begin, begin + kDescriptorBytes);
-      MapPoint* p = map.find(at->second.point);
-      if (p != nullptr && p->descriptor.empty()) p->descriptor = at->second.descriptor;
-    }
-  }
-}
-
-// Features of one camera at this set: those of its tracks that have a descriptor, in track order.
+// Features of one camera at this set, in track order.
 struct TrackFeatures {
   FeatureImage image;
   std::vector<TrackId> tracks;
@@ -39,35 +23,15 @@ TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
   const MapCamera& camera = map.camera(cf.camera);
   out.image.camera = camera.model;
   if (!cf.descriptors) return out;
-  for (const TrackId id : cf.descriptors->tracks) {
-    const auto at = camera.tracks.find(id);
-    if (at == camera.tracks.end() || at->second.descriptor.empty()) continue;
-    out.tracks.push_back(id);
+  for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
+    const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
+    if (at == camera.tracks.end()) continue;
+    out.tracks.push_back(at->first);
     out.image.undistorted_px.push_back(at->second.seen.back().undistorted_px.cast<double>());
-    out.image.descriptors.insert(out.image.descriptors.end(), at->second.descriptor.begin(),
-                                 at->second.descriptor.end());
+    const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+    out.image.descriptors.insert(out.image.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return out;
-}
-
-void localise_backwards(Map& map, MapCamera& camera, SetId from, const LocaliseConfig& config) {
-  const FramePose* known = camera.frame_at(from);
-  Rigid3 pose = known->cam_from_world;
-  for (std::size_t i = camera.frames.size(); i-- > 0;) {
-    FramePose& f = camera.frames[i];
-    if (f.set >= from) continue;
-    if (f.valid()) break;
-    if (!localise_past(map, camera, f.set, pose, config)) break;
-    pose = f.cam_from_world;
-  }
-}
-
-void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
-  FramePose* f = camera.frame_at(set);
-  f->map = map;
-  f->cam_from_world = pose;
-  camera.map = map;
-  camera.lost_sets = 0;
 }
 
 MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views,
@@ -211,172 +175,17 @@ void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartSt
   ++report->started;
 }
 
-// Points of one map that carry descriptors.
-struct DescribedPoints {
-  std::vector<PointId> ids;
-  std::vector<std::uint8_t> descriptors;
-};
-
-DescribedPoints described_points(const Map& map, MapId of) {
-  DescribedPoints out;
-  for (const auto& [id, p] : map.points()) {
-    if (p.map != of || p.state != PointState::kStatic || p.descriptor.empty()) continue;
-    out.ids.push_back(id);
-    out.descriptors.insert(out.descriptors.end(), p.descriptor.begin(), p.descriptor.end());
-  }
-  return out;
-}
-
-struct Located {
-  Rigid3 cam_from_world;  // in the other map
-  std::vector<std::pair<TrackId, PointId>> matches;
-};
-
-std::optional<Located> locate(const Map& map, const MapCamera& camera, const TrackFeatures& features, MapId in,
-                              int min_inliers) {
-  const DescribedPoints points = described_points(map, in);
-  const auto matches = match_descriptors(features.image.descriptors, points.descriptors);
-  std::vector<Eigen::Vector3d> positions;
-  std::vector<Eigen::Vector2d> pixels;
-  for (const FeatureMatch& m : matches) {
-    positions.push_back(map.find(points.ids[static_cast<std::size_t>(m.second)])->position);
-    pixels.push_back(features.image.undistorted_px[static_cast<std::size_t>(m.first)]);
-  }
-  const PlaceResult placed = place_camera(camera.model, positions, pixels, 1.5, min_inliers);
-  if (!placed.ok) return std::nullopt;
-  std::vector<Eigen::Vector2d> spread;
-  Located out{placed.cam_from_world, {}};
-  for (const int i : placed.inliers) {
-    const FeatureMatch& m = matches[static_cast<std::size_t>(i)];
-    out.matches.emplace_back(features.tracks[static_cast<std::size_t>(m.first)],
-                             points.ids[static_cast<std::size_t>(m.second)]);
-    spread.push_back(pixels[static_cast<std::size_t>(i)]);
-  }
-  // A handful of matches on one object does not fix a pose.
-  if (hull_fraction(spread, camera.model) < 0.08) return std::nullopt;
-  return out;
-}
-
-void place(Map& map, MapCamera& camera, const Located& at, MapId in, const FrameSet& set,
-           const StartStageConfig& config) {
-  set_pose(camera, set.id, in, at.cam_from_world);
-  for (const auto& [track_id, point_id] : at.matches) {
-    ServerTrack& t = camera.tracks.at(track_id);
-    if (t.point == PointId()) map.bind(*map.find(point_id), camera.id, t);
-  }
-  localise_backwards(map, camera, set.id, config.localise);
-  map.raise_epoch();
-}
-
-// in_from_own from the camera's pose in both maps; the scale from the depths of the matched tracks' points in both.
-std::optional<Similarity3> map_similarity(const Map& map, const MapCamera& camera, const Located& at) {
-  const Rigid3& own = camera.frames.back().cam_from_world;
-  std::vector<double> ratios;
-  for (const auto& [track_id, point_id] : at.matches) {
-    const MapPoint* mine = map.find(camera.tracks.at(track_id).point);
-    if (mine == nullptr) continue;
-    const double own_depth = (own * mine->position).z(),
-                 other_depth = (at.cam_from_world * map.find(point_id)->position).z();
-    if (own_depth > 0 && other_depth > 0) ratios.push_back(std::log(other_depth / own_depth));
-  }
-  if (ratios.size() < 10) return std::nullopt;
-  std::sort(ratios.begin(), ratios.end());
-  const double middle = ratios[ratios.size() / 2];
-  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > 0.3) return std::nullopt;  // they do not agree
-  Similarity3 s;
-  s.scale = std::exp(middle);
-  s.rotation = (at.cam_from_world.rotation.conjugate() * own.rotation).normalized();
-  s.translation = at.cam_from_world.center() - s.scale * (s.rotation * own.center());
-  return s;
-}
-
-int frames_in(const Map& map, MapId id) {
-  int n = 0;
-  for (const MapCamera& c : map.cameras()) {
-    n += static_cast<int>(
-        std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
-  }
-  return n;
-}
-
-void merge_maps(Map& map, MapCamera& camera, const Located& at, MapId in, const Similarity3& in_from_own) {
-  const MapId own = camera.map;
-  // The larger map keeps its frame; the older one when they are equal.
-  if (frames_in(map, own) > frames_in(map, in) || (frames_in(map, own) == frames_in(map, in) && own < in)) {
-    map.merge(in, own, in_from_own.inverse());
-  } else {
-    map.merge(own, in, in_from_own);
-  }
-  for (const auto& [track_id, point_id] : at.matches) {
-    ServerTrack& t = camera.tracks.at(track_id);
-    MapPoint* kept = map.find(point_id);
-    if (kept == nullptr) continue;
-    if (t.point == PointId()) {
-      map.bind(*kept, camera.id, t);
-    } else if (t.point != point_id) {
-      map.fuse(point_id, t.point);
-      retriangulate(map, *kept);
-    }
-  }
-}
-
-void place_and_merge(Map& map, const FrameSet& set, const StartStageConfig& config, StartReport* report) {
-  for (const CameraFrame& cf : set.frames) {
-    if (!cf.descriptors) continue;
-    MapCamera& camera = map.camera(cf.camera);
-    const TrackFeatures features = features_of(map, cf);
-    std::vector<MapId> maps;
-    for (const auto& [id, p] : map.points()) {
-      if (std::find(maps.begin(), maps.end(), p.map) == maps.end()) maps.push_back(p.map);
-    }
-    for (const MapId other : maps) {
-      if (other == camera.map) continue;
-      const bool unplaced = camera.map == MapId();
-      if (!unplaced && !camera.frames.back().valid()) break;
-      const auto at =
-          locate(map, camera, features, other, unplaced ? config.min_place_inliers : config.min_merge_inliers);
-      if (!at) continue;
-      if (unplaced) {
-        place(map, camera, *at, other, set, config);
-        ++report->placed;
-      } else if (const auto similarity = map_similarity(map, camera, *at)) {
-        merge_maps(map, camera, *at, other, *similarity);
-        ++report->merged;
-        report->merged_into = camera.map;
-      } else {
-        continue;
-      }
-      break;
-    }
-  }
-}
-
-bool something_to_place(const Map& map) {
-  MapId seen;
-  for (const MapCamera& c : map.cameras()) {
-    if (!c.alive || c.frames.empty()) continue;
-    if (c.map == MapId()) return true;
-    if (seen != MapId() && c.map != seen) return true;
-    seen = c.map;
-  }
-  return false;
-}
-
 }  // namespace
 
 StartReport start(Map& map, const FrameSet& set, const StartStageConfig& config) {
   StartReport report;
-  take_descriptors(map, set);
   start_together(map, set, config, &report);
-  place_and_merge(map, set, config, &report);
   for (const CameraFrame& cf : set.frames) {
     MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId() && sets_without_map(camera) > config.alone_after_sets && set.id.value % 3 == 0) {
       start_alone(map, camera, set, config, &report);
     }
   }
-  report.wants_descriptors =
-      something_to_place(map) && set.id.value % static_cast<std::uint32_t>(config.request_period) == 0;
   return report;
 }
 

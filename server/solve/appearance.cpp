@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/solve/appearance.h"
+
+#include <Eigen/Core>
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "common/model/track_frame.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kSketchBits = 128;
+constexpr int kKeyBits = 14;    // of each table
+constexpr int kMostApart = 30;  // bits in which two sketches of one thing differ at most
+
+using Descriptors = Eigen::Matrix<float, Eigen::Dynamic, kDescriptorBytes, Eigen::RowMajor>;
+using Projections = Eigen::Matrix<float, kDescriptorBytes, kSketchBits>;
+
+Descriptors root_sift(const std::vector<std::uint8_t>& bytes) {
+  const auto rows = static_cast<Eigen::Index>(bytes.size()) / kDescriptorBytes;
+  Descriptors out = Eigen::Map<const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, kDescriptorBytes, Eigen::RowMajor>>(
+                        bytes.data(), rows, kDescriptorBytes)
+                        .cast<float>();
+  for (Eigen::Index r = 0; r < rows; ++r) out.row(r) = (out.row(r) / (out.row(r).sum() + 1e-6F)).cwiseSqrt();
+  return out;
+}
+
+const Projections& projections() {
+  static const Projections p = [] {
+    std::mt19937 bits(20130213);
+    Projections m;
+    for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = (bits() >> 16U & 1U) != 0 ? 1.0F : -1.0F;
+    return m;
+  }();
+  return p;
+}
+
+std::uint32_t key_of(const std::array<std::uint64_t, 2>& sketch, int table) {
+  const auto shift = static_cast<unsigned>(table % 4 * 16);
+  return static_cast<std::uint32_t>(sketch[static_cast<std::size_t>(table / 4)] >> shift) & ((1U << kKeyBits) - 1U);
+}
+
+}  // namespace
+
+std::vector<AppearanceIndex::Sketch> AppearanceIndex::sketches(const std::vector<std::uint8_t>& descriptors) const {
+  Descriptors d = root_sift(descriptors);
+  d.rowwise() -= Eigen::Map<const Eigen::Matrix<float, 1, kDescriptorBytes>>(mean_.data());
+  const Eigen::Matrix<float, Eigen::Dynamic, kSketchBits, Eigen::RowMajor> projected = d * projections();
+  std::vector<Sketch> out(static_cast<std::size_t>(projected.rows()), Sketch{});
+  for (Eigen::Index r = 0; r < projected.rows(); ++r) {
+    for (int b = 0; b < kSketchBits; ++b) {
+      if (projected(r, b) > 0) out[static_cast<std::size_t>(r)][static_cast<std::size_t>(b / 64)] |= 1ULL << (b % 64);
+    }
+  }
+  return out;
+}
+
+int AppearanceIndex::add(const std::vector<std::uint8_t>& descriptors) {
+  if (mean_.empty() && !descriptors.empty()) {
+    const Eigen::Matrix<float, 1, kDescriptorBytes> mean = root_sift(descriptors).colwise().mean();
+    mean_.assign(mean.data(), mean.data() + mean.size());
+  }
+  const int image = images_++;
+  if (descriptors.empty()) return image;
+  for (const Sketch& s : sketches(descriptors)) {
+    for (int t = 0; t < kTables; ++t) tables_[static_cast<std::size_t>(t)][key_of(s, t)].push_back({s, image});
+  }
+  return image;
+}
+
+std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descriptors) const {
+  std::vector<int> out(static_cast<std::size_t>(images_), 0);
+  if (mean_.empty() || descriptors.empty()) return out;
+  std::vector<int> voted(static_cast<std::size_t>(images_), -1);  // by which descriptor last
+  int descriptor = 0;
+  for (const Sketch& s : sketches(descriptors)) {
+    for (int t = 0; t < kTables; ++t) {
+      const auto& table = tables_[static_cast<std::size_t>(t)];
+      const auto at = table.find(key_of(s, t));
+      if (at == table.end()) continue;
+      for (const Entry& e : at->second) {
+        const auto image = static_cast<std::size_t>(e.image);
+        if (voted[image] == descriptor) continue;
+        if (std::popcount(s[0] ^ e.sketch[0]) + std::popcount(s[1] ^ e.sketch[1]) > kMostApart) continue;
+        voted[image] = descriptor;
+        ++out[image];
+      }
+    }
+    ++descriptor;
+  }
+  return out;
+}
+
+}  // namespace coslam

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace coslam {
+
+// Images by what they look like, without a vocabulary that would have to be trained: every descriptor is cut down to
+// the signs of 128 random projections; descriptors that agree in all bits of some part of them (locality-sensitive
+// hashing) and differ in few bits altogether vote for their image. Deterministic.
+class AppearanceIndex {
+ public:
+  // Descriptors of kDescriptorBytes each. Images are numbered from 0.
+  int add(const std::vector<std::uint8_t>& descriptors);
+  // For every image, how many of these descriptors have one like them in it.
+  std::vector<int> votes(const std::vector<std::uint8_t>& descriptors) const;
+  int size() const { return images_; }
+
+ private:
+  static constexpr int kTables = 8;
+  using Sketch = std::array<std::uint64_t, 2>;
+  struct Entry {
+    Sketch sketch;
+    int image;
+  };
+
+  std::vector<Sketch> sketches(const std::vector<std::uint8_t>& descriptors) const;
+
+  std::vector<float> mean_;  // of the first image's descriptors: most of what all descriptors share
+  std::array<std::unordered_map<std::uint32_t, std::vector<Entry>>, kTables> tables_;
+  int images_ = 0;
+};
+
+}  // namespace coslam

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "server/map/map.h"
+
+namespace coslam {
+
+// Where one camera was, as another frame of the same map tells that saw the same place.
+struct Reunion {
+  CameraId camera, to_camera;
+  SetId set, to_set;
+  Rigid3 camera_from_to;  // in the unit of length around the frame at to_set
+  double scale = 1;       // lengths around the camera in that unit, for one as they are now
+};
+
+// Draws a drifted map together so that the reunion holds exactly (paper 6.2, step 2): every pose of every camera since
+// the map's first frame moves, the earlier reunions and the cameras that see each other now keep their relative poses,
+// and the points go along and are triangulated anew. `together`: the cameras of the reunited one's group. False when
+// there is no solution; the map is then as before.
+bool close_loop(Map& map, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
+                const std::vector<CameraId>& together);
+
+}  // namespace coslam

@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/meet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/pose_refinement.h"
+#include "server/stages/register.h"
+
+namespace coslam {
+namespace {
+
+const std::vector<CameraId>* group_of(const ViewGraph& graph, CameraId camera) {
+  for (const auto& group : graph.groups) {
+    if (std::find(group.begin(), group.end(), camera) != group.end()) return &group;
+  }
+  return nullptr;
+}
+
+bool together(const ViewGraph& graph, CameraId a, CameraId b) {
+  const auto* group = group_of(graph, a);
+  return a == b || (group != nullptr && std::find(group->begin(), group->end(), b) != group->end());
+}
+
+std::vector<Eigen::Vector3d> positions_of(const Map& map, const std::set<PointId>& ids) {
+  std::vector<Eigen::Vector3d> out;
+  for (const PointId id : ids) {
+    if (const MapPoint* p = map.find(id)) out.push_back(p->position);
+  }
+  return out;
+}
+
+std::set<PointId> points_of(const Sighting& seen) {
+  std::set<PointId> out;
+  for (const auto& [track, point] : seen.matches) out.insert(point);
+  return out;
+}
+
+// Depth of the camera's own map at a track: of its point, or of that of the nearest track not far from it.
+std::optional<double> own_depth(const Map& map, const MapCamera& camera, const ServerTrack& track, bool exact) {
+  constexpr double kNear = 0.025;  // of the image width
+  const MapPoint* best = map.find(track.point);
+  if (best == nullptr && !exact) {
+    float nearest = static_cast<float>(kNear * camera.model.width_px);
+    for (const auto& [id, t] : camera.tracks) {
+      const MapPoint* p = map.find(t.point);
+      if (p == nullptr || p->state != PointState::kStatic) continue;
+      const float d = (t.seen.back().undistorted_px - track.seen.back().undistorted_px).norm();
+      if (d >= nearest) continue;
+      nearest = d;
+      best = p;
+    }
+  }
+  if (best == nullptr || best->state != PointState::kStatic) return std::nullopt;
+  return (camera.frames.back().cam_from_world * best->position).z();
+}
+
+// Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
+std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Sighting& seen) {
+  constexpr std::size_t kLeast = 10;
+  constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
+  std::vector<double> ratios;
+  for (const bool exact : {true, false}) {
+    ratios.clear();
+    for (const auto& [track, point] : seen.matches) {
+      const auto own = own_depth(map, camera, camera.tracks.at(track), exact);
+      const double other = (seen.cam_from_world * map.find(point)->position).z();
+      if (own && *own > 0 && other > 0) ratios.push_back(std::log(other / *own));
+    }
+    if (ratios.size() >= kLeast) break;
+  }
+  if (ratios.size() < kLeast) return std::nullopt;
+  std::sort(ratios.begin(), ratios.end());
+  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > kMostSpread) return std::nullopt;
+  return std::exp(ratios[ratios.size() / 2]);
+}
+
+// From the camera's pose in both.
+std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera, const Sighting& seen) {
+  const auto scale = scale_of(map, camera, seen);
+  if (!scale) return std::nullopt;
+  const Rigid3& own = camera.frames.back().cam_from_world;
+  Similarity3 s;
+  s.scale = *scale;
+  s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
+  s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own.center());
+  return s;
+}
+
+// Tracks that matched a point of the place are bound to it; a point of their own becomes one with it.
+void bind_matches(Map& map, MapCamera& camera, const Sighting& seen) {
+  for (const auto& [track_id, point_id] : seen.matches) {
+    ServerTrack& t = camera.tracks.at(track_id);
+    MapPoint* kept = map.find(point_id);
+    if (kept == nullptr) continue;
+    if (t.point == PointId()) {
+      map.bind(*kept, camera.id, t);
+    } else if (t.point != point_id && map.find(t.point)->state == PointState::kStatic) {
+      map.fuse(point_id, t.point);
+    } else {
+      continue;
+    }
+    kept->last_seen = map.now();
+    retriangulate(map, *kept);
+  }
+}
+
+void place(Map& map, MapCamera& camera, const Sighting& seen, const LocaliseConfig& config) {
+  set_pose(camera, camera.frames.back().set, seen.map, seen.cam_from_world);
+  bind_matches(map, camera, seen);
+  localise_backwards(map, camera, camera.frames.back().set, config);
+  map.raise_epoch();
+}
+
+int frames_in(const Map& map, MapId id) {
+  int n = 0;
+  for (const MapCamera& c : map.cameras()) {
+    n += static_cast<int>(
+        std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
+  }
+  return n;
+}
+
+// The known points lie where the camera's own pose expects them.
+bool as_expected(const Map& map, const MapCamera& camera, const Sighting& seen, double most_px) {
+  std::vector<double> errors;
+  for (const auto& [track, point] : seen.matches) {
+    Eigen::Vector2d px;
+    if (!project_world(camera.model, camera.frames.back().cam_from_world, map.find(point)->position, &px, nullptr))
+      return false;
+    errors.push_back((px - camera.tracks.at(track).seen.back().undistorted_px.cast<double>()).norm());
+  }
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle < most_px;
+}
+
+bool several_maps(const Map& map) {
+  MapId seen;
+  for (const MapCamera& c : map.cameras()) {
+    if (!c.alive || c.frames.empty() || c.map == MapId()) continue;
+    if (seen != MapId() && c.map != seen) return true;
+    seen = c.map;
+  }
+  return false;
+}
+
+double median_depth(const Map& map, const MapCamera& camera) {
+  std::vector<double> depths;
+  for (const auto& [id, t] : camera.tracks) {
+    const MapPoint* p = map.find(t.point);
+    if (p != nullptr && p->state == PointState::kStatic)
+      depths.push_back((camera.frames.back().cam_from_world * p->position).z());
+  }
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+}  // namespace
+
+MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph) {
+  MeetReport report;
+  for (const CameraFrame& cf : set.frames) {
+    if (cf.descriptors) recognise(map, cf, graph, &report);
+  }
+  for (const CameraFrame& cf : set.frames) {
+    if (!cf.descriptors) continue;
+    places_.add(map, cf);
+    described_[cf.camera].at = set.id;
+  }
+  const bool apart = several_maps(map);
+  for (const CameraFrame& cf : set.frames) {
+    if (!wants_descriptors(map, map.camera(cf.camera), apart)) continue;
+    described_[cf.camera].asked = set.id;
+    report.wants_descriptors.insert(cf.camera);
+  }
+  return report;
+}
+
+bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image) const {
+  const FramePose* f = map.camera(image.camera).frame_at(image.set);
+  if (f == nullptr || !f->valid()) return false;
+  if (camera.map == MapId() || f->map != camera.map) return true;
+  const bool lately = image.set.value + static_cast<std::uint32_t>(map.config().active_frames) >= map.now().value;
+  return lately ? !together(graph, camera.id, image.camera) : config_.loops;
+}
+
+void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report) {
+  MapCamera& camera = map.camera(frame.camera);
+  const bool unplaced = camera.map == MapId();
+  if (!unplaced && !camera.frames.back().valid()) return;
+  const auto seen = places_.find(map, frame, [&](const KeyImage& i) { return may_ask(map, camera, graph, i); });
+  if (!seen) return;
+  ++report->sightings;
+  const std::set<PointId> evidence = points_of(*seen);
+  if (unplaced) {
+    if (!has_relief(positions_of(map, evidence), seen->median_depth)) {
+      ++report->doubted;
+      return;
+    }
+    place(map, camera, *seen, config_.localise);
+    ++report->placed;
+    return;
+  }
+  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) return;
+  if (seen->map == camera.map && as_expected(map, camera, *seen, config_.slack_sigma * map.gate_sigma_px(camera))) {
+    bind_matches(map, camera, *seen);
+    ++report->linked;
+    return;
+  }
+  const auto similarity = similarity_of(map, camera, *seen);
+  if (!similarity || !confirmed(map, camera, *seen, *similarity)) {
+    ++report->doubted;
+    return;
+  }
+  if (seen->map == camera.map) {
+    close(map, camera, *seen, *similarity, graph, report);
+  } else {
+    join(map, camera, *seen, *similarity, report);
+  }
+}
+
+// Another image some sets ago said the same, and both together see more than one plane.
+bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Sighting& seen,
+                         const Similarity3& in_from_own) {
+  constexpr std::uint32_t kKeepSets = 60;
+  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
+  const auto at = pending_.find(camera.id);
+  if (at != pending_.end() && at->second.own == camera.map && at->second.in == seen.map &&
+      at->second.first.value + kKeepSets > map.now().value) {
+    Pending& p = at->second;
+    const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, p.in_from_own);
+    const bool agrees = expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
+                        (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
+                        std::abs(std::log(p.in_from_own.scale / in_from_own.scale)) < kScale;
+    if (agrees) {
+      for (const PointId id : points_of(seen)) p.evidence.insert(id);
+      p.in_from_own = in_from_own;
+      if (!has_relief(positions_of(map, p.evidence), seen.median_depth)) return false;
+      pending_.erase(at);
+      return true;
+    }
+  }
+  pending_[camera.id] = {camera.map, seen.map, in_from_own, map.now(), points_of(seen)};
+  return false;
+}
+
+void Meetings::join(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own,
+                    MeetReport* report) {
+  const MapId own = camera.map, in = seen.map;
+  const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
+  // The larger map keeps its frame; the older one when they are equal.
+  if (own_frames > in_frames || (own_frames == in_frames && own < in)) {
+    map.merge(in, own, in_from_own.inverse());
+  } else {
+    map.merge(own, in, in_from_own);
+  }
+  bind_matches(map, camera, seen);
+  pending_.clear();
+  ++report->merged;
+  report->to_adjust = camera.map;
+}
+
+void Meetings::close(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own,
+                     const ViewGraph& graph, MeetReport* report) {
+  const FramePose* there = map.camera(seen.key_camera).frame_at(seen.key_set);
+  const Reunion reunion{camera.id,
+                        seen.key_camera,
+                        camera.frames.back().set,
+                        seen.key_set,
+                        seen.cam_from_world * there->cam_from_world.inverse(),
+                        in_from_own.scale};
+  const auto* group = group_of(graph, camera.id);
+  if (!close_loop(map, camera.map, reunion, reunions_, group != nullptr ? *group : std::vector<CameraId>{})) return;
+  reunions_.push_back(reunion);
+  bind_matches(map, camera, seen);
+  pending_.clear();
+  ++report->closed;
+  report->to_adjust = camera.map;
+}
+
+bool Meetings::wants_descriptors(const Map& map, const MapCamera& camera, bool apart) {
+  const Described& d = described_[camera.id];
+  const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
+  const auto due = [&](int period) { return since(d.asked) >= static_cast<std::uint32_t>(period); };
+  if (camera.map == MapId()) return due(config_.lost_period);
+  if (!camera.frames.back().valid()) return false;
+  const auto pending = pending_.find(camera.id);
+  if (pending != pending_.end() && since(pending->second.first) < 60) return due(config_.confirm_period);
+  if (!d.at) return due(config_.lost_period);
+  if (apart && due(config_.apart_period)) return true;
+  if (!due(config_.least_period)) return false;
+  const FramePose* then = camera.frame_at(*d.at);
+  const FramePose& now = camera.frames.back();
+  if (then == nullptr || then->map != now.map) return true;
+  const double turned = then->cam_from_world.rotation.angularDistance(now.cam_from_world.rotation);
+  const double moved = (then->cam_from_world.center() - now.cam_from_world.center()).norm();
+  return turned > config_.turned_rad || moved > config_.moved_share * median_depth(map, camera);
+}
+
+}  // namespace coslam

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "server/map/map.h"
+#include "server/stages/close_loop.h"
+#include "server/stages/group.h"
+#include "server/stages/localise.h"
+#include "server/stages/recognise.h"
+
+namespace coslam {
+
+struct MeetConfig {
+  RecogniseConfig recognise;
+  LocaliseConfig localise;
+  bool loops = true;           // own old places too, beside those that other cameras saw lately
+  int min_merge_inliers = 25;  // to join two maps, or to draw one together
+  int lost_period = 10;        // sets between requests for descriptors of a camera without a map
+  int apart_period = 30;       // the same while there are several maps
+  int confirm_period = 5;      // the same while a meeting waits to be confirmed
+  int least_period = 15;       // between requests because the view changed
+  double turned_rad = 0.35;    // of the optical axis, or
+  double moved_share = 0.3;    // of the median depth: the view is another one
+  double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
+};
+
+struct MeetReport {
+  int sightings = 0;  // known places recognised
+  int placed = 0, merged = 0, closed = 0, linked = 0, doubted = 0;
+  MapId to_adjust;  // the last map that was made of two or drawn together; 0 = none
+  std::set<CameraId> wants_descriptors;
+};
+
+// Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
+// brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
+// comes back, shows how far the map has drifted, and draws it together (step 2). Before maps move, a meeting has to be
+// confirmed by a second image, and must not rest on a single plane: two rooms may have the same poster.
+class Meetings {
+ public:
+  explicit Meetings(const MeetConfig& config) : config_(config), places_(config.recognise) {}
+  // After the set's poses are known. graph: of the set before.
+  MeetReport step(Map& map, const FrameSet& set, const ViewGraph& graph);
+
+ private:
+  struct Pending {
+    MapId own, in;
+    Similarity3 in_from_own;
+    SetId first;
+    std::set<PointId> evidence;
+  };
+  // When a camera was last asked for descriptors, and where it was when it last gave them.
+  struct Described {
+    std::optional<SetId> asked, at;
+  };
+
+  bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image) const;
+  void recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
+  bool confirmed(const Map& map, const MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own);
+  void join(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, MeetReport* report);
+  void close(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, const ViewGraph& graph,
+             MeetReport* report);
+  bool wants_descriptors(const Map& map, const MapCamera& camera, bool apart);
+
+  MeetConfig config_;
+  PlaceMemory places_;
+  std::map<CameraId, Pending> pending_;
+  std::map<CameraId, Described> described_;
+  std::vector<Reunion> reunions_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/recognise.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "common/geometry/pose_refinement.h"
+#include "server/solve/start.h"
+
+namespace coslam {
+namespace {
+
+// Points behind the features of some key images, with the looks that they had in the best of these.
+struct KnownPoints {
+  std::vector<PointId> ids;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<int> images;  // index among the asked
+  std::vector<std::uint8_t> descriptors;
+};
+
+KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyImage*>& asked) {
+  KnownPoints out;
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of || p.state != PointState::kStatic) continue;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const auto key = std::pair(asked[i]->set, asked[i]->camera);
+      const auto at =
+          std::lower_bound(p.key_observations.begin(), p.key_observations.end(), key,
+                           [](const KeyObservation& o, const auto& want) { return std::pair(o.set, o.camera) < want; });
+      if (at == p.key_observations.end() || std::pair(at->set, at->camera) != key) continue;
+      const auto& tracks = asked[i]->tracks;
+      const auto track = std::lower_bound(tracks.begin(), tracks.end(), at->track);
+      if (track == tracks.end() || *track != at->track) continue;
+      out.ids.push_back(id);
+      out.positions.push_back(p.position);
+      out.images.push_back(static_cast<int>(i));
+      const auto begin = asked[i]->descriptors.begin() + (track - tracks.begin()) * kDescriptorBytes;
+      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
+      break;
+    }
+  }
+  return out;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool in_view(const MapCamera& camera, const Rigid3& pose, const Eigen::Vector3d& position) {
+  Eigen::Vector2d px;
+  if (!project_world(camera.model, pose, position, &px, nullptr)) return false;
+  return px.x() >= 0 && px.y() >= 0 && px.x() < camera.model.width_px && px.y() < camera.model.height_px;
+}
+
+std::optional<Sighting> locate(const Map& map, const CameraFrame& frame, const std::vector<const KeyImage*>& asked,
+                               MapId in, const RecogniseConfig& config) {
+  const MapCamera& camera = map.camera(frame.camera);
+  const KnownPoints known = known_points(map, in, asked);
+  std::vector<FeatureMatch> matches;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const FeatureMatch& m : match_descriptors(frame.descriptors->descriptors, known.descriptors)) {
+    const auto track = camera.tracks.find(frame.descriptors->tracks[static_cast<std::size_t>(m.first)]);
+    if (track == camera.tracks.end()) continue;
+    matches.push_back(m);
+    positions.push_back(known.positions[static_cast<std::size_t>(m.second)]);
+    pixels.push_back(track->second.seen.back().undistorted_px.cast<double>());
+  }
+  const PlaceResult placed = place_camera(camera.model, positions, pixels, 1.5, config.min_inliers);
+  if (!placed.ok) return std::nullopt;
+  Sighting out{.map = in, .cam_from_world = placed.cam_from_world};
+  std::vector<Eigen::Vector2d> spread;
+  std::vector<double> depths;
+  std::vector<int> by_image(asked.size(), 0);
+  for (const int i : placed.inliers) {
+    const FeatureMatch& m = matches[static_cast<std::size_t>(i)];
+    out.matches.emplace_back(frame.descriptors->tracks[static_cast<std::size_t>(m.first)],
+                             known.ids[static_cast<std::size_t>(m.second)]);
+    spread.push_back(pixels[static_cast<std::size_t>(i)]);
+    depths.push_back((placed.cam_from_world * positions[static_cast<std::size_t>(i)]).z());
+    ++by_image[static_cast<std::size_t>(known.images[static_cast<std::size_t>(m.second)])];
+  }
+  if (hull_fraction(spread, camera.model) < config.min_hull) return std::nullopt;
+  const auto best = static_cast<std::size_t>(std::max_element(by_image.begin(), by_image.end()) - by_image.begin());
+  out.key_camera = asked[best]->camera;
+  out.key_set = asked[best]->set;
+  out.median_depth = median_of(std::move(depths));
+  const auto expected = std::count_if(known.positions.begin(), known.positions.end(),
+                                      [&](const auto& p) { return in_view(camera, placed.cam_from_world, p); });
+  out.found_share =
+      static_cast<double>(out.matches.size()) / static_cast<double>(std::max<std::ptrdiff_t>(1, expected));
+  return out;
+}
+
+}  // namespace
+
+void PlaceMemory::add(Map& map, const CameraFrame& frame) {
+  if (!frame.descriptors || frame.descriptors->tracks.empty()) return;
+  const SetId set = map.camera(frame.camera).frames.back().set;
+  map.add_key_image(set, frame.camera);
+  index_.add(frame.descriptors->descriptors);
+  images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
+}
+
+std::optional<Sighting> PlaceMemory::find(const Map& map, const CameraFrame& frame,
+                                          const std::function<bool(const KeyImage&)>& may_ask) const {
+  if (!frame.descriptors) return std::nullopt;
+  const std::vector<int> votes = index_.votes(frame.descriptors->descriptors);
+  std::vector<std::pair<int, const KeyImage*>> order;
+  for (std::size_t i = 0; i < images_.size(); ++i) {
+    if (votes[i] < config_.min_votes || !may_ask(images_[i])) continue;
+    const FramePose* f = map.camera(images_[i].camera).frame_at(images_[i].set);
+    if (f != nullptr && f->valid()) order.emplace_back(votes[i], &images_[i]);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  // The best image names the map; others of it lend their points.
+  std::vector<const KeyImage*> asked;
+  MapId in;
+  for (const auto& [n, image] : order) {
+    const MapId of = map.camera(image->camera).frame_at(image->set)->map;
+    if (in == MapId()) in = of;
+    if (of == in && static_cast<int>(asked.size()) < config_.images) asked.push_back(image);
+  }
+  if (asked.empty()) return std::nullopt;
+  return locate(map, frame, asked, in, config_);
+}
+
+bool has_relief(const std::vector<Eigen::Vector3d>& positions, double median_depth) {
+  constexpr double kFlat = 0.03;      // of the distance
+  constexpr double kOffShare = 0.15;  // of the points
+  constexpr std::size_t kLeastOff = 6;
+  constexpr int kTries = 100;
+  if (positions.size() < 4) return false;
+  std::mt19937 random(1);
+  std::size_t most = 0;
+  for (int i = 0; i < kTries; ++i) {
+    const auto &a = positions[random() % positions.size()], &b = positions[random() % positions.size()],
+               &c = positions[random() % positions.size()];
+    const Eigen::Vector3d n = (b - a).cross(c - a);
+    if (n.norm() < 1e-9 * median_depth * median_depth) continue;
+    const Eigen::Vector3d normal = n.normalized();
+    const auto on = static_cast<std::size_t>(std::count_if(positions.begin(), positions.end(), [&](const auto& p) {
+      return std::abs(normal.dot(p - a)) < kFlat * median_depth;
+    }));
+    most = std::max(most, on);
+  }
+  const std::size_t off = positions.size() - most;
+  return off >= kLeastOff && static_cast<double>(off) >= kOffShare * static_cast<double>(positions.size());
+}
+
+}  // namespace coslam

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/map/map.h"
+#include "server/solve/appearance.h"
+
+namespace coslam {
+
+struct RecogniseConfig {
+  int min_votes = 12;      // features that look like one of the key image
+  int images = 4;          // best key images whose points are matched
+  int min_inliers = 20;    // of the pose
+  double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose
+};
+
+// An image that the map remembers by its looks. The points behind its features are those with an observation of it.
+struct KeyImage {
+  SetId set;
+  CameraId camera;
+  std::vector<TrackId> tracks;  // ascending
+  std::vector<std::uint8_t> descriptors;
+};
+
+// A camera saw a place that the map knows.
+struct Sighting {
+  MapId map;
+  Rigid3 cam_from_world;  // in that map, by the place's points
+  std::vector<std::pair<TrackId, PointId>> matches;
+  CameraId key_camera;  // of the key image with most of them
+  SetId key_set;
+  double found_share = 0;   // of the known points that should be in view
+  double median_depth = 0;  // of the matched points
+};
+
+// Key images of all cameras, found again by appearance and proved by geometry.
+class PlaceMemory {
+ public:
+  explicit PlaceMemory(const RecogniseConfig& config) : config_(config) {}
+
+  // Remembers what this camera sees now, if it told.
+  void add(Map& map, const CameraFrame& frame);
+  // Where the camera is by the place that looks most like its image, among the key images that may be asked.
+  std::optional<Sighting> find(const Map& map, const CameraFrame& frame,
+                               const std::function<bool(const KeyImage&)>& may_ask) const;
+  const std::vector<KeyImage>& images() const { return images_; }
+
+ private:
+  RecogniseConfig config_;
+  AppearanceIndex index_;
+  std::vector<KeyImage> images_;  // as in the index
+};
+
+// Whether some of these points stand off the plane through most of them: flat things, like posters, exist in many
+// copies.
+bool has_relief(const std::vector<Eigen::Vector3d>& positions, double median_depth);
+
+}  // namespace coslam

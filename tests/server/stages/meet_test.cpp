@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/meet.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/map_fit.h"
+#include "tests/support/matchers.h"
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+using test::cam;
+using test::Fit;
+using test::fit_of;
+using test::PoseNear;
+
+class MeetTest : public testing::Test {
+ protected:
+  explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
+  const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
+  MeetReport step() { return meetings_.step(sim_.map, sim_.set, view_graph(sim_.map, sim_.set)); }
+
+  MeetConfig config_;
+  Meetings meetings_{config_};
+  const test::SimWorld world_{{}};
+  test::SimMap sim_;
+};
+
+TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
+  int asked = 0;
+  for (int i = 0; i < 20; ++i) {
+    sim_.ingest();
+    asked += step().wants_descriptors.contains(cam(1));
+  }
+  EXPECT_EQ(asked, 20 / config_.lost_period);
+}
+
+TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
+  test::SimMap still(world_, {test::still_path(test::looking({0, 0, 0}))});
+  test::SimMap turning(world_, {[](double t_s) { return test::looking({0, 0, 0}, 0.5 * t_s); }});
+  int asked_still = 0, asked_turning = 0;
+  for (auto [sim, asked] : {std::pair(&still, &asked_still), std::pair(&turning, &asked_turning)}) {
+    Meetings meetings(config_);
+    bool wanted = true;
+    for (int i = 0; i < 90; ++i) {
+      sim->ingest(false, wanted);
+      sim->place_truly();
+      sim->add_points();
+      wanted = !meetings.step(sim->map, sim->set, {}).wants_descriptors.empty();
+      *asked += wanted;
+    }
+  }
+  EXPECT_EQ(asked_still, 0);
+  EXPECT_GE(asked_turning, 3);
+  EXPECT_LE(asked_turning, 5) << "1.5 rad";
+}
+
+TEST_F(MeetTest, ALateCameraIsPlaced) {
+  // Two are in a map as truth has it.
+  for (int i = 0; i < 10; ++i) {
+    sim_.ingest(false, i == 0 || i == 9);
+    sim_.place_truly(cam(0));
+    sim_.place_truly(cam(1));
+    if (i == 0) {
+      for (int p = 0; p < world_.size(); ++p) {
+        if (sim_.track_of(cam(0), p) != nullptr || sim_.track_of(cam(1), p) != nullptr) sim_.add_point(p);
+      }
+    }
+    if (i < 9) step();
+  }
+  const MeetReport report = step();
+  EXPECT_EQ(report.placed, 1);
+  EXPECT_EQ(camera(2).map, sim_.id);
+  EXPECT_THAT(camera(2).frames.back().cam_from_world, PoseNear(sim_.truth(cam(2), sim_.set.id), 0.006, 0.03));
+  int bound = 0;
+  for (const auto& [id, t] : camera(2).tracks) {
+    if (t.point == PointId()) continue;
+    ++bound;
+    EXPECT_EQ(sim_.world_point(*sim_.map.find(t.point)), sim_.world_point(cam(2), id));
+  }
+  EXPECT_GE(bound, config_.recognise.min_inliers);
+}
+
+TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
+  const test::SimWorld other({.seed = 77});
+  test::SimMap sim(world_, test::paths_side_by_side(2));
+  test::SimTracker stranger(other, test::paths_side_by_side(1)[0], {}, "stranger", RunId(9));
+  sim.ingest(false, true);
+  sim.place_truly();
+  sim.add_points();
+  meetings_.step(sim.map, sim.set, {});
+  sim.map.add_camera("stranger", RunId(9), test::sim_camera());
+  FrameSet set{SetId(1), test::kPeriodNs, {{cam(2), stranger.observe(FrameId(0), test::kPeriodNs), {}, {}}}};
+  set.frames[0].descriptors = stranger.describe(set.frames[0].frame);
+  sim.map.ingest(set);
+  EXPECT_EQ(meetings_.step(sim.map, set, {}).placed, 0);
+  EXPECT_EQ(sim.map.camera(cam(2)).map, MapId());
+}
+
+// Cameras 0 and 1 in one map, as truth has it; camera 2 in a map of its own, elsewhere and 2.5 times as large.
+class MergeTest : public MeetTest {
+ protected:
+  MergeTest() {
+    for (int i = 0; i < 40; ++i) {
+      sim_.ingest(false, i == 0);
+      for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
+      MapCamera& c = sim_.map.camera(cam(2));
+      c.map = c.frames.back().map = own_;
+      c.frames.back().cam_from_world = transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_);
+      if (i > 0) continue;
+      for (int p = 0; p < world_.size(); ++p) {
+        if (sim_.track_of(cam(0), p) != nullptr || sim_.track_of(cam(1), p) != nullptr) sim_.add_point(p);
+        ServerTrack* t = sim_.track_of(cam(2), p);
+        if (t == nullptr) continue;
+        const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
+        MapPoint& own = sim_.map.create_point(own_, own_from_world_ * world_.position(p), covariance, sim_.set.id, 0);
+        sim_.map.bind(own, cam(2), *t);
+      }
+      sim_.map.add_key_frame(sim_.set.id);
+      step();
+    }
+  }
+  // The same, with descriptors, and the stage called.
+  MeetReport see() {
+    sim_.ingest(false, true);
+    for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
+    MapCamera& c = sim_.map.camera(cam(2));
+    c.frames.back().map = own_;
+    c.frames.back().cam_from_world = transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_);
+    return step();
+  }
+  int meet() {
+    EXPECT_EQ(see().merged, 0) << "it has to be confirmed";
+    return see().merged;
+  }
+  const MapId own_ = sim_.map.new_map();
+  const Similarity3 own_from_world_{2.5, so3_exp({0.1, 0.8, -0.2}), {5, -2, 1}};
+};
+
+TEST_F(MergeTest, TwoMapsBecomeOneWithOneScale) {
+  const MapEpoch before = sim_.map.epoch();
+  EXPECT_EQ(meet(), 1);
+  EXPECT_GT(sim_.map.epoch(), before);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(camera(i).map, sim_.id) << "the one with more frames keeps its coordinates";
+  const Fit fit = fit_of(sim_, sim_.id);
+  EXPECT_EQ(fit.poses, 3 * 42);
+  EXPECT_NEAR(fit.map_from_world.scale, 1, 0.02);
+  EXPECT_LT(fit.worst_pose_m, 0.08);
+  EXPECT_LT(fit.worst_pose_rad, 0.01);
+  EXPECT_LT(fit.median_point_m, 0.05);
+  // The agent of camera 2 is told how its world moved: the inverse of how it was set off.
+  EXPECT_NEAR(camera(2).moved.scale, 1 / 2.5, 0.02);
+  EXPECT_NEAR(camera(0).moved.scale, 1, 1e-9);
+}
+
+TEST_F(MergeTest, PointsThatAreTheSameAreFused) {
+  const std::size_t before = sim_.map.points().size();
+  meet();
+  EXPECT_LT(sim_.map.points().size(), before - 20);
+  int shared = 0;
+  for (const auto& [id, p] : sim_.map.points()) {
+    EXPECT_EQ(p.map, sim_.id);
+    int of_two = 0;
+    for (const BoundTrack& b : p.bound) {
+      EXPECT_EQ(sim_.map.camera(b.camera).tracks.at(b.track).point, id);
+      EXPECT_EQ(sim_.world_point(b.camera, b.track), sim_.world_point(p));
+      of_two += b.camera == cam(2);
+    }
+    shared += of_two > 0 && p.bound.size() > 1;
+  }
+  EXPECT_GT(shared, 25);
+}
+
+TEST_F(MergeTest, ASecondTimeThereIsNothingToMerge) {
+  EXPECT_EQ(meet(), 1);
+  sim_.ingest(false, true);
+  sim_.place_truly();
+  EXPECT_EQ(step().merged, 0);
+}
+
+// One camera turns once around in the middle of the room; what it measures drifts by a similarity that grows. Then it
+// sees again what it saw first.
+class LoopTest : public testing::Test {
+ protected:
+  static constexpr int kSets = 420;
+  static Rigid3 path(double t_s) {
+    const double a = 2 * std::numbers::pi * t_s / 12;
+    return test::looking({0.8 * std::sin(a), 0.2 * std::sin(2 * a), 5 - 0.8 * std::cos(a)}, a);
+  }
+  static Similarity3 drift(int set) {
+    const double s = set / static_cast<double>(kSets);
+    return {1 + 0.06 * s, so3_exp({0.01 * s, 0.04 * s, -0.02 * s}), {0.2 * s, -0.1 * s, 0.15 * s}};
+  }
+  void step(bool descriptors) {
+    sim_.ingest(false, descriptors);
+    sim_.place_truly();
+    const int now = static_cast<int>(sim_.set.id.value);
+    FramePose& f = sim_.map.camera(cam(0)).frames.back();
+    f.cam_from_world = transform_world(f.cam_from_world, drift(now));
+    for (auto& [id, t] : sim_.map.camera(cam(0)).tracks) {
+      if (t.point != PointId()) continue;
+      const Eigen::Vector3d at = drift(now) * world_.position(sim_.world_point(cam(0), id));
+      sim_.map.bind(sim_.map.create_point(sim_.id, at, 1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, sim_.set.t_ns),
+                    cam(0), t);
+    }
+    if (now % 10 == 0) sim_.map.add_key_frame(sim_.set.id);
+    report_ = meetings_.step(sim_.map, sim_.set, view_graph(sim_.map, sim_.set));
+  }
+  void go_around() {
+    bool wanted = true;
+    for (int i = 0; i < kSets && closed_ == 0; ++i) {
+      step(wanted);
+      wanted = !report_.wants_descriptors.empty();
+      closed_ += report_.closed;
+      linked_ += report_.linked;
+    }
+  }
+
+  MeetConfig config_;
+  const test::SimWorld world_{{}};
+  test::SimMap sim_{world_, {path}};
+  Meetings meetings_{config_};
+  MeetReport report_;
+  int closed_ = 0, linked_ = 0;
+};
+
+TEST_F(LoopTest, AnOldPlaceDrawsTheMapTogether) {
+  go_around();
+  ASSERT_EQ(closed_, 1);
+  EXPECT_EQ(report_.to_adjust, sim_.id);
+  const Rigid3 first = sim_.map.camera(cam(0)).frames.front().cam_from_world;
+  EXPECT_THAT(first, PoseNear(sim_.truth(cam(0), SetId(0)), 1e-9, 1e-9)) << "where the map began stays";
+  const Rigid3 now = sim_.map.camera(cam(0)).frames.back().cam_from_world;
+  const Rigid3 truth = sim_.truth(cam(0), sim_.set.id);
+  const int sets = static_cast<int>(sim_.set.id.value);
+  const double before = (transform_world(truth, drift(sets)).center() - truth.center()).norm();
+  EXPECT_LT((now.center() - truth.center()).norm(), 0.2 * before);
+  const Fit fit = fit_of(sim_, sim_.id);
+  EXPECT_LT(fit.worst_pose_m, 0.5 * before);
+  // The agent is told how its world moved.
+  const Similarity3& moved = sim_.map.camera(cam(0)).moved;
+  EXPECT_NEAR(moved.scale, 1 / drift(sets).scale, 0.02);
+  // Points of the first view are seen again under their old ids.
+  int again = 0;
+  for (const auto& [id, t] : sim_.map.camera(cam(0)).tracks) {
+    const MapPoint* p = sim_.map.find(t.point);
+    again += p != nullptr && p->created.value < 100;
+  }
+  EXPECT_GT(again, config_.min_merge_inliers / 2);
+}
+
+TEST_F(LoopTest, NotWhenToldNotTo) {
+  config_.loops = false;
+  meetings_ = Meetings(config_);
+  go_around();
+  EXPECT_EQ(closed_ + linked_, 0);
+}
+
+TEST(HasRelief, APosterHasNone) {
+  std::vector<Eigen::Vector3d> poster;
+  for (int i = 0; i < 60; ++i) poster.emplace_back(0.03 * i, 0.5 * std::sin(i), 3 + 0.02 * i + 0.01 * std::cos(7 * i));
+  EXPECT_FALSE(has_relief(poster, 3));
+  for (int i = 0; i < 20; ++i) poster.emplace_back(0.09 * i, 0.5 * std::cos(i), 2.2 + 0.02 * i);
+  EXPECT_TRUE(has_relief(poster, 3));
+  EXPECT_FALSE(has_relief({}, 1));
+}
+
+}  // namespace
+}  // namespace coslam
