@@ -4,8 +4,6 @@
 
 #include <utility>
 
-#include "agent/track/descriptors.h"
-
 namespace coslam {
 namespace {
 
@@ -84,8 +82,7 @@ void Agent::take(const MapPatch& patch) {
 std::optional<DescriptorReply> Agent::describe_image() {
   if (!descriptors_wanted_) return std::nullopt;
   descriptors_wanted_ = false;
-  since_described_ = 0;
-  const DescribedFeatures features = describe(image_.grey, config_.descriptor_features, kSiftBorderPx);
+  const DescribedFeatures features = describe_features();
   const std::vector<TrackId> ids = tracker_.add(features.raw_px, kSamePx);
   observe(tracker_.live());
   std::map<TrackId, std::size_t> feature_of;  // the first of several at one track
@@ -99,6 +96,18 @@ std::optional<DescriptorReply> Agent::describe_image() {
     reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return reply;
+}
+
+// While it is to be placed, every feature helps and becomes a track. Later those at tracks are enough to know the place
+// again, and the stream stays as narrow as it is.
+DescribedFeatures Agent::describe_features() {
+  if (pose_.state() != PoseState::kTracked) {
+    since_described_ = 0;
+    return describe(image_.grey, config_.descriptor_features, kSiftBorderPx);
+  }
+  std::vector<Eigen::Vector2f> at;
+  for (const Track& t : tracks_) at.push_back(t.raw_px);
+  return describe_near(image_.grey, at, kSamePx, kSiftBorderPx);
 }
 
 std::optional<PatchReply> Agent::cut_patches() {

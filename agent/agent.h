@@ -11,6 +11,7 @@
 #include "agent/capture/source.h"
 #include "agent/correct/local_map.h"
 #include "agent/pose/pose_tracker.h"
+#include "agent/track/descriptors.h"
 #include "agent/track/tracker.h"
 #include "common/base/metrics.h"
 #include "common/model/map_patch.h"
@@ -50,6 +51,7 @@ class Agent {
   void take(const MapPatch& patch);
   void observe(const std::vector<Track>& tracks);
   std::optional<DescriptorReply> describe_image();
+  DescribedFeatures describe_features();
   std::optional<PatchReply> cut_patches();
   TrackFrame make_frame() const;
 

@@ -13,6 +13,7 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
       config_(config),
       map_(config.map),
       meetings_(config.meet),
+      grouping_(config.group),
       objects_(config.objects),
       moving_writer_(run) {
   config_.verify.leave_moved = config_.classify.enabled;
@@ -96,7 +97,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   {
     const auto t = times_.measure("group");
-    graph_ = view_graph(map_, set);
+    graph_ = grouping_.step(map_, set);
   }
   if (set.id.value % static_cast<std::uint32_t>(config_.inter.period) == 0) {
     const auto t = times_.measure("map_inter");

@@ -45,6 +45,7 @@ struct MapServerConfig {
   FuseConfig fuse;
   CullConfig cull;
   ObjectsConfig objects;
+  GroupConfig group;
   KeyFrameConfig key_frame;
   RefineConfig refine;
   PatchWriterConfig patches;
@@ -107,6 +108,7 @@ class MapServer {
   Map map_;
   ViewGraph graph_;
   Meetings meetings_;
+  Grouping grouping_;
   ObjectFinder objects_;
   MovingWriter moving_writer_;
   std::vector<MovingState> moving_;

@@ -137,6 +137,15 @@ void describe(V& v, ObjectsConfig& c) {
 }
 
 template <class V>
+void describe(V& v, GroupConfig& c) {
+  v.field("min_shared", c.min_shared, {1, 1000}, "points that bring two cameras into one group");
+  v.field("keep_shared", c.keep_shared, {0, 1000}, "points that keep them in it");
+  v.field("join_s", c.join_s, {0, 10}, "for so long before they join");
+  v.field("part_s", c.part_s, {0, 10}, "with fewer for so long before they part");
+  v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
+}
+
+template <class V>
 void describe(V& v, KeyFrameConfig& c) {
   v.field("keyframe_drop", c.drop, {0.01, 1}, "of a camera's points since the last key frame");
   v.field("min_sets", c.min_sets, {1, 1000}, "between key frames");
@@ -192,6 +201,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("fuse", c.map.fuse);
   v.section("cull", c.map.cull);
   v.section("objects", c.map.objects);
+  v.section("group", c.map.group);
   v.section("key_frame", c.map.key_frame);
   v.section("refine", c.map.refine);
   v.section("patches", c.map.patches);

@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace coslam {
 
-DescribedFeatures describe(const cv::Mat& grey, int most, double border_px) {
-  const auto sift = cv::SIFT::create(most, 3, 0.015);
+namespace {
+
+constexpr double kContrast = 0.015;  // threshold of SIFT: it is to find something in dim rooms too
+
+DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mask, double border_px) {
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
-  sift->detectAndCompute(grey, cv::noArray(), found, descriptors);
+  sift.detectAndCompute(grey, mask, found, descriptors);
   DescribedFeatures out;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2f px(found[i].pt.x, found[i].pt.y);
@@ -24,9 +28,26 @@ DescribedFeatures describe(const cv::Mat& grey, int most, double border_px) {
     if (twice) continue;
     out.raw_px.push_back(px);
     const float* d = descriptors.ptr<float>(static_cast<int>(i));
-    for (int k = 0; k < kDescriptorBytes; ++k) out.descriptors.push_back(static_cast<std::uint8_t>(d[k]));
+    for (int k = 0; k < kDescriptorBytes; ++k) {
+      out.descriptors.push_back(quantised_descriptor(static_cast<std::uint8_t>(d[k])));
+    }
   }
   return out;
+}
+
+}  // namespace
+
+DescribedFeatures describe(const cv::Mat& grey, int most, double border_px) {
+  return detect(*cv::SIFT::create(most, 3, kContrast), grey, {}, border_px);
+}
+
+DescribedFeatures describe_near(const cv::Mat& grey, const std::vector<Eigen::Vector2f>& raw_px, float near_px,
+                                double border_px) {
+  cv::Mat mask = cv::Mat::zeros(grey.size(), CV_8UC1);
+  for (const Eigen::Vector2f& px : raw_px) {
+    cv::circle(mask, {cvRound(px.x()), cvRound(px.y())}, static_cast<int>(near_px), {255}, cv::FILLED);
+  }
+  return detect(*cv::SIFT::create(0, 3, kContrast), grey, mask, border_px);
 }
 
 }  // namespace coslam

@@ -15,7 +15,12 @@ struct DescribedFeatures {
   std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each
 };
 
-// SIFT features of an image, the strongest `most`, at least border_px from its edge, no two closer than 3 px.
+// SIFT features of an image, the strongest `most`, at least border_px from its edge, no two closer than 3 px. Values as
+// quantised_descriptor() leaves them.
 DescribedFeatures describe(const cv::Mat& grey, int most, double border_px);
+
+// The same, all of them that lie within near_px of these places.
+DescribedFeatures describe_near(const cv::Mat& grey, const std::vector<Eigen::Vector2f>& raw_px, float near_px,
+                                double border_px);
 
 }  // namespace coslam

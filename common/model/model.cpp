@@ -23,6 +23,10 @@ Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale
   return {grid(undistorted_px.x()), grid(undistorted_px.y())};
 }
 
+std::uint8_t descriptor_step(std::uint8_t value) {
+  return static_cast<std::uint8_t>(std::min(15.0, std::round(std::sqrt(static_cast<double>(value)))));
+}
+
 int patch_shift(const PatchGrey& grey) {
   const auto [low, high] = std::minmax_element(grey.begin(), grey.end());
   int shift = 0;

@@ -82,12 +82,20 @@ struct PatchReply {  // answer to MapPatch::patch_requests, cut from the image o
 // SIFT descriptors of one image (OpenCV, 128 bytes, RootSIFT-normalised by the receiver).
 constexpr int kDescriptorBytes = 128;
 
+// The wire carries 4 bits a value: which of the squares 0, 1, 4 ... 225 is nearest in the square root, which RootSIFT
+// takes anyway.
+std::uint8_t descriptor_step(std::uint8_t value);
+inline std::uint8_t quantised_descriptor(std::uint8_t value) {
+  const std::uint8_t step = descriptor_step(value);
+  return static_cast<std::uint8_t>(step * step);
+}
+
 struct DescriptorReply {
   std::string agent;
   RunId agent_run;
   FrameId frame;
   std::vector<TrackId> tracks;            // ascending; each starts or goes on at its feature in this frame
-  std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each
+  std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each, as quantised_descriptor() leaves them
 };
 
 }  // namespace coslam

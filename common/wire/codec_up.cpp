@@ -219,7 +219,11 @@ idl::DescriptorReply encode(const DescriptorReply& r) {
   m.agent(r.agent);
   m.tracks().reserve(r.tracks.size());
   for (const TrackId id : r.tracks) m.tracks().push_back(id.value);
-  m.descriptors(r.descriptors);
+  m.descriptors().reserve(r.descriptors.size() / 2);
+  for (std::size_t i = 0; i < r.descriptors.size(); i += 2) {
+    m.descriptors().push_back(
+        static_cast<std::uint8_t>(descriptor_step(r.descriptors[i]) | (descriptor_step(r.descriptors[i + 1]) << 4U)));
+  }
   return m;
 }
 
@@ -227,13 +231,18 @@ Decoded<DescriptorReply> decode(const idl::DescriptorReply& m) {
   DescriptorReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {}};
   if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
   if (const Problem p = check_count(m.tracks().size(), idl::MAX_KEYPOINTS)) return *p;
-  if (m.descriptors().size() != m.tracks().size() * kDescriptorBytes) return Rejection::kSizeMismatch;
+  if (m.descriptors().size() != m.tracks().size() * kDescriptorBytes / 2) return Rejection::kSizeMismatch;
   for (const std::uint32_t id : m.tracks()) {
     if (id == 0) return Rejection::kBadId;
     if (!r.tracks.empty() && r.tracks.back().value >= id) return Rejection::kIdsNotAscending;
     r.tracks.push_back(TrackId(id));
   }
-  r.descriptors = m.descriptors();
+  const auto value = [](int step) { return static_cast<std::uint8_t>(step * step); };
+  r.descriptors.reserve(m.descriptors().size() * 2);
+  for (const std::uint8_t both : m.descriptors()) {
+    r.descriptors.push_back(value(both & 15U));
+    r.descriptors.push_back(value(both >> 4U));
+  }
   return r;
 }
 

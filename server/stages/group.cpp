@@ -67,4 +67,53 @@ ViewGraph view_graph(const Map& map, const FrameSet& set) {
   return graph;
 }
 
+void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns) {
+  std::map<std::pair<CameraId, CameraId>, int> shared;
+  for (const ViewEdge& e : edges) shared[{e.first, e.second}] = e.shared;
+  for (const auto& [pair, n] : shared) pairs_.try_emplace(pair);
+  for (auto& [pair, state] : pairs_) {
+    const auto at = shared.find(pair);
+    const int n = at == shared.end() ? 0 : at->second;
+    const bool same_map = map.camera(pair.first).map == map.camera(pair.second).map;
+    const bool says = state.joined ? n >= config_.keep_shared && same_map : n >= config_.min_shared;
+    if (says == state.joined) {
+      state.doubted = false;
+      continue;
+    }
+    if (!state.doubted) state.since_ns = now_ns;
+    state.doubted = true;
+    if (to_seconds(now_ns - state.since_ns) < (state.joined ? config_.part_s : config_.join_s)) continue;
+    state = {says, now_ns, false};
+  }
+}
+
+// Of the cameras that have a map, also those whose frame is missing now.
+std::vector<std::vector<CameraId>> Grouping::components(const Map& map, TimeNs now_ns) const {
+  DisjointSets sets(map.cameras().size());
+  for (const auto& [pair, state] : pairs_) {
+    if (state.joined) sets.unite(pair.first.value, pair.second.value);
+  }
+  std::map<std::size_t, std::vector<CameraId>> by_root;
+  for (const MapCamera& c : map.cameras()) {
+    const bool here = !c.frames.empty() && to_seconds(now_ns - c.frames.back().capture_ns) < config_.hold_s;
+    if (here && c.map != MapId()) by_root[sets.find(c.id.value)].push_back(c.id);
+  }
+  std::vector<std::vector<CameraId>> out;
+  for (auto& [root, group] : by_root) out.push_back(std::move(group));
+  return out;
+}
+
+ViewGraph Grouping::step(const Map& map, const FrameSet& set) {
+  ViewGraph graph = view_graph(map, set);
+  judge(map, graph.edges, set.t_ns);
+  auto now = components(map, set.t_ns);
+  if (now != groups_ && (!changed_ns_ || to_seconds(set.t_ns - *changed_ns_) >= config_.hold_s)) {
+    // The very first ones only come to be.
+    if (!groups_.empty()) changed_ns_ = set.t_ns;
+    groups_ = std::move(now);
+  }
+  graph.groups = groups_;
+  return graph;
+}
+
 }  // namespace coslam

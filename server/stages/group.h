@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/map/map.h"
@@ -19,7 +22,37 @@ struct ViewGraph {
   std::vector<std::vector<CameraId>> groups;  // connected components, ascending
 };
 
-// Cameras by shared view (paper 6.1).
+// Cameras by shared view at this instant (paper 6.1).
 ViewGraph view_graph(const Map& map, const FrameSet& set);
+
+struct GroupConfig {
+  int min_shared = 12;  // points that bring two cameras together
+  int keep_shared = 4;  // and that keep them so
+  double join_s = 0.2;  // for so long, before they are
+  double part_s = 0.5;  // with fewer for so long, before they are not any more
+  double hold_s = 1.0;  // every grouping stays at least so long
+};
+
+// Groups with hysteresis: a count of points flickers, a group of cameras must not.
+class Grouping {
+ public:
+  explicit Grouping(const GroupConfig& config) : config_(config) {}
+  // The view graph of this set, its groups those that hold.
+  ViewGraph step(const Map& map, const FrameSet& set);
+
+ private:
+  struct Pair {
+    bool joined = false;
+    TimeNs since_ns = 0;  // the first instant of those that say otherwise
+    bool doubted = false;
+  };
+  void judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns);
+  std::vector<std::vector<CameraId>> components(const Map& map, TimeNs now_ns) const;
+
+  GroupConfig config_;
+  std::map<std::pair<CameraId, CameraId>, Pair> pairs_;
+  std::vector<std::vector<CameraId>> groups_;
+  std::optional<TimeNs> changed_ns_;
+};
 
 }  // namespace coslam

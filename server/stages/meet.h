@@ -23,9 +23,9 @@ struct MeetConfig {
   int lost_period = 10;        // sets between requests for descriptors of a camera without a map
   int apart_period = 30;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
-  int least_period = 15;       // between requests because the view changed
-  double turned_rad = 0.35;    // of the optical axis, or
-  double moved_share = 0.3;    // of the median depth: the view is another one
+  int least_period = 20;       // between requests because the view changed
+  double turned_rad = 0.4;     // of the optical axis, or
+  double moved_share = 0.4;    // of the median depth: the view is another one
   double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
 };
 

@@ -89,7 +89,8 @@ DescriptorReply SimTracker::describe(const TrackFrame& frame) {
   for (const TrackObservation& o : frame.tracks) {
     reply.tracks.push_back(o.track);
     for (const std::uint8_t byte : world_.descriptor(live_.at(o.track).point)) {
-      reply.descriptors.push_back(static_cast<std::uint8_t>(std::clamp(byte + 6 * gauss(), 0.0, 255.0)));
+      reply.descriptors.push_back(
+          quantised_descriptor(static_cast<std::uint8_t>(std::clamp(byte + 6 * gauss(), 0.0, 255.0))));
     }
   }
   return reply;

@@ -104,7 +104,7 @@ TEST(CodecRejects, Replies) {
   expect_rejected<P>(patches, Rejection::kTooMany, [](P& m) { m.tracks().resize(2049); });
   const D descriptors = encode(values.descriptors(frame, 3));
   expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.tracks().pop_back(); });
-  expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.descriptors().resize(2 * 128); });
+  expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.descriptors().resize(2 * 64); });
   expect_rejected<D>(descriptors, Rejection::kTooMany, [](D& m) { m.tracks().resize(4097); });
   expect_rejected<D>(descriptors, Rejection::kIdsNotAscending, [](D& m) { m.tracks()[1] = m.tracks()[0]; });
 }

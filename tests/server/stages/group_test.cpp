@@ -108,5 +108,55 @@ TEST_F(GroupTest, TheTreeSpansEveryGroupOfARealView) {
   EXPECT_EQ(reached.size(), 4U);
 }
 
+// Cameras 0 and 1 share what the test says, 30 sets a second.
+class GroupingTest : public GroupTest {
+ protected:
+  // So many shared points for some sets; when the two became (or ceased to be) one group, in sets from 0, else -1.
+  int run(int shared, int sets) {
+    while (!made_.empty()) {
+      sim_.map.remove_point(made_.back());
+      made_.pop_back();
+    }
+    int when = -1;
+    for (int i = 0; i < sets; ++i) {
+      sim_.advance();
+      for (int p = 0; static_cast<int>(made_.size()) < shared; ++p) {
+        if (sim_.track_of(cam(0), p) == nullptr || sim_.track_of(cam(1), p) == nullptr) continue;
+        MapPoint& made =
+            sim_.map.create_point(sim_.id, world_.position(p), Eigen::Matrix3d::Identity(), sim_.set.id, 0);
+        for (const int c : {0, 1}) sim_.map.bind(made, cam(c), *sim_.track_of(cam(c), p));
+        made_.push_back(made.id);
+      }
+      const bool now = grouping_.step(sim_.map, sim_.set).groups[0].size() == 2;
+      if (now != together_) when = i;
+      together_ = now;
+    }
+    return when;
+  }
+  Grouping grouping_{GroupConfig{}};
+  std::vector<PointId> made_;
+  bool together_ = false;
+};
+
+TEST_F(GroupingTest, JoinsAndPartsWithinASecond) {
+  EXPECT_EQ(run(0, 40), -1);
+  const int joined = run(20, 40);
+  EXPECT_GT(joined, 2);
+  EXPECT_LT(joined, 15);
+  EXPECT_EQ(run(6, 60), -1) << "fewer points keep them together";
+  const int parted = run(0, 60);
+  EXPECT_GT(parted, 10);
+  EXPECT_LT(parted, 30);
+}
+
+TEST_F(GroupingTest, DoesNotFlicker) {
+  run(20, 60);
+  ASSERT_TRUE(together_);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(run(i % 2 == 0 ? 0 : 20, 10), -1) << "a third of a second";
+  int changes = 0;
+  for (int i = 0; i < 10; ++i) changes += run(i % 2 == 0 ? 0 : 20, 17) >= 0;
+  EXPECT_LE(changes, 6) << "5.7 s in all, none shorter than one";
+}
+
 }  // namespace
 }  // namespace coslam
