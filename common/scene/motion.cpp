@@ -72,6 +72,12 @@ std::vector<ViewPose> without_turn(std::vector<ViewPose> waypoints, double turn_
 
 }  // namespace
 
+LoopPath there_and_back(const std::vector<ViewPose>& waypoints, double step_s) {
+  std::vector<ViewPose> all = waypoints;
+  for (std::size_t i = waypoints.size() - 2; i > 0; --i) all.push_back(waypoints[i]);
+  return {all, step_s * static_cast<double>(all.size())};
+}
+
 ViewPath::ViewPath(std::vector<ViewPose> waypoints, double turn_deg)
     : turn_deg_(turn_deg), curve_(without_turn(std::move(waypoints), turn_deg), 1.0), step_(0) {
   constexpr int kSteps = 1 << 14;

@@ -143,11 +143,6 @@ void add_sign_board(WorldBuilder& b, const Placement& at, double width_m, double
   coarsen(b, first, kStreetPrintTexelM, 0.06);
 }
 
-Placement WallFront::at(double along_m, double z_m, double out_m) const {
-  const double turn = turn_deg * std::numbers::pi / 180.0, c = std::cos(turn), s = std::sin(turn);
-  return {x_m + c * along_m + s * out_m, y_m + s * along_m - c * out_m, z_m, turn_deg};
-}
-
 void furnish_front(WorldBuilder& b, const WallFront& wall, double from_m, double to_m) {
   constexpr int kHung = 6, kStanding = 5;
   Random& random = b.random();

@@ -28,14 +28,6 @@ void add_tree(WorldBuilder& b, double x_m, double y_m, double radius_m);
 // A board on two posts with a print over all its front.
 void add_sign_board(WorldBuilder& b, const Placement& at, double width_m, double height_m);
 
-// The front of a wall: a line on the ground with the place of its middle. Along it runs to the right of who faces it.
-struct WallFront {
-  double x_m = 0, y_m = 0;
-  double turn_deg = 0;  // as of a Placement
-
-  // `out` metres in front of it.
-  Placement at(double along_m, double z_m, double out_m = 0) const;
-};
 // Windows, prints, pilasters and boards on it from one place to another, plants, boxes and benches at its foot.
 void furnish_front(WorldBuilder& b, const WallFront& wall, double from_m, double to_m);
 
