@@ -104,6 +104,7 @@ int main_of(int argc, char** argv) {
   std::string id, source, calibration, rate;
   std::optional<int> domain;
   std::optional<double> start_s, duration_s, rate_hz;
+  std::vector<std::pair<double, double>> covered;
   bool loopback = false;
   app.add_option("--config", file, "agent.yaml")->type_name("FILE");
   app.add_option("--id", id, "name of this agent")->type_name("NAME");
@@ -113,6 +114,8 @@ int main_of(int argc, char** argv) {
   app.add_option("--rate", rate, "speed of replay: a factor, or max")->type_name("R");
   app.add_option("--start", start_s, "offset into the source, seconds")->type_name("S");
   app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
+  app.add_option("--covered", covered, "black images from one time to another, seconds; may be repeated")
+      ->type_name("FROM TO");
   app.add_option("--fps", rate_hz, "nominal frame rate")->type_name("HZ");
   app.add_flag("--loopback", loopback, "talk on this machine only");
   app.add_option("--set", sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")
@@ -133,6 +136,7 @@ int main_of(int argc, char** argv) {
   if (domain) o.wire.domain = *domain;
   if (start_s) o.play.start_s = *start_s;
   if (duration_s) o.play.duration_s = *duration_s;
+  for (const auto& [from_s, to_s] : covered) o.play.covered.push_back({from_s, to_s});
   if (rate_hz) o.play.rate_hz = *rate_hz;
   init_log(o.id);
   run(o);

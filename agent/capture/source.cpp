@@ -3,13 +3,16 @@
 #include "agent/capture/source.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
 
 namespace coslam {
 
-std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options) {
+namespace {
+
+std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const SourceOptions& options) {
   if (is_live_uri(uri)) return open_live(uri, options);
   const std::filesystem::path path = uri;
   if (uri.find("://") != std::string::npos) {
@@ -21,6 +24,13 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
   if (path.extension() == ".csv") return open_list(uri, list_csv(path), options);
   if (path.extension() == ".txt") return open_list(uri, list_tum(path), options);
   return open_video(path, options);
+}
+
+}  // namespace
+
+std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options) {
+  auto source = open_uncovered(uri, options);
+  return options.covered.empty() ? std::move(source) : covered_at_times(std::move(source), options.covered);
 }
 
 }  // namespace coslam

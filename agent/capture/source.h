@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/ids.h"
 #include "common/base/time.h"
@@ -40,7 +41,8 @@ struct SourceOptions {
   double rate_hz = 30;  // for image folders and videos without times
   int width_px = 0;     // of the calibration: the first readable image must have this size; 0: any size
   int height_px = 0;
-  std::string calibration;  // the file of that size, named when the size is another
+  std::string calibration;        // the file of that size, named when the size is another
+  std::vector<TimeSpan> covered;  // played times at which the lens is covered: black images with noise, for trials
 };
 
 // Frames with source time in [start_s, start_s + duration_s) are played, the first of them is frame 0. The source time

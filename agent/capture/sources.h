@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "agent/capture/frame_list.h"
 #include "agent/capture/source.h"
@@ -16,6 +17,7 @@ namespace coslam {
 std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList frames, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
+std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
 bool is_live_uri(const std::string& uri);
 
 // Whether a source time is played, and as what.

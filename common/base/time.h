@@ -14,6 +14,11 @@ using TimeNs = std::int64_t;
 // Monotonic time of this process, for timeouts. Pure code takes it as an argument.
 using Instant = std::chrono::steady_clock::time_point;
 
+// A part of a played time: from_s <= t < to_s.
+struct TimeSpan {
+  double from_s = 0, to_s = 0;
+};
+
 constexpr double to_seconds(TimeNs t_ns) { return static_cast<double>(t_ns) * 1e-9; }
 inline TimeNs to_ns(double seconds) { return static_cast<TimeNs>(std::llround(seconds * 1e9)); }
 

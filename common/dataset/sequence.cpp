@@ -45,8 +45,20 @@ std::string agent_name(const YamlValue& value) {
   return name;
 }
 
+std::vector<TimeSpan> read_spans(const YamlValue& value) {
+  std::vector<TimeSpan> spans;
+  for (const YamlValue& item : value.items()) {
+    const std::vector<double> ends = item.numbers();
+    if (ends.size() != 2 || !(ends[0] >= 0 && ends[0] < ends[1] && ends[1] <= kMaxSeconds)) {
+      item.fail("must be [FROM, TO], seconds, the second later than the first");
+    }
+    spans.push_back({ends[0], ends[1]});
+  }
+  return spans;
+}
+
 SequenceAgent read_agent(const YamlValue& value) {
-  value.allow_only({"name", "source", "calibration", "start_s", "duration_s", "truth"});
+  value.allow_only({"name", "source", "calibration", "start_s", "duration_s", "covered", "truth"});
   SequenceAgent agent;
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
@@ -57,6 +69,7 @@ SequenceAgent read_agent(const YamlValue& value) {
     agent.duration_s = duration->number(0, kMaxSeconds);
     if (*agent.duration_s == 0) duration->fail("must be more than 0");
   }
+  if (const auto covered = value.find("covered")) agent.covered = read_spans(*covered);
   agent.truth = optional_path(value, "truth");
   return agent;
 }
@@ -83,7 +96,7 @@ Sequence load_sequence(const fs::path& path) {
   if (!fs::exists(sequence.file)) throw UserError(path.string() + ": the folder has no sequence.yaml");
 
   const YamlValue root = YamlValue::load(sequence.file);
-  root.allow_only({"name", "rate_hz", "scale", "agents", "truth_points", "masks", "scene", "scene_seed"});
+  root.allow_only({"name", "rate_hz", "scale", "agents", "truth_points", "masks", "overlap", "scene", "scene_seed"});
   const auto name = root.find("name");
   sequence.name = name ? name->text() : fs::absolute(sequence.file).stem().string();
   if (const auto rate = root.find("rate_hz")) sequence.rate_hz = rate->number(0.01, 1000);
@@ -94,6 +107,7 @@ Sequence load_sequence(const fs::path& path) {
   sequence.agents = read_agents(root.at("agents"));
   sequence.truth_points = optional_path(root, "truth_points");
   sequence.masks = optional_path(root, "masks");
+  sequence.overlap = optional_path(root, "overlap");
   if (const auto scene = root.find("scene")) sequence.scene = scene->text();
   if (const auto seed = root.find("scene_seed")) {
     if (seed->integer() < 0) seed->fail("must not be negative");

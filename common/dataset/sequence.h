@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/time.h"
+
 namespace coslam {
 
 struct SequenceAgent {
@@ -16,6 +18,7 @@ struct SequenceAgent {
   std::filesystem::path calibration;
   double start_s = 0;
   std::optional<double> duration_s;
+  std::vector<TimeSpan> covered;               // played times at which the lens is covered
   std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time
 };
 
@@ -28,6 +31,7 @@ struct Sequence {
   std::vector<SequenceAgent> agents;
   std::optional<std::filesystem::path> truth_points;  // t_s,id,x,y,z
   std::optional<std::filesystem::path> masks;         // <masks>/<agent>/<6-digit frame>.png, non-zero = moving
+  std::optional<std::filesystem::path> overlap;       // t_s,agent_a,agent_b,share of the view of a that b sees too
   std::string scene;                                  // name of the simulated scene that rendered it, or empty
   std::uint64_t scene_seed = 0;
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What hangs on walls and lies on floors, and the walls and floors.
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "common/scene/furniture.h"
 
@@ -25,7 +27,54 @@ double wall_tone(MaterialKind kind) {
   }
 }
 
+// What stands or hangs at one place of a wall; returns how wide it is.
+double add_group(WorldBuilder& b, const WallFront& wall, double left_m, int kind) {
+  switch (kind) {
+    case 0: {
+      const double width = b.random().uniform(0.9, 1.2);
+      add_bookcase(b, wall.at(left_m + width / 2, 0), width, b.random().uniform(1.6, 2.1), 0.3);
+      return width;
+    }
+    case 1:
+      add_print(b, wall.at(left_m + 0.35, 1.35), 0.65, 0.9, MaterialKind::kPoster);
+      add_carton(b, wall.at(left_m + 0.35, 0), {0.5, 0.4, 0.45});
+      return 0.75;
+    case 2:
+      add_sideboard(b, wall.at(left_m + 0.7, 0), 1.4, 0.42, 0.78);
+      add_vase(b, wall.at(left_m + 0.35, 0.78, 0.08), 0.1, 0.36);
+      add_book_stack(b, wall.at(left_m + 0.95, 0.78, 0.1), 6);
+      add_print(b, wall.at(left_m + 0.75, 1.4), 0.9, 0.65, MaterialKind::kPicture);
+      return 1.45;
+    case 3:
+      add_plant(b, wall.at(left_m + 0.4, 0, 0.1), b.random().uniform(1.2, 1.6));
+      return 0.8;
+    case 4:
+      add_pinboard(b, wall.at(left_m + 0.5, 1.0), 0.95, 1.0);
+      return 1.0;
+    default:
+      add_table(b, wall.at(left_m + 0.7, 0), 1.35, 0.6, 0.74);
+      add_monitor(b, wall.at(left_m + 0.55, 0.74, 0.1));
+      add_print(b, wall.at(left_m + 1.05, 1.4), 0.5, 0.7, MaterialKind::kPoster);
+      return 1.4;
+  }
+}
+
 }  // namespace
+
+Placement WallFront::at(double along_m, double z_m, double out_m) const {
+  const double turn = turn_deg * std::numbers::pi / 180.0, c = std::cos(turn), s = std::sin(turn);
+  return {x_m + c * along_m + s * out_m, y_m + s * along_m - c * out_m, z_m, turn_deg};
+}
+
+void furnish_wall(WorldBuilder& b, const WallFront& wall, double from_m, double to_m) {
+  constexpr int kGroups = 6;
+  constexpr double kWidestM = 1.5;
+  int kind = b.random().index(kGroups);
+  for (double left = from_m + 0.2; left + kWidestM < to_m; left += b.random().uniform(0.15, 0.4)) {
+    left += add_group(b, wall, left, kind);
+    kind = (kind + 1) % kGroups;
+  }
+}
 
 void add_print(WorldBuilder& b, const Placement& at, double width_m, double height_m, MaterialKind kind) {
   b.begin(at);

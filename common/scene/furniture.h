@@ -21,6 +21,15 @@ void add_floor_lamp(WorldBuilder& b, const Placement& at);
 // A pillar or beam of one material that stands out of a wall.
 void add_block(WorldBuilder& b, const Placement& at, const Eigen::Vector3d& size_m, MaterialKind kind, double tone);
 
+// The front of a wall: a line on the ground with the place of its middle. Along it runs to the right of who faces it.
+struct WallFront {
+  double x_m = 0, y_m = 0;
+  double turn_deg = 0;  // as of a Placement
+
+  // `out` metres in front of it.
+  Placement at(double along_m, double z_m, double out_m = 0) const;
+};
+
 // On a wall: `at` is the middle of the lower edge, on the wall.
 void add_print(WorldBuilder& b, const Placement& at, double width_m, double height_m, MaterialKind kind);
 // A window with bars, foliage outside, light that comes in.
@@ -37,5 +46,7 @@ struct RoomShell {
   MaterialKind floor = MaterialKind::kPlanks;
 };
 void add_shell(WorldBuilder& b, const RoomShell& shell);
+// Prints, boards, shelves and tables along a wall of a room, from one place to another.
+void furnish_wall(WorldBuilder& b, const WallFront& wall, double from_m, double to_m);
 
 }  // namespace coslam::sim

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
-#include "common/scene/furniture.h"
 #include "common/scene/gait.h"
+#include "common/scene/outdoor.h"
 #include "common/scene/simulated_scene.h"
 
 namespace coslam::sim {
@@ -18,21 +18,6 @@ using Eigen::Vector3d;
 constexpr double kHalfX = 14.5, kHalfY = 11.5;  // of the garden
 constexpr double kLoopX = 11.5, kLoopY = 8.0;   // half axes of the way of the cameras, before it gets its length
 constexpr double kLoopM = 63, kLoopS = 1500 / 30.0, kRiseS = 0.5;
-constexpr double kWallTexelM = 0.006, kGroundTexelM = 0.009, kWallLightM = 0.12;
-
-// Facets added since `first` get textures and light maps for things that are seen from farther away than in a room.
-void coarsen(WorldBuilder& b, std::size_t first, double texel_m, double light_cell_m) {
-  for (std::size_t i = first; i < b.world().facets.size(); ++i) {
-    b.world().facets[i].texel_m = texel_m;
-    b.world().facets[i].light_cell_m = light_cell_m;
-  }
-}
-
-void add_coarse_block(WorldBuilder& b, const Placement& at, const Vector3d& size_m, MaterialKind kind, double tone) {
-  const std::size_t first = b.world().facets.size();
-  add_block(b, at, size_m, kind, tone);
-  coarsen(b, first, kWallTexelM, kWallLightM);
-}
 
 void add_ground(WorldBuilder& b) {
   std::size_t first = b.world().facets.size();
@@ -41,53 +26,6 @@ void add_ground(WorldBuilder& b) {
   b.begin({});
   b.rect({-6.9, 3.9, 0.01}, {13.8, 0, 0}, {0, -7.8, 0}, b.material(MaterialKind::kFoliage, 0.42));
   coarsen(b, first, kGroundTexelM, 0.1);
-}
-
-// Trees and sky all around.
-void add_horizon(WorldBuilder& b) {
-  constexpr double kFarX = 32, kFarY = 28, kTreesM = 8, kSkyM = 24, kTexelM = 0.03, kLightM = 1;
-  const std::size_t first = b.world().facets.size();
-  const Vector3d corners[5] = {
-      {-kFarX, kFarY, 0}, {kFarX, kFarY, 0}, {kFarX, -kFarY, 0}, {-kFarX, -kFarY, 0}, {-kFarX, kFarY, 0}};
-  for (int i = 0; i < 4; ++i) {
-    const Vector3d along = corners[i + 1] - corners[i], up(0, 0, 1);
-    b.begin({});
-    b.rect(corners[i] + kTreesM * up, along, -kTreesM * up, b.material(MaterialKind::kFoliage, 0.5)).emission = 0.3F;
-    b.rect(corners[i] + kSkyM * up, along, -(kSkyM - kTreesM) * up, b.material(MaterialKind::kLamp, 0.6)).emission =
-        0.8F;
-  }
-  b.begin({});
-  b.rect({-kFarX, -kFarY, kSkyM}, {2 * kFarX, 0, 0}, {0, 2 * kFarY, 0}, b.material(MaterialKind::kLamp, 0.6)).emission =
-      0.8F;
-  b.begin({});
-  b.rect({-kFarX, kFarY, -0.02}, {2 * kFarX, 0, 0}, {0, -2 * kFarY, 0}, b.material(MaterialKind::kPlaster, 0.4));
-  coarsen(b, first, kTexelM, kLightM);
-}
-
-// A pane in a frame on a house wall.
-void add_house_window(WorldBuilder& b, const Placement& at, double width_m, double height_m) {
-  const std::size_t first = b.world().facets.size();
-  b.begin(at);
-  const double half = width_m / 2;
-  b.box({-half - 0.08, -0.06, -0.08}, {half + 0.08, 0, height_m + 0.08}, b.material(MaterialKind::kPaint, 0.75));
-  b.rect({-half, -0.065, height_m}, {width_m, 0, 0}, {0, 0, -height_m}, b.material(MaterialKind::kFoliage, 0.35));
-  b.box({-0.03, -0.09, 0}, {0.03, -0.06, height_m}, b.material(MaterialKind::kPaint, 0.75));
-  coarsen(b, first, kWallTexelM, kWallLightM);
-}
-
-void add_tree(WorldBuilder& b, double x_m, double y_m, double radius_m) {
-  const std::size_t first = b.world().facets.size();
-  const double height = b.random().uniform(2.9, 3.6);
-  b.begin({x_m, y_m, 0, b.random().uniform(0, 90)});
-  b.cylinder({0, 0, 0}, radius_m, height + 0.5, 12, b.material(MaterialKind::kWood, b.random().uniform(0.22, 0.4)));
-  for (int i = 0; i < 16; ++i) {
-    const double size = b.random().uniform(0.2, 0.55);
-    const Vector3d middle(b.random().uniform(-0.9, 0.9), b.random().uniform(-0.9, 0.9),
-                          height + b.random().uniform(0.2, 1.6));
-    b.box(middle - Vector3d::Constant(size), middle + Vector3d::Constant(size),
-          b.material(MaterialKind::kFoliage, b.random().uniform(0.4, 0.6)));
-  }
-  coarsen(b, first, kWallTexelM, kWallLightM);
 }
 
 void add_bounds(WorldBuilder& b) {
@@ -170,16 +108,13 @@ void furnish_lawn(WorldBuilder& b) {
 }
 
 World garden_world(std::uint64_t seed) {
-  constexpr double kSunM = 21, kSunSizeM = 2.2, kSunlight = 0.75;
   WorldBuilder b(mix(seed, 5));
   add_ground(b);
-  add_horizon(b);
+  add_horizon(b, 32, 28);
   add_bounds(b);
   furnish_rim(b);
   furnish_lawn(b);
-  b.begin({});
-  b.light({7, -9, kSunM}, {kSunSizeM, 0, 0}, {0, kSunSizeM, 0},
-          kSunlight * std::numbers::pi * kSunM * kSunM / (kSunSizeM * kSunSizeM));
+  add_sun(b, {7, -9, 21}, 0.75);
   b.world().ambient = 0.38;
   return b.world();
 }

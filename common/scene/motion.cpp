@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "common/scene/noise.h"
 
@@ -58,6 +59,50 @@ ViewPose LoopPath::at(double t_s) const {
   Row sum = Row::Zero();
   for (Eigen::Index k = 0; k < 4; ++k) sum += weights[k] * control_.row((i + k + n - 1) % n);
   return {sum.head<3>().transpose(), sum(3), sum(4), sum(5)};
+}
+
+namespace {
+
+std::vector<ViewPose> without_turn(std::vector<ViewPose> waypoints, double turn_deg) {
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    waypoints[i].heading_deg -= turn_deg * static_cast<double>(i) / static_cast<double>(waypoints.size());
+  }
+  return waypoints;
+}
+
+}  // namespace
+
+LoopPath there_and_back(const std::vector<ViewPose>& waypoints, double step_s) {
+  std::vector<ViewPose> all = waypoints;
+  for (std::size_t i = waypoints.size() - 2; i > 0; --i) all.push_back(waypoints[i]);
+  return {all, step_s * static_cast<double>(all.size())};
+}
+
+ViewPath::ViewPath(std::vector<ViewPose> waypoints, double turn_deg)
+    : turn_deg_(turn_deg), curve_(without_turn(std::move(waypoints), turn_deg), 1.0), step_(0) {
+  constexpr int kSteps = 1 << 14;
+  step_ = 1.0 / kSteps;
+  distance_m_.push_back(0);
+  Eigen::Vector3d last = curve_.at(0).position_m;
+  for (int i = 1; i <= kSteps; ++i) {
+    const Eigen::Vector3d now = curve_.at(i * step_).position_m;
+    distance_m_.push_back(distance_m_.back() + (now - last).norm());
+    last = now;
+  }
+}
+
+ViewPose ViewPath::at(double distance_m) const {
+  const double rounds = std::floor(distance_m / length_m()), d = distance_m - rounds * length_m();
+  const auto after = std::upper_bound(distance_m_.begin() + 1, distance_m_.end() - 1, d);
+  const auto before = after - 1;
+  const double share = (static_cast<double>(before - distance_m_.begin()) + (d - *before) / (*after - *before)) * step_;
+  ViewPose out = curve_.at(share);
+  out.heading_deg += turn_deg_ * (rounds + share);
+  return out;
+}
+
+double eased_journey(double t_s, double end_s, double rise_s) {
+  return eased_start(t_s, rise_s) - eased_start(t_s - end_s + 2 * rise_s, rise_s);
 }
 
 double eased_start(double t_s, double rise_s) {

@@ -32,8 +32,28 @@ class LoopPath {
   Eigen::Matrix<double, Eigen::Dynamic, 6> control_;  // uniform cubic B-spline
 };
 
+// Through waypoints that are step_s apart and back the same way, at rest at both ends.
+LoopPath there_and_back(const std::vector<ViewPose>& waypoints, double step_s);
+
+// A closed path with the view at each place, by the distance gone on it.
+class ViewPath {
+ public:
+  // Waypoints about equally far apart. turn_deg: what the heading gains around the path.
+  ViewPath(std::vector<ViewPose> waypoints, double turn_deg);
+  double length_m() const { return distance_m_.back(); }
+  ViewPose at(double distance_m) const;
+
+ private:
+  double turn_deg_;
+  LoopPath curve_;  // its heading is what is left when the turn is taken out evenly
+  double step_;     // of the curve's parameter between two of distance_m_
+  std::vector<double> distance_m_;
+};
+
 // Time that runs at speed 1 in the long run, and starts from rest at t = 0: C2 for t > 0.
 double eased_start(double t_s, double rise_s);
+// The same, and comes to rest at end_s, having run for end_s - 2 rise_s.
+double eased_journey(double t_s, double end_s, double rise_s);
 // 0 before `from`, 1 after `to`, with constant speed between C2 ramps that take a quarter of the time each.
 double eased_step(double t_s, double from_s, double to_s);
 // Integral of 1 - bump, where bump rises to 1 in ramp_s around [from, to]: time that stands still in between. C2.

@@ -46,6 +46,14 @@ SceneDescription describe_sitting_man(std::uint64_t seed, int cameras);
 // A garden with a way of 63 m around it, which three cameras walk once in 1500 frames; four people walk with them,
 // towards them and around, and often fill much of a view.
 SceneDescription describe_garden(std::uint64_t seed, int cameras);
+// A courtyard with a way of 96 m around it, which four cameras go once; in the middle of the long sides they part in
+// pairs, on the north side in other pairs than on the south side. A sign board is seen at both ends.
+SceneDescription describe_courtyard(std::uint64_t seed, int cameras);
+// A room with a partition. Two cameras start on one side of it and one on the other, with nothing in common; after
+// about eight seconds they see the same wall.
+SceneDescription describe_strangers(std::uint64_t seed, int cameras);
+// Two rooms with the same posters and furniture in different places, and a camera in each.
+SceneDescription describe_twins(std::uint64_t seed, int cameras);
 
 struct SceneSize {
   int cameras = 0, frames = 0;  // <= 0: the scene's own number

@@ -4,6 +4,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <fstream>
@@ -15,6 +17,7 @@
 #include "common/scene/marked_spots.h"
 #include "common/scene/parallel.h"
 #include "common/scene/renderer.h"
+#include "common/scene/view_overlap.h"
 
 namespace coslam {
 namespace sim {
@@ -77,6 +80,7 @@ std::string sequence_text(const SimulatedScene& scene, const WriteOptions& optio
     const Eigen::Vector3d apart = scene.cam_from_world(0, 0).center() - scene.cam_from_world(1, 0).center();
     out += formatted("scale: {baseline_m: %.9f}\n", apart.norm());
   }
+  if (scene.cameras() > 1) out += "overlap: overlap.csv\n";
   if (scene.bodies() > 0) out += "truth_points: points.csv\nmasks: masks\n";
   out += "agents:\n";
   for (int camera = 0; camera < scene.cameras(); ++camera) {
@@ -85,6 +89,25 @@ std::string sequence_text(const SimulatedScene& scene, const WriteOptions& optio
     out += formatted("  - name: %s\n    source: %s\n    calibration: %s.yaml\n    truth: %s.tum\n", n, n, n, n);
   }
   return out;
+}
+
+// A line for every two cameras, ten times a second.
+void write_overlap(const SimulatedScene& scene, const fs::path& file) {
+  constexpr double kRateHz = 10;
+  const int every = std::max(1, static_cast<int>(std::lround(scene.rate_hz() / kRateHz)));
+  const ViewOverlap overlap(scene);
+  std::string out = "t_s,agent_a,agent_b,share\n";
+  for (int frame = 0; frame < scene.frames(); frame += every) {
+    const Eigen::MatrixXd shares = overlap.at(scene.time_s(frame));
+    for (int a = 0; a < scene.cameras(); ++a) {
+      for (int b = 0; b < scene.cameras(); ++b) {
+        if (a == b) continue;
+        out += formatted("%.9f,%s,%s,%.3f\n", scene.time_s(frame), agent_name(a).c_str(), agent_name(b).c_str(),
+                         shares(a, b));
+      }
+    }
+  }
+  write_text(file, out);
 }
 
 // A line for every marked spot and frame.
@@ -111,6 +134,7 @@ void write_descriptions(const SimulatedScene& scene, const WriteOptions& options
     write_text(folder / name / "times.txt", times_text(scene));
     if (scene.bodies() > 0) fs::create_directories(folder / "masks" / name);
   }
+  if (scene.cameras() > 1) write_overlap(scene, folder / "overlap.csv");
   if (scene.bodies() > 0) write_marked_points(scene, options.seed, folder / "points.csv");
   write_text(folder / "sequence.yaml", sequence_text(scene, options));
 }

@@ -138,12 +138,41 @@ class TrackEvaluation {
   BodyTracks bodies_;
 };
 
+// Among the agents of the run; who is covered sees nothing.
+std::vector<OverlapRow> overlap_of(const Sequence& sequence, const std::vector<AgentPaths>& agents) {
+  std::vector<OverlapRow> rows = read_overlap(*sequence.overlap);
+  const auto took_part = [&](const std::string& name) {
+    return std::any_of(agents.begin(), agents.end(), [&](const AgentPaths& a) { return a.name == name; });
+  };
+  std::erase_if(rows, [&](const OverlapRow& row) { return !took_part(row.a) || !took_part(row.b); });
+  for (const SequenceAgent& agent : sequence.agents) {
+    for (const TimeSpan& span : agent.covered) {
+      for (OverlapRow& row : rows) {
+        const double t_s = to_seconds(row.t_ns);
+        if ((row.a == agent.name || row.b == agent.name) && t_s >= span.from_s && t_s < span.to_s) row.share = 0;
+      }
+    }
+  }
+  return rows;
+}
+
+void evaluate_groups(Evaluation& e, const ResultFolder& result, const Sequence& sequence,
+                     const std::vector<AgentPaths>& agents) {
+  if (!std::filesystem::exists(result.groups())) return;
+  const ReportedGroups reported = reported_groups(read_groups(result.groups()));
+  evaluate_maps(e, agents, maps_of(reported), sequence.rate_hz);
+  if (!sequence.overlap) return;
+  const auto rows = overlap_of(sequence, agents);
+  if (!rows.empty()) e.groups = score_groups(reported, TrueOverlap(rows));
+}
+
 }  // namespace
 
 Evaluation evaluate(const ResultFolder& result, const Sequence& sequence, const std::vector<AgentPaths>& agents,
                     const Scene* scene) {
   Evaluation e = evaluate_paths(agents, sequence.rate_hz);
   e.sequence = sequence.name;
+  evaluate_groups(e, result, sequence, agents);
 
   // Without an alignment no position can be judged; the classification can.
   const bool aligned = e.alignment.target_from_source.has_value();

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dataset/result.h"
@@ -12,6 +13,7 @@
 #include "common/dataset/trajectory.h"
 #include "common/scene/scene.h"
 #include "deploy/tools/eval/bodies.h"
+#include "deploy/tools/eval/groups.h"
 #include "deploy/tools/eval/points.h"
 #include "deploy/tools/eval/trajectories.h"
 
@@ -46,6 +48,12 @@ struct ClassificationScore {
   int observations = 0;
 };
 
+// Agents that share a map, under an alignment of their own.
+struct MapEvaluation {
+  AgentNames agents;
+  std::optional<double> ate_m, ate_percent, scale;
+};
+
 struct Evaluation {
   std::string sequence;
   std::vector<AgentEvaluation> agents;
@@ -62,6 +70,10 @@ struct Evaluation {
   std::optional<ErrorSpread> dynamic_relative_error;   // the same, over the distance of the nearest camera that sees it
   std::optional<double> dynamic_length_s;              // median of the paths
   std::map<std::string, BodyScore> bodies;             // of a simulated scene, by name
+  std::optional<GroupScore> groups;                    // where the true overlap is known
+  std::vector<MapEvaluation> maps;
+  // Two agents of a map that do not fit together, while each alone follows its true path.
+  std::vector<std::pair<std::string, std::string>> wrong_merges;
 };
 
 // Reads the paths of the agents that took part. Throws UserError when the result has no trajectory at all.
@@ -69,6 +81,9 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
 
 // The trajectory part of the evaluation. rate_hz of the sequence bounds the gaps that truth is interpolated over.
 Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz);
+
+// The maps that the agents share, and whether they should.
+void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const Partition& maps, double rate_hz);
 
 // Everything. scene: the world of a simulated sequence, or null.
 Evaluation evaluate(const ResultFolder& result, const Sequence& sequence, const std::vector<AgentPaths>& agents,

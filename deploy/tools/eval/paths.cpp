@@ -76,7 +76,55 @@ void evaluate_live(Evaluation& e, const std::vector<AgentPaths>& agents, TimeNs 
   }
 }
 
+double joint_rmse(const PosePairs& pairs, const Alignment& joint) {
+  return position_rmse(pairs, *joint.target_from_source).value_or(0);
+}
+
+// Far off together, and not because either of them is lost.
+bool contradict(const PosePairs& a, const PosePairs& b) {
+  constexpr double kFarM = 0.3, kFarShare = 0.05, kTimes = 5;
+  const auto path_m = [](const PosePairs& pairs) {
+    double length_m = 0;
+    for (std::size_t i = 1; i < pairs.size(); ++i) {
+      length_m += (pairs[i].truth.center() - pairs[i - 1].truth.center()).norm();
+    }
+    return length_m;
+  };
+  const Alignment joint = align_centers({a, b}), a_alone = align_centers({a}), b_alone = align_centers({b});
+  if (!joint.target_from_source || !a_alone.target_from_source || !b_alone.target_from_source) return false;
+  const double error_m = std::max(joint_rmse(a, joint), joint_rmse(b, joint));
+  return error_m > std::max(kFarM, kFarShare * std::max(path_m(a), path_m(b))) &&
+         error_m > kTimes * std::max(a_alone.rmse, b_alone.rmse);
+}
+
 }  // namespace
+
+void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const Partition& maps, double rate_hz) {
+  for (const AgentNames& names : maps) {
+    std::vector<const AgentPaths*> members;
+    std::vector<PosePairs> pairs;
+    double path_m = 0;
+    for (const AgentPaths& agent : agents) {
+      if (!names.contains(agent.name)) continue;
+      members.push_back(&agent);
+      pairs.push_back(pair_poses(agent.estimate, agent.truth, max_gap_ns(rate_hz)));
+      path_m += path_length(agent.truth);
+    }
+    MapEvaluation map{names, {}, {}, {}};
+    const Alignment alignment = align_centers(pairs);
+    if (alignment.target_from_source) {
+      map.ate_m = alignment.rmse;
+      map.ate_percent = percent_of(map.ate_m, path_m);
+      map.scale = alignment.target_from_source->scale;
+    }
+    e.maps.push_back(map);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      for (std::size_t j = i + 1; j < members.size(); ++j) {
+        if (contradict(pairs[i], pairs[j])) e.wrong_merges.emplace_back(members[i]->name, members[j]->name);
+      }
+    }
+  }
+}
 
 std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence) {
   const nlohmann::json reported = agents_in(result);

@@ -52,6 +52,37 @@ Json json_of(const BodyScore& b) {
           {"object_velocity_error_m_s", json_of(b.velocity_error_m_s())}};
 }
 
+Json json_of(const GroupChange& c) {
+  return {{"t_s", to_seconds(c.t_ns)}, {"kind", c.merge ? "merge" : "split"}, {"first", c.first}, {"second", c.second}};
+}
+
+Json json_of(const GroupScore& g) {
+  Json json{{"splits", g.count(false)},
+            {"splits_found", g.found(false)},
+            {"merges", g.count(true)},
+            {"merges_found", g.found(true)},
+            {"worst_delay_s", json_of(g.worst_delay_s())},
+            {"false_splits", g.false_count(false)},
+            {"false_merges", g.false_count(true)},
+            {"shortest_state_s", json_of(g.shortest_state_s)},
+            {"changes", Json::array()},
+            {"false_changes", Json::array()}};
+  for (const FollowedChange& c : g.changes) {
+    json["changes"].push_back(json_of(c.change));
+    json["changes"].back()["from_s"] = to_seconds(c.change.from_ns);
+    json["changes"].back()["delay_s"] = json_of(c.delay_s);
+  }
+  for (const GroupChange& c : g.false_changes) json["false_changes"].push_back(json_of(c));
+  return json;
+}
+
+Json json_of(const MapEvaluation& m) {
+  return {{"agents", m.agents},
+          {"ate_m", json_of(m.ate_m)},
+          {"ate_percent", json_of(m.ate_percent)},
+          {"scale", json_of(m.scale)}};
+}
+
 // Of all bodies together.
 BodyScore sum_of(const Evaluation& e) {
   BodyScore sum;
@@ -100,6 +131,40 @@ std::string headline(const Evaluation& e) {
   if (e.tracked_percent) text += printed("; %.1f %% of the frames tracked", *e.tracked_percent);
   if (e.live_ate_m) text += printed("; live ATE %.4f m", *e.live_ate_m);
   return text + "\n";
+}
+
+std::string list_of(const AgentNames& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
+
+std::string change_text(const GroupChange& c) {
+  return printed("%.1f s ", to_seconds(c.t_ns)) + list_of(c.first) + (c.merge ? " + " : " | ") + list_of(c.second);
+}
+
+std::string group_lines(const Evaluation& e) {
+  std::string text;
+  if (e.maps.size() > 1) {
+    for (const MapEvaluation& m : e.maps) {
+      text += "  map of " + list_of(m.agents) + ": ATE " + (m.ate_m ? printed("%.4f m", *m.ate_m) : "-") +
+              (m.scale ? printed(", scale %.5f", *m.scale) : "") + "\n";
+    }
+  }
+  for (const auto& [a, b] : e.wrong_merges) text += "  WRONG MERGE: " + a + " and " + b + " do not fit together\n";
+  if (!e.groups) return text;
+  const GroupScore& g = *e.groups;
+  text +=
+      printed("  groups: %d of %d splits and %d of %d merges found, %d false splits, %d false merges", g.found(false),
+              g.count(false), g.found(true), g.count(true), g.false_count(false), g.false_count(true));
+  if (const auto worst = g.worst_delay_s()) text += printed("; worst delay %.2f s", *worst);
+  if (g.shortest_state_s) text += printed("; shortest state %.2f s", *g.shortest_state_s);
+  text += "\n";
+  for (const FollowedChange& c : g.changes) {
+    text += "    " + change_text(c.change) + (c.delay_s ? printed(": %+.2f s\n", *c.delay_s) : ": missed\n");
+  }
+  for (const GroupChange& c : g.false_changes) text += "    " + change_text(c) + ": false\n";
+  return text;
 }
 
 std::string percent(const std::optional<double>& v) { return v ? printed("%.1f %%", 100 * *v) : std::string("-"); }
@@ -176,6 +241,10 @@ Json to_json(const Evaluation& e) {
   json["dynamic_coverage"] = json_of(bodies.coverage());
   json["object_found"] = json_of(bodies.object_found());
   json["object_velocity_error_m_s"] = json_of(bodies.velocity_error_m_s());
+  json["groups"] = e.groups ? json_of(*e.groups) : Json();
+  json["maps"] = Json::array();
+  for (const MapEvaluation& m : e.maps) json["maps"].push_back(json_of(m));
+  json["wrong_merges"] = e.wrong_merges;
   json["bodies"] = Json::object();
   for (const auto& [name, score] : e.bodies) json["bodies"][name] = json_of(score);
   return json;
@@ -195,7 +264,7 @@ std::string to_text(const Evaluation& e) {
         printed("  static points: %.4f m median, %.4f m p90; NEES %.2f median, %.2f p90, ideal 2.37 and 6.25 (%d)\n",
                 p->error_median_m, p->error_p90_m, p->nees_median, p->nees_p90, p->count);
   }
-  return text + moving_lines(e);
+  return text + group_lines(e) + moving_lines(e);
 }
 
 }  // namespace coslam::eval

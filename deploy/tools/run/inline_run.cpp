@@ -32,8 +32,9 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.pacing = Pacing::kLockstep;
   hello.rate_hz = options.sequence.rate_hz;
   hello.camera = load_calibration(agent.calibration);
-  auto source = open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz,
-                                           hello.camera.width_px, hello.camera.height_px});
+  auto source =
+      open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz, hello.camera.width_px,
+                                 hello.camera.height_px, agent.calibration.string(), agent.covered});
   InlineAgent out;
   out.link = link.connect(hello);
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(source)), hello, config);

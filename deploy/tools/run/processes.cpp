@@ -77,6 +77,9 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
                                    "--start",
                                    exact(agent.start_s)};
   if (agent.duration_s) command.insert(command.end(), {"--duration", exact(*agent.duration_s)});
+  for (const TimeSpan& span : agent.covered) {
+    command.insert(command.end(), {"--covered", exact(span.from_s), exact(span.to_s)});
+  }
   add_sets(options, "agent.", &command);
   return Child("agent " + agent.name, command);
 }

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/scene/scene.h"
+
+namespace coslam::sim {
+
+// Which share of the surfaces that one camera sees another sees too.
+class ViewOverlap {
+ public:
+  explicit ViewOverlap(const Scene& scene);  // which must outlive it
+  // Element (a, b): of the pixels of a on a coarse grid, the share whose surface lies open in the image of b.
+  Eigen::MatrixXd at(double t_s) const;
+
+ private:
+  bool seen_by(int camera, const Rigid3& cam_from_world, const Eigen::Vector3d& point, double t_s) const;
+
+  const Scene& scene_;
+  std::vector<std::vector<Eigen::Vector3d>> rays_;  // of each camera, in its frame
+};
+
+}  // namespace coslam::sim
