@@ -2,15 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/agent.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "agent/track/descriptors.h"
 
 namespace coslam {
 namespace {
 
 constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that track
+constexpr float kNearPx = 4.0F;  // the strongest SIFT feature this close to a track tells what is there
 constexpr double kSiftBorderPx = 14;
 constexpr int kShedAfterFrames = 20;
 constexpr int kShedPerFrame = 15;
+
+std::vector<Eigen::Vector2f> places_of(const std::vector<Track>& tracks) {
+  std::vector<Eigen::Vector2f> out;
+  for (const Track& t : tracks) out.push_back(t.raw_px);
+  return out;
+}
 
 }  // namespace
 
@@ -69,21 +79,25 @@ void Agent::take(const MapPatch& patch) {
   const PatchEffect effect = map_.apply(patch);
   if (effect.new_server) {
     pose_.reset();
-    descriptors_wanted_ = true;
+    descriptors_wanted_ = DescriptorRequest::kEverywhere;
     patch_requests_.clear();
   }
   if (!effect.accepted) return;
   if (effect.rebase) pose_.rebase(*effect.rebase);
   if (effect.placed) pose_.place(*effect.placed);
   patch_requests_.insert(effect.patch_requests.begin(), effect.patch_requests.end());
-  descriptors_wanted_ |= effect.descriptor_request;
+  descriptors_wanted_ = std::max(descriptors_wanted_, effect.descriptor_request);
 }
 
 std::optional<DescriptorReply> Agent::describe_image() {
-  if (!descriptors_wanted_) return std::nullopt;
-  descriptors_wanted_ = false;
-  const DescribedFeatures features = describe_features();
-  const std::vector<TrackId> ids = tracker_.add(features.raw_px, kSamePx);
+  const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
+  if (wanted == DescriptorRequest::kNone) return std::nullopt;
+  const bool everywhere = wanted == DescriptorRequest::kEverywhere;
+  if (everywhere) since_described_ = 0;
+  const DescribedFeatures features = everywhere
+                                         ? describe(image_.grey, config_.descriptor_features, kSiftBorderPx)
+                                         : describe_near(image_.grey, places_of(tracks_), kNearPx, kSiftBorderPx);
+  const std::vector<TrackId> ids = tracker_.add(features.raw_px, everywhere ? kSamePx : kNearPx);
   observe(tracker_.live());
   std::map<TrackId, std::size_t> feature_of;  // the first of several at one track
   for (std::size_t i = 0; i < ids.size(); ++i) feature_of.emplace(ids[i], i);
@@ -96,18 +110,6 @@ std::optional<DescriptorReply> Agent::describe_image() {
     reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return reply;
-}
-
-// While it is to be placed, every feature helps and becomes a track. Later those at tracks are enough to know the place
-// again, and the stream stays as narrow as it is.
-DescribedFeatures Agent::describe_features() {
-  if (pose_.state() != PoseState::kTracked) {
-    since_described_ = 0;
-    return describe(image_.grey, config_.descriptor_features, kSiftBorderPx);
-  }
-  std::vector<Eigen::Vector2f> at;
-  for (const Track& t : tracks_) at.push_back(t.raw_px);
-  return describe_near(image_.grey, at, kSamePx, kSiftBorderPx);
 }
 
 std::optional<PatchReply> Agent::cut_patches() {

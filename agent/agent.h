@@ -11,7 +11,6 @@
 #include "agent/capture/source.h"
 #include "agent/correct/local_map.h"
 #include "agent/pose/pose_tracker.h"
-#include "agent/track/descriptors.h"
 #include "agent/track/tracker.h"
 #include "common/base/metrics.h"
 #include "common/model/map_patch.h"
@@ -51,7 +50,6 @@ class Agent {
   void take(const MapPatch& patch);
   void observe(const std::vector<Track>& tracks);
   std::optional<DescriptorReply> describe_image();
-  DescribedFeatures describe_features();
   std::optional<PatchReply> cut_patches();
   TrackFrame make_frame() const;
 
@@ -68,8 +66,9 @@ class Agent {
   std::vector<Track> tracks_;  // with an undistorted place, as observations_
   std::vector<TrackObservation> observations_;
   std::set<TrackId> patch_requests_;
-  bool descriptors_wanted_ = true;  // the first image introduces the agent
-  int since_described_ = 0;         // images
+  // The first image introduces the agent.
+  DescriptorRequest descriptors_wanted_ = DescriptorRequest::kEverywhere;
+  int since_described_ = 0;  // images
   StageTimes times_;
   std::uint32_t tracked_frames_ = 0;
 };

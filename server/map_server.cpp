@@ -132,7 +132,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     plan_refinement(decide_key_frame(map_, set, config_.key_frame));
   }
   const auto t = times_.measure("correct");
-  return write_patches(set, met.wants_descriptors);
+  return write_patches(set, met);
 }
 
 // Timed only when it had something to do.
@@ -147,11 +147,13 @@ MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {
   return writers_.at(camera).acknowledge(map_, map_.camera(camera), frame);
 }
 
-std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const std::set<CameraId>& wants_descriptors) {
+std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetReport& met) {
   std::vector<MapPatch> patches;
   for (const CameraFrame& cf : set.frames) {
+    const auto request = met.requests.find(cf.camera);
     patches.push_back(
-        writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame, wants_descriptors.contains(cf.camera)));
+        writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame,
+                                     request == met.requests.end() ? DescriptorRequest::kNone : request->second));
     patches.back().scale_known = scaled_map_ != MapId() && map_.camera(cf.camera).map == scaled_map_;
     for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
       const auto& members = graph_.groups[g];

@@ -100,7 +100,7 @@ class MapServer {
   void apply_refined();
   void plan_refinement(bool key_frame);
   void set_scale();
-  std::vector<MapPatch> write_patches(const FrameSet& set, const std::set<CameraId>& wants_descriptors);
+  std::vector<MapPatch> write_patches(const FrameSet& set, const MeetReport& met);
   void count(const char* event, long n) { counts_.events[event] += n; }
 
   RunId run_;

@@ -21,7 +21,7 @@ struct PatchEffect {
   std::optional<Similarity3> rebase;  // the map moved: re-express poses
   std::optional<PlacedPose> placed;   // the server says where this agent was at a frame
   std::vector<TrackId> patch_requests;
-  bool descriptor_request = false;
+  DescriptorRequest descriptor_request = DescriptorRequest::kNone;
 };
 
 // The agent's part of the map: the points bound to its live tracks. The server owns them; the agent only follows its

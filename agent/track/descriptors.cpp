@@ -3,6 +3,7 @@
 #include "agent/track/descriptors.h"
 
 #include <algorithm>
+#include <numeric>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -16,8 +17,12 @@ DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mas
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
   sift.detectAndCompute(grey, mask, found, descriptors);
+  std::vector<std::size_t> strongest(found.size());
+  std::iota(strongest.begin(), strongest.end(), std::size_t{0});
+  std::stable_sort(strongest.begin(), strongest.end(),
+                   [&](std::size_t a, std::size_t b) { return found[a].response > found[b].response; });
   DescribedFeatures out;
-  for (std::size_t i = 0; i < found.size(); ++i) {
+  for (const std::size_t i : strongest) {
     const Eigen::Vector2f px(found[i].pt.x, found[i].pt.y);
     const auto b = static_cast<float>(border_px);
     if (px.x() < b || px.y() < b || px.x() > static_cast<float>(grey.cols - 1) - b ||

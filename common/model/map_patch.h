@@ -34,6 +34,13 @@ struct PlacedPose {
   Rigid3 cam_from_world;  // in the epoch of the patch
 };
 
+// Which features of its next image an agent is to describe.
+enum class DescriptorRequest : std::uint8_t {
+  kNone,
+  kAtTracks,    // those at its tracks: enough to know a place again
+  kEverywhere,  // the strongest of the image, which become tracks: to start a map, to be placed, to join another map
+};
+
 // Everything the server tells one agent after one frame set, applied by the agent in one step.
 struct MapPatch {
   std::string agent;
@@ -45,10 +52,10 @@ struct MapPatch {
   MapEpoch epoch;              // of every position and pose in here
   Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
   std::optional<PlacedPose> placed;
-  std::vector<BoundPoint> updated;      // new bindings and new positions
-  std::vector<TrackId> unbound;         // tracks that no longer have a point
-  std::vector<TrackId> patch_requests;  // answer with PatchReply at the next frame
-  bool descriptor_request = false;      // answer with DescriptorReply at the next frame
+  std::vector<BoundPoint> updated;                                  // new bindings and new positions
+  std::vector<TrackId> unbound;                                     // tracks that no longer have a point
+  std::vector<TrackId> patch_requests;                              // answer with PatchReply at the next frame
+  DescriptorRequest descriptor_request = DescriptorRequest::kNone;  // answer with DescriptorReply at the next frame
   GroupId group;
   bool scale_known = false;
 };

@@ -97,7 +97,7 @@ idl::MapPatch encode(const MapPatch& p) {
   m.epoch(p.epoch.value);
   m.group(p.group.value);
   m.snapshot(p.snapshot);
-  m.descriptor_request(p.descriptor_request);
+  m.descriptor_request(static_cast<std::uint8_t>(p.descriptor_request));
   m.scale_known(p.scale_known);
   m.agent(p.agent);
   if (!is_identity(p.new_from_old)) {
@@ -125,7 +125,8 @@ Decoded<MapPatch> decode(const idl::MapPatch& m) {
   p.after_frame = FrameId(m.after_frame());
   p.snapshot = m.snapshot();
   p.epoch = MapEpoch(m.epoch());
-  p.descriptor_request = m.descriptor_request();
+  if (m.descriptor_request() > static_cast<std::uint8_t>(DescriptorRequest::kEverywhere)) return Rejection::kOutOfRange;
+  p.descriptor_request = static_cast<DescriptorRequest>(m.descriptor_request());
   p.group = GroupId(m.group());
   p.scale_known = m.scale_known();
   if (p.sequence == 0) return Rejection::kBadId;

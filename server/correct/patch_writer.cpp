@@ -85,7 +85,7 @@ MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const
   return patch;
 }
 
-MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors) {
+MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors) {
   MapPatch patch = next_patch(map, camera, frame);
   const bool other_map = camera.map != map_;
   const bool snapshot = patch.sequence == 1 || frame.wants_snapshot || other_map;
@@ -108,7 +108,7 @@ MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame&
   if (f.valid() && (!knows || camera.corrected)) patch.placed = PlacedPose{f.frame, f.cam_from_world};
   write_bindings(map, camera, snapshot, &patch);
   write_requests(map, camera, &patch);
-  patch.descriptor_request = wants_descriptors;
+  patch.descriptor_request = descriptors;
   return patch;
 }
 

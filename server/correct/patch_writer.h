@@ -26,7 +26,7 @@ class PatchWriter {
   PatchWriter(RunId server_run, const PatchWriterConfig& config) : server_run_(server_run), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. Takes camera.moved (leaves the identity).
-  MapPatch write(const Map& map, MapCamera& camera, const TrackFrame& frame, bool wants_descriptors);
+  MapPatch write(const Map& map, MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
   // After a frame that came too late to be used: its agent only learns that it may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 

@@ -11,6 +11,8 @@
 namespace coslam {
 namespace {
 
+constexpr std::uint32_t kPendingSets = 60;  // within which a meeting is to be confirmed
+
 const std::vector<CameraId>* group_of(const ViewGraph& graph, CameraId camera) {
   for (const auto& group : graph.groups) {
     if (std::find(group.begin(), group.end(), camera) != group.end()) return &group;
@@ -173,9 +175,10 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   }
   const bool apart = several_maps(map);
   for (const CameraFrame& cf : set.frames) {
-    if (!wants_descriptors(map, map.camera(cf.camera), apart)) continue;
+    const DescriptorRequest r = request(map, map.camera(cf.camera), apart);
+    if (r == DescriptorRequest::kNone) continue;
     described_[cf.camera].asked = set.id;
-    report.wants_descriptors.insert(cf.camera);
+    report.requests[cf.camera] = r;
   }
   return report;
 }
@@ -226,11 +229,10 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
 // Another image some sets ago said the same, and both together see more than one plane.
 bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Sighting& seen,
                          const Similarity3& in_from_own) {
-  constexpr std::uint32_t kKeepSets = 60;
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
   const auto at = pending_.find(camera.id);
   if (at != pending_.end() && at->second.own == camera.map && at->second.in == seen.map &&
-      at->second.first.value + kKeepSets > map.now().value) {
+      at->second.first.value + kPendingSets > map.now().value) {
     Pending& p = at->second;
     const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, p.in_from_own);
     const bool agrees = expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
@@ -282,18 +284,27 @@ void Meetings::close(Map& map, MapCamera& camera, const Sighting& seen, const Si
   report->to_adjust = camera.map;
 }
 
-bool Meetings::wants_descriptors(const Map& map, const MapCamera& camera, bool apart) {
+DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, bool apart) {
   const Described& d = described_[camera.id];
   const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
   const auto due = [&](int period) { return since(d.asked) >= static_cast<std::uint32_t>(period); };
-  if (camera.map == MapId()) return due(config_.lost_period);
-  if (!camera.frames.back().valid()) return false;
+  if (camera.map == MapId()) {
+    return due(config_.lost_period) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
+  }
+  if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
   const auto pending = pending_.find(camera.id);
-  if (pending != pending_.end() && since(pending->second.first) < 60) return due(config_.confirm_period);
-  if (!d.at) return due(config_.lost_period);
-  if (apart && due(config_.apart_period)) return true;
-  if (!due(config_.least_period)) return false;
-  const FramePose* then = camera.frame_at(*d.at);
+  const bool confirm = pending != pending_.end() && since(pending->second.first) < kPendingSets;
+  const bool wanted = confirm ? due(config_.confirm_period)
+                      : !d.at ? due(config_.lost_period)
+                      : apart && due(config_.apart_period)
+                          ? true
+                          : due(config_.least_period) && view_changed(map, camera, *d.at);
+  if (!wanted) return DescriptorRequest::kNone;
+  return apart || confirm ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
+}
+
+bool Meetings::view_changed(const Map& map, const MapCamera& camera, SetId since) const {
+  const FramePose* then = camera.frame_at(since);
   const FramePose& now = camera.frames.back();
   if (then == nullptr || then->map != now.map) return true;
   const double turned = then->cam_from_world.rotation.angularDistance(now.cam_from_world.rotation);

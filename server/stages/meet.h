@@ -33,7 +33,7 @@ struct MeetReport {
   int sightings = 0;  // known places recognised
   int placed = 0, merged = 0, closed = 0, linked = 0, doubted = 0;
   MapId to_adjust;  // the last map that was made of two or drawn together; 0 = none
-  std::set<CameraId> wants_descriptors;
+  std::map<CameraId, DescriptorRequest> requests;
 };
 
 // Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
@@ -64,7 +64,8 @@ class Meetings {
   void join(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, MeetReport* report);
   void close(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, const ViewGraph& graph,
              MeetReport* report);
-  bool wants_descriptors(const Map& map, const MapCamera& camera, bool apart);
+  bool view_changed(const Map& map, const MapCamera& camera, SetId since) const;
+  DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart);
 
   MeetConfig config_;
   PlaceMemory places_;

@@ -29,7 +29,7 @@ void SimAgent::take(const MapPatch& patch) {
   if (effect.rebase) pose_.rebase(*effect.rebase);
   if (effect.placed) pose_.place(*effect.placed);
   wanted_.insert(effect.patch_requests.begin(), effect.patch_requests.end());
-  descriptors_wanted_ |= effect.descriptor_request;
+  descriptors_wanted_ |= effect.descriptor_request != DescriptorRequest::kNone;
 }
 
 CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {

@@ -170,10 +170,10 @@ TEST_F(LocalMapTest, KeepsOnlyLiveTracks) {
 TEST_F(LocalMapTest, PassesRequestsOn) {
   MapPatch p = patch_of(2);
   p.patch_requests = {TrackId(1), TrackId(2)};
-  p.descriptor_request = true;
+  p.descriptor_request = DescriptorRequest::kEverywhere;
   const PatchEffect effect = map_.apply(p);
   EXPECT_EQ(effect.patch_requests, p.patch_requests);
-  EXPECT_TRUE(effect.descriptor_request);
+  EXPECT_EQ(effect.descriptor_request, DescriptorRequest::kEverywhere);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(CodecRoundTrip, MapPatches) {
     MapPatch patch = values.map_patch("cam0", RunId(9), 1, points);
     expect_unharmed(patch);
     patch.snapshot = true;
-    patch.descriptor_request = true;
+    patch.descriptor_request = DescriptorRequest::kAtTracks;
     patch.scale_known = false;
     patch.placed = PlacedPose{FrameId(12), values.pose()};
     const Rigid3 moved = values.pose();

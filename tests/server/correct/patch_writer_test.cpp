@@ -38,7 +38,7 @@ class PatchWriterTest : public testing::Test {
   MapCamera& camera() { return sim_.map.camera(kCam); }
   // As an agent that tracks and missed nothing; `change` makes it another.
   template <class Change>
-  MapPatch write(Change change, bool wants_descriptors = false) {
+  MapPatch write(Change change, DescriptorRequest wants_descriptors = DescriptorRequest::kNone) {
     TrackFrame frame = sim_.set.frames[0].frame;
     frame.pose_state = PoseState::kTracked;
     change(frame);
@@ -215,8 +215,8 @@ TEST_F(PatchWriterTest, ThePatchOfAMappedTrackIsKeptAndOthersRefreshed) {
 }
 
 TEST_F(PatchWriterTest, PassesTheWishForDescriptorsOn) {
-  EXPECT_TRUE(write([](TrackFrame&) {}, true).descriptor_request);
-  EXPECT_FALSE(write().descriptor_request);
+  EXPECT_EQ(write([](TrackFrame&) {}, DescriptorRequest::kAtTracks).descriptor_request, DescriptorRequest::kAtTracks);
+  EXPECT_EQ(write().descriptor_request, DescriptorRequest::kNone);
 }
 
 }  // namespace

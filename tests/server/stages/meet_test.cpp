@@ -34,7 +34,7 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
   int asked = 0;
   for (int i = 0; i < 20; ++i) {
     sim_.ingest();
-    asked += step().wants_descriptors.contains(cam(1));
+    asked += step().requests.contains(cam(1));
   }
   EXPECT_EQ(asked, 20 / config_.lost_period);
 }
@@ -50,7 +50,7 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
       sim->ingest(false, wanted);
       sim->place_truly();
       sim->add_points();
-      wanted = !meetings.step(sim->map, sim->set, {}).wants_descriptors.empty();
+      wanted = !meetings.step(sim->map, sim->set, {}).requests.empty();
       *asked += wanted;
     }
   }
@@ -214,7 +214,7 @@ class LoopTest : public testing::Test {
     bool wanted = true;
     for (int i = 0; i < kSets && closed_ == 0; ++i) {
       step(wanted);
-      wanted = !report_.wants_descriptors.empty();
+      wanted = !report_.requests.empty();
       closed_ += report_.closed;
       linked_ += report_.linked;
     }
