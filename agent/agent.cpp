@@ -94,9 +94,9 @@ std::optional<DescriptorReply> Agent::describe_image() {
   if (wanted == DescriptorRequest::kNone) return std::nullopt;
   const bool everywhere = wanted == DescriptorRequest::kEverywhere;
   if (everywhere) since_described_ = 0;
-  const DescribedFeatures features = everywhere
-                                         ? describe(image_.grey, config_.descriptor_features, kSiftBorderPx)
-                                         : describe_near(image_.grey, places_of(tracks_), kNearPx, kSiftBorderPx);
+  const DescribedFeatures features =
+      everywhere ? describe(image_.grey, config_.descriptor_features, kSiftBorderPx)
+                 : describe_near(image_.grey, places_of(tracks_), kNearPx, config_.place_features, kSiftBorderPx);
   const std::vector<TrackId> ids = tracker_.add(features.raw_px, everywhere ? kSamePx : kNearPx);
   observe(tracker_.live());
   std::map<TrackId, std::size_t> feature_of;  // the first of several at one track

@@ -21,7 +21,8 @@ namespace coslam {
 struct AgentConfig {
   TrackerConfig tracker;
   PoseTrackerConfig pose;
-  int descriptor_features = 400;  // most, in an answer to a descriptor request
+  int descriptor_features = 400;  // most, in an answer to a request for descriptors everywhere
+  int place_features = 160;       // the same at tracks
 };
 
 // What an agent sends for one image.

@@ -30,6 +30,7 @@ void describe(V& v, AgentConfig& c) {
   v.section("tracker", c.tracker);
   v.section("pose", c.pose);
   v.field("descriptor_features", c.descriptor_features, {50, 5000}, "most in an answer to a descriptor request");
+  v.field("place_features", c.place_features, {10, 4000}, "at most, when only those at tracks are to be described");
 }
 
 }  // namespace coslam

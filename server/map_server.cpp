@@ -59,6 +59,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   {
     const auto t = times_.measure("meet");
     met = meetings_.step(map_, set, graph_);
+    count("images_described", met.described);
     count("sightings", met.sightings);
     count("placed", met.placed);
     count("loops_closed", met.closed);

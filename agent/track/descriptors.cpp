@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kContrast = 0.015;  // threshold of SIFT: it is to find something in dim rooms too
 
-DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mask, double border_px) {
+DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mask, int most, double border_px) {
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
   sift.detectAndCompute(grey, mask, found, descriptors);
@@ -23,6 +23,7 @@ DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mas
                    [&](std::size_t a, std::size_t b) { return found[a].response > found[b].response; });
   DescribedFeatures out;
   for (const std::size_t i : strongest) {
+    if (static_cast<int>(out.raw_px.size()) == most) break;
     const Eigen::Vector2f px(found[i].pt.x, found[i].pt.y);
     const auto b = static_cast<float>(border_px);
     if (px.x() < b || px.y() < b || px.x() > static_cast<float>(grey.cols - 1) - b ||
@@ -43,16 +44,16 @@ DescribedFeatures detect(cv::SIFT& sift, const cv::Mat& grey, const cv::Mat& mas
 }  // namespace
 
 DescribedFeatures describe(const cv::Mat& grey, int most, double border_px) {
-  return detect(*cv::SIFT::create(most, 3, kContrast), grey, {}, border_px);
+  return detect(*cv::SIFT::create(most, 3, kContrast), grey, {}, most, border_px);
 }
 
 DescribedFeatures describe_near(const cv::Mat& grey, const std::vector<Eigen::Vector2f>& raw_px, float near_px,
-                                double border_px) {
+                                int most, double border_px) {
   cv::Mat mask = cv::Mat::zeros(grey.size(), CV_8UC1);
   for (const Eigen::Vector2f& px : raw_px) {
     cv::circle(mask, {cvRound(px.x()), cvRound(px.y())}, static_cast<int>(near_px), {255}, cv::FILLED);
   }
-  return detect(*cv::SIFT::create(0, 3, kContrast), grey, mask, border_px);
+  return detect(*cv::SIFT::create(0, 3, kContrast), grey, mask, most, border_px);
 }
 
 }  // namespace coslam

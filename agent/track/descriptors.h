@@ -19,8 +19,8 @@ struct DescribedFeatures {
 // quantised_descriptor() leaves them.
 DescribedFeatures describe(const cv::Mat& grey, int most, double border_px);
 
-// The same, all of them that lie within near_px of these places.
+// The same, only of those that lie within near_px of these places.
 DescribedFeatures describe_near(const cv::Mat& grey, const std::vector<Eigen::Vector2f>& raw_px, float near_px,
-                                double border_px);
+                                int most, double border_px);
 
 }  // namespace coslam

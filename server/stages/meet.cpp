@@ -171,6 +171,7 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
     places_.add(map, cf);
+    ++report.described;
     described_[cf.camera].at = set.id;
   }
   const bool apart = several_maps(map);

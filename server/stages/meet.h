@@ -21,15 +21,16 @@ struct MeetConfig {
   bool loops = true;           // own old places too, beside those that other cameras saw lately
   int min_merge_inliers = 25;  // to join two maps, or to draw one together
   int lost_period = 10;        // sets between requests for descriptors of a camera without a map
-  int apart_period = 30;       // the same while there are several maps
+  int apart_period = 15;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
-  int least_period = 20;       // between requests because the view changed
+  int least_period = 30;       // between requests because the view changed
   double turned_rad = 0.4;     // of the optical axis, or
-  double moved_share = 0.4;    // of the median depth: the view is another one
+  double moved_share = 0.5;    // of the median depth: the view is another one
   double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
 };
 
 struct MeetReport {
+  int described = 0;  // images that came with descriptors
   int sightings = 0;  // known places recognised
   int placed = 0, merged = 0, closed = 0, linked = 0, doubted = 0;
   MapId to_adjust;  // the last map that was made of two or drawn together; 0 = none
