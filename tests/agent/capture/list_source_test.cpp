@@ -96,7 +96,8 @@ TEST_F(Lists, ACoveredLensGivesBlackImagesWithNoise) {
       EXPECT_EQ(deviation[0], 0);
       EXPECT_EQ(mean[0], 120);
     }
-    if (i > 0) EXPECT_EQ(cv::norm(again->next()->grey, read->grey), 0);
+    if (i == 0) continue;
+    EXPECT_EQ(cv::norm(again->next()->grey, read->grey), 0);
   }
 }
 
