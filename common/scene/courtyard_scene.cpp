@@ -27,7 +27,8 @@ constexpr Lanes kLanes[4] = {{-1, -0.3, 1, -0.3}, {-1, 0.3, -1, -0.3}, {1, -0.3,
 ViewPath camera_path(int index) {
   constexpr int kWaypoints = 72;
   const Lanes& lanes = kLanes[index % 4];
-  const double place = (index % 4) - 1.5, row = static_cast<double>(index / 4);
+  const int row = index / 4;
+  const double place = (index % 4) - 1.5;
   std::vector<ViewPose> out;
   for (int i = 0; i < kWaypoints; ++i) {
     const double share = static_cast<double>(i) / kWaypoints;

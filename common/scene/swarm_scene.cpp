@@ -31,7 +31,9 @@ ViewPath swarm_path(int index) {
   constexpr double kStepM = 1.4, kTurnM = 7;
   const int troop = (index / kTroop) % 2, member = index % kTroop, row = index / (2 * kTroop);
   const bool north = troop == 1;
-  const double half_m = kPlan.way_length_m() / 2, lane = member % 2 == 0 ? -1 : 1, place = member / 2 - 1.0;
+  const double half_m = kPlan.way_length_m() / 2, lane = member % 2 == 0 ? -1 : 1;
+  const int pair = member / 2;
+  const double place = pair - 1.0;
   const double ahead_m = 0.3 + 0.42 * member;
   std::vector<ViewPose> there;
   const int steps = static_cast<int>(std::lround(half_m / kStepM));
