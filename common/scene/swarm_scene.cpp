@@ -32,8 +32,7 @@ ViewPath swarm_path(int index) {
   const int troop = (index / kTroop) % 2, member = index % kTroop, row = index / (2 * kTroop);
   const bool north = troop == 1;
   const double half_m = kPlan.way_length_m() / 2, lane = member % 2 == 0 ? -1 : 1;
-  const int pair = member / 2;
-  const double place = pair - 1.0;
+  const int place = member / 2 - 1;
   const double ahead_m = 0.3 + 0.42 * member;
   std::vector<ViewPose> there;
   const int steps = static_cast<int>(std::lround(half_m / kStepM));

@@ -18,7 +18,7 @@ std::vector<Vector3d> grid_rays(const CameraModel& camera) {
     for (int column = 0; column < kColumns; ++column) {
       const auto undistorted_px = camera.undistorted_from_raw(
           {(column + 0.5) * camera.width_px / kColumns - 0.5, (row + 0.5) * camera.height_px / kRows - 0.5});
-      if (undistorted_px) out.push_back(camera.normalized_from_pixel(*undistorted_px).homogeneous());
+      if (undistorted_px) out.emplace_back(camera.normalized_from_pixel(*undistorted_px).homogeneous());
     }
   }
   return out;
@@ -50,6 +50,7 @@ bool ViewOverlap::seen_by(int camera, const Rigid3& cam_from_world, const Vector
 Eigen::MatrixXd ViewOverlap::at(double t_s) const {
   const int n = scene_.cameras();
   std::vector<Rigid3> cam_from_world;
+  cam_from_world.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) cam_from_world.push_back(scene_.cam_from_world(i, t_s));
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n, n);
   for (int a = 0; a < n; ++a) {
