@@ -18,8 +18,8 @@ struct SequenceAgent {
   std::filesystem::path calibration;
   double start_s = 0;
   std::optional<double> duration_s;
-  std::vector<TimeSpan> covered;               // played times at which the lens is covered
   std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time
+  std::vector<TimeSpan> covered;               // played times at which the lens is covered
 };
 
 // A sequence description (see docs/configuration.md): agents that play at the same time.

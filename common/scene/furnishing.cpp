@@ -112,8 +112,9 @@ void add_pinboard(WorldBuilder& b, const Placement& at, double width_m, double h
   const int columns = std::max(1, static_cast<int>(width_m / 0.27)),
             rows = std::max(1, static_cast<int>(height_m / 0.3));
   for (int i = 0; i < columns * rows; ++i) {
-    const double x = -width_m / 2 + (i % columns + 0.5) * width_m / columns + random.uniform(-0.03, 0.03);
-    const double z = (i / columns + 0.5) * height_m / rows + random.uniform(-0.03, 0.03);
+    const int column = i % columns, row = i / columns;
+    const double x = -width_m / 2 + (column + 0.5) * width_m / columns + random.uniform(-0.03, 0.03);
+    const double z = (row + 0.5) * height_m / rows + random.uniform(-0.03, 0.03);
     const double w = random.uniform(0.13, 0.22), h = random.uniform(0.15, 0.26), tilt = random.uniform(-0.15, 0.15);
     const double lift = 0.022 + 0.0005 * i;
     Facet& note = b.rect({x - w / 2, -lift, z + h / 2}, {w, 0, tilt * w}, {tilt * h, 0, -h},

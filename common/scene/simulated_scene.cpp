@@ -19,14 +19,15 @@ struct NamedScene {
   SceneDescription (*describe)(std::uint64_t seed, int cameras);
 };
 
-constexpr std::array<NamedScene, 8> kScenes{{{"room", 3, describe_room},
+constexpr std::array<NamedScene, 9> kScenes{{{"room", 3, describe_room},
                                              {"wall", 3, describe_wall},
                                              {"walking-man", 3, describe_walking_man},
                                              {"sitting-man", 4, describe_sitting_man},
                                              {"garden", 3, describe_garden},
                                              {"courtyard", 4, describe_courtyard},
                                              {"strangers", 3, describe_strangers},
-                                             {"twins", 2, describe_twins}}};
+                                             {"twins", 2, describe_twins},
+                                             {"swarm", 12, describe_swarm}}};
 
 // The instants that are asked for again: those that the cameras and threads work on.
 constexpr std::size_t kInstantsKept = 8;
@@ -156,7 +157,8 @@ std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, st
     const int cameras = size.cameras > 0 ? size.cameras : scene.cameras;
     SceneDescription description = scene.describe(seed, cameras);
     for (int i = 0; i < cameras; ++i) {
-      description.cameras[static_cast<std::size_t>(i)].model = simulated_camera(i, size.image_scale);
+      description.cameras[static_cast<std::size_t>(i)].model =
+          simulated_camera(i, size.image_scale * description.image_scale);
     }
     return std::make_unique<SimulatedScene>(std::move(description), size);
   }

@@ -30,6 +30,7 @@ struct SceneDescription {
   std::vector<SceneCamera> cameras;
   int frames = 0;
   double rate_hz = 30;
+  double image_scale = 1;  // of its images against 640 pixels across
 };
 
 inline constexpr int kMaxCameras = 16;
@@ -54,10 +55,13 @@ SceneDescription describe_courtyard(std::uint64_t seed, int cameras);
 SceneDescription describe_strangers(std::uint64_t seed, int cameras);
 // Two rooms with the same posters and furniture in different places, and a camera in each.
 SceneDescription describe_twins(std::uint64_t seed, int cameras);
+// A smaller courtyard. Twelve cameras start together in the west and go in two troops over the south and over the north
+// to the east, where they meet; on the way each troop parts in halves and joins again.
+SceneDescription describe_swarm(std::uint64_t seed, int cameras);
 
 struct SceneSize {
   int cameras = 0, frames = 0;  // <= 0: the scene's own number
-  double image_scale = 1;       // of the images; tests use small ones
+  double image_scale = 1;       // of the scene's images; tests use small ones
 };
 
 // A world with what moves in it. Thread-safe.

@@ -9,7 +9,8 @@
 
 namespace coslam::sim {
 
-// Which share of the surfaces that one camera sees another sees too.
+// Which share of the surfaces that one camera sees another sees too, and so that they look alike: at most 45 degrees
+// apart, and at most 2.5 times as far away.
 class ViewOverlap {
  public:
   explicit ViewOverlap(const Scene& scene);  // which must outlive it
@@ -17,7 +18,9 @@ class ViewOverlap {
   Eigen::MatrixXd at(double t_s) const;
 
  private:
-  bool seen_by(int camera, const Rigid3& cam_from_world, const Eigen::Vector3d& point, double t_s) const;
+  // way: to the point, from a camera that sees it.
+  bool seen_by(int camera, const Rigid3& cam_from_world, const Eigen::Vector3d& point, const Eigen::Vector3d& way,
+               double t_s) const;
 
   const Scene& scene_;
   std::vector<std::vector<Eigen::Vector3d>> rays_;  // of each camera, in its frame

@@ -18,6 +18,7 @@ namespace {
 struct EvalArguments {
   std::string result;
   std::string sequence;
+  CoverArguments covered;
   bool json = false;
 };
 
@@ -69,7 +70,8 @@ int evaluate_result(const EvalArguments& arguments) {
   const ResultFolder result(arguments.result);
   if (!std::filesystem::is_directory(result.path()))
     throw UserError(arguments.result + ": there is no such result folder");
-  const Sequence sequence = sequence_argument(arguments.sequence);
+  Sequence sequence = sequence_argument(arguments.sequence);
+  cover_lenses(sequence, arguments.covered);
   const auto agents = eval::load_paths(result, sequence);
   std::unique_ptr<Scene> scene;
   if (!sequence.scene.empty()) scene = make_scene(sequence.scene, sequence.scene_seed);
@@ -94,6 +96,7 @@ void add_eval_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("eval", "Measure a result against the sequence's truth");
   command->add_option("RESULT", arguments->result, "folder written by a run")->required();
   command->add_option("SEQUENCE", arguments->sequence, "YAML file, folder with sequence.yaml, or sim:NAME")->required();
+  add_cover_option(*command, arguments->covered);
   command->add_flag("--json", arguments->json, "print eval.json instead of a screen of text");
   command->callback([arguments, &chosen] { chosen = [arguments] { return evaluate_result(*arguments); }; });
 }

@@ -7,8 +7,7 @@
 #include <memory>
 #include <string>
 #include <system_error>
-#include <tuple>
-#include <vector>
+#include <utility>
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
@@ -26,7 +25,7 @@ struct RunArguments {
   std::string sequence;
   std::string out = "result";
   std::vector<std::string> agents;
-  std::vector<std::tuple<std::string, double, double>> covered;
+  CoverArguments covered;
   bool in_one_process = false;
   RunOptions options;
 };
@@ -45,16 +44,6 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
                          chosen[0].name == sequence.agents[0].name && chosen[1].name == sequence.agents[1].name;
   if (!same_pair) sequence.baseline_m.reset();
   sequence.agents = std::move(chosen);
-}
-
-void cover_lenses(Sequence& sequence, const std::vector<std::tuple<std::string, double, double>>& covered) {
-  for (const auto& [name, from_s, to_s] : covered) {
-    const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
-                                 [&name = name](const SequenceAgent& a) { return a.name == name; });
-    if (at == sequence.agents.end()) throw UsageError("--cover: no agent " + name + " takes part");
-    if (from_s < 0 || to_s <= from_s) throw UsageError("--cover: the second time must be later than the first");
-    at->covered.push_back({from_s, to_s});
-  }
 }
 
 // Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the
@@ -130,8 +119,7 @@ void add_run_command(CLI::App& app, Command& chosen) {
       ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
   command->add_option("--agents", arguments->agents, "only these, in this order: a,b")->delimiter(',');
-  command->add_option("--cover", arguments->covered, "this agent's lens is covered for this time; may be repeated")
-      ->type_name("AGENT FROM TO");
+  add_cover_option(*command, arguments->covered);
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
       ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");

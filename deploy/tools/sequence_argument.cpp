@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/tools/sequence_argument.h"
 
+#include <algorithm>
 #include <functional>
 #include <string_view>
 
+#include "common/base/error.h"
 #include "common/scene/scene.h"
 #include "deploy/tools/console.h"
 
@@ -17,6 +19,21 @@ Sequence sequence_argument(const std::string& text) {
   options.scene = text.substr(kSimulated.size());
   Progress progress("rendering " + options.scene);
   return load_sequence(cached_sequence(options, std::ref(progress)));
+}
+
+void add_cover_option(CLI::App& command, CoverArguments& covered) {
+  command.add_option("--cover", covered, "this agent's lens is covered for this time, in seconds; may be repeated")
+      ->type_name("AGENT FROM TO");
+}
+
+void cover_lenses(Sequence& sequence, const CoverArguments& covered) {
+  for (const auto& [name, from_s, to_s] : covered) {
+    const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
+                                 [&name = name](const SequenceAgent& a) { return a.name == name; });
+    if (at == sequence.agents.end()) throw UsageError("the sequence " + sequence.name + " has no agent " + name);
+    if (from_s < 0 || to_s <= from_s) throw UsageError("--cover: the second time must be later than the first");
+    at->covered.push_back({from_s, to_s});
+  }
 }
 
 }  // namespace coslam

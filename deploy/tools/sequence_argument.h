@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "common/dataset/sequence.h"
 
@@ -11,5 +14,11 @@ namespace coslam {
 // The SEQUENCE of a command line: a YAML file, a folder with sequence.yaml, or sim:NAME, rendered when it is not yet in
 // the cache. Throws UserError.
 Sequence sequence_argument(const std::string& text);
+
+// Lenses that are covered for a trial: agent, from and to in seconds of played time.
+using CoverArguments = std::vector<std::tuple<std::string, double, double>>;
+void add_cover_option(CLI::App& command, CoverArguments& covered);
+// Throws UsageError for an unknown agent or a span without length.
+void cover_lenses(Sequence& sequence, const CoverArguments& covered);
 
 }  // namespace coslam

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "agent/capture/source.h"
@@ -73,6 +74,31 @@ TEST_F(Lists, SkipUsesUpTheFrameId) {
   EXPECT_TRUE(source->skip());
   EXPECT_FALSE(source->skip());
   EXPECT_FALSE(source->next());
+}
+
+TEST_F(Lists, ACoveredLensGivesBlackImagesWithNoise) {
+  for (int i = 0; i < 6; ++i) image(std::to_string(i) + ".png", 120);
+  SourceOptions options = kOptions;
+  options.covered = {{0.2, 0.4}};
+  const auto source = open(".", options), again = open(".", options);
+  EXPECT_TRUE(again->skip());  // the noise is that of the frame, whatever was read before
+  for (int i = 0; i < 6; ++i) {
+    const auto read = source->next();
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->frame.value, i);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(read->grey, mean, deviation);
+    if (i == 2 || i == 3) {
+      EXPECT_LT(mean[0], 12);
+      EXPECT_GT(deviation[0], 1);
+      EXPECT_LT(deviation[0], 5);
+    } else {
+      EXPECT_EQ(deviation[0], 0);
+      EXPECT_EQ(mean[0], 120);
+    }
+    if (i == 0) continue;
+    EXPECT_EQ(cv::norm(again->next()->grey, read->grey), 0);
+  }
 }
 
 TEST_F(Lists, FolderWithTimes) {

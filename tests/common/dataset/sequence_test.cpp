@@ -41,11 +41,13 @@ agents:
     start_s: 1.5
     duration_s: 10
     truth: cam0.tum
+    covered: [[2, 4.5], [7, 8]]
   - name: cam1
     source: v4l2:0
     calibration: calib.yaml
 truth_points: points.csv
 masks: masks
+overlap: points.csv
 scene: walking-man
 scene_seed: 7
 )");
@@ -59,12 +61,16 @@ scene_seed: 7
   EXPECT_EQ(s.agents[0].start_s, 1.5);
   EXPECT_EQ(s.agents[0].duration_s, 10);
   EXPECT_EQ(s.agents[0].truth, folder_ / "cam0.tum");
+  ASSERT_EQ(s.agents[0].covered.size(), 2u);
+  EXPECT_EQ(s.agents[0].covered[0].from_s, 2);
+  EXPECT_EQ(s.agents[0].covered[0].to_s, 4.5);
   EXPECT_EQ(s.agents[1].source, "v4l2:0");
   EXPECT_EQ(s.agents[1].start_s, 0);
   EXPECT_FALSE(s.agents[1].duration_s);
   EXPECT_FALSE(s.agents[1].truth);
   EXPECT_EQ(s.truth_points, folder_ / "points.csv");
   EXPECT_EQ(s.masks, folder_ / "masks");
+  EXPECT_EQ(s.overlap, folder_ / "points.csv");
   EXPECT_EQ(s.scene, "walking-man");
   EXPECT_EQ(s.scene_seed, 7u);
 }

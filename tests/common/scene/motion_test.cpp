@@ -53,6 +53,44 @@ TEST(LoopPath, PassesItsWaypointsAndCloses) {
   }
 }
 
+TEST(ThereAndBack, RestsAtBothEnds) {
+  const LoopPath path = there_and_back(square(), 2.0);
+  EXPECT_NEAR((path.at(6).position_m - square()[3].position_m).norm(), 0, 1e-9);
+  for (const double end_s : {0.0, 6.0}) {
+    EXPECT_NEAR((path.at(end_s + 1e-4).position_m - path.at(end_s).position_m).norm() / 1e-4, 0, 1e-3);
+    EXPECT_NEAR((path.at(end_s + 1).position_m - path.at(end_s - 1).position_m).norm(), 0, 1e-9);
+  }
+}
+
+TEST(ViewPath, GoesAsFarAsItIsAsked) {
+  const ViewPath path(square(), 0);
+  for (double d = 0; d < 2 * path.length_m(); d += 0.1) {
+    EXPECT_NEAR((path.at(d + 0.01).position_m - path.at(d).position_m).norm(), 0.01, 1e-4) << d;
+  }
+  EXPECT_NEAR((path.at(path.length_m()).position_m - path.at(0).position_m).norm(), 0, 1e-9);
+}
+
+TEST(ViewPath, TurnsOnWithEveryRound) {
+  std::vector<ViewPose> round;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = i * std::numbers::pi / 6;
+    round.push_back({{3 * std::cos(angle), 3 * std::sin(angle), 1}, 30.0 * i + 90, 0, 0});
+  }
+  const ViewPath path(round, 360);
+  EXPECT_NEAR(path.length_m(), 2 * std::numbers::pi * 3, 0.05);
+  for (const double share : {0.0, 0.3, 0.99, 1.01, 1.7}) {
+    EXPECT_NEAR(path.at(share * path.length_m()).heading_deg, 90 + 360 * share, 0.2) << share;
+  }
+}
+
+TEST(EasedJourney, EndsAtRest) {
+  EXPECT_EQ(eased_journey(0, 20, 0.5), 0);
+  EXPECT_NEAR(eased_journey(20, 20, 0.5), 19, 1e-9);
+  EXPECT_NEAR(eased_journey(25, 20, 0.5), 19, 1e-9);
+  EXPECT_NEAR(eased_journey(11, 20, 0.5) - eased_journey(10, 20, 0.5), 1, 1e-9);
+  EXPECT_LT(largest_kink([](double t) { return eased_journey(t, 20, 0.5); }, 0.01, 19.9, 1e-3), 0.05);
+}
+
 TEST(LoopPath, HasAContinuousSecondDerivative) {
   const LoopPath path(square(), 8.0);
   EXPECT_LT(largest_kink([&](double t) { return path.at(t).position_m.x(); }, -3, 12, 1e-3), 0.01);

@@ -17,16 +17,18 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
+std::string test_name(std::string scene) {
+  std::replace(scene.begin(), scene.end(), '-', '_');
+  return scene;
+}
+
 class EveryScene : public testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<Scene> scene_ = make_scene(GetParam(), 1);
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()), [](const auto& p) {
-  std::string name = p.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()),
+                         [](const auto& p) { return test_name(p.param); });
 
 // The ray through a raw pixel, in the world.
 Eigen::Vector3d direction_of(const Scene& scene, int camera, const Eigen::Vector2d& raw_px, double t_s) {
@@ -92,7 +94,7 @@ TEST_P(EveryScene, MovesSmoothlyAndStartsSlowly) {
       ASSERT_LT(turn, 60) << "camera " << i << " at " << t;
       const double change = std::isnan(last_speed) ? 0 : std::abs(speed - last_speed);
       ASSERT_LT(change, 0.05) << "camera " << i << " at " << t;
-      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.8) << "camera " << i << " at " << t;
+      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.9) << "camera " << i << " at " << t;
       last_speed = speed;
     }
   }
@@ -118,8 +120,8 @@ TEST_P(EveryScene, StaysClearOfThings) {
 TEST_P(EveryScene, CastMeetsSurfacesThatFaceTheViewer) {
   for (int i = 0; i < scene_->cameras(); ++i) {
     const Rigid3 pose = scene_->cam_from_world(i, 2.0);
-    for (double y = 20; y < 480; y += 40) {
-      for (double x = 20; x < 640; x += 40) {
+    for (double y = 20; y < scene_->camera(i).height_px; y += 40) {
+      for (double x = 20; x < scene_->camera(i).width_px; x += 40) {
         const Eigen::Vector3d direction = direction_of(*scene_, i, {x, y}, 2.0);
         const auto hit = scene_->cast(pose.center(), direction, 2.0);
         ASSERT_TRUE(hit.has_value());
@@ -155,7 +157,13 @@ double overlap(const Scene& scene, int a, int b, double t_s) {
   return static_cast<double>(seen) / all;
 }
 
-TEST_P(EveryScene, CamerasStartSideBySideLookingAtTheSamePlace) {
+class SceneOfOneGroup : public EveryScene {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneOfOneGroup,
+                         testing::Values("room", "wall", "walking-man", "sitting-man", "garden"),
+                         [](const auto& p) { return test_name(p.param); });
+
+TEST_P(SceneOfOneGroup, CamerasStartSideBySideLookingAtTheSamePlace) {
   for (int i = 1; i < scene_->cameras(); ++i) {
     const double apart_m = (scene_->cam_from_world(i, 0).center() - scene_->cam_from_world(i - 1, 0).center()).norm();
     EXPECT_GT(apart_m, 0.4);
@@ -165,7 +173,7 @@ TEST_P(EveryScene, CamerasStartSideBySideLookingAtTheSamePlace) {
   EXPECT_GT(overlap(*scene_, 0, scene_->cameras() - 1, 0), 0.4);
 }
 
-TEST_P(EveryScene, NeighboursKeepSeeingCommonThingsMostOfTheTime) {
+TEST_P(SceneOfOneGroup, NeighboursKeepSeeingCommonThingsMostOfTheTime) {
   int shared = 0, all = 0;
   for (int frame = 0; frame < scene_->frames(); frame += 15) {
     for (int i = 1; i < scene_->cameras(); ++i) {

@@ -80,7 +80,16 @@ TEST_F(WriterTest, WritesEverythingOfTheContract) {
        {"rate_hz: 30", "scene: room", "scene_seed: 3", "scale: {baseline_m: 0.", "truth: cam1.tum"}) {
     EXPECT_NE(sequence.find(part), std::string::npos) << part;
   }
+  EXPECT_NE(sequence.find("overlap: overlap.csv"), std::string::npos);
+  EXPECT_EQ(lines_of(out / "overlap.csv"), 1 + 2 * 4);  // both ways at frames 0, 3, 6 and 9
+  EXPECT_EQ(text_of(out / "overlap.csv").rfind("t_s,agent_a,agent_b,share\n0.000000000,cam0,cam1,0.", 0), 0U);
   EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);  // nothing left beside it
+}
+
+TEST_F(WriterTest, NoScaleForCamerasThatStartApart) {
+  const auto scene = make_simulated_scene("twins", 3, {kCameras, 1, 0.25});
+  write_sequence(*scene, {"twins", 3, 2, 12.0}, root_ / "out", {});
+  EXPECT_EQ(text_of(root_ / "out/sequence.yaml").find("scale"), std::string::npos);
 }
 
 TEST_F(WriterTest, WhatMovesHasMasksAndMarkedPoints) {
