@@ -36,6 +36,29 @@ float zncc_at_shift(const PyramidLevel& from, const PyramidLevel& to, int dx, in
   return va > 0 && vb > 0 ? static_cast<float>((ab - a / n * b) / std::sqrt(va * vb)) : 0.0f;
 }
 
+// The image around a place, by whole pixels from it. A place outside is taken to the border.
+class Bilinear {
+ public:
+  Bilinear(const PyramidLevel& level, const Eigen::Vector2f& px) : stride_(level.stride()) {
+    const float x = std::clamp(px.x(), 0.0f, static_cast<float>(level.cols() - 1));
+    const float y = std::clamp(px.y(), 0.0f, static_cast<float>(level.rows() - 1));
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    pixel_ = level.at(ix, iy);
+    a_ = x - static_cast<float>(ix);
+    b_ = y - static_cast<float>(iy);
+  }
+  float operator()(int dx, int dy) const {
+    const std::uint8_t* p = pixel_ + dy * stride_ + dx;
+    const std::uint8_t* q = p + stride_;
+    return (1 - b_) * ((1 - a_) * p[0] + a_ * p[1]) + b_ * ((1 - a_) * q[0] + a_ * q[1]);
+  }
+
+ private:
+  std::ptrdiff_t stride_;
+  const std::uint8_t* pixel_ = nullptr;
+  float a_ = 0, b_ = 0;
+};
+
 float vertex(float before, float at, float after) {
   const float curvature = before - 2 * at + after;
   return curvature < 0 ? std::clamp(0.5f * (before - after) / curvature, -0.5f, 0.5f) : 0.0f;
@@ -98,6 +121,20 @@ std::vector<bool> moves_apart(const std::vector<Eigen::Vector2f>& from_px, const
   apart.reserve(n);
   for (const float d : distances) apart.push_back(d > std::max(kLeast_px, kOfMedian * median));
   return apart;
+}
+
+float difference_of_middles(const PyramidLevel& a, const Eigen::Vector2f& a_px, const PyramidLevel& b,
+                            const Eigen::Vector2f& b_px) {
+  constexpr int kHalf = 3;
+  float sum = 0;
+  const Bilinear in_a(a, a_px), in_b(b, b_px);
+  for (int y = -kHalf; y <= kHalf; ++y) {
+    for (int x = -kHalf; x <= kHalf; ++x) {
+      const float difference = in_a(x, y) - in_b(x, y);
+      sum += difference * difference;
+    }
+  }
+  return sum / ((2 * kHalf + 1) * (2 * kHalf + 1));
 }
 
 Eigen::Vector2f MotionField::near(const Eigen::Vector2f& px) {

@@ -17,6 +17,10 @@ Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to);
 // of them, by far more than the others differ from it (what parallax does to all).
 std::vector<bool> moves_apart(const std::vector<Eigen::Vector2f>& from_px, const std::vector<Eigen::Vector2f>& to_px);
 
+// Mean squared difference of the middles (7 x 7) of two windows, (grey levels)^2.
+float difference_of_middles(const PyramidLevel& a, const Eigen::Vector2f& a_px, const PyramidLevel& b,
+                            const Eigen::Vector2f& b_px);
+
 // Motions of tracks from one image to the next, asked for the motion at another place.
 class MotionField {
  public:

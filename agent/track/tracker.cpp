@@ -28,7 +28,16 @@ constexpr int kMostDoubts = 3;  // images in a row in which the first patch may 
 // is lost a new one is taken, so that it may drift.
 constexpr double kMovingZncc = 0.8;             // of min_zncc
 constexpr double kMovingForwardBackward = 2.5;  // of forward_backward_px
-constexpr float kCornerInset_px = 4;            // new corners keep off the border, where they would end at once
+constexpr float kMovingClearZncc = 0.85f;       // its first patch found so clearly is believed, not the image before
+constexpr float kMovingStrays_px = 3.0f;        // up to so far off
+// Where something moves in front of the rest, windows reach over its outline: what they follow is the outline, which is
+// no place on anything. Then their middle does not go along with them: seen from image to image it changes, in standard
+// deviation, more than half as much as it would had it stayed with the rest.
+constexpr float kOutline = 4.0f;          // twice, squared
+constexpr float kApart_px = 0.7f;         // between the two motions; less says nothing
+constexpr int kLeastComparisons = 3;      // images
+constexpr float kComparisonsKept = 0.9f;  // from image to image
+constexpr float kCornerInset_px = 4;      // new corners keep off the border, where they would end at once
 
 CornerConfig corner_config(const TrackerConfig& config, int image_cols) {
   CornerConfig c;
@@ -48,6 +57,9 @@ struct Tracker::State {
     std::unique_ptr<KeyPatch> key;
     int doubts = 0;
     bool moving = false;  // apart from the image as a whole
+    // Of its middle from image to image, summed up while it moves: if it goes with the track, or with the rest.
+    float own_difference = 0, rest_difference = 0;
+    int comparisons = 0;
   };
 
   explicit State(const TrackerConfig& c) : config(c) {}
@@ -66,6 +78,8 @@ struct Tracker::State {
   bool confirm(Memory& memory, Eigen::Vector2f& px) const;
   bool inside(const Eigen::Vector2f& px) const;
   void tell_moving();
+  bool on_outline(Memory& memory, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const;
+  void end_outlines();
   const Memory* mover_beside(const Eigen::Vector2f& px) const;
   TrackId start(const Eigen::Vector2f& px);
   void replenish();
@@ -118,7 +132,10 @@ std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
 bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
   const KeyAlignment key = find_key_patch(*memory.key, current, px);
   const float distance_px = (key.px - px).norm();
-  if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) {
+  const bool agrees = distance_px < kKeyAgrees_px;
+  const double least_zncc = (memory.moving && agrees ? kMovingZncc : 1.0) * config.min_zncc;
+  const bool clear = memory.moving && key.zncc > kMovingClearZncc;
+  if (!key.found || key.zncc < least_zncc || distance_px > (clear ? kMovingStrays_px : kKeyDisagrees_px)) {
     if (++memory.doubts < kMostDoubts) return true;
     if (!memory.moving) return false;
     memory.key->take(current.level(0), px);
@@ -126,7 +143,7 @@ bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
     return true;
   }
   memory.doubts = 0;
-  if (distance_px < kKeyAgrees_px) {
+  if (agrees || clear) {
     px = key.px;
     memory.key->warp = key.warp;
   }
@@ -160,6 +177,38 @@ void Tracker::State::tell_moving() {
   }
   const std::vector<bool> moving = moves_apart(from, to);
   for (std::size_t i = 0; i < tracks.size(); ++i) memories[i].moving = moving[i];
+}
+
+// Whether what the moving track follows is an outline, as far as is known by now.
+bool Tracker::State::on_outline(Memory& m, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const {
+  if ((m.motion_px - rest_motion_px).squaredNorm() < kApart_px * kApart_px) return false;
+  const PyramidLevel &before = previous.level(0), &now = current.level(0);
+  m.own_difference *= kComparisonsKept;
+  m.rest_difference *= kComparisonsKept;
+  m.own_difference += difference_of_middles(before, px - m.motion_px, now, px);
+  m.rest_difference += difference_of_middles(before, px - rest_motion_px, now, px);
+  return ++m.comparisons >= kLeastComparisons && m.rest_difference < kOutline * m.own_difference;
+}
+
+void Tracker::State::end_outlines() {
+  MotionField rest;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (!memories[i].moving) rest.add(tracks[i].raw_px - memories[i].motion_px, memories[i].motion_px);
+  }
+  if (rest.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    Memory& m = memories[i];
+    const Eigen::Vector2f& px = tracks[i].raw_px;
+    if (m.moving && on_outline(m, px, rest.near(px - m.motion_px))) continue;
+    if (kept != i) {
+      tracks[kept] = tracks[i];
+      memories[kept] = std::move(m);
+    }
+    ++kept;
+  }
+  tracks.resize(kept);
+  memories.resize(kept);
 }
 
 // The nearest track, if it moves and is beside this place: a new track there will go with it.
@@ -214,6 +263,7 @@ const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   state_->current.build(grey, state_->config.levels);
   state_->follow();
   state_->tell_moving();
+  state_->end_outlines();
   state_->replenish();
   return state_->tracks;
 }

@@ -226,9 +226,37 @@ double median_static_depth(const Map& map, const MapCamera& camera) {
   return *middle;
 }
 
+// What a thing at rest may seem to have moved in the last frames.
+double still_px(const MapCamera& camera, std::size_t frames, const ClassifyConfig& config) {
+  const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
+  return config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns) * camera.model.width_px / 640.0;
+}
+
+constexpr double kNearest = 0.15;  // nothing that stands still is expected closer, of the median depth
+
+// One camera alone cannot tell where its point is by now. What it has seen lately as something at rest, at whatever
+// distance, is no longer taken for the point.
+void give_back_resting(Map& map, const FrameSet& set, const ClassifyConfig& config) {
+  const auto frames = static_cast<std::size_t>(2 * config.still_frames);
+  for (const CameraFrame& cf : set.frames) {
+    MapCamera& camera = map.camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    std::optional<double> median_depth;
+    for (auto& [id, track] : camera.tracks) {
+      const MapPoint* p = map.find(track.point);
+      if (p == nullptr || p->state != PointState::kDynamic || p->last_seen == set.id) continue;
+      const std::vector<View> views = newest_views(camera, track, static_cast<int>(frames) + 1);
+      if (views.size() <= frames) continue;
+      if (!median_depth) median_depth = median_static_depth(map, camera);
+      if (!moves_by_more(views, views.size() - 1, kNearest * *median_depth, still_px(camera, frames, config))) {
+        map.unbind(camera.id, track);
+      }
+    }
+  }
+}
+
 Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double median_depth,
                    const ClassifyConfig& config) {
-  constexpr double kNearest = 0.15;  // nothing that stands still is expected closer, of the median depth
   const double nearest = kNearest * median_depth;
   if (const MapPoint* p = map.find(track.point)) {
     return p->state == PointState::kDynamic ? Verdict::kMoves : Verdict::kStill;
@@ -240,9 +268,7 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const auto few = static_cast<std::size_t>(config.still_frames);
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
-    const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
-    const double still_px = config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns);
-    if (!moves_by_more(views, frames, nearest, still_px / to_640)) return Verdict::kUndecided;
+    if (!moves_by_more(views, frames, nearest, still_px(camera, frames, config))) return Verdict::kUndecided;
   }
   // Corners where one thing hides another slide when the camera moves: by a part of the parallax, and not for long.
   constexpr double kMostSlide = 2.5;
@@ -323,6 +349,7 @@ ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& con
   report.removed += followed.removed;
   report.rebound = followed.bound;
   settle(map, set, config, &report);
+  give_back_resting(map, set, config);
   judge_tracks(map, set, config, &report);
   return report;
 }

@@ -162,11 +162,12 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   return true;
 }
 
-// Tracks of moving things: those without a point, and those of moving points that the other camera does not see yet.
+// Tracks of what moves or may move: those without a point, and those of moving points that the other camera does not
+// see yet.
 std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
   std::vector<Feature> out;
   for (auto& [id, t] : camera.tracks) {
-    if (!t.moving || !t.patch) continue;
+    if (!t.patch) continue;
     const MapPoint* p = map.find(t.point);
     if (p != nullptr && (p->state != PointState::kDynamic || seen_by(*p, other))) continue;
     out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
@@ -185,20 +186,31 @@ std::optional<TriangulationResult> meeting(const Map& map, const PairView& view,
 }
 
 // The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
-// epipolar line does not keep up while the thing moves.
-bool together_back(const Map& map, const PairView& view, const ServerTrack& a, const ServerTrack& b, int least,
-                   int most) {
+// epipolar line does not keep up while the thing moves. Where that was at the first of them.
+std::optional<Eigen::Vector3d> together_back(const Map& map, const PairView& view, const ServerTrack& a,
+                                             const ServerTrack& b, int least, int most) {
   int checked = 0;
+  std::optional<Eigen::Vector3d> oldest;
   for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
     const SetId at = a.seen[i].set;
     const auto other = std::lower_bound(b.seen.begin(), b.seen.end(), at,
                                         [](const TrackPoint& s, SetId want) { return s.set < want; });
     if (other == b.seen.end() || other->set != at) continue;
     if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
-    if (!meeting(map, view, a, i, b, static_cast<std::size_t>(other - b.seen.begin()), 0)) return false;
+    const auto met = meeting(map, view, a, i, b, static_cast<std::size_t>(other - b.seen.begin()), 0);
+    if (!met) return std::nullopt;
+    oldest = met->position;
     ++checked;
   }
-  return checked >= least;
+  return checked >= least ? oldest : std::nullopt;
+}
+
+// The camera's track is no longer at what its thing left.
+bool left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world, const Feature& f,
+          const Eigen::Vector3d& place) {
+  Eigen::Vector2d px;
+  if (!project_world(camera.model, cam_from_world, place, &px)) return true;
+  return (f.px + f.track->offset_px.cast<double>() - px).norm() > map.config().theta * map.gate_sigma_px(camera);
 }
 
 // The path of a new moving point begins when its two tracks first met, not when that was found out.
@@ -251,10 +263,17 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
   const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
                            config.min_parallax_rad);
   const double distance = now ? (now->position - view.first_pose.center()).norm() : 0;
-  const bool joined =
-      now && std::sqrt(now->covariance.trace()) <= config.max_relative_sigma * distance &&
-      beside_in_depth(map, view, now->position) &&
-      together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back);
+  bool joined = now && (a.track->moving || b.track->moving) &&
+                std::sqrt(now->covariance.trace()) <= config.max_relative_sigma * distance &&
+                beside_in_depth(map, view, now->position);
+  if (joined) {
+    const auto before =
+        together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back);
+    // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
+    joined =
+        before && ((a.track->moving && b.track->moving) || (left(map, *view.first, view.first_pose, a, *before) &&
+                                                            left(map, *view.second, view.second_pose, b, *before)));
+  }
   if (p == nullptr || q == nullptr) free.offset_px.setZero();
   if (!joined) return false;
   if (p != nullptr && q != nullptr) {

@@ -28,6 +28,25 @@ TEST(GlobalShift, IsFoundWithoutAStartUnderOtherExposure) {
   }
 }
 
+TEST(Middles, DifferByTheNoiseAloneWhereTheyShowTheSame) {
+  const cv::Size size(640, 480);
+  const cv::Mat texture = test::plane_texture(1000, 800, 1);
+  test::View view = test::View::at({500, 400}, 0, 1, size);
+  view.noise = 3;
+  Pyramid a, b;
+  a.build(test::render(texture, view, size, 1), 1);
+  view.plane_from_image(0, 2) -= 2.5;
+  b.build(test::render(texture, view, size, 2), 1);
+  float same = 0, other = 0;
+  for (float x = 40; x < 600; x += 20) {
+    const Eigen::Vector2f at(x, 200);
+    same += difference_of_middles(a.level(0), at, b.level(0), at + Eigen::Vector2f(2.5f, 0)) / 28;
+    other += difference_of_middles(a.level(0), at, b.level(0), at) / 28;
+  }
+  EXPECT_NEAR(same, 14, 5);  // twice the noise's 9, less what interpolation takes away
+  EXPECT_GT(other, 3 * same);
+}
+
 TEST(GlobalShift, IsNoneInAFlatImage) {
   Pyramid p;
   p.build(cv::Mat(480, 640, CV_8U, cv::Scalar(7)), 5);

@@ -93,6 +93,41 @@ TEST(Tracker, AnOccluderEndsTracksRatherThanDragsThem) {
   EXPECT_GT(still, 60);  // of about 300, half of which the block swept over
 }
 
+// A block passes in front of a floor of planks, which look alike all along: a window beside its outline holds to that.
+TEST(Tracker, AnOutlineIsNotFollowed) {
+  const cv::Mat room = test::plane_texture(1000, 800, 4);
+  cv::Mat planks(1600, 2000, CV_8U);
+  cv::RNG rng(5);
+  for (int y = 0; y < planks.rows; y += 20) planks.rowRange(y, y + 20).setTo(rng.uniform(100, 160));
+  cv::GaussianBlur(planks, planks, cv::Size(), 3);
+  const cv::Mat block = test::plane_texture(60, 100, 6);
+  Tracker tracker({});
+  std::vector<TrackId> beside, inside;
+  const auto followed = [&](const std::vector<TrackId>& ids) {
+    return std::count_if(tracker.live().begin(), tracker.live().end(), [&](const Track& t) {
+      return t.age_frames == 20 && std::find(ids.begin(), ids.end(), t.id) != ids.end();
+    });
+  };
+  for (int i = 0; i <= 30; ++i) {
+    cv::Mat image = image_at(room, 0, 0, static_cast<std::uint64_t>(i + 1));
+    const cv::Mat floor = image_at(planks, 0, 0, static_cast<std::uint64_t>(i + 1));
+    floor.rowRange(80, 400).copyTo(image.rowRange(80, 400));
+    const cv::Rect at(100 + 4 * i, 140, 120, 200);
+    block.copyTo(image(at));
+    tracker.step(image);
+    if (i != 10) continue;
+    std::vector<Eigen::Vector2f> beside_px, inside_px;
+    for (int y = 160; y < 320; y += 16) {
+      beside_px.emplace_back(at.x + at.width + 5, y);
+      inside_px.emplace_back(at.x + at.width - 40, y);
+    }
+    beside = tracker.add(beside_px, 0);
+    inside = tracker.add(inside_px, 0);
+  }
+  EXPECT_LE(followed(beside), 2);
+  EXPECT_GE(followed(inside), 7);  // of 10
+}
+
 TEST(Tracker, CoversEveryPartThatHasTexture) {
   const cv::Mat texture = test::plane_texture(1000, 800, 5);
   Tracker tracker({});
