@@ -151,7 +151,9 @@ std::string group_lines(const Evaluation& e) {
               (m.scale ? printed(", scale %.5f", *m.scale) : "") + "\n";
     }
   }
-  for (const auto& [a, b] : e.wrong_merges) text += "  WRONG MERGE: " + a + " and " + b + " do not fit together\n";
+  for (const auto& [a, b] : e.wrong_merges) {
+    text += printed("  WRONG MERGE: %s and %s do not fit together\n", a.c_str(), b.c_str());
+  }
   if (!e.groups) return text;
   const GroupScore& g = *e.groups;
   text +=
