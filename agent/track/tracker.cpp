@@ -28,8 +28,6 @@ constexpr int kMostDoubts = 3;  // images in a row in which the first patch may 
 // is lost a new one is taken, so that it may drift.
 constexpr double kMovingZncc = 0.8;             // of min_zncc
 constexpr double kMovingForwardBackward = 2.5;  // of forward_backward_px
-constexpr float kMovingClearZncc = 0.85f;       // its first patch found so clearly is believed, not the image before
-constexpr float kMovingStrays_px = 3.0f;        // up to so far off
 // Where something moves in front of the rest, windows reach over its outline: what they follow is the outline, which is
 // no place on anything. Then their middle does not go along with them: seen from image to image it changes, in standard
 // deviation, more than half as much as it would had it stayed with the rest.
@@ -132,10 +130,7 @@ std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
 bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
   const KeyAlignment key = find_key_patch(*memory.key, current, px);
   const float distance_px = (key.px - px).norm();
-  const bool agrees = distance_px < kKeyAgrees_px;
-  const double least_zncc = (memory.moving && agrees ? kMovingZncc : 1.0) * config.min_zncc;
-  const bool clear = memory.moving && key.zncc > kMovingClearZncc;
-  if (!key.found || key.zncc < least_zncc || distance_px > (clear ? kMovingStrays_px : kKeyDisagrees_px)) {
+  if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) {
     if (++memory.doubts < kMostDoubts) return true;
     if (!memory.moving) return false;
     memory.key->take(current.level(0), px);
@@ -143,7 +138,7 @@ bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
     return true;
   }
   memory.doubts = 0;
-  if (agrees || clear) {
+  if (distance_px < kKeyAgrees_px) {
     px = key.px;
     memory.key->warp = key.warp;
   }

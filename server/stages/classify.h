@@ -34,7 +34,8 @@ struct ClassifyReport {
 //   uncertain -> dynamic: this instant's observations of different cameras agree on one position; else the point is
 //   false and removed;
 //   dynamic: its position is that of this instant's observations (follow.h); -> static when its tracks did not move
-//   against it in the last `still_frames` frames. Poses rest on it only when it has proved itself again.
+//   against it in the last `still_frames` frames. Poses rest on it only when it has proved itself again. A camera that
+//   alone still sees it gives its track back when that stands still.
 // Unmapped tracks, and those of one camera alone, are told apart by the camera's own motion: a track that no static
 // point explains, among others like it, is moving and is not mapped as static.
 ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& config);
