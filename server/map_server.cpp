@@ -14,6 +14,7 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
       map_(config.map),
       meetings_(config.meet),
       grouping_(config.group),
+      clocks_(config.clock),
       objects_(config.objects),
       moving_writer_(run) {
   config_.verify.leave_moved = config_.classify.enabled;
@@ -22,7 +23,10 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
 CameraId MapServer::admit(const Hello& hello) {
   for (const MapCamera& c : map_.cameras()) {
     if (c.name != hello.agent) continue;
-    if (c.run != hello.agent_run) map_.restart_camera(c.id, hello.agent_run, hello.camera);
+    if (c.run != hello.agent_run) {
+      map_.restart_camera(c.id, hello.agent_run, hello.camera);
+      clocks_.forget(c.id);
+    }
     return c.id;
   }
   const CameraId id = map_.add_camera(hello.agent, hello.agent_run, hello.camera);
@@ -85,6 +89,10 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("found_false", r.removed);
     count("rebound", r.rebound);
     count("moving_track_sets", r.moving_tracks);
+  }
+  {
+    const auto t = times_.measure("clock");
+    clocks_.step(map_, set);
   }
   {
     const auto t = times_.measure("register");

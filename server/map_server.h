@@ -14,6 +14,7 @@
 #include "server/correct/patch_writer.h"
 #include "server/map/map.h"
 #include "server/stages/classify.h"
+#include "server/stages/clock.h"
 #include "server/stages/cull.h"
 #include "server/stages/fuse.h"
 #include "server/stages/group.h"
@@ -39,6 +40,7 @@ struct MapServerConfig {
   InterPoseConfig inter_pose;
   VerifyConfig verify;
   ClassifyConfig classify;
+  ClockConfig clock;
   RegisterConfig registration;
   MapIntraConfig intra;
   MapInterConfig inter;
@@ -87,6 +89,8 @@ class MapServer {
   const std::vector<MovingObject>& objects() const { return objects_.objects(); }
   // The same and the moving points, for others.
   const std::vector<MovingState>& moving() const { return moving_; }
+  // Offset of the camera's clock from that of the first one it shares moving points with.
+  ClockOffset clock_offset(CameraId camera) const { return clocks_.offset(camera); }
   const MapServerCounts& counts() const { return counts_; }
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
@@ -109,6 +113,7 @@ class MapServer {
   ViewGraph graph_;
   Meetings meetings_;
   Grouping grouping_;
+  ClockFinder clocks_;
   ObjectFinder objects_;
   MovingWriter moving_writer_;
   std::vector<MovingState> moving_;

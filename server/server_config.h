@@ -77,6 +77,15 @@ void describe(V& v, ClassifyConfig& c) {
 }
 
 template <class V>
+void describe(V& v, ClockConfig& c) {
+  v.field("enabled", c.enabled, "estimate the offsets of the agents' clocks from what moves");
+  v.field("period", c.period, {1, 10000}, "frame sets between estimates");
+  v.field("memory_s", c.memory_s, {1, 10000}, "what was seen longer ago does not count");
+  v.field("max_sigma_s", c.max_sigma_s, {0, 1}, "of an offset that is used");
+  v.field("significance", c.significance, {0, 100}, "of its sigmas that an offset must be to be used");
+}
+
+template <class V>
 void describe(V& v, RegisterConfig& c) {
   v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
   v.field("check_back", c.check_back, {1, 1000}, "frames of the track in which the gate must hold");
@@ -195,6 +204,7 @@ void describe(V& v, ServerConfig& c) {
   v.section("inter_pose", c.map.inter_pose);
   v.section("verify", c.map.verify);
   v.section("classify", c.map.classify);
+  v.section("clock", c.map.clock);
   v.section("register", c.map.registration);
   v.section("map_intra", c.map.intra);
   v.section("map_inter", c.map.inter);

@@ -22,6 +22,11 @@ auto find_frame(Frames& frames, SetId set) -> decltype(frames.data()) {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
+// Of the time between two frames at an instant: 0 at the one before, 1 at the newer one.
+double share_at(const MapCamera& camera, const FramePose& before, const FramePose& now, TimeNs t_ns) {
+  return static_cast<double>(t_ns - camera.taken_ns(before)) / static_cast<double>(now.capture_ns - before.capture_ns);
+}
+
 // A track may come back to a point, or its point be fused with one that it was bound to before: each observation once.
 void sort_observations(MapPoint& p) {
   const auto key = [](const KeyObservation& o) { return std::tie(o.set, o.camera, o.track); };
@@ -73,11 +78,21 @@ std::optional<Rigid3> MapCamera::pose_at(SetId set, TimeNs t_ns) const {
   const FramePose* f = frame_at(set);
   if (f == nullptr || !f->valid()) return std::nullopt;
   const FramePose* before = f == frames.data() ? nullptr : f - 1;
-  if (std::abs(t_ns - f->capture_ns) < kSameInstantNs || before == nullptr || before->map != f->map)
+  if (std::abs(t_ns - taken_ns(*f)) < kSameInstantNs || before == nullptr || before->map != f->map)
     return f->cam_from_world;
-  const double share =
-      static_cast<double>(t_ns - before->capture_ns) / static_cast<double>(f->capture_ns - before->capture_ns);
+  const double share = share_at(*this, *before, *f, t_ns);
   return share >= 0 && share <= 2 ? interpolate(before->cam_from_world, f->cam_from_world, share) : f->cam_from_world;
+}
+
+std::optional<View> MapCamera::view_at(MapId in, SetId set, const Sighting& seen, TimeNs t_ns) const {
+  const FramePose* f = frame_at(set);
+  const auto pose = pose_at(set, t_ns);
+  if (!pose || f->map != in) return std::nullopt;
+  View view{&model, *pose, seen.undistorted_px.cast<double>()};
+  if (f == frames.data()) return view;
+  const double share = share_at(*this, *(f - 1), *f, t_ns);
+  if (share >= 0 && share <= 2) view.undistorted_px += (share - 1) * seen.step_px.cast<double>();
+  return view;
 }
 
 MapPoint* Map::find(PointId id) {
@@ -107,6 +122,7 @@ void Map::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   c.run = run;
   c.model = model;
   c.map = MapId();
+  c.clock_offset_ns = 0;
   c.alive = true;
 }
 

@@ -56,6 +56,13 @@ struct FramePose {
   bool valid() const { return map != MapId(); }
 };
 
+// A followed corner in one image.
+struct Sighting {
+  CameraId camera;
+  Eigen::Vector2f undistorted_px;
+  Eigen::Vector2f step_px = Eigen::Vector2f::Zero();  // since the image before; 0 where it began
+};
+
 struct MapCamera {
   CameraId id;
   std::string name;
@@ -69,14 +76,18 @@ struct MapCamera {
   int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
   Similarity3 moved;       // how its world was moved since the last patch to its agent
   bool alive = true;
+  TimeNs clock_offset_ns = 0;             // its images were taken so much later than they are dated
   std::vector<FramePose> frames;          // ascending sets, the whole run
   std::map<TrackId, ServerTrack> tracks;  // live ones
 
   const FramePose* frame_at(SetId set) const;
   FramePose* frame_at(SetId set);
+  TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.
   std::optional<Rigid3> pose_at(SetId set, TimeNs t_ns) const;
+  // What it would have seen at that instant, pose and pixel, by what it saw at the set. Empty without a pose in `in`.
+  std::optional<View> view_at(MapId in, SetId set, const Sighting& seen, TimeNs t_ns) const;
 };
 
 struct KeyObservation {
@@ -120,12 +131,12 @@ struct MapPoint {
   std::uint8_t grey = 128;
 };
 
-// What was seen of a moving point at one set, brought to its instant; its position follows from the poses, whenever
-// these are corrected.
+// What was seen of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
+// whenever these are corrected.
 struct MotionSample {
   SetId set;
   TimeNs t_ns = 0;
-  std::vector<std::pair<CameraId, Eigen::Vector2f>> undistorted_px;
+  std::vector<Sighting> seen;
 };
 
 struct KeyFrame {

@@ -141,7 +141,8 @@ void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vect
     MotionSample sample{.set = set.id, .t_ns = set.t_ns};
     for (const Seen& s : seen) {
       track_of(map, s.track).gate_failures = 0;
-      sample.undistorted_px.emplace_back(s.track.camera, s.view.undistorted_px.cast<float>());
+      const ServerTrack& track = track_of(map, s.track);
+      sample.seen.push_back(sighting(map.camera(s.track.camera), track, track.seen.size() - 1));
     }
     map.record_motion(id, std::move(sample));
     refresh_patches(map, p, set);
@@ -263,20 +264,18 @@ bool agrees(const Map& map, const MapCamera& camera, const MapPoint& p, const Lo
 
 }  // namespace
 
-std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns) {
-  const SetId set = track.seen[i].set;
-  const FramePose* f = camera.frame_at(set);
-  const auto pose = camera.pose_at(set, t_ns);
-  if (!pose || f->map != camera.map) return std::nullopt;
-  View view{&camera.model, *pose, (track.seen[i].undistorted_px + track.offset_px).cast<double>()};
+Sighting sighting(const MapCamera& camera, const ServerTrack& track, std::size_t i) {
+  Sighting out{camera.id, track.seen[i].undistorted_px + track.offset_px};
+  const FramePose* f = camera.frame_at(track.seen[i].set);
   const FramePose* before = i == 0 ? nullptr : camera.frame_at(track.seen[i - 1].set);
-  if (before == nullptr || before + 1 != f) return view;
-  const double share =
-      static_cast<double>(t_ns - before->capture_ns) / static_cast<double>(f->capture_ns - before->capture_ns);
-  if (share < 0 || share > 2) return view;
-  const Eigen::Vector2d before_px = (track.seen[i - 1].undistorted_px + track.offset_px).cast<double>();
-  view.undistorted_px = before_px + share * (view.undistorted_px - before_px);
-  return view;
+  if (before != nullptr && before + 1 == f) {
+    out.step_px = track.seen[i].undistorted_px - track.seen[i - 1].undistorted_px;
+  }
+  return out;
+}
+
+std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns) {
+  return camera.view_at(camera.map, track.seen[i].set, sighting(camera, track, i), t_ns);
 }
 
 std::vector<Seen> seen_now(const Map& map, const MapPoint& p) {

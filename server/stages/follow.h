@@ -13,7 +13,7 @@ namespace coslam {
 // What a camera sees of a point at one instant.
 struct Seen {
   BoundTrack track;
-  View view;
+  View view;  // at the instant of the set
 };
 
 inline constexpr double kMovingParallax_rad = 0.01;
@@ -21,8 +21,10 @@ inline constexpr double kMostOffset_px = 1.7;  // between the corners that two c
 
 inline ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
 
-// The i-th observation of a track as it would be at t_ns: interpolated, pose and pixel, when the camera took its image
-// at another time. Empty without a pose in the camera's map.
+// The i-th observation of a track, where its point is.
+Sighting sighting(const MapCamera& camera, const ServerTrack& track, std::size_t i);
+// The same as it would be at t_ns: interpolated, pose and pixel, when the camera took its image at another time. Empty
+// without a pose in the camera's map.
 std::optional<View> view_at(const MapCamera& camera, const ServerTrack& track, std::size_t i, TimeNs t_ns);
 
 // Observations of a point in this very set, at its instant, of cameras with a pose in its map.

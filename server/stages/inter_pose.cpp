@@ -3,12 +3,14 @@
 #include "server/stages/inter_pose.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <vector>
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/triangulation.h"
 #include "server/solve/inter_pose.h"
+#include "server/stages/follow.h"
 
 namespace coslam {
 namespace {
@@ -39,6 +41,25 @@ bool weak(const Member& m, const InterPoseConfig& config) {
   return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
 }
 
+// The newest observation of a moving point as the camera would have made it from this pose of its newest frame had it
+// taken the image at the instant of the set. What the point's own motion since the frame before says; that of the
+// camera is left out.
+Eigen::Vector2d at_instant(const Map& map, const MapCamera& c, const ServerTrack& t, const MapPoint& p,
+                           const Rigid3& pose) {
+  const Sighting seen = sighting(c, t, t.seen.size() - 1);
+  const Eigen::Vector2d px = seen.undistorted_px.cast<double>();
+  if (c.frames.size() < 2) return px;
+  const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
+  const TimeNs later_ns = map.now_ns() - c.taken_ns(now), period_ns = now.capture_ns - before.capture_ns;
+  Eigen::Vector2d now_px, before_px;
+  if (later_ns == 0 || std::abs(later_ns) > period_ns || before.map != p.map || seen.step_px.isZero() ||
+      !project_world(c.model, pose, p.position, &now_px) ||
+      !project_world(c.model, before.cam_from_world, p.position, &before_px))
+    return px;
+  const Eigen::Vector2d own_px = seen.step_px.cast<double>() - (now_px - before_px);
+  return px + static_cast<double>(later_ns) / static_cast<double>(period_ns) * own_px;
+}
+
 // Moving points that at least two of the members see now.
 std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const std::vector<Member>& members,
                                                          const std::vector<Rigid3>& poses) {
@@ -54,9 +75,10 @@ std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const s
       if (at == index.end()) continue;
       const MapCamera& c = map.camera(b.camera);
       const ServerTrack& t = c.tracks.at(b.track);
-      const Eigen::Vector2d px = (t.seen.back().undistorted_px + t.offset_px).cast<double>();
+      const Rigid3& pose = poses[static_cast<std::size_t>(at->second)];
+      const Eigen::Vector2d px = at_instant(map, c, t, p, pose);
       m.seen.emplace_back(at->second, px);
-      views.push_back({&c.model, poses[static_cast<std::size_t>(at->second)], px});
+      views.push_back({&c.model, pose, px});
     }
     if (m.seen.size() < 2) continue;
     const TriangulationResult t = triangulate(views, 1.0, 0.0);

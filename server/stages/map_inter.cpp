@@ -55,10 +55,11 @@ std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second)
   return seeds;
 }
 
-PairView make_pair_view(Map& map, const ViewEdge& edge) {
+// Of cameras with a pose, at an instant.
+PairView make_pair_view(Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose) {
   PairView v{&map.camera(edge.first), &map.camera(edge.second)};
-  v.first_pose = v.first->frames.back().cam_from_world;
-  v.second_pose = v.second->frames.back().cam_from_world;
+  v.first_pose = first_pose;
+  v.second_pose = second_pose;
   const Rigid3 second_from_first = v.second_pose * v.first_pose.inverse();
   const Eigen::Matrix3d essential = skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
   v.fundamental = intrinsics_inverse(v.second->model).transpose() * essential * intrinsics_inverse(v.first->model);
@@ -162,15 +163,16 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   return true;
 }
 
-// Tracks of what moves or may move: those without a point, and those of moving points that the other camera does not
-// see yet.
+// Tracks of what moves or may move, at the instant of the set: those without a point, and those of moving points that the
+// other camera does not see yet.
 std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
   std::vector<Feature> out;
   for (auto& [id, t] : camera.tracks) {
     if (!t.patch) continue;
     const MapPoint* p = map.find(t.point);
     if (p != nullptr && (p->state != PointState::kDynamic || seen_by(*p, other))) continue;
-    out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+    const auto view = view_at(camera, t, t.seen.size() - 1, map.now_ns());
+    if (view) out.push_back({&t, view->undistorted_px - t.offset_px.cast<double>()});
   }
   return out;
 }
@@ -180,7 +182,8 @@ std::optional<TriangulationResult> meeting(const Map& map, const PairView& view,
                                            const ServerTrack& b, std::size_t j, double min_parallax_rad) {
   const FramePose* f = view.first->frame_at(a.seen[i].set);
   if (f == nullptr) return std::nullopt;
-  const auto va = view_at(*view.first, a, i, f->capture_ns), vb = view_at(*view.second, b, j, f->capture_ns);
+  const TimeNs t_ns = view.first->taken_ns(*f);
+  const auto va = view_at(*view.first, a, i, t_ns), vb = view_at(*view.second, b, j, t_ns);
   if (!va || !vb) return std::nullopt;
   return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}}, min_parallax_rad);
 }
@@ -218,12 +221,8 @@ void record_past(Map& map, const PairView& view, PointId point, const ServerTrac
   std::vector<MotionSample> past;
   for (std::size_t i = a.seen.size() - 1, j = b.seen.size() - 1; i-- > 0 && j-- > 0;) {
     if (a.seen[i].set != b.seen[j].set || !meeting(map, view, a, i, b, j, kMovingParallax_rad)) break;
-    const TimeNs t_ns = view.first->frame_at(a.seen[i].set)->capture_ns;
-    const auto va = view_at(*view.first, a, i, t_ns), vb = view_at(*view.second, b, j, t_ns);
-    past.push_back(
-        {a.seen[i].set,
-         t_ns,
-         {{view.first->id, va->undistorted_px.cast<float>()}, {view.second->id, vb->undistorted_px.cast<float>()}}});
+    const TimeNs t_ns = view.first->taken_ns(*view.first->frame_at(a.seen[i].set));
+    past.push_back({a.seen[i].set, t_ns, {sighting(*view.first, a, i), sighting(*view.second, b, j)}});
   }
   for (auto s = past.rbegin(); s != past.rend(); ++s) map.record_motion(point, std::move(*s));
 }
@@ -330,7 +329,9 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {
     if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
-    const PairView view = make_pair_view(map, edge);
+    const MapCamera &first = map.camera(edge.first), &second = map.camera(edge.second);
+    const PairView view =
+        make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);
     report.created +=
         best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, zncc, &report,
                    [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
@@ -342,7 +343,9 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
   MapInterReport report;
   for (const ViewEdge& edge : graph.edges) {
     if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
-    const PairView view = make_pair_view(map, edge);
+    const auto first_pose = map.camera(edge.first).pose_at(set.id, set.t_ns),
+               second_pose = map.camera(edge.second).pose_at(set.id, set.t_ns);
+    const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
     report.moving +=
         best_pairs(view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first),
                    band_px_of(map, view), config, zncc_of_middle, &report,

@@ -21,12 +21,11 @@ double median(std::vector<double>& values) {
 std::optional<MotionPosition> position_of(const Map& map, MapId in, const MotionSample& sample) {
   std::vector<View> views;
   double sigma_px = 0;
-  for (const auto& [camera, px] : sample.undistorted_px) {
-    const MapCamera& c = map.camera(camera);
-    const FramePose* f = c.frame_at(sample.set);
-    const auto pose = c.pose_at(sample.set, sample.t_ns);
-    if (!pose || f->map != in) continue;
-    views.push_back({&c.model, *pose, px.cast<double>()});
+  for (const Sighting& seen : sample.seen) {
+    const MapCamera& c = map.camera(seen.camera);
+    const auto view = c.view_at(in, sample.set, seen, sample.t_ns);
+    if (!view) continue;
+    views.push_back(*view);
     sigma_px = std::max(sigma_px, map.covariance_sigma_px(c));
   }
   const TriangulationResult t = triangulate(views, sigma_px, 0.0);

@@ -117,16 +117,16 @@ std::optional<ObjectFinder::Anchor> ObjectFinder::anchor_of(const Map& map, MapI
                                                             const Eigen::Vector3d& position) {
   Anchor a;
   const FramePose* first = nullptr;
-  for (const auto& [camera, px] : sample.undistorted_px) {
-    const FramePose* f = map.camera(camera).frame_at(sample.set);
-    if (f == nullptr || f->map != in || (first != nullptr && camera == a.first)) continue;
+  for (const Sighting& s : sample.seen) {
+    const FramePose* f = map.camera(s.camera).frame_at(sample.set);
+    if (f == nullptr || f->map != in || (first != nullptr && s.camera == a.first)) continue;
     if (first == nullptr) {
       first = f;
-      a.first = camera;
+      a.first = s.camera;
       a.in_first = f->cam_from_world * position;
       continue;
     }
-    a.second = camera;
+    a.second = s.camera;
     a.baseline = (f->cam_from_world.center() - first->cam_from_world.center()).norm();
     if (a.baseline > 0) return a;
   }
@@ -152,20 +152,22 @@ void ObjectFinder::look_back(const Map& map, const MapPoint& point, TimeNs since
   });
   if (oldest == point.bound.end()) return;
   for (const TrackPoint& at : track(*oldest).seen) {
-    const FramePose* f = map.camera(oldest->camera).frame_at(at.set);
-    if (f == nullptr || f->capture_ns < since_ns) continue;
-    MotionSample sample{.set = at.set, .t_ns = f->capture_ns};
+    const MapCamera& dated_by = map.camera(oldest->camera);
+    const FramePose* f = dated_by.frame_at(at.set);
+    if (f == nullptr || dated_by.taken_ns(*f) < since_ns) continue;
+    MotionSample sample{.set = at.set, .t_ns = dated_by.taken_ns(*f)};
     std::vector<Seen> seen;
     for (const BoundTrack& b : point.bound) {
       const std::vector<TrackPoint>& points = track(b).seen;
       const auto same = std::lower_bound(points.begin(), points.end(), at.set,
                                          [](const TrackPoint& p, SetId set) { return p.set < set; });
       if (same == points.end() || same->set != at.set) continue;
-      const auto view =
-          view_at(map.camera(b.camera), track(b), static_cast<std::size_t>(same - points.begin()), sample.t_ns);
+      const MapCamera& c = map.camera(b.camera);
+      const auto i = static_cast<std::size_t>(same - points.begin());
+      const auto view = view_at(c, track(b), i, sample.t_ns);
       if (!view) continue;
       seen.push_back({b, *view});
-      sample.undistorted_px.emplace_back(b.camera, view->undistorted_px.cast<float>());
+      sample.seen.push_back(sighting(c, track(b), i));
     }
     const auto position = position_of(map, seen, kMovingParallax_rad);
     const auto anchor = position ? anchor_of(map, point.map, sample, position->position) : std::nullopt;

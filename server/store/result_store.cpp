@@ -182,9 +182,13 @@ nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
   if (lost_from != nullptr)
     lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
+  const ClockOffset clock = server.clock_offset(id);
   return {{"frames", camera.frames.size()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
           {"sigma_px", camera.sigma_px},
+          {"clock_offset_ms", 1000 * clock.offset_s},
+          {"clock_sigma_ms", 1000 * clock.sigma_s},
+          {"clock_offset_used_ms", 1000 * to_seconds(camera.clock_offset_ns)},
           {"lost_intervals", lost}};
 }
 

@@ -89,6 +89,28 @@ TEST_P(MovingWorld, WhatMovesIsKnownAndFollowed) {
   const test::PathError path = run.path_error();
   EXPECT_EQ(path.frames, path.all_frames);
   EXPECT_LT(path.ate, 0.003 * path.path_m);
+  for (const MapCamera& c : run.map().cameras()) EXPECT_EQ(c.clock_offset_ns, 0);
+}
+
+TEST_P(MovingWorld, AClockThatIsHalfAFrameBehindIsFoundOut) {
+  const TimeNs behind_ns = test::kPeriodNs / 2;
+  const auto paths = test::paths_side_by_side(3);
+  SimRun run(world_, {}, tracking_);
+  for (std::size_t i = 0; i < paths.size(); ++i) run.add_agent(paths[i], i == 1 ? behind_ns : 0);
+  run.step(270);
+  for (std::uint16_t i = 0; i < 3; ++i) {
+    const ClockOffset found = run.server().clock_offset(CameraId(i));
+    EXPECT_NEAR(found.offset_s, i == 1 ? to_seconds(behind_ns) : 0, 0.004);
+    EXPECT_LT(found.sigma_s, 0.004);
+  }
+  EXPECT_NEAR(to_seconds(run.map().camera(CameraId(1)).clock_offset_ns), to_seconds(behind_ns), 0.004);
+  std::vector<double> errors;
+  for (int i = 0; i < 60; ++i) {
+    run.step(1);
+    const auto now = relative_errors(run);
+    errors.insert(errors.end(), now.begin(), now.end());
+  }
+  EXPECT_LT(test::median(errors), 0.02);
 }
 
 TEST_P(MovingWorld, PathsKeepTheirIdAndAreManySamplesLong) {

@@ -15,8 +15,10 @@ constexpr std::uint32_t kRefineDueSets = 3;
 }  // namespace
 
 SimAgent::SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name,
-                   RunId run)
-    : tracker_(world, std::move(path), tracking, name, run), map_(run), pose_(sim_camera(), PoseTrackerConfig{}) {}
+                   RunId run, TimeNs clock_behind_ns)
+    : tracker_(world, std::move(path), tracking, name, run), map_(run), pose_(sim_camera(), PoseTrackerConfig{}) {
+  tracker_.set_clock_behind(clock_behind_ns);
+}
 
 void SimAgent::take(const MapPatch& patch) {
   const PatchEffect effect = map_.apply(patch);
@@ -57,9 +59,10 @@ CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
 SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
     : world_(world), tracking_(tracking), server_config_(server), server_(RunId(7), server) {}
 
-CameraId SimRun::add_agent(const CameraPath& path) {
-  Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size())};
-  slot.agent = std::make_unique<SimAgent>(world_, path, tracking_, slot.name, RunId(100 + slots_.size()));
+CameraId SimRun::add_agent(const CameraPath& path, TimeNs clock_behind_ns) {
+  Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size()), .clock_behind_ns = clock_behind_ns};
+  slot.agent =
+      std::make_unique<SimAgent>(world_, path, tracking_, slot.name, RunId(100 + slots_.size()), clock_behind_ns);
   const CameraId id = server_.admit(slot.agent->tracker().hello());
   slots_.push_back(std::move(slot));
   return id;
@@ -76,7 +79,7 @@ void SimRun::resume(CameraId camera) { slots_[camera.value].running = true; }
 void SimRun::restart(CameraId camera) {
   Slot& s = slots_[camera.value];
   const RunId run(100 + camera.value + 1000U * static_cast<unsigned>(s.runs++));
-  s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run);
+  s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run, s.clock_behind_ns);
   s.running = true;
   server_.admit(s.agent->tracker().hello());
 }

@@ -20,7 +20,8 @@ namespace coslam::test {
 // An agent whose tracker is simulated; its local map, pose and answers are the product's.
 class SimAgent {
  public:
-  SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name, RunId run);
+  SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name, RunId run,
+           TimeNs clock_behind_ns = 0);
 
   // The next image, after the patches given since the last.
   CameraFrame step(CameraId camera, TimeNs t_ns);
@@ -60,7 +61,8 @@ class SimRun {
   SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking = {});
 
   // Joins now. Cameras are numbered in this order.
-  CameraId add_agent(const CameraPath& path);
+  // clock_behind_ns: dates its images so much earlier than they are taken.
+  CameraId add_agent(const CameraPath& path, TimeNs clock_behind_ns = 0);
   void stop(CameraId camera);   // ends like a process that was told to
   void stall(CameraId camera);  // no frames until it is started again; nobody is told
   void resume(CameraId camera);
@@ -73,7 +75,7 @@ class SimRun {
   SimAgent& agent(CameraId camera) { return *slots_[camera.value].agent; }
   const std::vector<MapPatch>& last_patches() const { return last_patches_; }
   // Truth of any frame of any run of this camera.
-  Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].path(to_seconds(t_ns)); }
+  Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].agent->tracker().truth(t_ns); }
   // World point behind a map point; -1 when no track of the present runs tells.
   int world_point(const MapPoint& point) const;
   // Of every point of the largest map whose world point is known, in the map's own frame: the similarity between the
@@ -87,6 +89,7 @@ class SimRun {
     std::unique_ptr<SimAgent> agent;
     CameraPath path;
     std::string name;
+    TimeNs clock_behind_ns = 0;
     bool running = true;
     int runs = 1;
   };

@@ -20,7 +20,7 @@ SimTracker::SimTracker(const SimWorld& world, CameraPath path, const TrackingCon
       birth_after_(static_cast<std::size_t>(world.size()), 0) {}
 
 std::optional<Eigen::Vector2d> SimTracker::seen_at(const Rigid3& pose, int point, TimeNs t_ns) const {
-  const Eigen::Vector3d in_cam = pose * world_.position(point, t_ns);
+  const Eigen::Vector3d in_cam = pose * world_.position(point, t_ns + clock_behind_ns_);
   if (in_cam.z() < 0.3 || in_cam.z() > config_.max_depth_m) return std::nullopt;
   const Eigen::Vector2d px = camera_.project(in_cam);
   if (!camera_.contains_raw(px, config_.border_px)) return std::nullopt;
@@ -75,7 +75,8 @@ PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& 
     if (at == live_.end()) continue;
     ImagePatch& patch = reply.patches.emplace_back();
     patch.track = id;
-    const Patch grey = world_.patch(at->second.point, sim_camera(), truth(frame.capture_ns), frame.capture_ns);
+    const Patch grey =
+        world_.patch(at->second.point, sim_camera(), truth(frame.capture_ns), frame.capture_ns + clock_behind_ns_);
     for (std::size_t i = 0; i < grey.size(); ++i) {
       patch.grey[i] = static_cast<std::uint8_t>(std::clamp(grey[i] + 8 * gauss(), 0.0, 255.0));
     }

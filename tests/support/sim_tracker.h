@@ -35,7 +35,9 @@ class SimTracker {
   PatchReply cut(const TrackFrame& frame, const std::vector<TrackId>& wanted);
   DescriptorReply describe(const TrackFrame& frame);
 
-  Rigid3 truth(TimeNs t_ns) const { return path_(to_seconds(t_ns)); }  // cam_from_world
+  // Images are dated so much earlier than they are taken.
+  void set_clock_behind(TimeNs behind_ns) { clock_behind_ns_ = behind_ns; }
+  Rigid3 truth(TimeNs t_ns) const { return path_(to_seconds(t_ns + clock_behind_ns_)); }  // cam_from_world, as dated
   Hello hello() const;
   const std::string& name() const { return name_; }
   RunId run() const { return run_; }
@@ -58,6 +60,7 @@ class SimTracker {
 
   const SimWorld& world_;
   CameraPath path_;
+  TimeNs clock_behind_ns_ = 0;
   TrackingConfig config_;
   std::string name_;
   RunId run_;

@@ -12,16 +12,18 @@
 namespace coslam::eval {
 namespace {
 
-// The surfaces of a simulated scene, seen from the true poses.
+// The surfaces of a simulated scene, seen from the true poses. Its time is that of the sources.
 SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::vector<AgentPaths>& agents) {
   struct Eye {
     CameraModel camera;
     Trajectory truth;
+    double start_s = 0;
   };
   auto eyes = std::make_shared<std::map<std::string, Eye>>();
   for (const AgentPaths& agent : agents) {
     for (const SequenceAgent& listed : sequence.agents) {
-      if (listed.name == agent.name) eyes->emplace(agent.name, Eye{load_calibration(listed.calibration), agent.truth});
+      if (listed.name == agent.name)
+        eyes->emplace(agent.name, Eye{load_calibration(listed.calibration), agent.truth, listed.start_s});
     }
   }
   const TimeNs gap_ns = to_ns(2.5 / sequence.rate_hz);
@@ -34,7 +36,7 @@ SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::v
     if (!cam_from_world || !undistorted_px) return std::nullopt;
     const Eigen::Vector3d in_cam = eye->second.camera.normalized_from_pixel(*undistorted_px).homogeneous();
     const Eigen::Vector3d direction = cam_from_world->rotation.conjugate() * in_cam.normalized();
-    const double t_s = to_seconds(t_ns);
+    const double t_s = to_seconds(t_ns) + eye->second.start_s;
     const auto hit = scene.cast(cam_from_world->center(), direction, t_s);
     if (!hit) return std::nullopt;
     return SurfacePoint{hit->point, hit->distance_m, scene.body(hit->object),
@@ -52,6 +54,9 @@ class TrackEvaluation {
         truth_from_map_(truth_from_map),
         frame_ns_(sequence.rate_hz > 0 ? to_ns(1 / sequence.rate_hz) : 0) {
     if (sequence.masks) masks_.emplace(*sequence.masks);
+    for (const SequenceAgent& agent : sequence.agents) {
+      later_ns_[agent.name] = to_ns(agent.start_s - sequence.agents.front().start_s);
+    }
     if (std::filesystem::exists(result.dynamic())) dynamic_ = read_dynamic(result.dynamic());
   }
 
@@ -89,7 +94,7 @@ class TrackEvaluation {
     double error_m;
   };
 
-  void add(const std::string& agent, const ResultTrackRow& row, std::uint32_t age_frames) {
+  void add(const std::string& agent, ResultTrackRow row, std::uint32_t age_frames) {
     constexpr std::uint32_t kMinAgeFrames = 15;  // what has just appeared cannot have been told yet
     if (masks_ && age_frames >= kMinAgeFrames) {
       const auto moving = masks_->moving_at(agent, row.frame, row.raw_px);
@@ -98,6 +103,7 @@ class TrackEvaluation {
     if (!surface_) return;
     const auto seen = surface_(agent, row.t_ns, row.raw_px);
     if (!seen) return;
+    row.t_ns += later_ns_.at(agent);
     bodies_.add(agent, row, *seen);
     if (row.state == PointState::kStatic) static_truth_.add(row.point, *seen);
     if (row.state == PointState::kDynamic) add_dynamic(row, *seen);
@@ -129,6 +135,9 @@ class TrackEvaluation {
   const SurfaceAt& surface_;
   Similarity3 truth_from_map_;
   TimeNs frame_ns_;
+  // Of a simulated scene: by how much an agent's played time is behind that of the first, in which the paths of moving
+  // points are. Agents whose source begins at another time play at the same time what did not happen together.
+  std::map<std::string, TimeNs> later_ns_;
   std::optional<Masks> masks_;
   std::unordered_map<PointId, PointPath> dynamic_;
   Classification classification_;
