@@ -163,8 +163,8 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
   return true;
 }
 
-// Tracks of what moves or may move, at the instant of the set: those without a point, and those of moving points that the
-// other camera does not see yet.
+// Tracks of what moves or may move, at the instant of the set: those without a point, and those of moving points that
+// the other camera does not see yet.
 std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
   std::vector<Feature> out;
   for (auto& [id, t] : camera.tracks) {

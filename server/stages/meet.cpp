@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> positions_of(const Map& map, const std::set<PointId
   return out;
 }
 
-std::set<PointId> points_of(const Sighting& seen) {
+std::set<PointId> points_of(const Recognition& seen) {
   std::set<PointId> out;
   for (const auto& [track, point] : seen.matches) out.insert(point);
   return out;
@@ -59,7 +59,7 @@ std::optional<double> own_depth(const Map& map, const MapCamera& camera, const S
 }
 
 // Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
-std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Sighting& seen) {
+std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
   constexpr std::size_t kLeast = 10;
   constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
   std::vector<double> ratios;
@@ -79,7 +79,7 @@ std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Si
 }
 
 // From the camera's pose in both.
-std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera, const Sighting& seen) {
+std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
   const auto scale = scale_of(map, camera, seen);
   if (!scale) return std::nullopt;
   const Rigid3& own = camera.frames.back().cam_from_world;
@@ -91,7 +91,7 @@ std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera
 }
 
 // Tracks that matched a point of the place are bound to it; a point of their own becomes one with it.
-void bind_matches(Map& map, MapCamera& camera, const Sighting& seen) {
+void bind_matches(Map& map, MapCamera& camera, const Recognition& seen) {
   for (const auto& [track_id, point_id] : seen.matches) {
     ServerTrack& t = camera.tracks.at(track_id);
     MapPoint* kept = map.find(point_id);
@@ -108,7 +108,7 @@ void bind_matches(Map& map, MapCamera& camera, const Sighting& seen) {
   }
 }
 
-void place(Map& map, MapCamera& camera, const Sighting& seen, const LocaliseConfig& config) {
+void place(Map& map, MapCamera& camera, const Recognition& seen, const LocaliseConfig& config) {
   set_pose(camera, camera.frames.back().set, seen.map, seen.cam_from_world);
   bind_matches(map, camera, seen);
   localise_backwards(map, camera, camera.frames.back().set, config);
@@ -125,7 +125,7 @@ int frames_in(const Map& map, MapId id) {
 }
 
 // The known points lie where the camera's own pose expects them.
-bool as_expected(const Map& map, const MapCamera& camera, const Sighting& seen, double most_px) {
+bool as_expected(const Map& map, const MapCamera& camera, const Recognition& seen, double most_px) {
   std::vector<double> errors;
   for (const auto& [track, point] : seen.matches) {
     Eigen::Vector2d px;
@@ -228,7 +228,7 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
 }
 
 // Another image some sets ago said the same, and both together see more than one plane.
-bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Sighting& seen,
+bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
                          const Similarity3& in_from_own) {
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
   const auto at = pending_.find(camera.id);
@@ -251,7 +251,7 @@ bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Sighting
   return false;
 }
 
-void Meetings::join(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own,
+void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                     MeetReport* report) {
   const MapId own = camera.map, in = seen.map;
   const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
@@ -267,7 +267,7 @@ void Meetings::join(Map& map, MapCamera& camera, const Sighting& seen, const Sim
   report->to_adjust = camera.map;
 }
 
-void Meetings::close(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own,
+void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                      const ViewGraph& graph, MeetReport* report) {
   const FramePose* there = map.camera(seen.key_camera).frame_at(seen.key_set);
   const Reunion reunion{camera.id,

@@ -61,10 +61,10 @@ class Meetings {
 
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image) const;
   void recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
-  bool confirmed(const Map& map, const MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own);
-  void join(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, MeetReport* report);
-  void close(Map& map, MapCamera& camera, const Sighting& seen, const Similarity3& in_from_own, const ViewGraph& graph,
-             MeetReport* report);
+  bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own);
+  void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
+  void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+             const ViewGraph& graph, MeetReport* report);
   bool view_changed(const Map& map, const MapCamera& camera, SetId since) const;
   DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart);
 

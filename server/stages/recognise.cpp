@@ -58,8 +58,8 @@ bool in_view(const MapCamera& camera, const Rigid3& pose, const Eigen::Vector3d&
   return px.x() >= 0 && px.y() >= 0 && px.x() < camera.model.width_px && px.y() < camera.model.height_px;
 }
 
-std::optional<Sighting> locate(const Map& map, const CameraFrame& frame, const std::vector<const KeyImage*>& asked,
-                               MapId in, const RecogniseConfig& config) {
+std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, const std::vector<const KeyImage*>& asked,
+                                  MapId in, const RecogniseConfig& config) {
   const MapCamera& camera = map.camera(frame.camera);
   const KnownPoints known = known_points(map, in, asked);
   std::vector<FeatureMatch> matches;
@@ -74,7 +74,7 @@ std::optional<Sighting> locate(const Map& map, const CameraFrame& frame, const s
   }
   const PlaceResult placed = place_camera(camera.model, positions, pixels, 1.5, config.min_inliers);
   if (!placed.ok) return std::nullopt;
-  Sighting out{.map = in, .cam_from_world = placed.cam_from_world};
+  Recognition out{.map = in, .cam_from_world = placed.cam_from_world};
   std::vector<Eigen::Vector2d> spread;
   std::vector<double> depths;
   std::vector<int> by_image(asked.size(), 0);
@@ -108,8 +108,8 @@ void PlaceMemory::add(Map& map, const CameraFrame& frame) {
   images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
 }
 
-std::optional<Sighting> PlaceMemory::find(const Map& map, const CameraFrame& frame,
-                                          const std::function<bool(const KeyImage&)>& may_ask) const {
+std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
+                                             const std::function<bool(const KeyImage&)>& may_ask) const {
   if (!frame.descriptors) return std::nullopt;
   const std::vector<int> votes = index_.votes(frame.descriptors->descriptors);
   std::vector<std::pair<int, const KeyImage*>> order;

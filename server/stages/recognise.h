@@ -28,7 +28,7 @@ struct KeyImage {
 };
 
 // A camera saw a place that the map knows.
-struct Sighting {
+struct Recognition {
   MapId map;
   Rigid3 cam_from_world;  // in that map, by the place's points
   std::vector<std::pair<TrackId, PointId>> matches;
@@ -46,8 +46,8 @@ class PlaceMemory {
   // Remembers what this camera sees now, if it told.
   void add(Map& map, const CameraFrame& frame);
   // Where the camera is by the place that looks most like its image, among the key images that may be asked.
-  std::optional<Sighting> find(const Map& map, const CameraFrame& frame,
-                               const std::function<bool(const KeyImage&)>& may_ask) const;
+  std::optional<Recognition> find(const Map& map, const CameraFrame& frame,
+                                  const std::function<bool(const KeyImage&)>& may_ask) const;
   const std::vector<KeyImage>& images() const { return images_; }
 
  private:
