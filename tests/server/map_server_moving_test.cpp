@@ -97,7 +97,7 @@ TEST_P(MovingWorld, AClockThatIsHalfAFrameBehindIsFoundOut) {
   const auto paths = test::paths_side_by_side(3);
   SimRun run(world_, {}, tracking_);
   for (std::size_t i = 0; i < paths.size(); ++i) run.add_agent(paths[i], i == 1 ? behind_ns : 0);
-  run.step(270);
+  run.step(360);
   for (std::uint16_t i = 0; i < 3; ++i) {
     const ClockOffset found = run.server().clock_offset(CameraId(i));
     EXPECT_NEAR(found.offset_s, i == 1 ? to_seconds(behind_ns) : 0, 0.004);

@@ -117,7 +117,8 @@ TEST_F(AdmissionTest, AnotherProtocolIsRefusedWithBothVersions) {
   Hello old = hello("a", 1);
   old.protocol = 99;
   admission_.hello(old, now_);
-  EXPECT_THAT(refusal_of(1), HasSubstr("agent 'a' speaks protocol 99 and the server protocol 1"));
+  EXPECT_THAT(refusal_of(1),
+              HasSubstr("agent 'a' speaks protocol 99 and the server protocol " + std::to_string(kProtocolVersion)));
   EXPECT_THAT(admitted(), IsEmpty());
 }
 

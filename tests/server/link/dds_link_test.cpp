@@ -199,11 +199,11 @@ TEST_F(DdsLinkTest, ASecondAgentOfTheSameNameIsRefused) {
 TEST_F(DdsLinkTest, AnotherProtocolIsRefused) {
   EchoServer server(config_, kServer);
   Hello hello = WireValues(1).hello("cam0", RunId(1));
-  hello.protocol = 2;
+  hello.protocol = 99;
   const auto agent = open_agent_link(config_, hello);
   EXPECT_TRUE(server.serve_until([&] {
     const auto status = agent->server_status();
-    return status && refusal_of(*status, RunId(1)).value_or("").find("speaks protocol 2") != std::string::npos;
+    return status && refusal_of(*status, RunId(1)).value_or("").find("speaks protocol 99") != std::string::npos;
   }));
   EXPECT_EQ(server.link().rejections()[Rejection::kWrongProtocol], 1u);
 }
