@@ -29,7 +29,7 @@ struct GroupConfig {
   int min_shared = 12;  // points that bring two cameras together
   int keep_shared = 4;  // and that keep them so
   double join_s = 0.2;  // for so long, before they are
-  double part_s = 0.5;  // with fewer for so long, before they are not any more
+  double part_s = 0.8;  // with fewer for so long, before they are not any more
   double hold_s = 1.0;  // every grouping stays at least so long
 };
 

@@ -24,7 +24,7 @@ struct MeetConfig {
   int apart_period = 15;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
   int least_period = 30;       // between requests because the view changed
-  double turned_rad = 0.4;     // of the optical axis, or
+  double turned_rad = 0.3;     // of the optical axis, or
   double moved_share = 0.5;    // of the median depth: the view is another one
   double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
 };

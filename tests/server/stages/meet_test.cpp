@@ -56,7 +56,7 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
   }
   EXPECT_EQ(asked_still, 0);
   EXPECT_GE(asked_turning, 3);
-  EXPECT_LE(asked_turning, 5) << "1.5 rad";
+  EXPECT_LE(asked_turning, 5) << "1.5 rad in 3 s";
 }
 
 TEST_F(MeetTest, ALateCameraIsPlaced) {
