@@ -151,6 +151,7 @@ void describe(V& v, GroupConfig& c) {
   v.field("keep_shared", c.keep_shared, {0, 1000}, "points that keep them in it");
   v.field("join_s", c.join_s, {0, 10}, "for so long before they join");
   v.field("part_s", c.part_s, {0, 10}, "with fewer for so long before they part");
+  v.field("settle_s", c.settle_s, {0, 10}, "that a new grouping must last before it counts");
   v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
 }
 

@@ -107,10 +107,16 @@ ViewGraph Grouping::step(const Map& map, const FrameSet& set) {
   ViewGraph graph = view_graph(map, set);
   judge(map, graph.edges, set.t_ns);
   auto now = components(map, set.t_ns);
-  if (now != groups_ && (!changed_ns_ || to_seconds(set.t_ns - *changed_ns_) >= config_.hold_s)) {
+  if (now != next_) {
+    next_ = std::move(now);
+    next_since_ns_ = set.t_ns;
+  }
+  const bool settled = groups_.empty() || to_seconds(set.t_ns - next_since_ns_) >= config_.settle_s;
+  const bool held = !changed_ns_ || to_seconds(set.t_ns - *changed_ns_) >= config_.hold_s;
+  if (next_ != groups_ && settled && held) {
     // The very first ones only come to be.
     if (!groups_.empty()) changed_ns_ = set.t_ns;
-    groups_ = std::move(now);
+    groups_ = next_;
   }
   graph.groups = groups_;
   return graph;

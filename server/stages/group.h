@@ -26,11 +26,12 @@ struct ViewGraph {
 ViewGraph view_graph(const Map& map, const FrameSet& set);
 
 struct GroupConfig {
-  int min_shared = 12;  // points that bring two cameras together
-  int keep_shared = 4;  // and that keep them so
-  double join_s = 0.2;  // for so long, before they are
-  double part_s = 0.8;  // with fewer for so long, before they are not any more
-  double hold_s = 1.0;  // every grouping stays at least so long
+  int min_shared = 12;    // points that bring two cameras together
+  int keep_shared = 4;    // and that keep them so
+  double join_s = 0.2;    // for so long, before they are
+  double part_s = 0.6;    // with fewer for so long, before they are not any more
+  double settle_s = 0.3;  // that a new grouping must last: cameras seldom part in one instant
+  double hold_s = 1.0;    // every grouping stays at least so long
 };
 
 // Groups with hysteresis: a count of points flickers, a group of cameras must not.
@@ -53,6 +54,8 @@ class Grouping {
   std::map<std::pair<CameraId, CameraId>, Pair> pairs_;
   std::vector<std::vector<CameraId>> groups_;
   std::optional<TimeNs> changed_ns_;
+  std::vector<std::vector<CameraId>> next_;  // what they are about to become
+  TimeNs next_since_ns_ = 0;
 };
 
 }  // namespace coslam

@@ -115,6 +115,20 @@ void place(Map& map, MapCamera& camera, const Recognition& seen, const LocaliseC
   map.raise_epoch();
 }
 
+// It had a pose in that map not long ago, and not far from there.
+bool where_it_was_lost(const MapCamera& camera, const Recognition& seen) {
+  constexpr double kLately_s = 10, kNear = 1.0;  // of the distance of what it sees
+  const TimeNs now_ns = camera.frames.back().capture_ns;
+  for (std::size_t i = camera.frames.size(); i-- > 0;) {
+    const FramePose& f = camera.frames[i];
+    if (to_seconds(now_ns - f.capture_ns) > kLately_s) return false;
+    if (!f.valid()) continue;
+    return f.map == seen.map &&
+           (f.cam_from_world.center() - seen.cam_from_world.center()).norm() < kNear * seen.median_depth;
+  }
+  return false;
+}
+
 int frames_in(const Map& map, MapId id) {
   int n = 0;
   for (const MapCamera& c : map.cameras()) {
@@ -176,7 +190,7 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   }
   const bool apart = several_maps(map);
   for (const CameraFrame& cf : set.frames) {
-    const DescriptorRequest r = request(map, map.camera(cf.camera), apart);
+    const DescriptorRequest r = request(map, map.camera(cf.camera), apart, graph.groups.size() > 1);
     if (r == DescriptorRequest::kNone) continue;
     described_[cf.camera].asked = set.id;
     report.requests[cf.camera] = r;
@@ -201,7 +215,7 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
   ++report->sightings;
   const std::set<PointId> evidence = points_of(*seen);
   if (unplaced) {
-    if (!has_relief(positions_of(map, evidence), seen->median_depth)) {
+    if (!has_relief(positions_of(map, evidence), seen->median_depth) && !where_it_was_lost(camera, *seen)) {
       ++report->doubted;
       return;
     }
@@ -285,7 +299,7 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
   report->to_adjust = camera.map;
 }
 
-DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, bool apart) {
+DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, bool apart, bool parted) {
   const Described& d = described_[camera.id];
   const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
   const auto due = [&](int period) { return since(d.asked) >= static_cast<std::uint32_t>(period); };
@@ -299,18 +313,20 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
                       : !d.at ? due(config_.lost_period)
                       : apart && due(config_.apart_period)
                           ? true
-                          : due(config_.least_period) && view_changed(map, camera, *d.at);
+                          : due(parted ? config_.least_period / 2 : config_.least_period) &&
+                                view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);
   if (!wanted) return DescriptorRequest::kNone;
   return apart || confirm ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
 }
 
-bool Meetings::view_changed(const Map& map, const MapCamera& camera, SetId since) const {
+// By a share of what is configured.
+bool Meetings::view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const {
   const FramePose* then = camera.frame_at(since);
   const FramePose& now = camera.frames.back();
   if (then == nullptr || then->map != now.map) return true;
   const double turned = then->cam_from_world.rotation.angularDistance(now.cam_from_world.rotation);
   const double moved = (then->cam_from_world.center() - now.cam_from_world.center()).norm();
-  return turned > config_.turned_rad || moved > config_.moved_share * median_depth(map, camera);
+  return turned > share * config_.turned_rad || moved > share * config_.moved_share * median_depth(map, camera);
 }
 
 }  // namespace coslam

@@ -65,8 +65,8 @@ class Meetings {
   void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
   void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
              const ViewGraph& graph, MeetReport* report);
-  bool view_changed(const Map& map, const MapCamera& camera, SetId since) const;
-  DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart);
+  bool view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const;
+  DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart, bool parted);
 
   MeetConfig config_;
   PlaceMemory places_;

@@ -48,7 +48,8 @@ class PatchPair {
     frame.epoch = agent_->epoch();
     frame.pose_state = agent_world_ ? PoseState::kTracked : PoseState::kNone;
     if (chance() < channel_.loss) return;  // the server never sees the frame, and answers nothing
-    Sent sent{writer_->write(sim_.map, sim_.map.camera(kCam), frame, DescriptorRequest::kNone), expected(), map_from_world_};
+    Sent sent{writer_->write(sim_.map, sim_.map.camera(kCam), frame, DescriptorRequest::kNone), expected(),
+              map_from_world_};
     if (chance() < channel_.loss) return;
     under_way_.push_back(sent);
     if (chance() < channel_.loss) under_way_.push_back(sent);  // twice

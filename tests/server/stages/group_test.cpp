@@ -142,7 +142,7 @@ TEST_F(GroupingTest, JoinsAndPartsWithinASecond) {
   EXPECT_EQ(run(0, 40), -1);
   const int joined = run(20, 40);
   EXPECT_GT(joined, 2);
-  EXPECT_LT(joined, 15);
+  EXPECT_LT(joined, 20);
   EXPECT_EQ(run(6, 60), -1) << "fewer points keep them together";
   const int parted = run(0, 60);
   EXPECT_GT(parted, 10);
