@@ -20,7 +20,7 @@ struct MeetConfig {
   LocaliseConfig localise;
   bool loops = true;           // own old places too, beside those that other cameras saw lately
   int min_merge_inliers = 25;  // to join two maps, or to draw one together
-  int lost_period = 10;        // sets between requests for descriptors of a camera without a map
+  int lost_period = 6;         // sets between requests for descriptors of a camera without a map
   int apart_period = 15;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
   int least_period = 30;       // between requests because the view changed

@@ -36,7 +36,7 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  EXPECT_EQ(asked, 20 / config_.lost_period);
+  EXPECT_EQ(asked, (20 + config_.lost_period - 1) / config_.lost_period);
 }
 
 TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
