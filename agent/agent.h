@@ -22,7 +22,7 @@ struct AgentConfig {
   TrackerConfig tracker;
   PoseTrackerConfig pose;
   int descriptor_features = 400;  // most, in an answer to a request for descriptors everywhere
-  int place_features = 200;       // the same at tracks
+  int place_features = 160;       // the same at tracks
 };
 
 // What an agent sends for one image.
