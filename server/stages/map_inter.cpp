@@ -346,9 +346,13 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     const auto first_pose = map.camera(edge.first).pose_at(set.id, set.t_ns),
                second_pose = map.camera(edge.second).pose_at(set.id, set.t_ns);
     const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
+    const std::vector<Feature> first = moving(map, *view.first, edge.second),
+                               second = moving(map, *view.second, edge.first);
+    // Of two that become one point, at least one is seen to move.
+    const auto moves = [](const Feature& f) { return f.track->moving; };
+    if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
     report.moving +=
-        best_pairs(view, moving(map, *view.first, edge.second), moving(map, *view.second, edge.first),
-                   band_px_of(map, view), config, zncc_of_middle, &report,
+        best_pairs(view, first, second, band_px_of(map, view), config, zncc_of_middle, &report,
                    [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;

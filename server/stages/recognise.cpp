@@ -52,12 +52,6 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-bool in_view(const MapCamera& camera, const Rigid3& pose, const Eigen::Vector3d& position) {
-  Eigen::Vector2d px;
-  if (!project_world(camera.model, pose, position, &px, nullptr)) return false;
-  return px.x() >= 0 && px.y() >= 0 && px.x() < camera.model.width_px && px.y() < camera.model.height_px;
-}
-
 std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, const std::vector<const KeyImage*>& asked,
                                   MapId in, const RecogniseConfig& config) {
   const MapCamera& camera = map.camera(frame.camera);
@@ -91,10 +85,6 @@ std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, cons
   out.key_camera = asked[best]->camera;
   out.key_set = asked[best]->set;
   out.median_depth = median_of(std::move(depths));
-  const auto expected = std::count_if(known.positions.begin(), known.positions.end(),
-                                      [&](const auto& p) { return in_view(camera, placed.cam_from_world, p); });
-  out.found_share =
-      static_cast<double>(out.matches.size()) / static_cast<double>(std::max<std::ptrdiff_t>(1, expected));
   return out;
 }
 

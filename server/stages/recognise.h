@@ -34,7 +34,6 @@ struct Recognition {
   std::vector<std::pair<TrackId, PointId>> matches;
   CameraId key_camera;  // of the key image with most of them
   SetId key_set;
-  double found_share = 0;   // of the known points that should be in view
   double median_depth = 0;  // of the matched points
 };
 
@@ -48,7 +47,6 @@ class PlaceMemory {
   // Where the camera is by the place that looks most like its image, among the key images that may be asked.
   std::optional<Recognition> find(const Map& map, const CameraFrame& frame,
                                   const std::function<bool(const KeyImage&)>& may_ask) const;
-  const std::vector<KeyImage>& images() const { return images_; }
 
  private:
   RecogniseConfig config_;
