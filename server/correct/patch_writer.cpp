@@ -46,17 +46,21 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
 
 void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* patch) const {
   if (patch->sequence % static_cast<std::uint32_t>(config_.patch_period) != 0) return;
-  std::vector<std::pair<std::uint32_t, TrackId>> wanted;  // those never cut first, then the stalest
+  using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
+  Due still, moving;
   for (const auto& [id, t] : camera.tracks) {
     if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
     const int refresh = t.moving ? config_.moving_patch_refresh_sets : config_.patch_refresh_sets;
     const bool keeps = t.point != PointId() && !t.moving;
     if (t.patch && (keeps || t.patch_set.value + static_cast<std::uint32_t>(refresh) > map.now().value)) continue;
-    wanted.emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
+    (t.moving ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
   }
-  const auto most = std::min(wanted.size(), static_cast<std::size_t>(config_.patches_per_request));
-  std::partial_sort(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(most), wanted.end());
-  for (std::size_t i = 0; i < most; ++i) patch->patch_requests.push_back(wanted[i].second);
+  // What moves soon looks different or is gone: it doesn't wait behind what stays.
+  for (Due* due : {&moving, &still}) {
+    const auto most = std::min(due->size(), static_cast<std::size_t>(config_.patches_per_request));
+    std::partial_sort(due->begin(), due->begin() + static_cast<std::ptrdiff_t>(most), due->end());
+    for (std::size_t i = 0; i < most; ++i) patch->patch_requests.push_back((*due)[i].second);
+  }
   std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
 }
 

@@ -14,7 +14,7 @@ struct PatchWriterConfig {
   double moved_px = 0.3;               // a point is sent again when it moved so far in this camera's image
   double covariance_ratio = 2.0;       // or its covariance changed by this factor
   int patch_period = 3;                // frame sets between requests for image patches: together they share a datagram
-  int patches_per_request = 16;        // at most
+  int patches_per_request = 16;        // of tracks that move and of others each, at most
   int patch_track_frames = 4;          // a track is asked for its patch when it is so old
   int patch_refresh_sets = 60;         // and again after so long while it has no point
   int moving_patch_refresh_sets = 10;  // or while it moves

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -117,7 +118,7 @@ void score_all(const PairView& view, const std::vector<Feature>& a, const std::v
       if (std::abs(line.dot(b[j].px.homogeneous())) > band_px * norm) continue;
       if (disparity && (b[j].px - a[i].px - *disparity).norm() > config.disparity_gate * radius_px) continue;
       ++*compared;
-      const double s = alike(*a[i].track->patch, *b[j].track->patch);
+      const double s = alike(a[i], b[j]);
       (*of_a)[i].offer(static_cast<int>(j), s);
       (*of_b)[j].offer(static_cast<int>(i), s);
     }
@@ -247,16 +248,29 @@ bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d
   return alike >= others;
 }
 
+// The patches of two tracks, as they look if the two are one place.
+std::optional<AlikePatches> alike_if_one(const PairView& view, const Feature& a, const Feature& b) {
+  const auto seen = [](const MapCamera& c, const Rigid3& pose, const Feature& f) {
+    return View{&c.model, pose, f.px + f.track->offset_px.cast<double>()};
+  };
+  const std::array<View, 2> views{seen(*view.first, view.first_pose, a), seen(*view.second, view.second_pose, b)};
+  const TriangulationResult place = triangulate(views, view.first->sigma_px, 0);
+  if (place.status != TriangulationStatus::kOk) return std::nullopt;
+  return made_alike({view.first, view.first_pose, &*a.track->patch}, {view.second, view.second_pose, &*b.track->patch},
+                    place.position);
+}
+
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
 bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                  const MapInterConfig& config) {
   MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
-  const auto shift_px = centre_in(*a.track->patch, *b.track->patch, kMostOffset_px);
-  if (!shift_px) return false;
+  const auto alike = alike_if_one(view, a, b);
+  const auto in_view_px = alike ? centre_in(alike->first, alike->second, kMostOffset_px) : std::nullopt;
+  if (!in_view_px) return false;
   // The free one of the two is brought to where the other one's point is.
   const bool free_b = q == nullptr;
   ServerTrack& free = free_b ? *b.track : *a.track;
-  const Eigen::Vector2f shift = shift_px->cast<float>();
+  const Eigen::Vector2f shift = (alike->second_by_view * *in_view_px).cast<float>();
   const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
   if (p == nullptr || q == nullptr) free.offset_px = offset_px;
   const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
@@ -332,9 +346,10 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
     const MapCamera &first = map.camera(edge.first), &second = map.camera(edge.second);
     const PairView view =
         make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);
-    report.created +=
-        best_pairs(view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config, zncc, &report,
-                   [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+    report.created += best_pairs(
+        view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config,
+        [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report,
+        [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
   }
   return report;
 }
@@ -351,8 +366,12 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     // Of two that become one point, at least one is seen to move.
     const auto moves = [](const Feature& f) { return f.track->moving; };
     if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
+    const auto as_one = [&](const Feature& a, const Feature& b) {
+      const auto alike = alike_if_one(view, a, b);
+      return alike ? zncc_of_middle(alike->first, alike->second) : -1;
+    };
     report.moving +=
-        best_pairs(view, first, second, band_px_of(map, view), config, zncc_of_middle, &report,
+        best_pairs(view, first, second, band_px_of(map, view), config, as_one, &report,
                    [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;

@@ -88,6 +88,10 @@ struct Look {
   Eigen::Vector3d ray;  // unit, camera to point
 };
 
+Look look_at(const MapCamera& camera, const Rigid3& pose, const Eigen::Vector3d& position) {
+  return {&camera, pose, (position - pose.center()).normalized()};
+}
+
 // Raw pixels by steps of a tangent plane of the point.
 Eigen::Matrix2d raw_by_plane(const Look& look, const Eigen::Vector3d& position,
                              const Eigen::Matrix<double, 3, 2>& tangents) {
@@ -114,34 +118,42 @@ Eigen::Matrix2d image_from_other(const Look& image, const Look& other, const Eig
 
 }  // namespace
 
+std::optional<AlikePatches> made_alike(const PatchSight& first, const PatchSight& second,
+                                       const Eigen::Vector3d& position) {
+  const Eigen::Matrix2d first_from_second =
+      image_from_other(look_at(*first.camera, first.cam_from_world, position),
+                       look_at(*second.camera, second.cam_from_world, position), position);
+  const double growth = first_from_second.determinant();
+  constexpr double kMostGrowth = 6.25;  // of the area
+  if (!(growth > 1 / kMostGrowth && growth < kMostGrowth)) return std::nullopt;
+  // The one that shows more detail is made like the other: it holds all that the other shows.
+  const Eigen::Matrix2d second_from_first = first_from_second.inverse();
+  if (growth > 1) {
+    return AlikePatches{warped(*first.patch, second_from_first), *second.patch, true, Eigen::Matrix2d::Identity()};
+  }
+  return AlikePatches{*first.patch, warped(*second.patch, first_from_second), false, second_from_first};
+}
+
 std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
                                   const Rigid3& cam_from_world, const PatchGrey& patch) {
-  const Look here{&camera, cam_from_world, (point.position - cam_from_world.center()).normalized()};
-  const PointPatch* nearest = nullptr;
-  Look there{};
+  const Eigen::Vector3d here = (point.position - cam_from_world.center()).normalized();
+  std::optional<PatchSight> nearest;
   double best_cosine = -2;
   for (const PointPatch& p : point.patches) {
     const MapCamera& c = map.camera(p.camera);
     const FramePose* f = c.frame_at(p.set);
     if (f == nullptr || f->map != point.map) continue;
-    const Eigen::Vector3d ray = (point.position - f->cam_from_world.center()).normalized();
-    const double cosine = ray.dot(here.ray);
+    const double cosine = here.dot((point.position - f->cam_from_world.center()).normalized());
     if (cosine <= best_cosine) continue;
     best_cosine = cosine;
-    nearest = &p;
-    there = {&c, f->cam_from_world, ray};
+    nearest = {&c, f->cam_from_world, &p.pixels};
   }
-  if (nearest == nullptr) return std::nullopt;
-  const Eigen::Matrix2d warp = image_from_other(here, there, point.position);
-  const double growth = warp.determinant();
-  constexpr double kMostGrowth = 6.25;  // of the area
-  if (!(growth > 1 / kMostGrowth && growth < kMostGrowth)) return PatchFit{};
-  // The one that shows more detail is made like the other: it holds all that the other shows.
-  const bool closer_here = growth > 1;
-  const PatchGrey& coarse = closer_here ? nearest->pixels : patch;
-  const PatchGrey& fine = closer_here ? patch : nearest->pixels;
-  const PatchGrey like = warped(fine, closer_here ? Eigen::Matrix2d(warp.inverse()) : warp);
-  return PatchFit{zncc(coarse, like), same_centre(coarse, like)};
+  if (!nearest) return std::nullopt;
+  const auto alike = made_alike({&camera, cam_from_world, &patch}, *nearest, point.position);
+  if (!alike) return PatchFit{};
+  const bool together =
+      alike->in_second ? same_centre(alike->second, alike->first) : same_centre(alike->first, alike->second);
+  return PatchFit{zncc(alike->first, alike->second), together};
 }
 
 }  // namespace coslam

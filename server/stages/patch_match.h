@@ -25,14 +25,32 @@ std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b,
 // image_from_other^-1 * d shows here at d. Repeats the border where the other ends.
 PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other);
 
+// What a camera at a pose sees of a place.
+struct PatchSight {
+  const MapCamera* camera;
+  Rigid3 cam_from_world;
+  const PatchGrey* patch;
+};
+
+// Two patches of one place as they look in the view of the camera that shows less of its detail. The place is taken to
+// lie on a plane that faces between the two views, so that the cameras may be turned about their axes and at different
+// distances.
+struct AlikePatches {
+  PatchGrey first, second;
+  bool in_second = false;          // the view
+  Eigen::Matrix2d second_by_view;  // pixels of the second image by pixels of the view
+};
+// Empty when their scales differ too much.
+std::optional<AlikePatches> made_alike(const PatchSight& first, const PatchSight& second,
+                                       const Eigen::Vector3d& position);
+
 struct PatchFit {
   double zncc = -1;
   bool same_centre = false;
 };
 
-// How a patch that a camera sees at this pose fits what a point looked like from the nearest direction so far. The
-// stored patch is taken to lie on a plane that faces between the two views, so that the cameras may be turned about
-// their axes and at different distances. Empty when the point has no patch.
+// How a patch that a camera sees at this pose fits what a point looked like from the nearest direction so far. Empty
+// when the point has no patch.
 std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
                                   const Rigid3& cam_from_world, const PatchGrey& patch);
 
