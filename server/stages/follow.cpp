@@ -226,9 +226,8 @@ Look look_of(const MapPoint& p, ServerTrack& t) {
   Look best{&t};
   for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
     const PointPatch& known = p.patches[i];
-    const auto shift_px = centre_in(known.pixels, *t.patch, kMostOffset_px);
-    const double score = shift_px ? zncc_of_middle(known.pixels, *t.patch) : -1;
-    if (score > best.zncc) best = {&t, score, known.offset_px + shift_px->cast<float>()};
+    const auto peak = peak_in(known.pixels, *t.patch);
+    if (peak && peak->zncc > best.zncc) best = {&t, peak->zncc, known.offset_px + peak->shift_px.cast<float>()};
   }
   return best;
 }
@@ -241,7 +240,7 @@ Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, 
   if (!window) return {};
   Look best;
   double second = -1;
-  const double radius_px = std::min(window->radius_px, most_px);
+  const double radius_px = std::min(window->radius_px + kMostShift_px, most_px);
   grid.near(window->px, radius_px, [&](ServerTrack* t) {
     if ((t->seen.back().undistorted_px.cast<double>() - window->px).norm() > radius_px) return;
     const Look look = look_of(p, *t);

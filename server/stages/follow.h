@@ -17,7 +17,6 @@ struct Seen {
 };
 
 inline constexpr double kMovingParallax_rad = 0.01;
-inline constexpr double kMostOffset_px = 1.7;  // between the corners that two cameras follow on one structure
 
 inline ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
 

@@ -265,12 +265,12 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
                  const MapInterConfig& config) {
   MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
   const auto alike = alike_if_one(view, a, b);
-  const auto in_view_px = alike ? centre_in(alike->first, alike->second, kMostOffset_px) : std::nullopt;
-  if (!in_view_px) return false;
+  const auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+  if (!peak) return false;
   // The free one of the two is brought to where the other one's point is.
   const bool free_b = q == nullptr;
   ServerTrack& free = free_b ? *b.track : *a.track;
-  const Eigen::Vector2f shift = (alike->second_by_view * *in_view_px).cast<float>();
+  const Eigen::Vector2f shift = (alike->second_by_view * peak->shift_px).cast<float>();
   const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
   if (p == nullptr || q == nullptr) free.offset_px = offset_px;
   const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
@@ -368,10 +368,11 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
     const auto as_one = [&](const Feature& a, const Feature& b) {
       const auto alike = alike_if_one(view, a, b);
-      return alike ? zncc_of_middle(alike->first, alike->second) : -1;
+      const auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+      return peak ? peak->zncc : -1;
     };
     report.moving +=
-        best_pairs(view, first, second, band_px_of(map, view), config, as_one, &report,
+        best_pairs(view, first, second, band_px_of(map, view) + kMostShift_px, config, as_one, &report,
                    [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;

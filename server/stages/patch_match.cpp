@@ -36,26 +36,48 @@ double correlation(const PatchGrey& a, const PatchGrey& b, int margin, int dx, i
 }  // namespace
 
 double zncc(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 0, 0, 0); }
-double zncc_of_middle(const PatchGrey& a, const PatchGrey& b) { return correlation(a, b, 2, 0, 0); }
 
-std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b, double most_px) {
-  constexpr double kImageByPatch = 1 / 0.3;
-  const double here = correlation(a, b, 1, 0, 0);
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  for (int axis = 0; axis < 2; ++axis) {
-    // Parabola through three values along each axis.
-    const int dx = axis == 0 ? 1 : 0, dy = 1 - dx;
-    const double up = correlation(a, b, 1, dx, dy), down = correlation(a, b, 1, -dx, -dy);
-    const double bend = 2 * here - up - down;
-    if (bend <= 0) return std::nullopt;
-    shift[axis] = kImageByPatch * (up - down) / (2 * bend);
-  }
-  return shift.norm() <= most_px ? std::optional(shift) : std::nullopt;
+namespace {
+
+constexpr double kImageByPatch = 1 / 0.3;
+
+// Peak of the parabola through three values at -1, 0 and 1; empty where they have none.
+std::optional<double> peak_of(double before, double here, double after) {
+  const double bend = 2 * here - after - before;
+  return bend > 0 ? std::optional((after - before) / (2 * bend)) : std::nullopt;
 }
+
+}  // namespace
 
 bool same_centre(const PatchGrey& a, const PatchGrey& b) {
   constexpr double kMost_px = 1.33;
-  return centre_in(a, b, kMost_px).has_value();
+  const double here = correlation(a, b, 1, 0, 0);
+  const auto dx = peak_of(correlation(a, b, 1, -1, 0), here, correlation(a, b, 1, 1, 0));
+  const auto dy = peak_of(correlation(a, b, 1, 0, -1), here, correlation(a, b, 1, 0, 1));
+  return dx && dy && kImageByPatch * Eigen::Vector2d(*dx, *dy).norm() <= kMost_px;
+}
+
+std::optional<PatchPeak> peak_in(const PatchGrey& a, const PatchGrey& b) {
+  constexpr int kMargin = 2;  // one for the search, one for the parabola
+  constexpr double kWorthLooking = 0.2;
+  if (correlation(a, b, kMargin, 0, 0) < kWorthLooking) return std::nullopt;
+  PatchPeak best;
+  int x = 0, y = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const double value = correlation(a, b, kMargin, dx, dy);
+      if (value <= best.zncc) continue;
+      best.zncc = value;
+      x = dx;
+      y = dy;
+    }
+  }
+  const auto across = peak_of(correlation(a, b, kMargin, x - 1, y), best.zncc, correlation(a, b, kMargin, x + 1, y));
+  const auto down = peak_of(correlation(a, b, kMargin, x, y - 1), best.zncc, correlation(a, b, kMargin, x, y + 1));
+  constexpr double kBetweenPixels = 0.6;  // farther off, the peak lies outside what was searched
+  if (!across || !down || std::abs(*across) > kBetweenPixels || std::abs(*down) > kBetweenPixels) return std::nullopt;
+  best.shift_px = kImageByPatch * Eigen::Vector2d(x + *across, y + *down);
+  return best.shift_px.norm() <= kMostShift_px ? std::optional(best) : std::nullopt;
 }
 
 PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other) {

@@ -11,15 +11,20 @@ namespace coslam {
 
 // Zero-mean normalised cross correlation of two patches, -1 to 1; 0 for a flat patch.
 double zncc(const PatchGrey& a, const PatchGrey& b);
-// The same of their middle alone, 7 x 7: around the middle of a patch on something thin that moves is what lies behind.
-double zncc_of_middle(const PatchGrey& a, const PatchGrey& b);
 
 // Whether the two are centred on the same thing: the peak of their correlation lies within a pixel or so of the image
 // (0.4 of the patch's, which are 3.3 times as large). Corners that two cameras found on one structure often do not.
 bool same_centre(const PatchGrey& a, const PatchGrey& b);
 
-// Where in `b` the centre of `a` is found, from b's centre, pixels of the image; at most `most_px` away.
-std::optional<Eigen::Vector2d> centre_in(const PatchGrey& a, const PatchGrey& b, double most_px);
+// Where in `b` the middle of `a` is found when looked for around b's: the corners that two cameras follow on one
+// structure are often some pixels apart. Of the middle alone, since around something thin that moves is what lies
+// behind.
+inline constexpr double kMostShift_px = 5;
+struct PatchPeak {
+  double zncc = -1;                                    // of the middle, 7 x 7
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  // from b's centre, pixels of the image
+};
+std::optional<PatchPeak> peak_in(const PatchGrey& a, const PatchGrey& b);  // empty where there is none
 
 // A patch as it would look with its content moved by image_from_other (2 x 2): what the other patch shows at
 // image_from_other^-1 * d shows here at d. Repeats the border where the other ends.
