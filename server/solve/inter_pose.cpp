@@ -49,36 +49,40 @@ struct System {
 };
 
 struct Sigmas {
-  std::vector<double> still_px;  // by camera
-  double moving_px = 0;
+  std::vector<double> still_px, moving_px;  // by camera
 };
 
 bool alike(const Sigmas& a, const Sigmas& b) {
   const auto near = [](double x, double y) { return std::abs(x - y) < 0.01 * y; };
-  return near(a.moving_px, b.moving_px) && std::equal(a.still_px.begin(), a.still_px.end(), b.still_px.begin(), near);
+  return std::equal(a.moving_px.begin(), a.moving_px.end(), b.moving_px.begin(), near) &&
+         std::equal(a.still_px.begin(), a.still_px.end(), b.still_px.begin(), near);
 }
 
 // Scale of each camera's residuals, not below its sigma: the start may be far off, and the loss follows the residuals
 // down. Those of moving points have a scale of their own: their tracks drift, and cameras follow neighbouring corners.
+// By camera, too: one whose few static points put it far off has all its moving points far off, and needs them.
 Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
-  std::vector<double> moving;
+  const std::size_t cameras = problem.cameras.size();
+  std::vector<std::vector<double>> still(cameras), moving(cameras);
   const auto add = [&](std::size_t c, const Eigen::Vector3d& point, const Eigen::Vector2d& px,
                        std::vector<double>* to) {
     const Eigen::Vector3d x = state.poses[c] * point;
     if (x.z() > 1e-6) to->push_back((px - problem.cameras[c].model->project(x)).norm());
   };
-  Sigmas sigmas;
-  for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
-    std::vector<double> still;
-    for (const PointObservation& o : problem.cameras[c].statics) add(c, o.point_in_world, o.undistorted_px, &still);
-    sigmas.still_px.push_back(std::max(problem.cameras[c].sigma_px, robust_sigma_2d(still)));
+  for (std::size_t c = 0; c < cameras; ++c) {
+    for (const PointObservation& o : problem.cameras[c].statics) add(c, o.point_in_world, o.undistorted_px, &still[c]);
   }
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {
-      add(static_cast<std::size_t>(camera), state.points[m], px, &moving);
+      const auto c = static_cast<std::size_t>(camera);
+      add(c, state.points[m], px, &moving[c]);
     }
   }
-  sigmas.moving_px = std::max(problem.moving_sigma_px, robust_sigma_2d(moving));
+  Sigmas sigmas;
+  for (std::size_t c = 0; c < cameras; ++c) {
+    sigmas.still_px.push_back(std::max(problem.cameras[c].sigma_px, robust_sigma_2d(still[c])));
+    sigmas.moving_px.push_back(std::max(problem.moving_sigma_px, robust_sigma_2d(moving[c])));
+  }
   return sigmas;
 }
 
@@ -115,7 +119,7 @@ System build(const InterPoseProblem& problem, const State& state, const Sigmas& 
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {
       const auto c = static_cast<std::size_t>(camera);
-      const double sigma_px = sigmas.moving_px;
+      const double sigma_px = sigmas.moving_px[c];
       if (!project(*problem.cameras[c].model, state.poses[c], rotations[c], state.points[m], px, &p)) {
         s.cost += tukey_rho(2 * kTukey, kTukey);
         continue;

@@ -118,22 +118,5 @@ TEST(FollowMoving, APointThatNobodySeesIsForgottenInTheEnd) {
   EXPECT_EQ(world.map().find(id), nullptr);
 }
 
-TEST(CentreIn, TellsHowFarOffTheCentreIs) {
-  const auto blob = [](double dx) {
-    PatchGrey out;
-    for (int i = 0; i < kPatchBytes; ++i) {
-      const double x = i % kPatchSide - 5 - dx, y = i / kPatchSide - 5;
-      out[static_cast<std::size_t>(i)] =
-          static_cast<std::uint8_t>(std::lround(40 + 180 * std::exp(-(x * x + y * y) / 6)));
-    }
-    return quantised_patch(out);
-  };
-  const auto shift_px = centre_in(blob(0), blob(0.6), 3);
-  ASSERT_TRUE(shift_px);
-  EXPECT_NEAR(shift_px->x(), 2.0, 0.5);  // 0.6 pixels of a patch, which is scaled to 30 %
-  EXPECT_NEAR(shift_px->y(), 0.0, 0.2);
-  EXPECT_FALSE(centre_in(blob(0), blob(0.6), 1));
-}
-
 }  // namespace
 }  // namespace coslam

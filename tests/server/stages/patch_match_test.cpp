@@ -87,6 +87,26 @@ TEST(SameCentre, WithoutAPeakNothingIsKnown) {
   EXPECT_FALSE(same_centre(edge, edge));
 }
 
+TEST(PeakIn, TellsWhereTheMiddleIs) {
+  for (const auto& [dx, dy] : {std::pair(0.0, 0.0), std::pair(0.6, 0.0), std::pair(1.0, -0.3), std::pair(-0.9, 0.9)}) {
+    const auto peak = peak_in(blob(0, 0), blob(dx, dy));
+    ASSERT_TRUE(peak) << dx << " " << dy;
+    EXPECT_GT(peak->zncc, 0.9);
+    // Pixels of a patch, which is scaled to 30 %.
+    EXPECT_NEAR(peak->shift_px.x(), dx / 0.3, 0.5) << dx << " " << dy;
+    EXPECT_NEAR(peak->shift_px.y(), dy / 0.3, 0.5) << dx << " " << dy;
+  }
+}
+
+TEST(PeakIn, NotFarOffAndNotWithoutAPeak) {
+  EXPECT_FALSE(peak_in(blob(0, 0), blob(2.5, 0)));
+  PatchGrey flat{}, edge{};
+  flat.fill(100);
+  for (int i = 0; i < kPatchBytes; ++i) edge[static_cast<std::size_t>(i)] = i % kPatchSide < 5 ? 40 : 200;
+  EXPECT_FALSE(peak_in(flat, flat));
+  EXPECT_FALSE(peak_in(edge, edge));
+}
+
 TEST(Warped, MovesTheContent) {
   const Eigen::Matrix2d larger = 1.5 * Eigen::Matrix2d::Identity(), turned = Eigen::Rotation2Dd(0.5).toRotationMatrix();
   EXPECT_EQ(warped(blob(1, 0), Eigen::Matrix2d::Identity()), blob(1, 0));
@@ -157,6 +177,24 @@ TEST_F(FitPatchTest, FromNearerAndFarther) {
     ASSERT_TRUE(fits);
     EXPECT_GT(fits->zncc, 0.9) << scale;
     EXPECT_TRUE(fits->same_centre) << scale;
+  }
+}
+
+TEST_F(FitPatchTest, ShiftsAreToldInTheSecondImage) {
+  const double turn = 0.6;
+  const MapCamera& camera = map_.cameras().front();
+  const Rigid3 rolled{Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ())), Eigen::Vector3d::Zero()};
+  const PatchGrey seen = sign(0, 1), turned = sign(turn, 1);
+  for (const bool swapped : {false, true}) {
+    const PatchSight straight{&camera, test::looking({0, 0, 0}), &seen}, other{&camera, rolled, &turned};
+    const auto alike =
+        swapped ? made_alike(other, straight, point_.position) : made_alike(straight, other, point_.position);
+    ASSERT_TRUE(alike);
+    EXPECT_GT(zncc(alike->first, alike->second), 0.9);
+    const double sense = swapped ? -turn : turn;
+    const Eigen::Matrix2d second_by_view =
+        alike->in_second ? Eigen::Matrix2d::Identity() : Eigen::Rotation2Dd(sense).toRotationMatrix();
+    EXPECT_TRUE(alike->second_by_view.isApprox(second_by_view, 0.02)) << alike->second_by_view;
   }
 }
 
