@@ -57,6 +57,10 @@ class Scene {
   virtual Eigen::Vector3d velocity_m_s(const SurfaceSpot& /*spot*/, double /*t_s*/) const {
     return Eigen::Vector3d::Zero();
   }
+  // Of the whole body that an object is a part of: the mean over its surface. World.
+  virtual Eigen::Vector3d body_velocity_m_s(std::uint32_t /*object*/, double /*t_s*/) const {
+    return Eigen::Vector3d::Zero();
+  }
   double speed_m_s(const SurfaceSpot& spot, double t_s) const { return velocity_m_s(spot, t_s).norm(); }
   bool moving(const SurfaceSpot& spot, double t_s) const { return speed_m_s(spot, t_s) > kMovingSpeed_m_s; }
 };

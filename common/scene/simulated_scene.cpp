@@ -119,9 +119,13 @@ bool SimulatedScene::can_move(std::uint32_t object) const { return object >= kFi
 
 std::string SimulatedScene::body(std::uint32_t object) const {
   if (!can_move(object)) return {};
+  const int i = body_of(object);
+  return description_.bodies[static_cast<std::size_t>(i)].kind + " " + std::to_string(i + 1);
+}
+
+int SimulatedScene::body_of(std::uint32_t object) const {
   const auto after = std::upper_bound(first_part_.begin(), first_part_.end(), part_of(object));
-  const auto number = static_cast<std::size_t>(after - first_part_.begin());
-  return description_.bodies[number - 1].kind + " " + std::to_string(number);
+  return static_cast<int>(after - first_part_.begin()) - 1;
 }
 
 std::size_t SimulatedScene::part_of(std::uint32_t object) const {
@@ -142,6 +146,26 @@ Eigen::Vector3d SimulatedScene::position(const SurfaceSpot& spot, double t_s) co
 Eigen::Vector3d SimulatedScene::velocity_m_s(const SurfaceSpot& spot, double t_s) const {
   if (!can_move(spot.object)) return Eigen::Vector3d::Zero();
   return posed(t_s)->velocity(part_of(spot.object), spot.in_object);
+}
+
+Eigen::Vector3d SimulatedScene::body_velocity_m_s(std::uint32_t object, double t_s) const {
+  if (!can_move(object)) return Eigen::Vector3d::Zero();
+  const auto now = posed(t_s);
+  const int of = body_of(object);
+  Eigen::Vector3d sum_m_s = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (std::size_t part = first_part(of); part < first_part(of + 1); ++part) {
+    const Mesh& mesh = parts_[part];
+    const auto corner = [&](std::uint32_t i) { return Eigen::Vector3d(mesh.vertices[i].point.cast<double>()); };
+    for (const MeshTriangle& triangle : mesh.triangles) {
+      const Eigen::Vector3d a = corner(triangle.corners[0]), b = corner(triangle.corners[1]),
+                            c = corner(triangle.corners[2]);
+      const double share = (b - a).cross(c - a).norm();
+      sum_m_s += share * now->velocity(part, (a + b + c) / 3);
+      area += share;
+    }
+  }
+  return sum_m_s / area;
 }
 
 std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, std::uint64_t seed,

@@ -81,6 +81,7 @@ class SimulatedScene : public Scene {
   SurfaceSpot spot(const RayHit& hit, double t_s) const override;
   Eigen::Vector3d position(const SurfaceSpot& spot, double t_s) const override;
   Eigen::Vector3d velocity_m_s(const SurfaceSpot& spot, double t_s) const override;
+  Eigen::Vector3d body_velocity_m_s(std::uint32_t object, double t_s) const override;
 
   double time_s(int frame) const { return frame / description_.rate_hz; }
   const SceneCamera& at(int camera) const;
@@ -97,6 +98,7 @@ class SimulatedScene : public Scene {
  private:
   std::vector<Rigid3> world_from_parts(double t_s) const;
   std::size_t part_of(std::uint32_t object) const;
+  int body_of(std::uint32_t object) const;
 
   SceneDescription description_;
   std::vector<Mesh> parts_;

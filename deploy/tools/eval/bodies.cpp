@@ -52,7 +52,7 @@ void BodyTracks::add(const std::string& agent, const ResultTrackRow& row, const 
   if (seen.body.empty() || seen.velocity_m_s.norm() <= kMovingSpeed_m_s) return;
   Instant& instant = bodies_[seen.body][row.t_ns];
   ++instant.tracks[agent];
-  instant.velocity_sum_m_s += seen.velocity_m_s;
+  instant.velocity_m_s = seen.body_velocity_m_s;
 }
 
 std::unordered_map<PointId, std::string> BodyTracks::bodies_of_points() const {
@@ -105,11 +105,9 @@ std::map<std::string, BodyScore> BodyTracks::scores(const std::unordered_map<Poi
       }
       if (on_body.size() != 1) continue;
       ++score.objects_found;
-      int tracks = 0;
-      for (const auto& [agent, count] : instant.tracks) tracks += count;
       const Eigen::Vector3d velocity_m_s =
           truth_from_map.scale * (truth_from_map.rotation * on_body[0]->velocity_per_s);
-      score.velocity_errors_m_s.push_back((velocity_m_s - instant.velocity_sum_m_s / tracks).norm());
+      score.velocity_errors_m_s.push_back((velocity_m_s - instant.velocity_m_s).norm());
     }
   }
   return out;

@@ -44,8 +44,8 @@ class BodyTracks {
 
  private:
   struct Instant {
-    std::map<std::string, int> tracks;  // of the agents, on what moves
-    Eigen::Vector3d velocity_sum_m_s = Eigen::Vector3d::Zero();
+    std::map<std::string, int> tracks;                       // of the agents, on what moves
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  // of the body
   };
   std::unordered_map<PointId, std::string> bodies_of_points() const;
 

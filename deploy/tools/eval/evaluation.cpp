@@ -40,7 +40,7 @@ SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::v
     const auto hit = scene.cast(cam_from_world->center(), direction, t_s);
     if (!hit) return std::nullopt;
     return SurfacePoint{hit->point, hit->distance_m, scene.body(hit->object),
-                        scene.velocity_m_s(scene.spot(*hit, t_s), t_s)};
+                        scene.velocity_m_s(scene.spot(*hit, t_s), t_s), scene.body_velocity_m_s(hit->object, t_s)};
   };
 }
 

@@ -23,6 +23,7 @@ struct SurfacePoint {
   double distance_m = 0;     // from the camera
   std::string body;          // that it is on; empty: a thing that cannot move
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d body_velocity_m_s = Eigen::Vector3d::Zero();  // mean over the body
 };
 // What the agent's pixel shows at a time; empty where that is not known.
 using SurfaceAt =

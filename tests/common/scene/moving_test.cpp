@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <map>
 #include <set>
 
 #include "common/scene/marked_spots.h"
@@ -80,6 +81,21 @@ TEST_P(MovingScene, VelocityIsTheChangeOfThePosition) {
   for (const SurfaceSpot& spot : marked_spots(*scene_, 40, 1)) {
     const Eigen::Vector3d moved = scene_->position(spot, kNowS + kStepS) - scene_->position(spot, kNowS - kStepS);
     EXPECT_NEAR((scene_->velocity_m_s(spot, kNowS) - moved / (2 * kStepS)).norm(), 0, 5e-3);
+  }
+}
+
+TEST_P(MovingScene, TheVelocityOfABodyIsThatOfItsSurface) {
+  constexpr double kNowS = 3.3;
+  std::map<std::string, std::pair<Eigen::Vector3d, int>> sums;  // by body
+  const auto spots = marked_spots(*scene_, 3000, 1);
+  for (const SurfaceSpot& spot : spots) {
+    auto& [sum_m_s, count] = sums.try_emplace(scene_->body(spot.object), Eigen::Vector3d::Zero(), 0).first->second;
+    sum_m_s += scene_->velocity_m_s(spot, kNowS);
+    ++count;
+  }
+  for (const SurfaceSpot& spot : spots) {
+    const auto& [sum_m_s, count] = sums.at(scene_->body(spot.object));
+    ASSERT_NEAR((scene_->body_velocity_m_s(spot.object, kNowS) - sum_m_s / count).norm(), 0, 0.1);
   }
 }
 

@@ -19,7 +19,7 @@ class Bodies : public ::testing::Test {
       row.t_ns = at(instant);
       row.point = PointId(first + i);
       const Eigen::Vector3d velocity_m_s(man ? speed_m_s : 0, 0, 0);
-      tracks_.add(agent, row, {Eigen::Vector3d::Zero(), 3, man ? "person 1" : "", velocity_m_s});
+      tracks_.add(agent, row, {Eigen::Vector3d::Zero(), 3, man ? "person 1" : "", velocity_m_s, velocity_m_s});
     }
   }
   void see_man(int instant, int tracks0, int tracks1, double speed_m_s = 1) {
