@@ -32,15 +32,35 @@ Agent::Agent(std::string name, RunId run, const CameraModel& camera, const Agent
       pixel_scale_(pixel_scale(camera)),
       tracker_(config.tracker),
       pose_(camera, config.pose),
-      map_(run) {}
+      map_(run) {
+  if (config.tags.family != kNoTags) tag_finder_.emplace(camera, config.tags.family);
+}
 
 void Agent::track(const Image& image) {
-  const auto timer = times_.measure("track");
-  image_ = image;
-  tracker_.step(image.grey);
-  // Features that an answer to a descriptor request added had time to start the map; the link is made for max_tracks.
-  if (++since_described_ > kShedAfterFrames) tracker_.thin(kShedPerFrame);
-  observe(tracker_.live());
+  {
+    const auto timer = times_.measure("track");
+    image_ = image;
+    tracker_.step(image.grey);
+    // Features that an answer to a descriptor request added had time to start the map; the link is made for max_tracks.
+    if (++since_described_ > kShedAfterFrames) tracker_.thin(kShedPerFrame);
+    observe(tracker_.live());
+  }
+  look_for_tags();
+}
+
+void Agent::look_for_tags() {
+  tags_.clear();
+  if (!tag_finder_) return;
+  if (tags_sought_ns_ && image_.capture_ns < *tags_sought_ns_ + to_ns(config_.tags.period_s)) return;
+  const auto timer = times_.measure("tags");
+  tags_sought_ns_ = image_.capture_ns;
+  for (const FoundTag& found : tag_finder_->find(image_.grey)) {
+    if (tags_.size() == kMaxTags) break;
+    TagObservation& o = tags_.emplace_back();
+    o.tag = found.tag;
+    std::ranges::transform(found.undistorted_px, o.undistorted_px.begin(),
+                           [this](const Eigen::Vector2d& px) { return quantised_px(px, pixel_scale_); });
+  }
 }
 
 void Agent::observe(const std::vector<Track>& tracks) {
@@ -141,6 +161,7 @@ TrackFrame Agent::make_frame() const {
   f.applied_patch = map_.applied_sequence();
   f.wants_snapshot = map_.wants_snapshot();
   f.tracks = observations_;
+  f.tags = tags_;
   return f;
 }
 

@@ -11,6 +11,7 @@
 #include "agent/capture/source.h"
 #include "agent/correct/local_map.h"
 #include "agent/pose/pose_tracker.h"
+#include "agent/track/tags.h"
 #include "agent/track/tracker.h"
 #include "common/base/metrics.h"
 #include "common/model/map_patch.h"
@@ -23,6 +24,7 @@ struct AgentConfig {
   PoseTrackerConfig pose;
   int descriptor_features = 400;  // most, in an answer to a request for descriptors everywhere
   int place_features = 160;       // the same at tracks
+  TagConfig tags;
 };
 
 // What an agent sends for one image.
@@ -50,6 +52,7 @@ class Agent {
  private:
   void take(const MapPatch& patch);
   void observe(const std::vector<Track>& tracks);
+  void look_for_tags();
   std::optional<DescriptorReply> describe_image();
   std::optional<PatchReply> cut_patches();
   TrackFrame make_frame() const;
@@ -60,12 +63,15 @@ class Agent {
   AgentConfig config_;
   double pixel_scale_;
   Tracker tracker_;
+  std::optional<TagFinder> tag_finder_;
   PoseTracker pose_;
   LocalMap map_;
 
   Image image_;
   std::vector<Track> tracks_;  // with an undistorted place, as observations_
   std::vector<TrackObservation> observations_;
+  std::vector<TagObservation> tags_;
+  std::optional<TimeNs> tags_sought_ns_;
   std::set<TrackId> patch_requests_;
   // The first image introduces the agent.
   DescriptorRequest descriptors_wanted_ = DescriptorRequest::kEverywhere;

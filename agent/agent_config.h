@@ -26,9 +26,16 @@ void describe(V& v, PoseTrackerConfig& c) {
 }
 
 template <class V>
+void describe(V& v, TagConfig& c) {
+  v.field("family", c.family, tag_families(), "of the printed tags to look for; none: not looked for");
+  v.field("period_s", c.period_s, {0, 100}, "between images that are searched for them");
+}
+
+template <class V>
 void describe(V& v, AgentConfig& c) {
   v.section("tracker", c.tracker);
   v.section("pose", c.pose);
+  v.section("tags", c.tags);
   v.field("descriptor_features", c.descriptor_features, {50, 5000}, "most in an answer to a descriptor request");
   v.field("place_features", c.place_features, {10, 4000}, "at most, when only those at tracks are to be described");
 }

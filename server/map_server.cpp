@@ -16,7 +16,8 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
       grouping_(config.group),
       clocks_(config.clock),
       objects_(config.objects),
-      moving_writer_(run) {
+      moving_writer_(run),
+      tag_scale_(config.tags) {
   config_.verify.leave_moved = config_.classify.enabled;
 }
 
@@ -128,13 +129,13 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const auto t = times_.measure("cull");
     count("culled", cull(map_, set, config_.cull).removed);
   }
-  set_scale();
+  set_scale(set, met.merged > 0);
   {
     const auto t = times_.measure("objects");
-    const ObjectsReport r = objects_.step(map_, set, scaled_map_);
+    const ObjectsReport r = objects_.step(map_, set, in_metres_);
     count("objects_started", r.started);
     count("object_sets", r.objects);
-    moving_ = moving_writer_.write(map_, objects_.objects(), scaled_map_);
+    moving_ = moving_writer_.write(map_, objects_.objects(), in_metres_);
   }
   {
     const auto t = times_.measure("key_frame");
@@ -163,7 +164,7 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetRe
     patches.push_back(
         writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame,
                                      request == met.requests.end() ? DescriptorRequest::kNone : request->second));
-    patches.back().scale_known = scaled_map_ != MapId() && map_.camera(cf.camera).map == scaled_map_;
+    patches.back().scale_known = in_metres_.contains(map_.camera(cf.camera).map);
     for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
       const auto& members = graph_.groups[g];
       if (std::find(members.begin(), members.end(), cf.camera) != members.end()) {
@@ -232,10 +233,24 @@ void MapServer::apply_refined() {
   in_flight_ = false;
 }
 
+void MapServer::set_scale(const FrameSet& set, bool merged) {
+  if (config_.baseline_m > 0) return set_scale_by_baseline();
+  if (config_.tags.side_m <= 0) return;
+  const auto t = times_.measure("tag_scale");
+  take(tag_scale_.step(map_, set, merged));
+}
+
+void MapServer::take(const TagScaleReport& r) {
+  in_metres_ = tag_scale_.in_metres();
+  count("tags_measured", r.measured);
+  count("scaled_by_tags", r.scaled);
+  warnings_.insert(warnings_.end(), r.doubts.begin(), r.doubts.end());
+}
+
 // The first instant at which the first two cameras have a pose in the same map tells its scale; again when that map
 // became part of another, whose scale is its own.
-void MapServer::set_scale() {
-  if (config_.baseline_m <= 0 || map_.cameras().size() < 2) return;
+void MapServer::set_scale_by_baseline() {
+  if (map_.cameras().size() < 2) return;
   const MapCamera &a = map_.cameras()[0], &b = map_.cameras()[1];
   if (scaled_map_ != MapId() && a.frame_at(scaled_at_)->map == scaled_map_) return;
   for (const FramePose& fa : a.frames) {
@@ -244,6 +259,7 @@ void MapServer::set_scale() {
     const double length = (fa.cam_from_world.center() - fb->cam_from_world.center()).norm();
     if (length <= 0) return;
     scaled_map_ = fa.map;
+    in_metres_ = {fa.map};
     scaled_at_ = fa.set;
     map_.transform(fa.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
     return;
@@ -265,8 +281,13 @@ void MapServer::finish() {
       if (MapPoint* p = map_.find(job->points[i])) p->covariance += share[i];
     }
   }
-  scaled_map_ = MapId();  // the poses that tell the scale are known better now
-  set_scale();
+  // The poses that tell the scale are known better now.
+  if (config_.baseline_m > 0) {
+    scaled_map_ = MapId();
+    set_scale_by_baseline();
+  } else {
+    take(tag_scale_.finish(map_));
+  }
 }
 
 }  // namespace coslam

@@ -4,6 +4,9 @@
 
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/metrics.h"
@@ -28,6 +31,7 @@
 #include "server/stages/refine.h"
 #include "server/stages/register.h"
 #include "server/stages/start.h"
+#include "server/stages/tag_scale.h"
 #include "server/stages/verify.h"
 
 namespace coslam {
@@ -51,7 +55,8 @@ struct MapServerConfig {
   KeyFrameConfig key_frame;
   RefineConfig refine;
   PatchWriterConfig patches;
-  double baseline_m = 0;  // known distance of the first two cameras at the start; 0 = unknown
+  TagScaleConfig tags;
+  double baseline_m = 0;  // known distance of the first two cameras at the start; 0 = unknown, tags may tell the scale
 };
 
 struct MapServerCounts {
@@ -96,14 +101,20 @@ class MapServer {
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;
   // Whether the lengths of that map are metres.
-  bool scale_known() const { return scaled_map_ != MapId() && scaled_map_ == largest_map(); }
+  bool scale_known() const { return in_metres_.contains(largest_map()); }
+  // Printed tags in that map, as last measured.
+  std::vector<MeasuredTag> tags() const { return tag_scale_.tags(largest_map()); }
+  // What the user should know of, each once: sentences since the last call.
+  std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
   RunId run() const { return run_; }
 
  private:
   InterPoseReport run_inter_pose(const FrameSet& set);
   void apply_refined();
   void plan_refinement(bool key_frame);
-  void set_scale();
+  void set_scale(const FrameSet& set, bool merged);
+  void set_scale_by_baseline();
+  void take(const TagScaleReport& report);
   std::vector<MapPatch> write_patches(const FrameSet& set, const MeetReport& met);
   void count(const char* event, long n) { counts_.events[event] += n; }
 
@@ -122,8 +133,11 @@ class MapServer {
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
   MapId refine_whole_;  // became one of two or was drawn together: adjust all of it; 0 = none
-  MapId scaled_map_;    // the one in metres; 0 = none
+  MapId scaled_map_;    // the one that the baseline gave its scale; 0 = none
   SetId scaled_at_;     // the instant of the known baseline
+  TagScale tag_scale_;
+  std::set<MapId> in_metres_;
+  std::vector<std::string> warnings_;
   MapServerCounts counts_;
   StageTimes times_;
 };

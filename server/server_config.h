@@ -185,6 +185,12 @@ void describe(V& v, PatchWriterConfig& c) {
 }
 
 template <class V>
+void describe(V& v, TagScaleConfig& c) {
+  v.field("max_sigma", c.max_sigma, {0.0001, 1}, "of a scale from printed tags, relative; less certain ones wait");
+  v.field("period_sets", c.period, {1, 1000}, "between measurements of the tags");
+}
+
+template <class V>
 void describe(V& v, SyncConfig& c) {
   v.field("tolerance_frames", c.tolerance_frames, {0, 1}, "frames this close (of the period) belong to one instant");
   v.field("deadline_s", c.deadline_s, {0, 10}, "live: how long a frame set waits for the last agent");
@@ -198,8 +204,11 @@ void describe(V& v, ServerConfig& c) {
   v.field("active_frames", c.map.map.active_frames, {1, 100000},
           "N_rec: points seen in so many last sets take part in registration");
   v.field("baseline_m", c.map.baseline_m, {0, 1000},
-          "known distance of the first two cameras at the start; 0 = unknown");
+          "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
+  v.field("tag_m", c.map.tags.side_m, {0, 1000},
+          "side of the black square of every printed tag; 0 = unknown; agents look for them, see agent.tags");
   v.section("sync", c.sync);
+  v.section("tags", c.map.tags);
   v.section("start", c.map.start);
   v.section("meet", c.map.meet);
   v.section("localise", c.map.localise);

@@ -203,6 +203,7 @@ void ServerLoop::run_set(const FrameSet& set) {
   exchange_refinement(set.id);
   for (const MapPatch& patch : server_.step(set)) link_.send(patch);
   for (const MovingState& state : server_.moving()) link_.send(state);
+  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_->start(std::move(*job), set.id);
   if (store_) store_->record(set, server_);
 }
@@ -232,6 +233,7 @@ void ServerLoop::send_status() {
 void ServerLoop::finish(const nlohmann::ordered_json& effective) {
   if (auto solved = refiner_->take(true)) server_.give_refined(std::move(solved->first), std::move(solved->second));
   server_.finish();
+  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   make_report(effective);
   if (store_) store_->finish(server_, report_);
   stopping_ = true;

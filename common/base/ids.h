@@ -29,6 +29,7 @@ using MapId = Id<struct MapTag, std::uint32_t>;       // a connected map with a 
 using FrameId = Id<struct FrameTag, std::uint32_t>;   // image counter of one agent run, from 0
 using SetId = Id<struct SetTag, std::uint32_t>;       // frame set counter of one server run, from 0
 using MapEpoch = Id<struct EpochTag, std::uint32_t>;  // raised whenever the map moves under the agents
+using TagId = Id<struct PrintedTag, std::uint16_t>;   // number of a printed tag within its family
 using RunId = Id<struct RunTag, std::uint64_t>;       // drawn at random at process start; 0 = none
 
 }  // namespace coslam

@@ -101,8 +101,16 @@ Sequence load_sequence(const fs::path& path) {
   sequence.name = name ? name->text() : fs::absolute(sequence.file).stem().string();
   if (const auto rate = root.find("rate_hz")) sequence.rate_hz = rate->number(0.01, 1000);
   if (const auto scale = root.find("scale")) {
-    scale->allow_only({"baseline_m"});
-    sequence.baseline_m = scale->at("baseline_m").number(1e-6, 1e6);
+    scale->allow_only({"baseline_m", "tag_m", "tag_family"});
+    const auto tag = scale->find("tag_m");
+    if (tag && scale->find("baseline_m")) tag->fail("give baseline_m or tag_m, not both");
+    if (tag) {
+      sequence.tag_m = tag->number(1e-6, 1e3);
+      if (const auto family = scale->find("tag_family")) sequence.tag_family = family->text();
+    } else {
+      scale->allow_only({"baseline_m"});
+      sequence.baseline_m = scale->at("baseline_m").number(1e-6, 1e6);
+    }
   }
   sequence.agents = read_agents(root.at("agents"));
   sequence.truth_points = optional_path(root, "truth_points");

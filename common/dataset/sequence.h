@@ -28,6 +28,8 @@ struct Sequence {
   std::filesystem::path file;  // the YAML file it came from
   double rate_hz = 30;
   std::optional<double> baseline_m;  // known distance of the first two cameras at the start
+  std::optional<double> tag_m;       // or else the side of every printed tag
+  std::string tag_family = "DICT_APRILTAG_36h11";
   std::vector<SequenceAgent> agents;
   std::optional<std::filesystem::path> truth_points;  // t_s,id,x,y,z
   std::optional<std::filesystem::path> masks;         // <masks>/<agent>/<6-digit frame>.png, non-zero = moving

@@ -27,6 +27,14 @@ struct TrackObservation {
   friend bool operator==(const TrackObservation&, const TrackObservation&) = default;
 };
 
+// A printed square tag. The corners go round clockwise as it was printed, from the upper left one.
+struct TagObservation {
+  TagId tag;
+  std::array<Eigen::Vector2f, 4> undistorted_px;  // on the grid of quantised_px()
+  friend bool operator==(const TagObservation&, const TagObservation&) = default;
+};
+constexpr std::size_t kMaxTags = 16;  // of one image
+
 enum class PoseState : std::uint8_t {
   kNone,     // not placed in the map yet
   kTracked,  // cam_from_world and its covariance are valid
@@ -54,6 +62,7 @@ struct TrackFrame {
   std::uint16_t patches_sent = 0;        // image patches that travel apart for this frame, see PatchReply
   bool descriptors_sent = false;         // descriptors that travel apart for this frame, see DescriptorReply
   std::vector<TrackObservation> tracks;  // ascending track id
+  std::vector<TagObservation> tags;      // ascending, not of every image; one printed twice may be there twice
 };
 
 // Square of grey values around a track, from the raw image scaled to 30 %, mean and gain removed by the receiver.

@@ -85,6 +85,16 @@ void add_print(WorldBuilder& b, const Placement& at, double width_m, double heig
   b.world().facets[first].texel_m = kPrintTexelM;
 }
 
+void add_tag(WorldBuilder& b, const Placement& at, double side_m) {
+  constexpr double kThicknessM = 0.004, kTagTexelM = 0.001;
+  b.begin(at);
+  const double sheet_m = side_m * (kTagCells + 2) / kTagCells;
+  const std::size_t first = b.world().facets.size();
+  b.box({-sheet_m / 2, -kThicknessM, 0}, {sheet_m / 2, 0, sheet_m}, b.material(MaterialKind::kPaint, 0.8),
+        b.material(MaterialKind::kTag, 0.85));
+  b.world().facets[first].texel_m = kTagTexelM;
+}
+
 void add_window(WorldBuilder& b, const Placement& at, double width_m, double height_m, double radiance) {
   constexpr double kBarM = 0.05, kFrameM = 0.07;
   b.begin(at);

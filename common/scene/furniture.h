@@ -32,6 +32,8 @@ struct WallFront {
 
 // On a wall: `at` is the middle of the lower edge, on the wall.
 void add_print(WorldBuilder& b, const Placement& at, double width_m, double height_m, MaterialKind kind);
+// A tag (material kTag) whose black square has that side, with its margin.
+void add_tag(WorldBuilder& b, const Placement& at, double side_m);
 // A window with bars, foliage outside, light that comes in.
 void add_window(WorldBuilder& b, const Placement& at, double width_m, double height_m, double radiance);
 // A board with many notes.

@@ -59,6 +59,8 @@ float raw_albedo(const Material& m, const SurfacePoint& p) {
       return hand_albedo(m, p);
     case MaterialKind::kShoe:
       return shoe_albedo(m, p);
+    case MaterialKind::kTag:
+      return tag_albedo(m, p);
     case MaterialKind::kLamp:
       break;
   }

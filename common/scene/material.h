@@ -35,6 +35,7 @@ enum class MaterialKind : std::uint8_t {
   kFace,
   kHand,
   kShoe,
+  kTag,
 };
 
 struct Material {
@@ -79,5 +80,9 @@ float denim_albedo(const Material& m, const SurfacePoint& p);
 float face_albedo(const Material& m, const SurfacePoint& p);
 float hand_albedo(const Material& m, const SurfacePoint& p);
 float shoe_albedo(const Material& m, const SurfacePoint& p);
+// A tag with a margin of one of its cells around; its id is kPrintedTag.
+float tag_albedo(const Material& m, const SurfacePoint& p);
+inline constexpr int kPrintedTag = 0;  // of the family AprilTag 36h11
+inline constexpr int kTagCells = 8;    // a side, black border included
 
 }  // namespace coslam::sim

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/scene/material.h"
@@ -211,6 +212,19 @@ float pages_albedo(const Material& m, const SurfacePoint& p) {
   const float sheets =
       value_noise(p.u_m * 6.0F, p.v_m * 700.0F, m.seed) + value_noise(p.u_m * 700.0F, p.v_m * 6.0F, m.seed);
   return m.tone * (1.0F + 0.12F * sheets + 0.15F * fractal_noise(p.u_m * 20.0F, p.v_m * 20.0F, 4, m.seed + 1U));
+}
+
+float tag_albedo(const Material& m, const SurfacePoint& p) {
+  // By rows, the left cell in the highest bit; 1 is paper.
+  constexpr std::array<unsigned, kTagCells> kRows{0x00, 0x10, 0x34, 0x0a, 0x0c, 0x5c, 0x56, 0x00};
+  constexpr float kInk = 0.04F;
+  const auto cell = [](float at_m, float size_m) {
+    return static_cast<int>(std::floor(at_m / size_m * (kTagCells + 2))) - 1;
+  };
+  const int column = cell(p.u_m, p.width_m), row = cell(p.v_m, p.height_m);
+  if (std::min(column, row) < 0 || std::max(column, row) >= kTagCells) return paper(m, p);
+  const unsigned bits = kRows[static_cast<std::size_t>(row)];
+  return ((bits >> (kTagCells - 1 - column)) & 1U) != 0 ? paper(m, p) : kInk;
 }
 
 float screen_albedo(const Material& m, const SurfacePoint& p) {

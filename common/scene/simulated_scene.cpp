@@ -19,15 +19,16 @@ struct NamedScene {
   SceneDescription (*describe)(std::uint64_t seed, int cameras);
 };
 
-constexpr std::array<NamedScene, 9> kScenes{{{"room", 3, describe_room},
-                                             {"wall", 3, describe_wall},
-                                             {"walking-man", 3, describe_walking_man},
-                                             {"sitting-man", 4, describe_sitting_man},
-                                             {"garden", 3, describe_garden},
-                                             {"courtyard", 4, describe_courtyard},
-                                             {"strangers", 3, describe_strangers},
-                                             {"twins", 2, describe_twins},
-                                             {"swarm", 12, describe_swarm}}};
+constexpr std::array<NamedScene, 10> kScenes{{{"room", 3, describe_room},
+                                              {"wall", 3, describe_wall},
+                                              {"walking-man", 3, describe_walking_man},
+                                              {"sitting-man", 4, describe_sitting_man},
+                                              {"garden", 3, describe_garden},
+                                              {"courtyard", 4, describe_courtyard},
+                                              {"strangers", 3, describe_strangers},
+                                              {"twins", 2, describe_twins},
+                                              {"swarm", 12, describe_swarm},
+                                              {"tag", 1, describe_tag}}};
 
 // The instants that are asked for again: those that the cameras and threads work on.
 constexpr std::size_t kInstantsKept = 8;

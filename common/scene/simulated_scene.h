@@ -31,6 +31,7 @@ struct SceneDescription {
   int frames = 0;
   double rate_hz = 30;
   double image_scale = 1;  // of its images against 640 pixels across
+  double tag_m = 0;        // side of the printed tag in it; 0: there is none
 };
 
 inline constexpr int kMaxCameras = 16;
@@ -59,6 +60,9 @@ SceneDescription describe_twins(std::uint64_t seed, int cameras);
 // to the east, where they meet; on the way each troop parts in halves and joins again.
 SceneDescription describe_swarm(std::uint64_t seed, int cameras);
 
+// A room with a tag of 16 cm on a wall, and one camera that passes it: the scale comes from the tag alone.
+SceneDescription describe_tag(std::uint64_t seed, int cameras);
+
 struct SceneSize {
   int cameras = 0, frames = 0;  // <= 0: the scene's own number
   double image_scale = 1;       // of the scene's images; tests use small ones
@@ -83,6 +87,7 @@ class SimulatedScene : public Scene {
   Eigen::Vector3d velocity_m_s(const SurfaceSpot& spot, double t_s) const override;
   Eigen::Vector3d body_velocity_m_s(std::uint32_t object, double t_s) const override;
 
+  double tag_m() const { return description_.tag_m; }
   double time_s(int frame) const { return frame / description_.rate_hz; }
   const SceneCamera& at(int camera) const;
   const World& world() const { return description_.world; }

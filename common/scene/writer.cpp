@@ -76,9 +76,10 @@ std::string times_text(const SimulatedScene& scene) {
 std::string sequence_text(const SimulatedScene& scene, const WriteOptions& options) {
   std::string out = "name: " + options.name + formatted("\nrate_hz: %g\n", scene.rate_hz());
   out += "scene: " + options.name + "\nscene_seed: " + std::to_string(options.seed) + "\n";
+  if (scene.tag_m() > 0) out += formatted("scale: {tag_m: %g}\n", scene.tag_m());
   // The distance of the first two is known to the server when both start in one map.
   constexpr double kStartTogether = 0.2;
-  if (scene.cameras() > 1 && ViewOverlap(scene).at(0)(0, 1) > kStartTogether) {
+  if (scene.tag_m() <= 0 && scene.cameras() > 1 && ViewOverlap(scene).at(0)(0, 1) > kStartTogether) {
     const Eigen::Vector3d apart = scene.cam_from_world(0, 0).center() - scene.cam_from_world(1, 0).center();
     out += formatted("scale: {baseline_m: %.9f}\n", apart.norm());
   }

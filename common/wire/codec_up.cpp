@@ -77,6 +77,39 @@ Problem unpack_tracks(const idl::TrackFrame& m, std::vector<TrackObservation>& t
   return std::nullopt;
 }
 
+constexpr std::size_t kTagBytes = 18;
+static_assert(idl::MAX_TAG_BYTES == kTagBytes * kMaxTags);
+
+std::vector<std::uint8_t> pack_tags(const std::vector<TagObservation>& tags, double px_scale) {
+  std::vector<std::uint8_t> octets;
+  Packer packer(octets);
+  for (const TagObservation& t : tags) {
+    packer.put(t.tag.value);
+    for (const Eigen::Vector2f& px : t.undistorted_px) {
+      packer.put(quantise(px.x(), px_scale));
+      packer.put(quantise(px.y(), px_scale));
+    }
+  }
+  return octets;
+}
+
+Problem unpack_tags(const idl::TrackFrame& m, std::vector<TagObservation>& tags) {
+  if (const Problem p = check_count(m.tags().size(), idl::MAX_TAG_BYTES)) return p;
+  if (m.tags().size() % kTagBytes != 0) return Rejection::kSizeMismatch;
+  Unpacker in(m.tags());
+  while (in.left() > 0) {
+    TagObservation& t = tags.emplace_back();
+    t.tag = TagId(*in.get<std::uint16_t>());
+    if (tags.size() > 1 && t.tag < tags[tags.size() - 2].tag) return Rejection::kIdsNotAscending;
+    for (Eigen::Vector2f& px : t.undistorted_px) {
+      const std::int16_t x = *in.get<std::int16_t>(), y = *in.get<std::int16_t>();
+      if (const Problem p = check_units(x, y)) return p;
+      px = {dequantise(x, m.px_bits()), dequantise(y, m.px_bits())};
+    }
+  }
+  return std::nullopt;
+}
+
 std::array<float, 21> pack_upper(const Eigen::Matrix<float, 6, 6>& m) {
   std::array<float, 21> packed;
   auto out = packed.begin();
@@ -129,6 +162,7 @@ Problem unpack_patch(Unpacker& in, PatchGrey& grey) {
 
 idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
   COSLAM_CHECK(f.tracks.size() <= idl::MAX_TRACKS, "more tracks than a frame may carry");
+  COSLAM_CHECK(f.tags.size() <= kMaxTags, "more tags than a frame may carry");
   const Eigen::Quaterniond& q = f.cam_from_world.rotation;
   const Eigen::Vector3d& t = f.cam_from_world.translation;
   idl::TrackFrame m;
@@ -151,6 +185,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
   m.descriptors_sent(f.descriptors_sent);
   m.agent(f.agent);
   m.tracks(pack_tracks(f.tracks, px_scale));
+  m.tags(pack_tags(f.tags, px_scale));
   return m;
 }
 
@@ -172,10 +207,11 @@ Decoded<TrackFrame> decode(const idl::TrackFrame& m) {
   f.descriptors_sent = m.descriptors_sent();
   f.pose_state = static_cast<PoseState>(m.pose_state());
   // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
-  const Problem problem = first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
-                                    check_pose(f.cam_from_world), unpack_upper(m.covariance(), f.pose_covariance),
-                                    check_number(f.hull_fraction, 0, 100), check_count(f.pose_inliers, idl::MAX_TRACKS),
-                                    check_count(f.patches_sent, idl::MAX_TRACKS), unpack_tracks(m, f.tracks)});
+  const Problem problem =
+      first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
+                check_pose(f.cam_from_world), unpack_upper(m.covariance(), f.pose_covariance),
+                check_number(f.hull_fraction, 0, 100), check_count(f.pose_inliers, idl::MAX_TRACKS),
+                check_count(f.patches_sent, idl::MAX_TRACKS), unpack_tracks(m, f.tracks), unpack_tags(m, f.tags)});
   if (problem) return *problem;
   return f;
 }

@@ -46,6 +46,19 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
   sequence.agents = std::move(chosen);
 }
 
+void check_sets(const std::vector<std::string>& sets) {
+  RunConfig checked;
+  for (const std::string& s : sets) config::apply_set(checked, s);
+}
+
+// Agents are to look for the tags of the sequence, and the server knows their size; --set goes before.
+void know_tags(const Sequence& sequence, std::vector<std::string>& sets) {
+  if (!sequence.tag_m) return;
+  const std::string side_m = nlohmann::json(*sequence.tag_m).dump();
+  sets.insert(sets.begin(), {"server.tag_m=" + side_m, "agent.tags.family=" + sequence.tag_family});
+  check_sets(sets);
+}
+
 // Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the
 // longest.
 int check_inputs(const Sequence& sequence) {
@@ -95,9 +108,9 @@ void print_summary(const std::filesystem::path& out) {
 
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
-  RunConfig checked;
-  for (const std::string& s : options.sets) config::apply_set(checked, s);
+  check_sets(options.sets);
   options.sequence = sequence_argument(arguments.sequence);
+  know_tags(options.sequence, options.sets);
   select_agents(options.sequence, arguments.agents);
   cover_lenses(options.sequence, arguments.covered);
   options.frame_sets = check_inputs(options.sequence);

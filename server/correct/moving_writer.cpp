@@ -32,7 +32,7 @@ float spread(const MovingPointState& p) { return p.covariance[0] + p.covariance[
 }  // namespace
 
 std::vector<MovingState> MovingWriter::write(const Map& map, const std::vector<MovingObject>& objects,
-                                             MapId in_metres) {
+                                             const std::set<MapId>& in_metres) {
   std::map<MapId, MovingState> states;
   for (const MapId id : told_) states[id];
   std::map<PointId, ObjectId> object_of;
@@ -55,7 +55,7 @@ std::vector<MovingState> MovingWriter::write(const Map& map, const std::vector<M
     s.map = id;
     s.epoch = map.epoch();
     s.t_ns = map.now_ns();
-    s.scale_known = id == in_metres;
+    s.scale_known = in_metres.contains(id);
     keep_best(
         s.objects, kMostMovingObjects, [](const auto& a, const auto& b) { return a.points > b.points; }, &s.left_out);
     keep_best(

@@ -17,8 +17,9 @@ class MovingWriter {
  public:
   explicit MovingWriter(RunId server_run) : server_run_(server_run) {}
 
-  // in_metres: the map whose scale is known, or none.
-  std::vector<MovingState> write(const Map& map, const std::vector<MovingObject>& objects, MapId in_metres);
+  // in_metres: the maps whose scale is known.
+  std::vector<MovingState> write(const Map& map, const std::vector<MovingObject>& objects,
+                                 const std::set<MapId>& in_metres);
 
  private:
   RunId server_run_;

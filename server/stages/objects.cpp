@@ -102,12 +102,12 @@ struct ObjectFinder::Part {
   }
 };
 
-ObjectsReport ObjectFinder::step(const Map& map, const FrameSet& set, MapId in_metres) {
+ObjectsReport ObjectFinder::step(const Map& map, const FrameSet& set, const std::set<MapId>& in_metres) {
   update_paths(map, set.t_ns);
   std::vector<MovingPoint> points;
   for (const auto& [id, path] : paths_) {
     const MapPoint& p = *map.find(id);
-    const double reach = p.map == in_metres ? config_.reach_m : config_.reach_share * mean_distance(map, p);
+    const double reach = in_metres.contains(p.map) ? config_.reach_m : config_.reach_share * mean_distance(map, p);
     points.push_back({id, p.map, path.samples, std::sqrt(p.covariance.trace()), reach});
   }
   return step(points, set.t_ns);

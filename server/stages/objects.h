@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "server/map/map.h"
@@ -56,8 +57,8 @@ class ObjectFinder {
  public:
   explicit ObjectFinder(const ObjectsConfig& config) : config_(config) {}
 
-  // in_metres: the map whose scale is known, or none.
-  ObjectsReport step(const Map& map, const FrameSet& set, MapId in_metres);
+  // in_metres: the maps whose scale is known.
+  ObjectsReport step(const Map& map, const FrameSet& set, const std::set<MapId>& in_metres);
   // The same for points by themselves.
   ObjectsReport step(const std::vector<MovingPoint>& points, TimeNs now_ns);
 

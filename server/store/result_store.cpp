@@ -3,6 +3,7 @@
 #include "server/store/result_store.h"
 
 #include <algorithm>
+#include <array>
 
 #include "common/base/error.h"
 
@@ -192,6 +193,24 @@ nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
           {"lost_intervals", lost}};
 }
 
+namespace {
+
+nlohmann::ordered_json tags_report(const std::vector<MeasuredTag>& tags) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const MeasuredTag& t : tags) {
+    constexpr std::array<const char*, 4> kStates{"measured", "undetermined", "not in one place", "not square"};
+    out.push_back({{"tag", t.tag.value},
+                   {"state", kStates[static_cast<std::size_t>(t.size.status)]},
+                   {"views", t.size.views},
+                   {"side", t.size.side},
+                   {"sigma", t.size.sigma},
+                   {"error_px", t.size.error_px}});
+  }
+  return out;
+}
+
+}  // namespace
+
 nlohmann::ordered_json server_report(const MapServer& server) {
   std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}, {"false", 0}};
   const MapId of = server.largest_map();
@@ -204,6 +223,7 @@ nlohmann::ordered_json server_report(const MapServer& server) {
   out["inter_pose_calls"] = server.counts().inter_pose_calls;
   out["refinements"] = server.counts().refinements;
   out["scale_known"] = server.scale_known();
+  if (const auto tags = server.tags(); !tags.empty()) out["tags"] = tags_report(tags);
   out["events"] = server.counts().events;
   out["peak_memory_mib"] = peak_memory_mib();
   return out;

@@ -225,5 +225,48 @@ TEST(AgentsApart, MetresStayMetres) {
   EXPECT_NEAR(run.path_error().scale, 1, 0.03);
 }
 
+// The same, with a tag that only those two see.
+TEST(AgentsApart, MetresFromATagStayMetres) {
+  const SimWorld world({.points = 900});
+  SimRun run(world, {.tags = {.side_m = 0.4}});
+  run.hang(TagId(1), test::tag_corners({2.3, 0, 3.2}, 0.4));
+  for (const auto& path : {aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)}) run.add_agent(path);
+  run.stall(cam(0));
+  run.stall(cam(1));
+  run.step(140);
+  run.resume(cam(0));
+  run.resume(cam(1));
+  run.step(30);
+  ASSERT_NE(run.map().camera(cam(2)).map, run.map().camera(cam(0)).map);
+  EXPECT_TRUE(run.last_patches()[0].scale_known);
+  EXPECT_FALSE(run.last_patches()[2].scale_known) << "its map has a scale of its own";
+  EXPECT_FALSE(run.server().scale_known());
+  run.step(120);
+  ASSERT_EQ(run.server().counts().merges, 1);
+  EXPECT_TRUE(run.last_patches()[2].scale_known);
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
+}
+
+// Each of two maps has a tag of its own: both are metric, and so is what becomes of them.
+TEST(AgentsApart, TwoMapsInMetres) {
+  const SimWorld world({.points = 900});
+  SimRun run(world, {.tags = {.side_m = 0.4}});
+  run.hang(TagId(1), test::tag_corners({2.3, 0, 3.2}, 0.4));
+  run.hang(TagId(2), test::tag_corners({-2.3, 0, 3.2}, 0.4));
+  run.add_agent(aside(-1, 2));
+  run.add_agent(aside(1, 2));
+  run.step(60);
+  ASSERT_NE(run.map().camera(cam(0)).map, run.map().camera(cam(1)).map);
+  EXPECT_TRUE(run.last_patches()[0].scale_known);
+  EXPECT_TRUE(run.last_patches()[1].scale_known);
+  run.step(120);
+  ASSERT_EQ(run.server().counts().merges, 1);
+  EXPECT_TRUE(run.last_patches()[0].scale_known);
+  EXPECT_TRUE(run.last_patches()[1].scale_known);
+  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
+  EXPECT_TRUE(run.server().take_warnings().empty());
+}
+
 }  // namespace
 }  // namespace coslam

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/map_server.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <vector>
@@ -190,6 +190,52 @@ TEST(MapServer, AKnownBaselineGivesMetres) {
   for (const auto& path : paths) unscaled.add_agent(path);
   unscaled.step(30);
   EXPECT_FALSE(unscaled.last_patches().at(0).scale_known);
+}
+
+TEST(MapServer, ATagGivesMetresToASingleCamera) {
+  const SimWorld world({});
+  SimRun run(world, {.tags = {.side_m = 0.4}});
+  run.hang(TagId(5), test::tag_corners({0.5, -0.3, 3.5}, 0.4));
+  run.add_agent(test::paths_side_by_side(2)[0]);
+  int known = 0;
+  for (int i = 0; i < 120; ++i) {
+    run.step();
+    known += run.last_patches().at(0).scale_known ? 1 : 0;
+  }
+  EXPECT_GT(known, 60) << "as soon as it is certain enough";
+  EXPECT_LT(known, 115) << "not before the camera has moved";
+  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
+  run.server().finish();
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_NEAR(run.path_error().scale, 1, 0.01);
+  ASSERT_EQ(run.server().tags().size(), 1U);
+  EXPECT_NEAR(run.server().tags()[0].size.side, 0.4, 1e-6);
+  EXPECT_TRUE(run.server().take_warnings().empty());
+}
+
+TEST(MapServer, TagsThatDisagreeGiveNone) {
+  const SimWorld world({});
+  const auto warning = [&](const auto& hang) {
+    SimRun run(world, {.tags = {.side_m = 0.4}});
+    hang(run);
+    run.add_agent(test::paths_side_by_side(2)[0]);
+    run.step(120);
+    run.server().finish();
+    EXPECT_FALSE(run.server().scale_known());
+    EXPECT_FALSE(run.last_patches().at(0).scale_known);
+    const auto warnings = run.server().take_warnings();
+    return warnings.size() == 1 ? warnings[0] : std::to_string(warnings.size()) + " warnings";
+  };
+  EXPECT_THAT(warning([](SimRun& run) {
+                run.hang(TagId(5), test::tag_corners({0.5, -0.3, 3.5}, 0.4));
+                run.hang(TagId(6), test::tag_corners({-0.7, 0.2, 3.2}, 0.3));
+              }),
+              testing::HasSubstr("tag 5 is larger than tag 6, though all should be of one size"));
+  EXPECT_THAT(warning([](SimRun& run) {
+                run.hang(TagId(5), test::tag_corners({0.5, -0.3, 3.5}, 0.4));
+                run.hang(TagId(5), test::tag_corners({-0.7, 0.2, 3.2}, 0.4));
+              }),
+              testing::HasSubstr("tag 5 is printed twice"));
 }
 
 TEST(MapServer, OnePatchForEachFrameOfTheSet) {

@@ -93,10 +93,15 @@ void SimRun::restart_server() {
 void SimRun::step(int sets) {
   for (int i = 0; i < sets; ++i) {
     FrameSet set{SetId(next_set_), kPeriodNs * next_set_, {}};
-    ++next_set_;
+    const bool tags = next_set_++ % 6 == 0;
     for (std::size_t c = 0; c < slots_.size(); ++c) {
       if (!slots_[c].running) continue;
       set.frames.push_back(slots_[c].agent->step(CameraId(static_cast<std::uint16_t>(c)), set.t_ns));
+      for (const auto& [tag, corners] : tags_) {
+        if (!tags) break;
+        if (const auto seen = slots_[c].agent->see(tag, corners, set.t_ns))
+          set.frames.back().frame.tags.push_back(*seen);
+      }
     }
     exchange_refinement();
     last_patches_ = server_.step(set);

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,6 +27,9 @@ class SimAgent {
 
   // The next image, after the patches given since the last.
   CameraFrame step(CameraId camera, TimeNs t_ns);
+  std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns) {
+    return tracker_.see(tag, corners, t_ns);
+  }
   void give(MapPatch patch) { patches_.push_back(std::move(patch)); }
 
   const SimTracker& tracker() const { return tracker_; }
@@ -63,6 +68,8 @@ class SimRun {
   // Joins now. Cameras are numbered in this order.
   // clock_behind_ns: dates its images so much earlier than they are taken.
   CameraId add_agent(const CameraPath& path, TimeNs clock_behind_ns = 0);
+  // A printed tag: every sixth image shows it. The same one may hang in several places.
+  void hang(TagId tag, const std::array<Eigen::Vector3d, 4>& corners) { tags_.emplace(tag, corners); }
   void stop(CameraId camera);   // ends like a process that was told to
   void stall(CameraId camera);  // no frames until it is started again; nobody is told
   void resume(CameraId camera);
@@ -100,6 +107,7 @@ class SimRun {
   MapServerConfig server_config_;
   MapServer server_;
   std::vector<Slot> slots_;
+  std::multimap<TagId, std::array<Eigen::Vector3d, 4>> tags_;
   std::uint32_t next_set_ = 0;
   std::optional<RefineJob> job_;
   std::uint32_t job_due_ = 0;

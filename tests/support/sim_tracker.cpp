@@ -68,6 +68,18 @@ TrackFrame SimTracker::observe(FrameId frame, TimeNs t_ns) {
   return out;
 }
 
+std::optional<TagObservation> SimTracker::see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns) {
+  TagObservation out{tag, {}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d in_cam = truth(t_ns) * corners[k];
+    if (in_cam.z() < 0.1) return std::nullopt;
+    const Eigen::Vector2d px = camera_.project(in_cam) + config_.noise_px * Eigen::Vector2d(gauss(), gauss());
+    if (!camera_.contains_raw(px, config_.border_px)) return std::nullopt;
+    out.undistorted_px[k] = quantised_px(px, pixel_scale(camera_));
+  }
+  return out;
+}
+
 PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& wanted) {
   PatchReply reply{name_, run_, frame.frame, {}};
   for (const TrackId id : wanted) {

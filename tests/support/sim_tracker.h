@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <random>
@@ -31,6 +32,8 @@ class SimTracker {
 
   // The tracks of one image; the frame's pose stays kNone. Frames in order.
   TrackFrame observe(FrameId frame, TimeNs t_ns);
+  // A printed tag in the image of that time, with the noise of the tracks; empty when it is not all in view.
+  std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns);
   // Answers about the newest frame.
   PatchReply cut(const TrackFrame& frame, const std::vector<TrackId>& wanted);
   DescriptorReply describe(const TrackFrame& frame);

@@ -112,6 +112,12 @@ Rigid3 looking(const Eigen::Vector3d& center_m, double yaw_rad, double pitch_rad
   return Rigid3(world_from_cam, center_m).inverse();
 }
 
+std::array<Eigen::Vector3d, 4> tag_corners(const Eigen::Vector3d& m, double side_m) {
+  const double h = side_m / 2;
+  return {m + Eigen::Vector3d(-h, -h, 0), m + Eigen::Vector3d(h, -h, 0), m + Eigen::Vector3d(h, h, 0),
+          m + Eigen::Vector3d(-h, h, 0)};
+}
+
 CameraPath wave_path(const Wave& wave) {
   return [wave](double t_s) {
     const double a = 2 * std::numbers::pi * t_s / wave.period_s;

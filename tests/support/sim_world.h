@@ -65,6 +65,9 @@ CameraModel sim_camera();
 // A camera at `center_m` that looks along z, turned by yaw (to the right) and pitch (up).
 Rigid3 looking(const Eigen::Vector3d& center_m, double yaw_rad = 0, double pitch_rad = 0);
 
+// Corners of a printed tag that faces a camera at rest, clockwise from its upper left one.
+std::array<Eigen::Vector3d, 4> tag_corners(const Eigen::Vector3d& middle_m, double side_m);
+
 struct Wave {
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d amplitude_m = {1.2, 0.2, 0.3};

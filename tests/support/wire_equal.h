@@ -52,6 +52,7 @@ inline void expect_same(const TrackFrame& a, const TrackFrame& b) {
     EXPECT_EQ(a.tracks[i].track, b.tracks[i].track);
     expect_same_matrix(a.tracks[i].undistorted_px, b.tracks[i].undistorted_px, "undistorted_px");
   }
+  EXPECT_EQ(a.tags, b.tags);
 }
 
 inline void expect_same(const PatchReply& a, const PatchReply& b) {

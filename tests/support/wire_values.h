@@ -70,7 +70,14 @@ class WireValues {
       f.tracks.push_back({TrackId(id), grid_px(pixel_scale(vga_camera()))});
       id += 1 + (below(10) == 0 ? below(500) : below(8));
     }
+    for (std::uint32_t i = 0; i < number % 3; ++i) f.tags.push_back(tag(static_cast<std::uint16_t>(40 * i)));
     return f;
+  }
+
+  TagObservation tag(std::uint16_t id) {
+    TagObservation t{TagId(id), {}};
+    for (auto& px : t.undistorted_px) px = grid_px(pixel_scale(vga_camera()));
+    return t;
   }
 
   PatchReply patches(const TrackFrame& frame, int count) {

@@ -84,6 +84,20 @@ TEST_F(SequenceFile, FlowStyleAndDefaults) {
   EXPECT_EQ(load_sequence(folder_.path()).agents.size(), 1u);
 }
 
+TEST_F(SequenceFile, TheScaleMayComeFromTags) {
+  Sequence s = load("scale: {tag_m: 0.16}\n" + agent_);
+  EXPECT_EQ(s.tag_m, 0.16);
+  EXPECT_EQ(s.tag_family, "DICT_APRILTAG_36h11");
+  EXPECT_FALSE(s.baseline_m);
+  s = load("scale: {tag_m: 0.2, tag_family: DICT_4X4_50}\n" + agent_);
+  EXPECT_EQ(s.tag_family, "DICT_4X4_50");
+  EXPECT_THAT(error("scale: {tag_m: 0.2, baseline_m: 1}\n" + agent_),
+              HasSubstr("scale.tag_m: give baseline_m or tag_m, not both"));
+  EXPECT_THAT(error("scale: {tag_m: 0}\n" + agent_), HasSubstr("scale.tag_m: '0' is outside"));
+  EXPECT_THAT(error("scale: {baseline_m: 1, tag_family: DICT_4X4_50}\n" + agent_),
+              HasSubstr("tag_family: unknown key"));
+}
+
 TEST_F(SequenceFile, ErrorsNameFileLineKeyAndReason) {
   EXPECT_THAT(error("rate: 30\n" + agent_), HasSubstr("sequence.yaml:1: rate: unknown key, did you mean 'rate_hz'?"));
   EXPECT_THAT(error("colour: red\n" + agent_), HasSubstr("colour: unknown key, known are name rate_hz"));

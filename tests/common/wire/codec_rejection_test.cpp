@@ -68,6 +68,17 @@ TEST(CodecRejects, TracksThatDoNotAddUp) {
   });
 }
 
+TEST(CodecRejects, TagsThatDoNotAddUp) {
+  using M = idl::TrackFrame;  // with two tags
+  expect_rejected<M>(good_frame(), Rejection::kSizeMismatch, [](M& m) { m.tags().pop_back(); });
+  expect_rejected<M>(good_frame(), Rejection::kTooMany, [](M& m) { m.tags().resize(17 * 18, 0); });
+  expect_rejected<M>(good_frame(), Rejection::kIdsNotAscending, [](M& m) { m.tags()[0] = 200; });
+  expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) {
+    m.tags()[2] = 0x00;  // the first x becomes -32768
+    m.tags()[3] = 0x80;
+  });
+}
+
 idl::TrackFrame frame_with_ids(const std::vector<std::uint8_t>& ids, std::uint16_t count) {
   idl::TrackFrame m = good_frame();
   m.track_count(count);

@@ -54,12 +54,19 @@ TEST(CodecRoundTrip, ExtremeIdsAndCoordinates) {
   expect_unharmed_px(frame);
 }
 
+TEST(CodecRoundTrip, ATagPrintedTwiceIsInTheFrameTwice) {
+  WireValues values(12);
+  TrackFrame frame = values.frame("cam0", RunId(1), 3, 10);
+  while (frame.tags.size() < kMaxTags) frame.tags.push_back(values.tag(7));
+  expect_unharmed_px(frame);
+}
+
 TEST(CodecRoundTrip, EveryImageSizeKeepsItsGrid) {
   for (const int side : {16, 320, 640, 1280, 1920, 4096, 16384}) {
     CameraModel camera = test::vga_camera();
     camera.width_px = side;
     const double scale = pixel_scale(camera);
-    TrackFrame frame = WireValues(3).frame("cam0", RunId(1), 1, 0);
+    TrackFrame frame = WireValues(3).frame("cam0", RunId(1), 0, 0);
     frame.tracks = {{TrackId(5), quantised_px({0.37 * side, -0.2 * side}, scale)}};
     expect_unharmed_px(frame, scale);
   }

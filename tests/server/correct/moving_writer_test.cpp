@@ -28,14 +28,14 @@ class MovingWriterTest : public testing::Test {
 
 TEST_F(MovingWriterTest, NothingThatMovesNothingToSay) {
   sim_.add_points();
-  EXPECT_TRUE(writer_.write(sim_.map, {}, sim_.id).empty());
+  EXPECT_TRUE(writer_.write(sim_.map, {}, {sim_.id}).empty());
 }
 
 TEST_F(MovingWriterTest, PointsWithTheirObjectsAndOneEmptyStateAfterwards) {
   const PointId first = moving_point().id, second = moving_point().id;
   MovingObject object{ObjectId(3), sim_.id, {}, {first}};
   object.motion.velocity.x() = 1.5;
-  auto states = writer_.write(sim_.map, {object}, sim_.id);
+  auto states = writer_.write(sim_.map, {object}, {sim_.id});
   ASSERT_EQ(states.size(), 1U);
   const MovingState& s = states[0];
   EXPECT_EQ(s.server_run, RunId(7));
@@ -56,16 +56,16 @@ TEST_F(MovingWriterTest, PointsWithTheirObjectsAndOneEmptyStateAfterwards) {
   }
   sim_.map.remove_point(first);
   sim_.map.remove_point(second);
-  states = writer_.write(sim_.map, {}, MapId());
+  states = writer_.write(sim_.map, {}, {});
   ASSERT_EQ(states.size(), 1U);
   EXPECT_TRUE(states[0].points.empty() && states[0].objects.empty());
   EXPECT_FALSE(states[0].scale_known);
-  EXPECT_TRUE(writer_.write(sim_.map, {}, sim_.id).empty());
+  EXPECT_TRUE(writer_.write(sim_.map, {}, {sim_.id}).empty());
 }
 
 TEST_F(MovingWriterTest, TheMostCertainPointsAreKept) {
   for (int i = 0; i < 40; ++i) moving_point(0.01 * (40 - i));
-  const MovingState s = writer_.write(sim_.map, {}, sim_.id).at(0);
+  const MovingState s = writer_.write(sim_.map, {}, {sim_.id}).at(0);
   EXPECT_EQ(s.points.size(), most_moving_points(0));
   EXPECT_EQ(s.left_out, 40 - most_moving_points(0));
   EXPECT_NEAR(s.points.front().covariance[0], 1e-4, 1e-8);
@@ -74,7 +74,7 @@ TEST_F(MovingWriterTest, TheMostCertainPointsAreKept) {
 TEST_F(MovingWriterTest, APointThatIsNotSeenNowIsNotTold) {
   moving_point().last_seen = SetId();
   sim_.advance(2);
-  EXPECT_TRUE(writer_.write(sim_.map, {}, sim_.id).empty());
+  EXPECT_TRUE(writer_.write(sim_.map, {}, {sim_.id}).empty());
 }
 
 }  // namespace

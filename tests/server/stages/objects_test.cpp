@@ -311,7 +311,7 @@ class ObjectsOfAMap : public testing::Test {
 };
 
 TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
-  const ObjectsReport r = finder_.step(sim_.map, sim_.set, sim_.id);
+  const ObjectsReport r = finder_.step(sim_.map, sim_.set, {sim_.id});
   EXPECT_GT(r.points, 8);
   ASSERT_EQ(r.objects, 1);
   const TimeNs now_ns = sim_.set.t_ns;
@@ -320,12 +320,12 @@ TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
 }
 
 TEST_F(ObjectsOfAMap, PathsFollowTheMapWhenItIsMoved) {
-  finder_.step(sim_.map, sim_.set, sim_.id);
+  finder_.step(sim_.map, sim_.set, {sim_.id});
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion before = finder_.objects()[0].motion;
   const Similarity3 moved{2, Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY())), {1, 2, 3}};
   sim_.map.transform(sim_.id, moved);
-  finder_.step(sim_.map, sim_.set, MapId());
+  finder_.step(sim_.map, sim_.set, {});
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion& after = finder_.objects()[0].motion;
   EXPECT_LT((after.centroid - moved * before.centroid).norm(), 1e-6);
