@@ -54,13 +54,14 @@ std::optional<double> stretch_of(const MovingPath& a, const MovingPath& b, TimeN
     }
   }
   double least = std::numeric_limits<double>::max(), most = 0;
+  int filled = 0;
   for (std::size_t i = 0; i < kParts; ++i) {
     if (count[i] < kLeast) continue;
+    ++filled;
     least = std::min(least, sum[i] / count[i]);
     most = std::max(most, sum[i] / count[i]);
   }
-  if (most == 0) return std::nullopt;
-  return most - least;
+  return filled < 2 ? std::nullopt : std::optional(most - least);
 }
 
 Eigen::Vector3d drift_of(const MovingPath& path) {
@@ -320,6 +321,22 @@ std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>
     const Eigen::Vector3d apart = motion(x, &span_x_s) - motion(y, &span_y_s);
     return apart.norm() * std::min(span_x_s, span_y_s);
   };
+  // Most of the points of two parts that are near each other keep their distance. One pair of many does so by chance.
+  const auto together = [&](const std::vector<std::size_t>& x, const std::vector<std::size_t>& y) {
+    constexpr std::size_t kMostPairs = 60;
+    const std::size_t every = 1 + x.size() * y.size() / kMostPairs;
+    int near = 0, kept = 0;
+    for (std::size_t k = 0; k < x.size() * y.size(); k += every) {
+      const Candidate &a = all[x[k / y.size()]], &b = all[y[k % y.size()]];
+      const double reach = hold(a, b) * std::min(a.point->reach, b.point->reach);
+      if ((a.now.position - b.now.position).norm() > reach) continue;
+      const auto stretch = stretch_of(a.point->path, b.point->path, now_ns, config_.path_s);
+      if (!stretch) continue;
+      ++near;
+      kept += *stretch <= config_.stretch * reach;
+    }
+    return 2 * kept >= near;
+  };
   for (const Link& link : links) {
     const std::size_t into = part_of[link.a], from = part_of[link.b];
     if (into == from) continue;
@@ -329,7 +346,7 @@ std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>
     if (!stretch || *stretch > config_.stretch * reach) continue;
     constexpr std::size_t kBody = 3;
     if (members[into].size() >= kBody && members[from].size() >= kBody &&
-        shift(members[into], members[from]) > config_.shift * reach) {
+        (shift(members[into], members[from]) > config_.shift * reach || !together(members[into], members[from]))) {
       continue;
     }
     for (const std::size_t i : members[from]) part_of[i] = into;
