@@ -68,6 +68,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("placed", met.placed);
     count("loops_closed", met.closed);
     count("places_linked", met.linked);
+    count("places_expected", met.expected);
     count("meetings_doubted", met.doubted);
     counts_.merges += met.merged;
     if (met.to_adjust != MapId()) refine_whole_ = met.to_adjust;
