@@ -14,12 +14,21 @@ namespace coslam {
 namespace {
 
 constexpr std::uint32_t kPendingSets = 60;  // within which a meeting is to be confirmed
+constexpr std::uint32_t kHintSets = 20;     // in which a place that may have been recognised is looked at closely
 
 const std::vector<CameraId>* group_of(const ViewGraph& graph, CameraId camera) {
   for (const auto& group : graph.groups) {
     if (std::find(group.begin(), group.end(), camera) != group.end()) return &group;
   }
   return nullptr;
+}
+
+// They found many points in both already, and are about to be one group.
+bool share_many(const ViewGraph& graph, CameraId a, CameraId b) {
+  constexpr int kMany = 12;
+  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const ViewEdge& e) {
+    return e.first == std::min(a, b) && e.second == std::max(a, b) && e.shared >= kMany;
+  });
 }
 
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
@@ -221,7 +230,8 @@ void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& grap
   for (std::size_t i = 0; i < set.frames.size(); ++i) {
     for (std::size_t j = i + 1; j < set.frames.size(); ++j) {
       const CameraId a = set.frames[i].camera, b = set.frames[j].camera;
-      if (together(graph, a, b) || overlap.between(a, b).least() < config_.min_overlap) continue;
+      if (together(graph, a, b) || share_many(graph, a, b)) continue;
+      if (overlap.between(a, b).least() < config_.min_overlap) continue;
       expected_[a].push_back(b);
       expected_[b].push_back(a);
     }
@@ -264,7 +274,10 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
     ++report->placed;
     return;
   }
-  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) return;
+  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) {
+    described_[camera.id].hinted = map.now();
+    return;
+  }
   if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
     bind_matches(map, camera, seen->matches);
     ++report->linked;
@@ -361,7 +374,8 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
     return due(config_.lost_period) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
-  const bool confirm = awaits_confirmation(map, camera.id);
+  const bool hinted = d.hinted && since(d.hinted) < kHintSets;
+  const bool confirm = awaits_confirmation(map, camera.id) || hinted;
   const bool expects = expected_.contains(camera.id);
   const bool wanted = confirm ? due(config_.confirm_period)
                       : !d.at ? due(config_.lost_period)

@@ -65,9 +65,10 @@ class Meetings {
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };
-  // When a camera was last asked for descriptors, and where it was when it last gave them.
+  // When a camera was last asked for descriptors, last gave them, and last saw a known place in too few features to act
+  // on it.
   struct Described {
-    std::optional<SetId> asked, at;
+    std::optional<SetId> asked, at, hinted;
   };
 
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph);
