@@ -175,13 +175,24 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetRe
   return patches;
 }
 
-MapId MapServer::largest_map() const {
+namespace {
+
+std::map<MapId, int> frames_by_map(const Map& map) {
   std::map<MapId, int> frames;
-  for (const MapCamera& c : map_.cameras()) {
+  for (const MapCamera& c : map.cameras()) {
     for (const FramePose& f : c.frames) {
       if (f.valid()) ++frames[f.map];
     }
   }
+  return frames;
+}
+
+}  // namespace
+
+int MapServer::map_count() const { return static_cast<int>(frames_by_map(map_).size()); }
+
+MapId MapServer::largest_map() const {
+  const std::map<MapId, int> frames = frames_by_map(map_);
   MapId best;
   int most = 0;
   for (const auto& [id, n] : frames) {

@@ -95,6 +95,8 @@ class MapServer {
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;
+  // Maps that hold a frame of some camera: one, if all could be brought together.
+  int map_count() const;
   // Whether the lengths of that map are metres.
   bool scale_known() const { return scaled_map_ != MapId() && scaled_map_ == largest_map(); }
   RunId run() const { return run_; }
