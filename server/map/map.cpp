@@ -301,7 +301,9 @@ void Map::merge(MapId from, MapId into, const Similarity3& into_from_from) {
     for (FramePose& f : c.frames) {
       if (f.map == from) f.map = into;
     }
-    if (c.map == from) c.map = into;
+    if (c.map != from) continue;
+    c.map = into;
+    if (c.merged_from == MapId()) c.merged_from = from;
   }
 }
 

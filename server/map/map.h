@@ -75,6 +75,7 @@ struct MapCamera {
   bool sparse = false;     // it sees so few proven points that it has to use the others too
   int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
   Similarity3 moved;       // how its world was moved since the last patch to its agent
+  MapId merged_from;       // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
   TimeNs clock_offset_ns = 0;             // its images were taken so much later than they are dated
   std::vector<FramePose> frames;          // ascending sets, the whole run
