@@ -165,12 +165,7 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetRe
         writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame,
                                      request == met.requests.end() ? DescriptorRequest::kNone : request->second));
     patches.back().scale_known = scaled_map_ != MapId() && map_.camera(cf.camera).map == scaled_map_;
-    for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
-      const auto& members = graph_.groups[g];
-      if (std::find(members.begin(), members.end(), cf.camera) != members.end()) {
-        patches.back().group = GroupId(static_cast<std::uint32_t>(g + 1));
-      }
-    }
+    patches.back().group = GroupId(static_cast<std::uint32_t>(graph_.group_of(cf.camera) + 1));
   }
   return patches;
 }

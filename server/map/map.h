@@ -132,6 +132,9 @@ struct MapPoint {
   std::uint8_t grey = 128;
 };
 
+// The point in another frame.
+void transform(MapPoint& point, const Similarity3& new_from_old);
+
 // What was seen of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
 // whenever these are corrected.
 struct MotionSample {

@@ -29,6 +29,13 @@ class DisjointSets {
 
 }  // namespace
 
+int ViewGraph::group_of(CameraId camera) const {
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (std::find(groups[g].begin(), groups[g].end(), camera) != groups[g].end()) return static_cast<int>(g);
+  }
+  return -1;
+}
+
 ViewGraph view_graph(const Map& map, const FrameSet& set) {
   const std::size_t n = map.cameras().size();
   std::vector<bool> here(n, false);

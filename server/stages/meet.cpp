@@ -16,13 +16,6 @@ namespace {
 constexpr std::uint32_t kPendingSets = 60;  // within which a meeting is to be confirmed
 constexpr std::uint32_t kHintSets = 20;     // in which a place that may have been recognised is looked at closely
 
-const std::vector<CameraId>* group_of(const ViewGraph& graph, CameraId camera) {
-  for (const auto& group : graph.groups) {
-    if (std::find(group.begin(), group.end(), camera) != group.end()) return &group;
-  }
-  return nullptr;
-}
-
 // They found many points in both already, and are about to be one group.
 bool share_many(const ViewGraph& graph, CameraId a, CameraId b) {
   constexpr int kMany = 12;
@@ -32,8 +25,8 @@ bool share_many(const ViewGraph& graph, CameraId a, CameraId b) {
 }
 
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
-  const auto* group = group_of(graph, a);
-  return a == b || (group != nullptr && std::find(group->begin(), group->end(), b) != group->end());
+  const int group = graph.group_of(a);
+  return a == b || (group >= 0 && group == graph.group_of(b));
 }
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
@@ -357,8 +350,10 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
                         seen.key_set,
                         seen.cam_from_world * there->cam_from_world.inverse(),
                         in_from_own.scale};
-  const auto* group = group_of(graph, camera.id);
-  if (!close_loop(map, camera.map, reunion, reunions_, group != nullptr ? *group : std::vector<CameraId>{})) return;
+  const int group = graph.group_of(camera.id);
+  const std::vector<CameraId> with_it =
+      group < 0 ? std::vector<CameraId>() : graph.groups[static_cast<std::size_t>(group)];
+  if (!close_loop(map, camera.map, reunion, reunions_, with_it)) return;
   reunions_.push_back(reunion);
   bind_matches(map, camera, seen.matches);
   pending_.clear();
