@@ -69,6 +69,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("placed", met.placed);
     count("loops_closed", met.closed);
     count("places_linked", met.linked);
+    count("places_expected", met.expected);
     count("meetings_doubted", met.doubted);
     counts_.merges += met.merged;
     if (met.to_adjust != MapId()) refine_whole_ = met.to_adjust;
@@ -165,23 +166,29 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetRe
         writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame,
                                      request == met.requests.end() ? DescriptorRequest::kNone : request->second));
     patches.back().scale_known = in_metres_.contains(map_.camera(cf.camera).map);
-    for (std::size_t g = 0; g < graph_.groups.size(); ++g) {
-      const auto& members = graph_.groups[g];
-      if (std::find(members.begin(), members.end(), cf.camera) != members.end()) {
-        patches.back().group = GroupId(static_cast<std::uint32_t>(g + 1));
-      }
-    }
+    patches.back().group = GroupId(static_cast<std::uint32_t>(graph_.group_of(cf.camera) + 1));
   }
   return patches;
 }
 
-MapId MapServer::largest_map() const {
+namespace {
+
+std::map<MapId, int> frames_by_map(const Map& map) {
   std::map<MapId, int> frames;
-  for (const MapCamera& c : map_.cameras()) {
+  for (const MapCamera& c : map.cameras()) {
     for (const FramePose& f : c.frames) {
       if (f.valid()) ++frames[f.map];
     }
   }
+  return frames;
+}
+
+}  // namespace
+
+int MapServer::map_count() const { return static_cast<int>(frames_by_map(map_).size()); }
+
+MapId MapServer::largest_map() const {
+  const std::map<MapId, int> frames = frames_by_map(map_);
   MapId best;
   int most = 0;
   for (const auto& [id, n] : frames) {

@@ -100,6 +100,8 @@ class MapServer {
   const StageTimes& times() const { return times_; }
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;
+  // Maps that hold a frame of some camera: one, if all could be brought together.
+  int map_count() const;
   // Whether the lengths of that map are metres.
   bool scale_known() const { return in_metres_.contains(largest_map()); }
   // Printed tags in that map, as last measured.

@@ -22,6 +22,8 @@ constexpr std::string_view kDynamicHeader = "t_s,id,x,y,z,cov_xx,cov_xy,cov_xz,c
 constexpr std::string_view kObjectHeader = "t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members";
 constexpr std::string_view kGroupHeader = "t_s,group,agents";
 
+constexpr std::string_view kMapFolder = "map";
+
 constexpr std::array<PointState, 4> kStates = {PointState::kStatic, PointState::kUncertain, PointState::kDynamic,
                                                PointState::kFalse};
 
@@ -99,6 +101,23 @@ void read_csv(const std::filesystem::path& file, std::string_view header,
 }
 
 }  // namespace
+
+std::filesystem::path ResultFolder::separate(const char* what, MapId map) const {
+  return folder_ / what / (std::string(kMapFolder) + std::to_string(map.value));
+}
+
+std::vector<MapId> ResultFolder::separate_maps() const {
+  std::vector<MapId> maps;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "trajectory", none)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory() || !name.starts_with(kMapFolder)) continue;
+    const auto id = parse_integer(std::string_view(name).substr(kMapFolder.size()));
+    if (id && *id > 0) maps.emplace_back(static_cast<std::uint32_t>(*id));
+  }
+  std::sort(maps.begin(), maps.end());
+  return maps;
+}
 
 const char* state_name(std::optional<PointState> state) {
   if (!state) return "none";

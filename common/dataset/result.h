@@ -27,6 +27,15 @@ class ResultFolder {
   const std::filesystem::path& path() const { return folder_; }
   std::filesystem::path trajectory(const std::string& agent) const { return folder_ / "trajectory" / (agent + ".tum"); }
   std::filesystem::path live(const std::string& agent) const { return folder_ / "live" / (agent + ".tum"); }
+  // The same of a map that has no known relation to the common one: its coordinates and its unit of length are its own.
+  std::filesystem::path trajectory(MapId map, const std::string& agent) const {
+    return separate("trajectory", map) / (agent + ".tum");
+  }
+  std::filesystem::path live(MapId map, const std::string& agent) const {
+    return separate("live", map) / (agent + ".tum");
+  }
+  // Of which the result holds trajectories, beside the common one; ascending.
+  std::vector<MapId> separate_maps() const;
   std::filesystem::path tracks(const std::string& agent) const { return folder_ / "tracks" / (agent + ".csv"); }
   std::filesystem::path points() const { return folder_ / "points.csv"; }
   std::filesystem::path dynamic() const { return folder_ / "dynamic.csv"; }
@@ -38,6 +47,7 @@ class ResultFolder {
   std::filesystem::path top_view() const { return folder_ / "top_view.png"; }
 
  private:
+  std::filesystem::path separate(const char* what, MapId map) const;
   std::filesystem::path folder_;
 };
 

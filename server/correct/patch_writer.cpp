@@ -91,7 +91,8 @@ MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const
 
 MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors) {
   MapPatch patch = next_patch(map, camera, frame);
-  const bool other_map = camera.map != map_;
+  // What was merged into another map is still known, only elsewhere.
+  const bool other_map = camera.map != map_ && (map_ == MapId() || camera.merged_from != map_);
   const bool snapshot = patch.sequence == 1 || frame.wants_snapshot || other_map;
   patch.snapshot = snapshot;
   if (epoch_ != map.epoch() && !other_map) {
@@ -103,6 +104,7 @@ MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame&
     }
   }
   camera.moved = Similarity3();
+  camera.merged_from = MapId();
   epoch_ = map.epoch();
   map_ = camera.map;
 

@@ -276,12 +276,15 @@ void Map::add_key_frame(SetId set) {
   }
 }
 
-void Map::transform(MapId map, const Similarity3& new_from_old) {
+void transform(MapPoint& point, const Similarity3& new_from_old) {
   const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
+  point.position = new_from_old * point.position;
+  point.covariance = m * point.covariance * m.transpose();
+}
+
+void Map::transform(MapId map, const Similarity3& new_from_old) {
   for (auto& [id, p] : points_) {
-    if (p.map != map) continue;
-    p.position = new_from_old * p.position;
-    p.covariance = m * p.covariance * m.transpose();
+    if (p.map == map) coslam::transform(p, new_from_old);
   }
   for (MapCamera& c : cameras_) {
     for (FramePose& f : c.frames) {
@@ -301,7 +304,9 @@ void Map::merge(MapId from, MapId into, const Similarity3& into_from_from) {
     for (FramePose& f : c.frames) {
       if (f.map == from) f.map = into;
     }
-    if (c.map == from) c.map = into;
+    if (c.map != from) continue;
+    c.map = into;
+    if (c.merged_from == MapId()) c.merged_from = from;
   }
 }
 

@@ -75,6 +75,7 @@ struct MapCamera {
   bool sparse = false;     // it sees so few proven points that it has to use the others too
   int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
   Similarity3 moved;       // how its world was moved since the last patch to its agent
+  MapId merged_from;       // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
   TimeNs clock_offset_ns = 0;             // its images were taken so much later than they are dated
   std::vector<FramePose> frames;          // ascending sets, the whole run
@@ -130,6 +131,9 @@ struct MapPoint {
   std::vector<Eigen::Vector3d> updated_from;     // by camera, as far as needed: ray at the last Kalman update or 0
   std::uint8_t grey = 128;
 };
+
+// The point in another frame.
+void transform(MapPoint& point, const Similarity3& new_from_old);
 
 // What was seen of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
 // whenever these are corrected.

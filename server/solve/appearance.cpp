@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "common/model/track_frame.h"
+#include "server/solve/root_sift.h"
 
 namespace coslam {
 namespace {
@@ -16,17 +16,7 @@ constexpr int kSketchBits = 128;
 constexpr int kKeyBits = 14;    // of each table
 constexpr int kMostApart = 30;  // bits in which two sketches of one thing differ at most
 
-using Descriptors = Eigen::Matrix<float, Eigen::Dynamic, kDescriptorBytes, Eigen::RowMajor>;
 using Projections = Eigen::Matrix<float, kDescriptorBytes, kSketchBits>;
-
-Descriptors root_sift(const std::vector<std::uint8_t>& bytes) {
-  const auto rows = static_cast<Eigen::Index>(bytes.size()) / kDescriptorBytes;
-  Descriptors out = Eigen::Map<const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, kDescriptorBytes, Eigen::RowMajor>>(
-                        bytes.data(), rows, kDescriptorBytes)
-                        .cast<float>();
-  for (Eigen::Index r = 0; r < rows; ++r) out.row(r) = (out.row(r) / (out.row(r).sum() + 1e-6F)).cwiseSqrt();
-  return out;
-}
 
 const Projections& projections() {
   static const Projections p = [] {

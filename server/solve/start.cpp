@@ -12,24 +12,12 @@
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/triangulation.h"
-#include "common/model/track_frame.h"
 #include "server/solve/bundle.h"
+#include "server/solve/root_sift.h"
 #include "server/solve/two_view.h"
 
 namespace coslam {
 namespace {
-
-cv::Mat root_sift(const std::vector<std::uint8_t>& bytes) {
-  const int rows = static_cast<int>(bytes.size()) / kDescriptorBytes;
-  cv::Mat out(rows, kDescriptorBytes, CV_32F);
-  for (int r = 0; r < rows; ++r) {
-    float* d = out.ptr<float>(r);
-    float sum = 1e-6F;
-    for (int i = 0; i < kDescriptorBytes; ++i) sum += d[i] = bytes[static_cast<std::size_t>(r * kDescriptorBytes + i)];
-    for (int i = 0; i < kDescriptorBytes; ++i) d[i] = std::sqrt(d[i] / sum);
-  }
-  return out;
-}
 
 struct Best {
   int index = -1;
@@ -212,7 +200,11 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
 std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
                                             const std::vector<std::uint8_t>& second, double ratio) {
   if (first.empty() || second.empty()) return {};
-  const cv::Mat a = root_sift(first), b = root_sift(second);
+  Descriptors of_first = root_sift(first), of_second = root_sift(second);
+  const auto matrix_of = [](Descriptors& d) {
+    return cv::Mat(static_cast<int>(d.rows()), kDescriptorBytes, CV_32F, d.data());
+  };
+  const cv::Mat a = matrix_of(of_first), b = matrix_of(of_second);
   const cv::Mat similarity = a * b.t();  // of unit vectors: squared distance = 2 - 2 s
   std::vector<Best> of_a(static_cast<std::size_t>(a.rows)), of_b(static_cast<std::size_t>(b.rows));
   for (int i = 0; i < a.rows; ++i) {

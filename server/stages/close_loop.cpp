@@ -107,12 +107,6 @@ std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& 
   return std::nullopt;
 }
 
-void move(MapPoint& p, const Similarity3& new_from_old) {
-  const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
-  p.position = new_from_old * p.position;
-  p.covariance = m * p.covariance * m.transpose();
-}
-
 void apply(Map& map, MapId of, const Nodes& nodes, const PathSolution& solution) {
   std::map<CameraId, Similarity3> last;
   for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
@@ -127,7 +121,7 @@ void apply(Map& map, MapId of, const Nodes& nodes, const PathSolution& solution)
   for (auto& [id, p] : map.points()) {
     if (p.map != of) continue;
     if (const auto node = frame_of(map, nodes, p)) {
-      move(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
+      transform(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
       retriangulate(map, p);
     }
   }

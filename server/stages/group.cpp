@@ -29,6 +29,13 @@ class DisjointSets {
 
 }  // namespace
 
+int ViewGraph::group_of(CameraId camera) const {
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (std::find(groups[g].begin(), groups[g].end(), camera) != groups[g].end()) return static_cast<int>(g);
+  }
+  return -1;
+}
+
 ViewGraph view_graph(const Map& map, const FrameSet& set) {
   const std::size_t n = map.cameras().size();
   std::vector<bool> here(n, false);
@@ -67,15 +74,22 @@ ViewGraph view_graph(const Map& map, const FrameSet& set) {
   return graph;
 }
 
+bool Grouping::see_the_same(bool joined, int shared, CameraId first, CameraId second, ViewOverlap& overlap) const {
+  if (shared >= (joined ? config_.keep_shared : config_.min_shared)) return true;
+  if (!joined && shared < config_.min_shared_overlapping) return false;
+  return overlap.between(first, second).least() >= config_.min_overlap;
+}
+
 void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns) {
   std::map<std::pair<CameraId, CameraId>, int> shared;
   for (const ViewEdge& e : edges) shared[{e.first, e.second}] = e.shared;
   for (const auto& [pair, n] : shared) pairs_.try_emplace(pair);
+  ViewOverlap overlap(map);
   for (auto& [pair, state] : pairs_) {
     const auto at = shared.find(pair);
     const int n = at == shared.end() ? 0 : at->second;
     const bool same_map = map.camera(pair.first).map == map.camera(pair.second).map;
-    const bool says = state.joined ? n >= config_.keep_shared && same_map : n >= config_.min_shared;
+    const bool says = same_map && see_the_same(state.joined, n, pair.first, pair.second, overlap);
     if (says == state.joined) {
       state.doubted = false;
       continue;

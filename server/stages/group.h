@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/map/map.h"
+#include "server/stages/overlap.h"
 
 namespace coslam {
 
@@ -20,21 +21,26 @@ struct ViewGraph {
   std::vector<ViewEdge> edges;                // N_ij > 0
   std::vector<ViewEdge> tree;                 // maximum-weight spanning forest
   std::vector<std::vector<CameraId>> groups;  // connected components, ascending
+  int group_of(CameraId camera) const;        // index in groups, -1 = in none
 };
 
 // Cameras by shared view at this instant (paper 6.1).
 ViewGraph view_graph(const Map& map, const FrameSet& set);
 
 struct GroupConfig {
-  int min_shared = 12;    // points that bring two cameras together
-  int keep_shared = 4;    // and that keep them so
-  double join_s = 0.2;    // for so long, before they are
-  double part_s = 0.6;    // with fewer for so long, before they are not any more
-  double settle_s = 0.3;  // that a new grouping must last: cameras seldom part in one instant
-  double hold_s = 1.0;    // every grouping stays at least so long
+  int min_shared = 12;             // points that bring two cameras together
+  int keep_shared = 4;             // and that keep them so
+  double min_overlap = 0.1;        // of both views, by the map, that keeps them so without any
+  int min_shared_overlapping = 6;  // points that bring them together if their views overlap so far by the map
+  double join_s = 0.2;             // for so long, before they are
+  double part_s = 0.3;             // with fewer for so long, before they are not any more
+  double settle_s = 0.3;           // that a new grouping must last: cameras seldom part in one instant
+  double hold_s = 1.0;             // every grouping stays at least so long
 };
 
-// Groups with hysteresis: a count of points flickers, a group of cameras must not.
+// Groups with hysteresis: a count of points flickers, a group of cameras must not. Where the map says that two views
+// overlap, few points found in both confirm it, and a lack of them does not deny it: how many are found depends on how
+// far apart the two cameras stand, a group on what they see.
 class Grouping {
  public:
   explicit Grouping(const GroupConfig& config) : config_(config) {}
@@ -48,6 +54,7 @@ class Grouping {
     bool doubted = false;
   };
   void judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns);
+  bool see_the_same(bool joined, int shared, CameraId first, CameraId second, ViewOverlap& overlap) const;
   std::vector<std::vector<CameraId>> components(const Map& map, TimeNs now_ns) const;
 
   GroupConfig config_;

@@ -6,29 +6,34 @@
 #include <cmath>
 
 #include "common/geometry/pose_refinement.h"
+#include "server/stages/overlap.h"
 #include "server/stages/register.h"
+#include "server/stages/track_grid.h"
 
 namespace coslam {
 namespace {
 
 constexpr std::uint32_t kPendingSets = 60;  // within which a meeting is to be confirmed
+constexpr std::uint32_t kHintSets = 20;     // in which a place that may have been recognised is looked at closely
 
-const std::vector<CameraId>* group_of(const ViewGraph& graph, CameraId camera) {
-  for (const auto& group : graph.groups) {
-    if (std::find(group.begin(), group.end(), camera) != group.end()) return &group;
-  }
-  return nullptr;
+// They found many points in both already, and are about to be one group.
+bool share_many(const ViewGraph& graph, CameraId a, CameraId b) {
+  constexpr int kMany = 12;
+  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const ViewEdge& e) {
+    return e.first == std::min(a, b) && e.second == std::max(a, b) && e.shared >= kMany;
+  });
 }
 
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
-  const auto* group = group_of(graph, a);
-  return a == b || (group != nullptr && std::find(group->begin(), group->end(), b) != group->end());
+  const int group = graph.group_of(a);
+  return a == b || (group >= 0 && group == graph.group_of(b));
 }
 
-std::vector<Eigen::Vector3d> positions_of(const Map& map, const std::set<PointId>& ids) {
-  std::vector<Eigen::Vector3d> out;
+std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
+  std::vector<const MapPoint*> out;
   for (const PointId id : ids) {
-    if (const MapPoint* p = map.find(id)) out.push_back(p->position);
+    const MapPoint* p = map.find(id);
+    if (p != nullptr && p->map == of) out.push_back(p);
   }
   return out;
 }
@@ -90,18 +95,23 @@ std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera
   return s;
 }
 
+// Some camera sees both at once, so they are two things.
+bool seen_at_once(const MapPoint& p, const MapPoint& q) {
+  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return seen_by(q, b.camera); });
+}
+
 // Tracks that matched a point of the place are bound to it; a point of their own becomes one with it.
-void bind_matches(Map& map, MapCamera& camera, const Recognition& seen) {
-  for (const auto& [track_id, point_id] : seen.matches) {
+void bind_matches(Map& map, MapCamera& camera, const std::vector<std::pair<TrackId, PointId>>& matches) {
+  for (const auto& [track_id, point_id] : matches) {
     ServerTrack& t = camera.tracks.at(track_id);
     MapPoint* kept = map.find(point_id);
-    if (kept == nullptr) continue;
-    if (t.point == PointId()) {
+    if (kept == nullptr || t.point == point_id) continue;
+    if (const MapPoint* own = map.find(t.point); own == nullptr) {
+      if (seen_by(*kept, camera.id)) continue;
       map.bind(*kept, camera.id, t);
-    } else if (t.point != point_id && map.find(t.point)->state == PointState::kStatic) {
-      map.fuse(point_id, t.point);
     } else {
-      continue;
+      if (own->state != PointState::kStatic || seen_at_once(*own, *kept)) continue;
+      map.fuse(point_id, t.point);
     }
     kept->last_seen = map.now();
     retriangulate(map, *kept);
@@ -110,7 +120,7 @@ void bind_matches(Map& map, MapCamera& camera, const Recognition& seen) {
 
 void place(Map& map, MapCamera& camera, const Recognition& seen, const LocaliseConfig& config) {
   set_pose(camera, camera.frames.back().set, seen.map, seen.cam_from_world);
-  bind_matches(map, camera, seen);
+  bind_matches(map, camera, seen.matches);
   localise_backwards(map, camera, camera.frames.back().set, config);
   map.raise_epoch();
 }
@@ -179,8 +189,14 @@ double median_depth(const Map& map, const MapCamera& camera) {
 
 MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph) {
   MeetReport report;
+  expect(map, set, graph);
   for (const CameraFrame& cf : set.frames) {
-    if (cf.descriptors) recognise(map, cf, graph, &report);
+    if (!cf.descriptors) continue;
+    if (link_expected(map, cf)) {
+      ++report.expected;
+    } else {
+      recognise(map, cf, graph, &report);
+    }
   }
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
@@ -198,10 +214,37 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   return report;
 }
 
-bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image) const {
-  const FramePose* f = map.camera(image.camera).frame_at(image.set);
-  if (f == nullptr || !f->valid()) return false;
-  if (camera.map == MapId() || f->map != camera.map) return true;
+// Which cameras of other groups see what it should see too; looked at now and then.
+void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph) {
+  constexpr std::uint32_t kEvery = 4;
+  if (set.id.value % kEvery != 0) return;
+  expected_.clear();
+  ViewOverlap overlap(map);
+  for (std::size_t i = 0; i < set.frames.size(); ++i) {
+    for (std::size_t j = i + 1; j < set.frames.size(); ++j) {
+      const CameraId a = set.frames[i].camera, b = set.frames[j].camera;
+      if (together(graph, a, b) || share_many(graph, a, b)) continue;
+      if (overlap.between(a, b).least() < config_.min_overlap) continue;
+      expected_[a].push_back(b);
+      expected_[b].push_back(a);
+    }
+  }
+}
+
+bool Meetings::link_expected(Map& map, const CameraFrame& frame) const {
+  const auto others = expected_.find(frame.camera);
+  if (others == expected_.end()) return false;
+  MapCamera& camera = map.camera(frame.camera);
+  const std::uint32_t lately = 2 * static_cast<std::uint32_t>(config_.expect_period);
+  const SetId since(map.now().value - std::min(map.now().value, lately));
+  const auto found = places_.find_expected(map, frame, others->second, since, slack_px(map, camera));
+  bind_matches(map, camera, found);
+  return !found.empty();
+}
+
+bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,
+                       MapId in) const {
+  if (camera.map == MapId() || in != camera.map) return true;
   const bool lately = image.set.value + static_cast<std::uint32_t>(map.config().active_frames) >= map.now().value;
   return lately ? !together(graph, camera.id, image.camera) : config_.loops;
 }
@@ -210,12 +253,13 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
   MapCamera& camera = map.camera(frame.camera);
   const bool unplaced = camera.map == MapId();
   if (!unplaced && !camera.frames.back().valid()) return;
-  const auto seen = places_.find(map, frame, [&](const KeyImage& i) { return may_ask(map, camera, graph, i); });
+  const auto seen =
+      places_.find(map, frame, [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
   if (!seen) return;
   ++report->sightings;
   const std::set<PointId> evidence = points_of(*seen);
   if (unplaced) {
-    if (!has_relief(positions_of(map, evidence), seen->median_depth) && !where_it_was_lost(camera, *seen)) {
+    if (!has_relief(points_in(map, seen->map, evidence), seen->median_depth) && !where_it_was_lost(camera, *seen)) {
       ++report->doubted;
       return;
     }
@@ -223,9 +267,12 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
     ++report->placed;
     return;
   }
-  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) return;
-  if (seen->map == camera.map && as_expected(map, camera, *seen, config_.slack_sigma * map.gate_sigma_px(camera))) {
-    bind_matches(map, camera, *seen);
+  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) {
+    described_[camera.id].hinted = map.now();
+    return;
+  }
+  if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
+    bind_matches(map, camera, seen->matches);
     ++report->linked;
     return;
   }
@@ -245,24 +292,37 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
 bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
                          const Similarity3& in_from_own) {
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
-  const auto at = pending_.find(camera.id);
-  if (at != pending_.end() && at->second.own == camera.map && at->second.in == seen.map &&
-      at->second.first.value + kPendingSets > map.now().value) {
+  const bool within = camera.map == seen.map, forward = camera.map <= seen.map;
+  const Claim claim{std::min(camera.map, seen.map), std::max(camera.map, seen.map),
+                    within ? std::optional(camera.id) : std::nullopt};
+  const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
+  const auto at = pending_.find(claim);
+  if (at != pending_.end() && at->second.since.value + kPendingSets > map.now().value) {
     Pending& p = at->second;
-    const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, p.in_from_own);
+    const Similarity3 before = forward ? p.second_from_first : p.second_from_first.inverse();
+    const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, before);
     const bool agrees = expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
                         (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
-                        std::abs(std::log(p.in_from_own.scale / in_from_own.scale)) < kScale;
+                        std::abs(std::log(before.scale / in_from_own.scale)) < kScale;
     if (agrees) {
       for (const PointId id : points_of(seen)) p.evidence.insert(id);
-      p.in_from_own = in_from_own;
-      if (!has_relief(positions_of(map, p.evidence), seen.median_depth)) return false;
+      p.cameras.insert({camera.id, seen.key_camera});
+      if (p.since == map.now()) return false;  // of the same instant
+      p.second_from_first = second_from_first;
+      if (!has_relief(points_in(map, seen.map, p.evidence), seen.median_depth)) return false;
       pending_.erase(at);
       return true;
     }
   }
-  pending_[camera.id] = {camera.map, seen.map, in_from_own, map.now(), points_of(seen)};
+  pending_[claim] = {second_from_first, map.now(), points_of(seen), {camera.id, seen.key_camera}};
   return false;
+}
+
+bool Meetings::awaits_confirmation(const Map& map, CameraId camera) const {
+  return std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
+    const Pending& p = entry.second;
+    return p.cameras.contains(camera) && p.since.value + kPendingSets > map.now().value;
+  });
 }
 
 void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
@@ -275,7 +335,7 @@ void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const 
   } else {
     map.merge(own, in, in_from_own);
   }
-  bind_matches(map, camera, seen);
+  bind_matches(map, camera, seen.matches);
   pending_.clear();
   ++report->merged;
   report->to_adjust = camera.map;
@@ -290,10 +350,12 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
                         seen.key_set,
                         seen.cam_from_world * there->cam_from_world.inverse(),
                         in_from_own.scale};
-  const auto* group = group_of(graph, camera.id);
-  if (!close_loop(map, camera.map, reunion, reunions_, group != nullptr ? *group : std::vector<CameraId>{})) return;
+  const int group = graph.group_of(camera.id);
+  const std::vector<CameraId> with_it =
+      group < 0 ? std::vector<CameraId>() : graph.groups[static_cast<std::size_t>(group)];
+  if (!close_loop(map, camera.map, reunion, reunions_, with_it)) return;
   reunions_.push_back(reunion);
-  bind_matches(map, camera, seen);
+  bind_matches(map, camera, seen.matches);
   pending_.clear();
   ++report->closed;
   report->to_adjust = camera.map;
@@ -307,11 +369,12 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
     return due(config_.lost_period) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
-  const auto pending = pending_.find(camera.id);
-  const bool confirm = pending != pending_.end() && since(pending->second.first) < kPendingSets;
+  const bool hinted = d.hinted && since(d.hinted) < kHintSets;
+  const bool confirm = awaits_confirmation(map, camera.id) || hinted;
+  const bool expects = expected_.contains(camera.id);
   const bool wanted = confirm ? due(config_.confirm_period)
                       : !d.at ? due(config_.lost_period)
-                      : apart && due(config_.apart_period)
+                      : (apart && due(config_.apart_period)) || (expects && due(config_.expect_period))
                           ? true
                           : due(parted ? config_.least_period / 2 : config_.least_period) &&
                                 view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);

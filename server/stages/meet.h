@@ -23,6 +23,8 @@ struct MeetConfig {
   int lost_period = 6;         // sets between requests for descriptors of a camera without a map
   int apart_period = 15;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
+  int expect_period = 8;       // the same while it should see what another group sees
+  double min_overlap = 0.08;   // of both views, by the map, for that
   int least_period = 30;       // between requests because the view changed
   double turned_rad = 0.3;     // of the optical axis, or
   double moved_share = 0.5;    // of the median depth: the view is another one
@@ -32,15 +34,17 @@ struct MeetConfig {
 struct MeetReport {
   int described = 0;  // images that came with descriptors
   int sightings = 0;  // known places recognised
-  int placed = 0, merged = 0, closed = 0, linked = 0, doubted = 0;
+  int placed = 0, merged = 0, closed = 0, linked = 0, expected = 0, doubted = 0;
   MapId to_adjust;  // the last map that was made of two or drawn together; 0 = none
   std::map<CameraId, DescriptorRequest> requests;
 };
 
 // Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
 // brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
-// comes back, shows how far the map has drifted, and draws it together (step 2). Before maps move, a meeting has to be
-// confirmed by a second image, and must not rest on a single plane: two rooms may have the same poster.
+// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that cameras of two
+// groups see the same, both are asked at once, and points are looked for where they should appear. Before maps move, a
+// meeting has to be confirmed by a second image, and must not rest on a single plane: two rooms may have the same
+// poster.
 class Meetings {
  public:
   explicit Meetings(const MeetConfig& config) : config_(config), places_(config.recognise) {}
@@ -48,20 +52,34 @@ class Meetings {
   MeetReport step(Map& map, const FrameSet& set, const ViewGraph& graph);
 
  private:
-  struct Pending {
-    MapId own, in;
-    Similarity3 in_from_own;
-    SetId first;
-    std::set<PointId> evidence;
+  // What waits to be confirmed: that two maps are one place, whichever of their cameras sees it (`first` < `second`);
+  // or that one camera's part of a map belongs elsewhere in it.
+  struct Claim {
+    MapId first, second;
+    std::optional<CameraId> camera;
+    friend auto operator<=>(const Claim&, const Claim&) = default;
   };
-  // When a camera was last asked for descriptors, and where it was when it last gave them.
+  struct Pending {
+    Similarity3 second_from_first;
+    SetId since;
+    std::set<PointId> evidence;
+    std::set<CameraId> cameras;  // that saw it or were seen
+  };
+  // When a camera was last asked for descriptors, last gave them, and last saw a known place in too few features to act
+  // on it.
   struct Described {
-    std::optional<SetId> asked, at;
+    std::optional<SetId> asked, at, hinted;
   };
 
-  bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image) const;
+  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph);
+  double slack_px(const Map& map, const MapCamera& camera) const {
+    return config_.slack_sigma * map.gate_sigma_px(camera);
+  }
+  bool link_expected(Map& map, const CameraFrame& frame) const;
+  bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
   void recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
   bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own);
+  bool awaits_confirmation(const Map& map, CameraId camera) const;
   void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
   void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
              const ViewGraph& graph, MeetReport* report);
@@ -70,8 +88,9 @@ class Meetings {
 
   MeetConfig config_;
   PlaceMemory places_;
-  std::map<CameraId, Pending> pending_;
+  std::map<Claim, Pending> pending_;
   std::map<CameraId, Described> described_;
+  std::map<CameraId, std::vector<CameraId>> expected_;  // cameras of other groups whose view a camera's should overlap
   std::vector<Reunion> reunions_;
 };
 

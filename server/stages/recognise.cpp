@@ -4,11 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 
 #include "common/geometry/pose_refinement.h"
+#include "server/solve/root_sift.h"
 #include "server/solve/start.h"
+#include "server/stages/track_grid.h"
 
 namespace coslam {
 namespace {
@@ -88,6 +91,64 @@ std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, cons
   return out;
 }
 
+struct NearMatch {
+  TrackId track;
+  PointId point;
+  double off_px;  // from where the point should appear
+};
+
+// Known points and features that look most like each other among those near where the camera's pose puts the points.
+std::vector<NearMatch> match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
+                                  const KnownPoints& known, double gate_px) {
+  constexpr double kSearch = 5;   // of the gate
+  constexpr float kRatio = 0.8F;  // of the second best distance
+  struct Best {
+    std::size_t other = 0;
+    float first = 2, second = 2;  // squared distances
+    double off_px = 0;
+    void offer(std::size_t index, float d2, double px) {
+      if (d2 < first) {
+        second = first;
+        first = d2;
+        other = index;
+        off_px = px;
+      } else {
+        second = std::min(second, d2);
+      }
+    }
+    bool distinct() const { return first < kRatio * kRatio * second; }
+  };
+  const Descriptors features = root_sift(reply.descriptors), points = root_sift(known.descriptors);
+  std::vector<Eigen::Vector2d> pixels;
+  for (const TrackId id : reply.tracks) {
+    const auto at = camera.tracks.find(id);
+    pixels.emplace_back(Eigen::Vector2d::Constant(std::nan("")));
+    if (at != camera.tracks.end()) pixels.back() = at->second.seen.back().undistorted_px.cast<double>();
+  }
+  std::vector<Best> of_point(known.ids.size()), of_feature(pixels.size());
+  for (std::size_t p = 0; p < known.ids.size(); ++p) {
+    Eigen::Vector2d px;
+    if (seen_by(*map.find(known.ids[p]), camera.id)) continue;
+    if (!project_world(camera.model, camera.frames.back().cam_from_world, known.positions[p], &px)) continue;
+    for (std::size_t f = 0; f < pixels.size(); ++f) {
+      const double off_px = (pixels[f] - px).norm();
+      if (!(off_px < kSearch * gate_px)) continue;
+      const float d2 = 2 - 2 * points.row(static_cast<Eigen::Index>(p)).dot(features.row(static_cast<Eigen::Index>(f)));
+      of_point[p].offer(f, d2, off_px);
+      of_feature[f].offer(p, d2, off_px);
+    }
+  }
+  std::vector<NearMatch> out;
+  for (std::size_t p = 0; p < known.ids.size(); ++p) {
+    const Best& best = of_point[p];
+    constexpr float kMost = 0.5F;  // squared: where nothing else is near, there is no second best to compare with
+    if (best.first > kMost || !best.distinct() || !of_feature[best.other].distinct()) continue;
+    if (of_feature[best.other].other != p) continue;
+    out.push_back({reply.tracks[best.other], known.ids[p], best.off_px});
+  }
+  return out;
+}
+
 }  // namespace
 
 void PlaceMemory::add(Map& map, const CameraFrame& frame) {
@@ -98,15 +159,41 @@ void PlaceMemory::add(Map& map, const CameraFrame& frame) {
   images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
 }
 
+std::vector<std::pair<TrackId, PointId>> PlaceMemory::find_expected(const Map& map, const CameraFrame& frame,
+                                                                    const std::vector<CameraId>& cameras, SetId since,
+                                                                    double gate_px) const {
+  const MapCamera& camera = map.camera(frame.camera);
+  if (!frame.descriptors || !camera.frames.back().valid()) return {};
+  std::vector<const KeyImage*> asked;
+  for (const CameraId c : cameras) {
+    const auto newest =
+        std::find_if(images_.rbegin(), images_.rend(), [&](const KeyImage& i) { return i.camera == c; });
+    if (newest != images_.rend() && newest->set >= since) asked.push_back(&*newest);
+  }
+  const KnownPoints known = known_points(map, camera.map, asked);
+  std::vector<std::pair<TrackId, PointId>> fitting;
+  int beside = 0;
+  for (const NearMatch& m : match_near(map, camera, *frame.descriptors, known, gate_px)) {
+    if (m.off_px > gate_px) {
+      ++beside;
+    } else {
+      fitting.emplace_back(m.track, m.point);
+    }
+  }
+  const int found = static_cast<int>(fitting.size());
+  if (found < config_.min_expected || found < beside) return {};
+  return fitting;
+}
+
 std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
-                                             const std::function<bool(const KeyImage&)>& may_ask) const {
+                                             const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
   if (!frame.descriptors) return std::nullopt;
   const std::vector<int> votes = index_.votes(frame.descriptors->descriptors);
   std::vector<std::pair<int, const KeyImage*>> order;
   for (std::size_t i = 0; i < images_.size(); ++i) {
-    if (votes[i] < config_.min_votes || !may_ask(images_[i])) continue;
     const FramePose* f = map.camera(images_[i].camera).frame_at(images_[i].set);
-    if (f != nullptr && f->valid()) order.emplace_back(votes[i], &images_[i]);
+    if (votes[i] < config_.min_votes || !f->valid() || !may_ask(images_[i], f->map)) continue;
+    order.emplace_back(votes[i], &images_[i]);
   }
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   // The best image names the map; others of it lend their points.
@@ -121,27 +208,28 @@ std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& 
   return locate(map, frame, asked, in, config_);
 }
 
-bool has_relief(const std::vector<Eigen::Vector3d>& positions, double median_depth) {
+bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {
   constexpr double kFlat = 0.03;      // of the distance
-  constexpr double kOffShare = 0.15;  // of the points
+  constexpr double kSigmas = 3;       // of a point along the plane's normal
+  constexpr double kOffShare = 0.05;  // of the points: more than are mismatched
   constexpr std::size_t kLeastOff = 6;
   constexpr int kTries = 100;
-  if (positions.size() < 4) return false;
+  if (points.size() < 4) return false;
   std::mt19937 random(1);
-  std::size_t most = 0;
+  std::size_t least_off = points.size();
   for (int i = 0; i < kTries; ++i) {
-    const auto &a = positions[random() % positions.size()], &b = positions[random() % positions.size()],
-               &c = positions[random() % positions.size()];
+    const auto any = [&] { return points[random() % points.size()]->position; };
+    const Eigen::Vector3d a = any(), b = any(), c = any();
     const Eigen::Vector3d n = (b - a).cross(c - a);
     if (n.norm() < 1e-9 * median_depth * median_depth) continue;
     const Eigen::Vector3d normal = n.normalized();
-    const auto on = static_cast<std::size_t>(std::count_if(positions.begin(), positions.end(), [&](const auto& p) {
-      return std::abs(normal.dot(p - a)) < kFlat * median_depth;
+    const auto off = static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const MapPoint* p) {
+      const double sigma = std::sqrt(std::max(0.0, normal.dot(p->covariance * normal)));
+      return std::abs(normal.dot(p->position - a)) > std::max(kFlat * median_depth, kSigmas * sigma);
     }));
-    most = std::max(most, on);
+    least_off = std::min(least_off, off);
   }
-  const std::size_t off = positions.size() - most;
-  return off >= kLeastOff && static_cast<double>(off) >= kOffShare * static_cast<double>(positions.size());
+  return least_off >= kLeastOff && static_cast<double>(least_off) >= kOffShare * static_cast<double>(points.size());
 }
 
 }  // namespace coslam

@@ -17,6 +17,7 @@ struct RecogniseConfig {
   int images = 4;          // best key images whose points are matched
   int min_inliers = 20;    // of the pose
   double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose
+  int min_expected = 5;    // points found where the pose says they are: enough to believe it
 };
 
 // An image that the map remembers by its looks. The points behind its features are those with an observation of it.
@@ -44,9 +45,15 @@ class PlaceMemory {
 
   // Remembers what this camera sees now, if it told.
   void add(Map& map, const CameraFrame& frame);
-  // Where the camera is by the place that looks most like its image, among the key images that may be asked.
+  // Points behind the newest key images of these cameras, not older than `since`, that the camera finds where its pose
+  // says: near there alone is searched. Empty when they are too few, or when as many are found beside that.
+  std::vector<std::pair<TrackId, PointId>> find_expected(const Map& map, const CameraFrame& frame,
+                                                         const std::vector<CameraId>& cameras, SetId since,
+                                                         double gate_px) const;
+  // Where the camera is by the place that looks most like its image, among the key images that may be asked; these have
+  // a pose, in the map that is named.
   std::optional<Recognition> find(const Map& map, const CameraFrame& frame,
-                                  const std::function<bool(const KeyImage&)>& may_ask) const;
+                                  const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
 
  private:
   RecogniseConfig config_;
@@ -54,8 +61,8 @@ class PlaceMemory {
   std::vector<KeyImage> images_;  // as in the index
 };
 
-// Whether some of these points stand off the plane through most of them: flat things, like posters, exist in many
-// copies.
-bool has_relief(const std::vector<Eigen::Vector3d>& positions, double median_depth);
+// Whether some of these points stand off the plane through most of them, by more than their standard deviations allow:
+// flat things, like posters, exist in many copies.
+bool has_relief(const std::vector<const MapPoint*>& points, double median_depth);
 
 }  // namespace coslam

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "common/base/error.h"
 
@@ -67,14 +68,25 @@ ResultStore::ResultStore(const std::filesystem::path& folder)
 
 void ResultStore::record(const FrameSet& set, const MapServer& server) {
   for (const CameraFrame& cf : set.frames) {
-    const TrackFrame& f = cf.frame;
-    if (f.pose_state == PoseState::kTracked && f.server_run == server.run()) {
-      live_[f.agent].push_back({f.capture_ns, f.cam_from_world});
-    }
-    if (f.frame.value % kTrackEvery == 0) record_tracks(cf, server);
+    record_live(cf, server);
+    if (cf.frame.frame.value % kTrackEvery == 0) record_tracks(cf, server);
   }
   record_groups(set, server);
   record_objects(set, server);
+}
+
+// In the frame of the map that the agent had been told of when it took the pose: it hears of a merge later.
+void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
+  const TrackFrame& f = cf.frame;
+  auto& told = told_[cf.camera];
+  if (f.pose_state == PoseState::kTracked && f.server_run == server.run()) {
+    const auto last =
+        std::find_if(told.rbegin(), told.rend(), [&](const auto& entry) { return entry.first <= f.epoch; });
+    if (last != told.rend() && last->second != MapId())
+      live_[cf.camera][last->second].push_back({f.capture_ns, f.cam_from_world});
+  }
+  const MapId now = server.map().camera(cf.camera).map;
+  if (told.empty() || told.back().second != now) told.emplace_back(server.map().epoch(), now);
 }
 
 void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) {
@@ -134,12 +146,38 @@ void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths) {
   }
 }
 
-void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& report) {
+// What has no relation to the common map goes beside it, each map by itself.
+void ResultStore::write_trajectories(const MapServer& server) {
+  const auto save = [](const std::filesystem::path& file, const Trajectory& trajectory) {
+    std::error_code error;
+    std::filesystem::create_directories(file.parent_path(), error);  // when not, saving fails
+    save_tum(file, trajectory);
+  };
+  for (const MapId old : folder_.separate_maps()) {
+    for (const auto& file : {folder_.trajectory(old, ""), folder_.live(old, "")}) {
+      std::error_code error;
+      std::filesystem::remove_all(file.parent_path(), error);
+    }
+  }
   const MapId of = server.largest_map();
   for (const MapCamera& c : server.map().cameras()) {
+    std::set<MapId> maps;
+    for (const FramePose& f : c.frames) {
+      if (f.valid() && f.map != of) maps.insert(f.map);
+    }
     save_tum(folder_.trajectory(c.name), final_trajectory(c, of));
-    save_tum(folder_.live(c.name), live_[c.name]);
+    for (const MapId m : maps) save(folder_.trajectory(m, c.name), final_trajectory(c, m));
+    auto& live = live_[c.id];
+    save_tum(folder_.live(c.name), live[of]);
+    for (const auto& [m, trajectory] : live) {
+      if (m != of) save(folder_.live(m, c.name), trajectory);
+    }
   }
+}
+
+void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& report) {
+  const MapId of = server.largest_map();
+  write_trajectories(server);
   const std::vector<ResultPoint> points = result_points(server.map(), of);
   PointWriter writer(folder_.points());
   for (const ResultPoint& p : points) writer.write(p);
@@ -168,14 +206,13 @@ nlohmann::ordered_json times_report(const StageTimes& times) {
 
 nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
   const MapCamera& camera = server.map().camera(id);
-  const MapId of = server.largest_map();
   nlohmann::ordered_json lost = nlohmann::ordered_json::array();
   std::size_t tracked = 0;
   const FramePose* lost_from = nullptr;
   for (const FramePose& f : camera.frames) {
-    tracked += f.map == of ? 1 : 0;
-    if (f.map != of && lost_from == nullptr) lost_from = &f;
-    if (f.map == of && lost_from != nullptr) {
+    tracked += f.valid() ? 1 : 0;
+    if (!f.valid() && lost_from == nullptr) lost_from = &f;
+    if (f.valid() && lost_from != nullptr) {
       lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(f.capture_ns)});
       lost_from = nullptr;
     }
@@ -220,6 +257,7 @@ nlohmann::ordered_json server_report(const MapServer& server) {
   out["points"] = by_state;
   out["key_frames"] = server.map().key_frames().size();
   out["merges"] = server.counts().merges;
+  out["maps"] = server.map_count();
   out["inter_pose_calls"] = server.counts().inter_pose_calls;
   out["refinements"] = server.counts().refinements;
   out["scale_known"] = server.scale_known();

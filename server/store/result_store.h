@@ -27,6 +27,8 @@ class ResultStore {
   void finish(const MapServer& server, const nlohmann::ordered_json& report);
 
  private:
+  void record_live(const CameraFrame& frame, const MapServer& server);
+  void write_trajectories(const MapServer& server);
   void record_tracks(const CameraFrame& frame, const MapServer& server);
   void record_groups(const FrameSet& set, const MapServer& server);
   void record_objects(const FrameSet& set, const MapServer& server);
@@ -39,7 +41,10 @@ class ResultStore {
   };
 
   ResultFolder folder_;
-  std::map<std::string, Trajectory> live_;
+  // Poses as the agents published them, by camera and the map whose frame they are in.
+  std::map<CameraId, std::map<MapId, Trajectory>> live_;
+  std::map<CameraId, std::vector<std::pair<MapEpoch, MapId>>>
+      told_;  // which map an agent was told of, from each epoch on
   std::map<std::string, std::unique_ptr<TrackWriter>> tracks_;
   GroupWriter groups_;
   DynamicWriter dynamic_;

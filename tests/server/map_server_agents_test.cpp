@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <vector>
 
 #include "server/map_server.h"
 #include "tests/support/sim_map.h"
@@ -195,6 +197,65 @@ TEST_P(AgentsApartWorlds, MapsOfTheirOwnBecomeOne) {
   const test::PathError error = run.path_error();
   EXPECT_GE(error.frames, 0.95 * error.all_frames) << "and their past with them";
   EXPECT_LT(error.ate, 0.015 * error.path_m);
+}
+
+// The merge moves an agent's world under it: the pose that it publishes next is the one before, moved by the correction
+// and by its own motion in between; and it goes on following what it followed.
+TEST_P(AgentsApartWorlds, LivePosesFollowTheMergeAndNoTrackIsLost) {
+  const SimWorld world({.seed = GetParam(), .points = 900});
+  SimRun run(world, {});
+  run.add_agent(aside(-1, 2));
+  run.add_agent(aside(1, 2));
+  run.step(60);
+  struct Before {
+    Rigid3 cam_from_world;
+    std::set<TrackId> mapped;
+    TimeNs t_ns = 0;
+  };
+  std::vector<Before> before(2);
+  for (int i = 0; i < 120 && run.server().counts().merges == 0; ++i) {
+    for (int c = 0; c < 2; ++c) {
+      before[static_cast<std::size_t>(c)].mapped.clear();
+      for (const auto& [id, t] : run.map().camera(cam(c)).tracks) {
+        if (t.point != PointId()) before[static_cast<std::size_t>(c)].mapped.insert(id);
+      }
+    }
+    run.step();
+    for (int c = 0; c < 2; ++c) {
+      Before& b = before[static_cast<std::size_t>(c)];
+      b.cam_from_world = run.agent(cam(c)).pose().cam_from_world;
+      b.t_ns = run.map().camera(cam(c)).frames.back().capture_ns;
+    }
+  }
+  ASSERT_EQ(run.server().counts().merges, 1);
+  std::vector<Similarity3> new_from_old;
+  for (int c = 0; c < 2; ++c) {
+    new_from_old.push_back(run.last_patches()[static_cast<std::size_t>(c)].new_from_old);
+    int lost = 0, live = 0;
+    for (const TrackId id : before[static_cast<std::size_t>(c)].mapped) {
+      const auto& tracks = run.map().camera(cam(c)).tracks;
+      const auto at = tracks.find(id);
+      if (at == tracks.end()) continue;  // ended in the image
+      ++live;
+      lost += at->second.point == PointId();
+    }
+    EXPECT_GT(live, 50);
+    EXPECT_LE(lost, live / 50) << "as in any set";
+  }
+  const auto turn_of = [](const Similarity3& s) { return s.rotation.angularDistance(Eigen::Quaterniond::Identity()); };
+  EXPECT_GT(std::max(turn_of(new_from_old[0]), turn_of(new_from_old[1])), 0.5) << "one of them gave up its frame";
+  run.step();
+  const double scale = 1 / run.path_error().scale;  // map over truth
+  for (int c = 0; c < 2; ++c) {
+    const Before& b = before[static_cast<std::size_t>(c)];
+    EXPECT_EQ(run.agent(cam(c)).pose_state(), PoseState::kTracked);
+    const TimeNs now_ns = run.map().camera(cam(c)).frames.back().capture_ns;
+    const Rigid3 moved = transform_world(b.cam_from_world, new_from_old[static_cast<std::size_t>(c)]);
+    const Rigid3 step = run.agent(cam(c)).pose().cam_from_world * moved.inverse();
+    const Rigid3 true_step = run.truth(cam(c), now_ns) * run.truth(cam(c), b.t_ns).inverse();
+    EXPECT_LT(step.rotation.angularDistance(true_step.rotation), 0.005);
+    EXPECT_LT((step.translation / scale - true_step.translation).norm(), 0.02) << "of 4 m to what it sees";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AgentsApartWorlds, testing::Range(1U, 5U));

@@ -26,6 +26,8 @@ struct AgentPaths {
   Trajectory live;
   Trajectory truth;  // of the played part
   int frames = 0;    // of its source; 0 = not known
+  // In maps without a known relation to the common one.
+  std::map<MapId, Trajectory> apart;
 };
 
 // Lengths are metres of the truth. Empty means not known, never zero.
@@ -82,7 +84,7 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
 // The trajectory part of the evaluation. rate_hz of the sequence bounds the gaps that truth is interpolated over.
 Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz);
 
-// The maps that the agents share, and whether they should.
+// The maps that the agents share, each aligned by itself, and whether they should share them.
 void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const Partition& maps, double rate_hz);
 
 // Everything. scene: the world of a simulated sequence, or null.

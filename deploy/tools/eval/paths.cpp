@@ -45,6 +45,7 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) 
   e.name = agent.name;
   e.frames = agent.frames > 0 ? agent.frames : static_cast<int>(agent.truth.size());
   e.poses = static_cast<int>(agent.estimate.size());
+  for (const auto& [map, poses] : agent.apart) e.poses += static_cast<int>(poses.size());
   if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
   if (!agent.truth.empty()) e.path_m = path_length(agent.truth);
   const Alignment own = align_centers({pairs});
@@ -99,31 +100,57 @@ bool contradict(const PosePairs& a, const PosePairs& b) {
 
 }  // namespace
 
-void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const Partition& maps, double rate_hz) {
-  for (const AgentNames& names : maps) {
-    std::vector<const AgentPaths*> members;
-    std::vector<PosePairs> pairs;
-    double path_m = 0;
-    for (const AgentPaths& agent : agents) {
-      if (!names.contains(agent.name)) continue;
-      members.push_back(&agent);
-      pairs.push_back(pair_poses(agent.estimate, agent.truth, max_gap_ns(rate_hz)));
-      path_m += path_length(agent.truth);
-    }
-    MapEvaluation map{names, {}, {}, {}};
-    const Alignment alignment = align_centers(pairs);
-    if (alignment.target_from_source) {
-      map.ate_m = alignment.rmse;
-      map.ate_percent = percent_of(map.ate_m, path_m);
-      map.scale = alignment.target_from_source->scale;
-    }
-    e.maps.push_back(map);
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      for (std::size_t j = i + 1; j < members.size(); ++j) {
-        if (contradict(pairs[i], pairs[j])) e.wrong_merges.emplace_back(members[i]->name, members[j]->name);
-      }
+namespace {
+
+struct Member {
+  const AgentPaths* agent;
+  PosePairs pairs;
+};
+
+// What these have in one map, under an alignment of its own.
+void evaluate_map(Evaluation& e, const std::vector<Member>& members) {
+  MapEvaluation map;
+  std::vector<PosePairs> pairs;
+  double path_m = 0;
+  for (const Member& m : members) {
+    map.agents.insert(m.agent->name);
+    pairs.push_back(m.pairs);
+    path_m += path_length(m.agent->truth);
+  }
+  const Alignment alignment = align_centers(pairs);
+  if (alignment.target_from_source) {
+    map.ate_m = alignment.rmse;
+    map.ate_percent = percent_of(map.ate_m, path_m);
+    map.scale = alignment.target_from_source->scale;
+  }
+  e.maps.push_back(map);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (std::size_t j = i + 1; j < members.size(); ++j) {
+      if (contradict(pairs[i], pairs[j])) e.wrong_merges.emplace_back(members[i].agent->name, members[j].agent->name);
     }
   }
+}
+
+}  // namespace
+
+void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const Partition& maps, double rate_hz) {
+  std::map<MapId, std::vector<Member>> apart;
+  for (const AgentPaths& agent : agents) {
+    for (const auto& [map, poses] : agent.apart) {
+      apart[map].push_back({&agent, pair_poses(poses, agent.truth, max_gap_ns(rate_hz))});
+    }
+  }
+  for (const AgentNames& names : maps) {
+    std::vector<Member> members;
+    for (const AgentPaths& agent : agents) {
+      if (!names.contains(agent.name)) continue;
+      // One that was never in the common map is judged in its own.
+      if (agent.estimate.empty() && !agent.apart.empty()) continue;
+      members.push_back({&agent, pair_poses(agent.estimate, agent.truth, max_gap_ns(rate_hz))});
+    }
+    if (!members.empty()) evaluate_map(e, members);
+  }
+  for (const auto& [map, members] : apart) evaluate_map(e, members);
 }
 
 std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence) {
@@ -138,6 +165,10 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
     any = any || has_trajectory;
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
                       played_truth(agent), frames_of(reported, agent.name)});
+    for (const MapId map : result.separate_maps()) {
+      Trajectory apart = load_if_there(result.trajectory(map, agent.name));
+      if (!apart.empty()) agents.back().apart.emplace(map, std::move(apart));
+    }
   }
   if (!any) {
     throw UserError(result.path().string() + ": there is no trajectory/<agent>.tum of an agent of " +

@@ -146,6 +146,8 @@ std::string change_text(const GroupChange& c) {
 std::string group_lines(const Evaluation& e) {
   std::string text;
   if (e.maps.size() > 1) {
+    text += printed("  %d maps without a known relation; the joint figures are of the largest\n",
+                    static_cast<int>(e.maps.size()));
     for (const MapEvaluation& m : e.maps) {
       text += "  map of " + list_of(m.agents) + ": ATE " + (m.ate_m ? printed("%.4f m", *m.ate_m) : "-") +
               (m.scale ? printed(", scale %.5f", *m.scale) : "") + "\n";

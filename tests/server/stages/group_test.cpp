@@ -158,5 +158,50 @@ TEST_F(GroupingTest, DoesNotFlicker) {
   EXPECT_LE(changes, 6) << "5.7 s in all, none shorter than one";
 }
 
+// Cameras 0 and 1 look at the same, but their points are not the same ones, or few are.
+class OverlappingGroupTest : public GroupTest {
+ protected:
+  void see_apart() {
+    for (const int c : {0, 1}) {
+      for (auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
+        if (t.point != PointId()) continue;
+        MapPoint& p = sim_.map.create_point(sim_.id, world_.position(sim_.world_point(cam(c), id)),
+                                            1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, 0);
+        sim_.map.bind(p, cam(c), t);
+      }
+    }
+  }
+  bool together_after(int sets) {
+    bool together = false;
+    for (int i = 0; i < sets; ++i) {
+      sim_.advance();
+      together = grouping_.step(sim_.map, sim_.set).groups[0].size() == 2;
+    }
+    return together;
+  }
+  Grouping grouping_{GroupConfig{}};
+};
+
+TEST_F(OverlappingGroupTest, FewSharedPointsConfirmAnOverlap) {
+  share({0, 1}, 11);
+  see_apart();
+  EXPECT_TRUE(together_after(40));
+}
+
+TEST_F(OverlappingGroupTest, AnOverlapAloneDoesNotJoin) {
+  see_apart();
+  EXPECT_FALSE(together_after(40));
+}
+
+TEST_F(OverlappingGroupTest, AnOverlapKeepsThem) {
+  share({0, 1}, 20);
+  ASSERT_TRUE(together_after(40));
+  std::vector<PointId> shared;
+  for (const auto& [id, p] : sim_.map.points()) shared.push_back(id);
+  for (const PointId id : shared) sim_.map.remove_point(id);
+  see_apart();
+  EXPECT_TRUE(together_after(60));
+}
+
 }  // namespace
 }  // namespace coslam

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/overlap.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
+
+// Two cameras that stand still; every point has its own id in each, so that they share none.
+class OverlapTest : public testing::Test {
+ protected:
+  OverlapShares between(const Rigid3& first, const Rigid3& second) {
+    test::SimMap sim(world_, {test::still_path(first), test::still_path(second)});
+    sim.advance();
+    for (int c = 0; c < 2; ++c) {
+      for (auto& [id, t] : sim.map.camera(cam(c)).tracks) {
+        MapPoint& p = sim.map.create_point(sim.id, world_.position(sim.world_point(cam(c), id)),
+                                           1e-4 * Eigen::Matrix3d::Identity(), sim.set.id, 0);
+        sim.map.bind(p, cam(c), t);
+      }
+    }
+    change(sim);
+    return ViewOverlap(sim.map).between(cam(0), cam(1));
+  }
+  virtual void change(test::SimMap& /*sim*/) {}
+  const test::SimWorld world_{{}};
+};
+
+TEST_F(OverlapTest, SideBySideTheySeeTheSame) {
+  const OverlapShares s = between(test::looking({-0.1, 0, 0}), test::looking({0.1, 0, 0}));
+  EXPECT_GT(s.least(), 0.8);
+}
+
+TEST_F(OverlapTest, TurnedAwayLessAndThenNothing) {
+  const OverlapShares half = between(test::looking({0, 0, 0}), test::looking({0, 0, 0}, 0.65));
+  EXPECT_GT(half.least(), 0.2);
+  EXPECT_LT(half.least(), 0.7);
+  EXPECT_EQ(between(test::looking({0, 0, 0}), test::looking({0, 0, 0}, 1.5)).least(), 0);
+}
+
+// What the second camera follows is much nearer: it stands before a wall that hides the rest.
+class HiddenOverlapTest : public OverlapTest {
+  void change(test::SimMap& sim) override {
+    const Eigen::Vector3d center = sim.truth(cam(1), sim.set.id).center();
+    for (auto& [id, t] : sim.map.camera(cam(1)).tracks) {
+      MapPoint& p = *sim.map.find(t.point);
+      p.position = center + 0.3 * (p.position - center);
+    }
+  }
+};
+
+TEST_F(HiddenOverlapTest, NearerThingsHideTheRest) {
+  EXPECT_LT(between(test::looking({0, 0, 0}), test::looking({0, 0, 0})).least(), 0.05);
+}
+
+class OtherMapOverlapTest : public OverlapTest {
+  void change(test::SimMap& sim) override { sim.map.camera(cam(1)).frames.back().map = sim.map.new_map(); }
+};
+
+TEST_F(OtherMapOverlapTest, NothingIsKnownOfOtherMaps) {
+  EXPECT_EQ(between(test::looking({0, 0, 0}), test::looking({0, 0, 0})).least(), 0);
+}
+
+}  // namespace
+}  // namespace coslam
