@@ -32,11 +32,9 @@ double mean_distance(const Map& map, const MapPoint& p) {
 
 // By how much the distance of two points changed on their common path, from means over parts of it so that noise does
 // not count; empty when there is too little in common.
-std::optional<double> stretch_of(const MovingPath& a, const MovingPath& b, TimeNs now_ns, double path_s) {
-  constexpr std::size_t kParts = 5;
-  constexpr int kLeast = 3;
-  std::array<double, kParts> sum{};
-  std::array<int, kParts> count{};
+std::optional<double> stretch_of(const MovingPath& a, const MovingPath& b, double path_s) {
+  constexpr std::size_t kParts = 5, kLeastParts = 2, kLeast = 3;
+  std::vector<std::pair<TimeNs, double>> distances;
   auto p = a.begin();
   auto q = b.begin();
   while (p != a.end() && q != b.end()) {
@@ -45,23 +43,26 @@ std::optional<double> stretch_of(const MovingPath& a, const MovingPath& b, TimeN
     } else if (q->set < p->set) {
       ++q;
     } else {
-      const double age = to_seconds(now_ns - p->t_ns) / path_s * kParts;
-      const auto part = static_cast<std::size_t>(std::clamp(age, 0.0, kParts - 1.0));
-      sum[part] += (p->position - q->position).norm();
-      ++count[part];
+      distances.emplace_back(p->t_ns, (p->position - q->position).norm());
       ++p;
       ++q;
     }
   }
+  if (distances.size() < kLeastParts * kLeast) return std::nullopt;
+  // A short path has two parts that are short.
+  const double span_s = to_seconds(distances.back().first - distances.front().first);
+  const std::size_t parts = std::clamp(static_cast<std::size_t>(kParts * span_s / path_s), kLeastParts,
+                                       std::min(kParts, distances.size() / kLeast));
   double least = std::numeric_limits<double>::max(), most = 0;
-  int filled = 0;
-  for (std::size_t i = 0; i < kParts; ++i) {
-    if (count[i] < kLeast) continue;
-    ++filled;
-    least = std::min(least, sum[i] / count[i]);
-    most = std::max(most, sum[i] / count[i]);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t begin = part * distances.size() / parts, end = (part + 1) * distances.size() / parts;
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += distances[i].second;
+    const double mean = sum / static_cast<double>(end - begin);
+    least = std::min(least, mean);
+    most = std::max(most, mean);
   }
-  return filled < 2 ? std::nullopt : std::optional(most - least);
+  return most - least;
 }
 
 Eigen::Vector3d drift_of(const MovingPath& path) {
@@ -330,7 +331,7 @@ std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>
       const Candidate &a = all[x[k / y.size()]], &b = all[y[k % y.size()]];
       const double reach = hold(a, b) * std::min(a.point->reach, b.point->reach);
       if ((a.now.position - b.now.position).norm() > reach) continue;
-      const auto stretch = stretch_of(a.point->path, b.point->path, now_ns, config_.path_s);
+      const auto stretch = stretch_of(a.point->path, b.point->path, config_.path_s);
       if (!stretch) continue;
       ++near;
       kept += *stretch <= config_.stretch * reach;
@@ -342,7 +343,7 @@ std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>
     if (into == from) continue;
     const Candidate &a = all[link.a], &b = all[link.b];
     const double reach = hold(a, b) * std::min(a.point->reach, b.point->reach);
-    const auto stretch = stretch_of(a.point->path, b.point->path, now_ns, config_.path_s);
+    const auto stretch = stretch_of(a.point->path, b.point->path, config_.path_s);
     if (!stretch || *stretch > config_.stretch * reach) continue;
     constexpr std::size_t kBody = 3;
     if (members[into].size() >= kBody && members[from].size() >= kBody &&
