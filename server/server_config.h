@@ -33,6 +33,8 @@ void describe(V& v, MeetConfig& c) {
   v.field("expect_period_sets", c.expect_period, {1, 1000}, "the same while it should see what another group sees");
   v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, for that");
   v.field("least_period_sets", c.least_period, {1, 1000}, "the same because the view changed");
+  v.field("images_per_s", c.images_per_s, {0, 100}, "described by a camera that has a map, in the long run");
+  v.field("image_burst", c.image_burst, {1, 1000}, "and so many ahead of that");
   v.field("turned_rad", c.turned_rad, {0.01, 3}, "turn that changes the view");
   v.field("moved_share", c.moved_share, {0.01, 10}, "the same for a shift, of the median depth");
 }

@@ -362,7 +362,7 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
 }
 
 DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, bool apart, bool parted) {
-  const Described& d = described_[camera.id];
+  Described& d = described_[camera.id];
   const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
   const auto due = [&](int period) { return since(d.asked) >= static_cast<std::uint32_t>(period); };
   if (camera.map == MapId()) {
@@ -378,8 +378,22 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
                           ? true
                           : due(parted ? config_.least_period / 2 : config_.least_period) &&
                                 view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);
-  if (!wanted) return DescriptorRequest::kNone;
+  if (!wanted || !afford(d, map.now_ns(), confirm)) return DescriptorRequest::kNone;
   return apart || confirm ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
+}
+
+// Whether the uplink has room for an image's descriptors; if so, it is counted. What is about to be confirmed may run
+// into debt.
+bool Meetings::afford(Described& d, TimeNs now_ns, bool confirm) const {
+  constexpr double kDebt = 2;
+  d.images_to_spare =
+      d.counted_ns
+          ? std::min(config_.image_burst, d.images_to_spare + config_.images_per_s * to_seconds(now_ns - *d.counted_ns))
+          : config_.image_burst;
+  d.counted_ns = now_ns;
+  if (d.images_to_spare < (confirm ? 1 - kDebt : 1)) return false;
+  d.images_to_spare -= 1;
+  return true;
 }
 
 // By a share of what is configured.

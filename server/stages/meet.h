@@ -26,6 +26,8 @@ struct MeetConfig {
   int expect_period = 8;       // the same while it should see what another group sees
   double min_overlap = 0.08;   // of both views, by the map, for that
   int least_period = 30;       // between requests because the view changed
+  double images_per_s = 1.0;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
+  double image_burst = 5;      // and so many ahead of that
   double turned_rad = 0.3;     // of the optical axis, or
   double moved_share = 0.5;    // of the median depth: the view is another one
   double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
@@ -69,6 +71,8 @@ class Meetings {
   // on it.
   struct Described {
     std::optional<SetId> asked, at, hinted;
+    double images_to_spare = 0;
+    std::optional<TimeNs> counted_ns;
   };
 
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph);
@@ -83,6 +87,7 @@ class Meetings {
   void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
   void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
              const ViewGraph& graph, MeetReport* report);
+  bool afford(Described& d, TimeNs now_ns, bool confirm) const;
   bool view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const;
   DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart, bool parted);
 
