@@ -26,8 +26,8 @@ struct MeetConfig {
   int expect_period = 8;       // the same while it should see what another group sees
   double min_overlap = 0.08;   // of both views, by the map, for that
   int least_period = 30;       // between requests because the view changed
-  double images_per_s = 1.0;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
-  double image_burst = 5;      // and so many ahead of that
+  double images_per_s = 0.7;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
+  double image_burst = 3;      // and so many ahead of that
   double turned_rad = 0.3;     // of the optical axis, or
   double moved_share = 0.5;    // of the median depth: the view is another one
   double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
