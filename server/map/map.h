@@ -129,7 +129,6 @@ struct MapPoint {
   std::vector<PointPatch> patches;               // from different directions, few
   std::uint32_t views = 0;                       // observations that were gated in, all frames
   std::vector<Eigen::Vector3d> updated_from;     // by camera, as far as needed: ray at the last Kalman update or 0
-  std::uint8_t grey = 128;
 };
 
 // The point in another frame.

@@ -41,17 +41,16 @@ Eigen::Matrix3d intrinsics_inverse(const CameraModel& c) {
 
 std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second) {
   std::vector<Seed> seeds;
-  for (const auto& [id, p] : map.points()) {
-    const ServerTrack* a = nullptr;
-    const ServerTrack* b = nullptr;
-    for (const BoundTrack& bound : p.bound) {
-      if (bound.camera == first) a = &map.camera(first).tracks.at(bound.track);
-      if (bound.camera == second) b = &map.camera(second).tracks.at(bound.track);
+  const MapCamera& other = map.camera(second);
+  for (const auto& [id, t] : map.camera(first).tracks) {
+    const MapPoint* p = map.find(t.point);
+    if (p == nullptr) continue;
+    for (const BoundTrack& bound : p->bound) {
+      if (bound.camera != second) continue;
+      const Eigen::Vector2d here = t.seen.back().undistorted_px.cast<double>(),
+                            there = other.tracks.at(bound.track).seen.back().undistorted_px.cast<double>();
+      seeds.push_back({here, there - here});
     }
-    if (a == nullptr || b == nullptr) continue;
-    const Eigen::Vector2d pa = a->seen.back().undistorted_px.cast<double>(),
-                          pb = b->seen.back().undistorted_px.cast<double>();
-    seeds.push_back({pa, pb - pa});
   }
   return seeds;
 }
@@ -104,26 +103,62 @@ struct Score {
   }
 };
 
-// All candidate pairs scored by correlation; best per feature on both sides.
-void score_all(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-               const MapInterConfig& config, auto&& alike, std::vector<Score>* of_a, std::vector<Score>* of_b,
-               int* compared) {
-  const double radius_px = config.seed_radius * std::max(view.first->model.width_px, view.first->model.height_px);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const Eigen::Vector3d line = view.fundamental * a[i].px.homogeneous();
-    const double norm = line.head<2>().norm();
-    if (norm < 1e-12) continue;
-    const auto disparity = expected_disparity(view, a[i].px, radius_px);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      if (std::abs(line.dot(b[j].px.homogeneous())) > band_px * norm) continue;
-      if (disparity && (b[j].px - a[i].px - *disparity).norm() > config.disparity_gate * radius_px) continue;
-      ++*compared;
-      const double s = alike(a[i], b[j]);
-      (*of_a)[i].offer(static_cast<int>(j), s);
-      (*of_b)[j].offer(static_cast<int>(i), s);
+// Pairs of tracks on each other's epipolar line are scored by how alike they look; best per feature on both sides.
+class PairScores {
+ public:
+  PairScores(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
+             const MapInterConfig& config)
+      : of_a(a.size()), of_b(b.size()), view_(view), a_(a), b_(b), band_px_(band_px), config_(config) {
+    for (const Feature& f : a) {
+      const Eigen::Vector3d line = view.fundamental * f.px.homogeneous();
+      lines_.emplace_back(line / std::max(1e-12, line.head<2>().norm()));
+      disparities_.push_back(expected_disparity(view, f.px, radius_px()));
     }
   }
-}
+
+  // Those that may join; then, for those that came into question by that, what competes with it.
+  void score(auto&& may_join, auto&& alike) {
+    for_all([&](std::size_t i, std::size_t j) {
+      if (may_join(a_[i], b_[j])) offer(i, j, alike);
+    });
+    const auto good = [&](const Score& s) { return s.first >= config_.zncc_min; };
+    std::vector<bool> row(a_.size()), column(b_.size());
+    std::transform(of_a.begin(), of_a.end(), row.begin(), good);
+    std::transform(of_b.begin(), of_b.end(), column.begin(), good);
+    for_all([&](std::size_t i, std::size_t j) {
+      if ((row[i] || column[j]) && !may_join(a_[i], b_[j])) offer(i, j, alike);
+    });
+  }
+
+  std::vector<Score> of_a, of_b;
+  int compared = 0;
+
+ private:
+  double radius_px() const {
+    return config_.seed_radius * std::max(view_.first->model.width_px, view_.first->model.height_px);
+  }
+  void for_all(auto&& visit) const {
+    for (std::size_t i = 0; i < a_.size(); ++i) {
+      for (std::size_t j = 0; j < b_.size(); ++j) visit(i, j);
+    }
+  }
+  void offer(std::size_t i, std::size_t j, auto&& alike) {
+    if (std::abs(lines_[i].dot(b_[j].px.homogeneous())) > band_px_) return;
+    const auto& disparity = disparities_[i];
+    if (disparity && (b_[j].px - a_[i].px - *disparity).norm() > config_.disparity_gate * radius_px()) return;
+    ++compared;
+    const double s = alike(a_[i], b_[j]);
+    of_a[i].offer(static_cast<int>(j), s);
+    of_b[j].offer(static_cast<int>(i), s);
+  }
+
+  const PairView& view_;
+  const std::vector<Feature>&a_, &b_;
+  double band_px_;
+  const MapInterConfig& config_;
+  std::vector<Eigen::Vector3d> lines_;  // in the second image, of unit normals
+  std::vector<std::optional<Eigen::Vector2d>> disparities_;
+};
 
 bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px,
                int frames) {
@@ -309,16 +344,18 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
 }
 
 int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-               const MapInterConfig& config, auto&& alike, MapInterReport* report, auto&& join) {
-  std::vector<Score> of_a(a.size()), of_b(b.size());
-  score_all(view, a, b, band_px, config, alike, &of_a, &of_b, &report->compared);
+               const MapInterConfig& config, auto&& may_join, auto&& alike, MapInterReport* report, auto&& join) {
+  PairScores scores(view, a, b, band_px, config);
+  scores.score(may_join, alike);
+  report->compared += scores.compared;
   int joined = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Score& s = of_a[i];
+    const Score& s = scores.of_a[i];
     if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
-    const Score& back = of_b[static_cast<std::size_t>(s.best)];
+    const Score& back = scores.of_b[static_cast<std::size_t>(s.best)];
     if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
     const Feature& other = b[static_cast<std::size_t>(s.best)];
+    if (!may_join(a[i], other)) continue;
     ++report->matched;
     joined += join(a[i], other) ? 1 : 0;
   }
@@ -348,6 +385,7 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
         make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);
     report.created += best_pairs(
         view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config,
+        [](const Feature&, const Feature&) { return true; },
         [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report,
         [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
   }
@@ -360,19 +398,20 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
     const auto first_pose = map.camera(edge.first).pose_at(set.id, set.t_ns),
                second_pose = map.camera(edge.second).pose_at(set.id, set.t_ns);
-    const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
-    const std::vector<Feature> first = moving(map, *view.first, edge.second),
-                               second = moving(map, *view.second, edge.first);
+    const std::vector<Feature> first = moving(map, map.camera(edge.first), edge.second),
+                               second = moving(map, map.camera(edge.second), edge.first);
     // Of two that become one point, at least one is seen to move.
     const auto moves = [](const Feature& f) { return f.track->moving; };
     if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
+    const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
+    const auto either_moves = [](const Feature& a, const Feature& b) { return a.track->moving || b.track->moving; };
     const auto as_one = [&](const Feature& a, const Feature& b) {
       const auto alike = alike_if_one(view, a, b);
       const auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
       return peak ? peak->zncc : -1;
     };
     report.moving +=
-        best_pairs(view, first, second, band_px_of(map, view) + kMostShift_px, config, as_one, &report,
+        best_pairs(view, first, second, band_px_of(map, view) + kMostShift_px, config, either_moves, as_one, &report,
                    [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
   }
   return report;
