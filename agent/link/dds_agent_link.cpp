@@ -43,7 +43,7 @@ class DdsAgentLink : public AgentLink {
         hello_(participant_),
         status_(participant_),
         loop_(participant_, "agent-link", heartbeat(config), [this] { hello_.assert_alive(); }) {
-    loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive(decode(m)); }, {},
+    loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive(decode(m), [] {}); }, {},
                               partition_of(hello.agent_run));
     loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s.writer); },
                                   [this](const WriterId& w, Presence p) { server_presence(w, p); });
@@ -132,13 +132,14 @@ class DdsAgentLink : public AgentLink {
     tracks_.write(*last_.frame);
   }
 
-  // On the loop's thread from here on.
-  template <class Value>
-  std::optional<Rejection> receive(Decoded<Value> value) {
+  // On the loop's thread from here on. taken(): before anybody hears of the value.
+  template <class Value, class Taken>
+  std::optional<Rejection> receive(Decoded<Value> value, Taken taken) {
     std::optional<Rejection> reason;
     if (value) {
       const std::lock_guard lock(mutex_);
       reason = inbox_.add(std::move(*value));
+      if (!reason) taken();
     } else {
       reason = value.rejection();
     }
@@ -148,10 +149,10 @@ class DdsAgentLink : public AgentLink {
   }
 
   void receive_status(const idl::ServerStatus& message, const WriterId& writer) {
-    if (receive(decode(message))) return;
-    const std::lock_guard lock(mutex_);
-    server_ = writer;
-    server_alive_ = true;
+    receive(decode(message), [&] {
+      server_ = writer;
+      server_alive_ = true;
+    });
   }
 
   void server_presence(const WriterId& writer, Presence presence) {

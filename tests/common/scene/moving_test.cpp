@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "common/scene/marked_spots.h"
