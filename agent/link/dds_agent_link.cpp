@@ -134,7 +134,7 @@ class DdsAgentLink : public AgentLink {
 
   // On the loop's thread from here on. taken(): before anybody hears of the value.
   template <class Value, class Taken>
-  std::optional<Rejection> receive(Decoded<Value> value, Taken taken) {
+  void receive(Decoded<Value> value, Taken taken) {
     std::optional<Rejection> reason;
     if (value) {
       const std::lock_guard lock(mutex_);
@@ -145,7 +145,6 @@ class DdsAgentLink : public AgentLink {
     }
     if (reason) participant_.rejections().add(*reason);
     arrived_.notify_all();
-    return reason;
   }
 
   void receive_status(const idl::ServerStatus& message, const WriterId& writer) {
