@@ -283,29 +283,31 @@ bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d
   return alike >= others;
 }
 
-// The patches of two tracks, as they look if the two are one place.
-std::optional<AlikePatches> alike_if_one(const PairView& view, const Feature& a, const Feature& b) {
+// How the patches of two tracks match if the two are one place; the shift is in pixels of the second image.
+std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, const Feature& b) {
   const auto seen = [](const MapCamera& c, const Rigid3& pose, const Feature& f) {
     return View{&c.model, pose, f.px + f.track->offset_px.cast<double>()};
   };
   const std::array<View, 2> views{seen(*view.first, view.first_pose, a), seen(*view.second, view.second_pose, b)};
   const TriangulationResult place = triangulate(views, view.first->sigma_px, 0);
   if (place.status != TriangulationStatus::kOk) return std::nullopt;
-  return made_alike({view.first, view.first_pose, &*a.track->patch}, {view.second, view.second_pose, &*b.track->patch},
-                    place.position);
+  const auto alike = made_alike({view.first, view.first_pose, &*a.track->patch},
+                                {view.second, view.second_pose, &*b.track->patch}, place.position);
+  auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+  if (peak) peak->shift_px = alike->second_by_view * peak->shift_px;
+  return peak;
 }
 
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
 bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
                  const MapInterConfig& config) {
   MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
-  const auto alike = alike_if_one(view, a, b);
-  const auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+  const auto peak = peak_if_one(view, a, b);
   if (!peak) return false;
   // The free one of the two is brought to where the other one's point is.
   const bool free_b = q == nullptr;
   ServerTrack& free = free_b ? *b.track : *a.track;
-  const Eigen::Vector2f shift = (alike->second_by_view * peak->shift_px).cast<float>();
+  const Eigen::Vector2f shift = peak->shift_px.cast<float>();
   const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
   if (p == nullptr || q == nullptr) free.offset_px = offset_px;
   const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
@@ -362,10 +364,6 @@ int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::v
   return joined;
 }
 
-}  // namespace
-
-namespace {
-
 bool here(const MapCamera& c, const FrameSet& set) {
   return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
 }
@@ -406,8 +404,7 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
     const auto either_moves = [](const Feature& a, const Feature& b) { return a.track->moving || b.track->moving; };
     const auto as_one = [&](const Feature& a, const Feature& b) {
-      const auto alike = alike_if_one(view, a, b);
-      const auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+      const auto peak = peak_if_one(view, a, b);
       return peak ? peak->zncc : -1;
     };
     report.moving +=
