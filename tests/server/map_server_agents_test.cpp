@@ -260,13 +260,8 @@ TEST_P(AgentsApartWorlds, LivePosesFollowTheMergeAndNoTrackIsLost) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AgentsApartWorlds, testing::Range(1U, 5U));
 
-// Two cameras with a known baseline; a third in a map of its own, which has no scale, is the older one and the larger.
-TEST(AgentsApart, MetresStayMetres) {
-  const SimWorld world({.points = 900});
-  const std::vector<test::CameraPath> paths{aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)};
-  constexpr TimeNs kJoinNs = 140 * test::kPeriodNs;
-  const double baseline_m = (paths[0](to_seconds(kJoinNs)).center() - paths[1](to_seconds(kJoinNs)).center()).norm();
-  SimRun run(world, {.baseline_m = baseline_m});
+// The first two cameras know their scale; the third's map, which has none, is the older one and the larger.
+void expect_metres_stay(SimRun& run, const std::vector<test::CameraPath>& paths) {
   for (const auto& path : paths) run.add_agent(path);
   run.stall(cam(0));
   run.stall(cam(1));
@@ -286,27 +281,22 @@ TEST(AgentsApart, MetresStayMetres) {
   EXPECT_NEAR(run.path_error().scale, 1, 0.03);
 }
 
+// Two cameras with a known baseline.
+TEST(AgentsApart, MetresStayMetres) {
+  const SimWorld world({.points = 900});
+  const std::vector<test::CameraPath> paths{aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)};
+  constexpr TimeNs kJoinNs = 140 * test::kPeriodNs;
+  const double baseline_m = (paths[0](to_seconds(kJoinNs)).center() - paths[1](to_seconds(kJoinNs)).center()).norm();
+  SimRun run(world, {.baseline_m = baseline_m});
+  expect_metres_stay(run, paths);
+}
+
 // The same, with a tag that only those two see.
 TEST(AgentsApart, MetresFromATagStayMetres) {
   const SimWorld world({.points = 900});
   SimRun run(world, {.tags = {.side_m = 0.4}});
   run.hang(TagId(1), test::tag_corners({2.3, 0, 3.2}, 0.4));
-  for (const auto& path : {aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)}) run.add_agent(path);
-  run.stall(cam(0));
-  run.stall(cam(1));
-  run.step(140);
-  run.resume(cam(0));
-  run.resume(cam(1));
-  run.step(30);
-  ASSERT_NE(run.map().camera(cam(2)).map, run.map().camera(cam(0)).map);
-  EXPECT_TRUE(run.last_patches()[0].scale_known);
-  EXPECT_FALSE(run.last_patches()[2].scale_known) << "its map has a scale of its own";
-  EXPECT_FALSE(run.server().scale_known());
-  run.step(120);
-  ASSERT_EQ(run.server().counts().merges, 1);
-  EXPECT_TRUE(run.last_patches()[2].scale_known);
-  EXPECT_TRUE(run.server().scale_known());
-  EXPECT_NEAR(run.path_error().scale, 1, 0.03);
+  expect_metres_stay(run, {aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)});
 }
 
 // Each of two maps has a tag of its own: both are metric, and so is what becomes of them.
