@@ -32,9 +32,9 @@ PatchGrey warped(const PatchGrey& other, const Eigen::Matrix2d& image_from_other
 
 // What a camera at a pose sees of a place.
 struct PatchSight {
-  const MapCamera* camera;
+  const MapCamera* camera = nullptr;
   Rigid3 cam_from_world;
-  const PatchGrey* patch;
+  const PatchGrey* patch = nullptr;
 };
 
 // Two patches of one place as they look in the view of the camera that shows less of its detail. The place is taken to
