@@ -72,7 +72,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     count("places_expected", met.expected);
     count("meetings_doubted", met.doubted);
     counts_.merges += met.merged;
-    if (met.to_adjust != MapId()) refine_whole_ = met.to_adjust;
+    if (met.to_adjust != MapId()) refine_outline_ = met.to_adjust;
   }
   {
     const auto t = times_.measure("verify");
@@ -201,19 +201,19 @@ MapId MapServer::largest_map() const {
 }
 
 void MapServer::plan_refinement(bool key_frame) {
-  const bool whole = refine_whole_ != MapId();
-  if (!config_.refine.enabled || in_flight_ || !(key_frame || whole)) return;
+  const bool outline = refine_outline_ != MapId();
+  if (!config_.refine.enabled || in_flight_ || !(key_frame || outline)) return;
   std::vector<MapId> maps;
   for (const MapCamera& c : map_.cameras()) {
     if (c.map != MapId() && std::find(maps.begin(), maps.end(), c.map) == maps.end()) maps.push_back(c.map);
   }
   if (maps.empty()) return;
-  const MapId of = whole ? refine_whole_ : maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
-  planned_ = plan_refine(map_, of, whole, config_.refine);
+  const MapId of = outline ? refine_outline_ : maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
+  planned_ = plan_refine(map_, of, outline ? RefineExtent::kOutline : RefineExtent::kWindow, config_.refine);
   if (planned_) {
     ++counts_.refinements;
-  } else if (whole) {
-    refine_whole_ = MapId();  // too little to adjust, or part of another map by now
+  } else if (outline) {
+    refine_outline_ = MapId();  // too little to adjust, or part of another map by now
   }
 }
 
@@ -230,10 +230,12 @@ void MapServer::give_refined(RefineJob job, BundleResult result) {
 void MapServer::apply_refined() {
   if (!refined_) return;
   const RefineReport r = apply_refine(map_, refined_->first, refined_->second);
+  const bool outline = refined_->first.extent == RefineExtent::kOutline;
+  times_.add(outline ? "refine_outline" : "refine", refined_->second.took);
   count("refine_applied", r.applied ? 1 : 0);
-  // A whole adjustment that a change of the map overtook is planned again.
+  // One that a change of the map overtook is planned again.
   const RefineJob& job = refined_->first;
-  if (job.whole && job.map == refine_whole_ && (r.applied || !refined_->second.usable)) refine_whole_ = MapId();
+  if (outline && job.map == refine_outline_ && (r.applied || !refined_->second.usable)) refine_outline_ = MapId();
   count("refine_outliers", r.outliers);
   count("refine_observations", r.observations);
   refined_.reset();
@@ -277,12 +279,12 @@ void MapServer::finish() {
   const auto t = times_.measure("finish");
   apply_refined();
   if (!config_.refine.enabled) return;
-  for (int round = 0; round < 2; ++round) {
-    const auto job = plan_refine(map_, largest_map(), true, config_.refine);
+  for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
+    const auto job = plan_refine(map_, largest_map(), extent, config_.refine);
     if (!job) break;
     const BundleResult result = solve_refine(*job);
     apply_refine(map_, *job, result);
-    if (round == 0 || !result.usable) continue;
+    if (extent != RefineExtent::kWhole || !result.usable) continue;
     const auto share = pose_share(map_, *job, result);
     for (std::size_t i = 0; i < share.size(); ++i) {
       if (MapPoint* p = map_.find(job->points[i])) p->covariance += share[i];

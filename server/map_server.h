@@ -134,9 +134,9 @@ class MapServer {
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
   std::optional<std::pair<RefineJob, BundleResult>> refined_;
-  MapId refine_whole_;  // became one of two or was drawn together: adjust all of it; 0 = none
-  MapId scaled_map_;    // the one that the baseline gave its scale; 0 = none
-  SetId scaled_at_;     // the instant of the known baseline
+  MapId refine_outline_;  // became one of two or was drawn together: adjust all of it; 0 = none
+  MapId scaled_map_;      // the one that the baseline gave its scale; 0 = none
+  SetId scaled_at_;       // the instant of the known baseline
   TagScale tag_scale_;
   std::set<MapId> in_metres_;
   std::vector<std::string> warnings_;

@@ -30,7 +30,8 @@ void describe(V& v, MeetConfig& c) {
   v.field("lost_period_sets", c.lost_period, {1, 1000},
           "between requests for descriptors while a camera is to be placed");
   v.field("apart_period_sets", c.apart_period, {1, 1000}, "the same while there are several maps");
-  v.field("expect_period_sets", c.expect_period, {1, 1000}, "the same while it should see what another group sees");
+  v.field("expect_period_sets", c.expect_period, {1, 1000},
+          "the same while it should see what a camera sees that nothing holds it to");
   v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, for that");
   v.field("least_period_sets", c.least_period, {1, 1000}, "the same because the view changed");
   v.field("images_per_s", c.images_per_s, {0, 100}, "described by a camera that has a map, in the long run");
@@ -155,7 +156,7 @@ void describe(V& v, GroupConfig& c) {
   v.field("keep_shared", c.keep_shared, {0, 1000}, "points that keep them in it");
   v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, that keeps them in it without any");
   v.field("min_shared_overlapping", c.min_shared_overlapping, {1, 1000},
-          "points that bring two cameras into one group if their views overlap so far");
+          "points that bring two cameras into one group if their views overlap so far; fewer do if farther");
   v.field("join_s", c.join_s, {0, 10}, "for so long before they join");
   v.field("part_s", c.part_s, {0, 10}, "with fewer for so long before they part");
   v.field("settle_s", c.settle_s, {0, 10}, "that a new grouping must last before it counts");

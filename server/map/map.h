@@ -244,6 +244,10 @@ class Map {
   MapEpoch epoch() const { return epoch_; }
   void raise_epoch() { ++epoch_.value; }
   SetId now() const { return now_; }
+  // One of the last active_frames sets.
+  bool is_recent(SetId set) const {
+    return set.value + static_cast<std::uint32_t>(config_.active_frames) >= now_.value;
+  }
   TimeNs now_ns() const { return now_ns_; }
 
  private:

@@ -32,7 +32,7 @@ ceres::Solver::Options solver_options(const BundleConfig& config, std::size_t po
   o.linear_solver_type = poses > kDenseMost ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   o.max_num_iterations = config.max_iterations;
   o.num_threads = 1;  // same bits every time
-  o.function_tolerance = 1e-5;
+  o.function_tolerance = config.function_tolerance;
   o.logging_type = ceres::SILENT;
   o.initial_trust_region_radius = 1e5;
   return o;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
@@ -32,6 +33,7 @@ struct BundleProblem {
 
 struct BundleConfig {
   int max_iterations = 12;
+  double function_tolerance = 1e-5;  // relative change of the cost that ends it
   double loss_sigmas = 2.0;     // Cauchy loss beyond so many standard deviations
   double outlier_sigmas = 4.0;  // an observation farther off after the solution is reported as an outlier
 };
@@ -43,6 +45,7 @@ struct BundleResult {
   std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;
+  std::chrono::steady_clock::duration took{};
   double sigma_px = 0;  // robust standard deviation of the final residuals, pixels
 };
 

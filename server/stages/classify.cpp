@@ -279,42 +279,46 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   return moves_by_more(views, views.size() - 1, nearest, most_px) ? Verdict::kMoves : Verdict::kDoubtful;
 }
 
-// What the tracks around one do.
+using Judgements = std::vector<const Judged*>;
+
+Judgements between(const std::vector<Judged>& all, Verdict least, Verdict most) {
+  Judgements out;
+  for (const Judged& j : all) {
+    if (j.verdict >= least && j.verdict <= most) out.push_back(&j);
+  }
+  return out;
+}
+
+// What some tracks around one do.
 struct Around {
-  int moving = 0, still = 0;
-  Eigen::Vector2d moving_flow_px = Eigen::Vector2d::Zero(), still_flow_px = Eigen::Vector2d::Zero();  // means
+  int close = 0;
+  Eigen::Vector2d flow_px = Eigen::Vector2d::Zero();  // mean
 };
 
-// moves: from this verdict on.
-Around around(const std::vector<Judged>& all, const Judged& j, Verdict moves, double radius_px) {
+// near_px: of those whose flow counts.
+Around around(const Judgements& some, const Judged& j, double close_px, double near_px) {
   Around a;
-  int flows_moving = 0, flows_still = 0;
-  for (const Judged& o : all) {
-    const double distance2 = (o.px - j.px).squaredNorm();
-    if (&o == &j || distance2 > 9 * radius_px * radius_px) continue;
-    const bool close = distance2 < radius_px * radius_px;
-    if (o.verdict >= moves && close) {
-      ++a.moving;
-      if (o.flow_px && ++flows_moving > 0) a.moving_flow_px += *o.flow_px;
-    }
-    if (o.verdict == Verdict::kStill) {
-      a.still += close;
-      if (o.flow_px && ++flows_still > 0) a.still_flow_px += *o.flow_px;
-    }
+  int flows = 0;
+  for (const Judged* o : some) {
+    const double distance2 = (o->px - j.px).squaredNorm();
+    if (o == &j || distance2 > near_px * near_px) continue;
+    a.close += distance2 < close_px * close_px;
+    if (o->flow_px && ++flows > 0) a.flow_px += *o->flow_px;
   }
-  a.moving_flow_px /= std::max(1, flows_moving);
-  a.still_flow_px /= std::max(1, flows_still);
+  a.flow_px /= std::max(1, flows);
   return a;
 }
 
 // Its own verdict counts when its surroundings agree; without one it goes with its moving neighbours or with what
 // stands still.
-bool goes_along(const std::vector<Judged>& all, const Judged& j, Verdict moves, double radius_px, double share) {
-  if (j.verdict == Verdict::kYoung && !j.flow_px) return false;
-  const Around a = around(all, j, moves, radius_px);
-  if (j.verdict >= moves) return a.moving > 0 && a.moving >= share * (a.moving + a.still);
-  if (!j.flow_px || a.moving < 2) return false;
-  return (*j.flow_px - a.moving_flow_px).norm() < 0.5 * (*j.flow_px - a.still_flow_px).norm();
+bool goes_along(const Judged& j, const Judgements& movers, bool moves, const Judgements& resting, double radius_px,
+                double share) {
+  if (!moves && !j.flow_px) return false;
+  const Around moving = around(movers, j, radius_px, radius_px);
+  if (moving.close < (moves ? 1 : 2)) return false;
+  const Around still = around(resting, j, radius_px, 3 * radius_px);
+  if (moves) return moving.close >= share * (moving.close + still.close);
+  return (*j.flow_px - moving.flow_px).norm() < 0.5 * (*j.flow_px - still.flow_px).norm();
 }
 
 void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
@@ -328,10 +332,16 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
                      verdict_of(map, camera, track, median_depth, config), flow_of(track)});
     }
     const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
+    const Judgements resting = between(all, Verdict::kStill, Verdict::kStill),
+                     moving = between(all, Verdict::kMoves, Verdict::kMoves),
+                     doubtful = between(all, Verdict::kDoubtful, Verdict::kMoves);
+    const auto along = [&](const Judged& j, const Judgements& movers, Verdict least) {
+      return goes_along(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
+    };
     for (const Judged& j : all) {
       if (j.track->point != PointId()) continue;
-      j.track->moving = goes_along(all, j, Verdict::kMoves, radius_px, config.neighbour_share);
-      j.track->doubtful = j.track->moving || goes_along(all, j, Verdict::kDoubtful, radius_px, config.neighbour_share);
+      j.track->moving = along(j, moving, Verdict::kMoves);
+      j.track->doubtful = j.track->moving || along(j, doubtful, Verdict::kDoubtful);
       report->moving_tracks += j.track->moving;
     }
   }

@@ -20,7 +20,8 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(Map& map, MapCamera& camera, FuseReport* report, std::vector<Candidate>* out) {
+void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& points, FuseReport* report,
+             std::vector<Candidate>* out) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
   TrackGrid grid;
@@ -33,18 +34,17 @@ void collect(Map& map, MapCamera& camera, FuseReport* report, std::vector<Candid
     covariances[id] = window->covariance;
     grid.add(&t);
   }
-  for (const auto& [id, p] : map.points()) {
-    if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
-    if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
-    const auto window = search_window(camera.model, pose, p, gate_px, theta);
+  for (const MapPoint* p : points) {
+    if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
-    Candidate best{theta * theta, id, PointId(), camera.id, nullptr};
+    Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
     grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
       const Eigen::Matrix2d s =
           window->covariance + covariances.at(t->id) + gate_px * gate_px * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
       const double d2 = r.dot(s.inverse() * r);
-      if (d2 < best.d2) best = {d2, id, t->point, camera.id, t};
+      if (d2 < best.d2) best = {d2, p->id, t->point, camera.id, t};
     });
     if (best.track == nullptr) continue;
     ++report->candidates;
@@ -91,9 +91,10 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
 FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) {
   FuseReport report;
   std::vector<Candidate> candidates;
+  const std::vector<MapPoint*> points = recent_static_points(map);
   for (const CameraFrame& cf : set.frames) {
     MapCamera& camera = map.camera(cf.camera);
-    if (camera.frames.back().valid()) collect(map, camera, &report, &candidates);
+    if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
   for (const Candidate& c : candidates) {

@@ -3,32 +3,10 @@
 #include "server/stages/group.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "server/stages/disjoint_sets.h"
 
 namespace coslam {
-namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  bool unite(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    if (a == b) return false;
-    parent_[std::max(a, b)] = std::min(a, b);
-    return true;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-}  // namespace
-
 int ViewGraph::group_of(CameraId camera) const {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (std::find(groups[g].begin(), groups[g].end(), camera) != groups[g].end()) return static_cast<int>(g);
@@ -76,8 +54,10 @@ ViewGraph view_graph(const Map& map, const FrameSet& set) {
 
 bool Grouping::see_the_same(bool joined, int shared, CameraId first, CameraId second, ViewOverlap& overlap) const {
   if (shared >= (joined ? config_.keep_shared : config_.min_shared)) return true;
-  if (!joined && shared < config_.min_shared_overlapping) return false;
-  return overlap.between(first, second).least() >= config_.min_overlap;
+  if (!joined && shared < config_.least_shared) return false;
+  const double share = overlap.between(first, second).least();
+  if (share < config_.min_overlap) return false;
+  return joined || shared * share >= config_.min_shared_overlapping * config_.min_overlap;
 }
 
 void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns) {

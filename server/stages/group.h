@@ -31,7 +31,8 @@ struct GroupConfig {
   int min_shared = 12;             // points that bring two cameras together
   int keep_shared = 4;             // and that keep them so
   double min_overlap = 0.1;        // of both views, by the map, that keeps them so without any
-  int min_shared_overlapping = 6;  // points that bring them together if their views overlap so far by the map
+  int min_shared_overlapping = 4;  // points that bring them together if their views overlap so far by the map, and
+  int least_shared = 2;            // at least, where they overlap more: the fewer the farther they do
   double join_s = 0.2;             // for so long, before they are
   double part_s = 0.3;             // with fewer for so long, before they are not any more
   double settle_s = 0.3;           // that a new grouping must last: cameras seldom part in one instant

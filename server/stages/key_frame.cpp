@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/stages/track_grid.h"
+
 namespace coslam {
 namespace {
 
@@ -13,31 +15,34 @@ struct SinceLast {
   double median_turn_rad = 0;
 };
 
-SinceLast since_last(const Map& map, const MapCamera& camera, SetId last) {
-  SinceLast out;
-  const FramePose* then = camera.frame_at(last);
-  const FramePose& now = camera.frames.back();
-  if (then == nullptr || then->map != now.map || !now.valid()) return out;
-  std::vector<double> turns;
-  for (const auto& [id, p] : map.points()) {
-    const auto seen = std::find_if(p.key_observations.rbegin(), p.key_observations.rend(),
-                                   [&](const KeyObservation& o) { return o.set <= last; });
-    bool had = false;
-    for (auto o = seen; o != p.key_observations.rend() && o->set == last; ++o) had |= o->camera == camera.id;
-    if (!had) continue;
-    ++out.then;
-    const bool has =
-        std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera.id; });
-    if (!has) continue;
-    ++out.still;
-    const Eigen::Vector3d a = (p.position - then->cam_from_world.center()).normalized();
-    const Eigen::Vector3d b = (p.position - now.cam_from_world.center()).normalized();
-    turns.push_back(std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+// Of every camera.
+std::vector<SinceLast> since_last(const Map& map, SetId last) {
+  std::vector<SinceLast> out(map.cameras().size());
+  std::vector<std::vector<double>> turns(map.cameras().size());
+  std::vector<const FramePose*> then;  // null where there is nothing to compare
+  for (const MapCamera& c : map.cameras()) {
+    const FramePose* f = c.frame_at(last);
+    then.push_back(f != nullptr && f->valid() && f->map == c.frames.back().map ? f : nullptr);
   }
-  if (!turns.empty()) {
-    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
-    std::nth_element(turns.begin(), middle, turns.end());
-    out.median_turn_rad = *middle;
+  for (const auto& [id, p] : map.points()) {
+    for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= last;) {
+      const KeyObservation& o = p.key_observations[i];
+      if (o.set != last || then[o.camera.value] == nullptr) continue;
+      SinceLast& s = out[o.camera.value];
+      ++s.then;
+      if (!seen_by(p, o.camera)) continue;
+      ++s.still;
+      const FramePose& now = map.camera(o.camera).frames.back();
+      const Eigen::Vector3d a = (p.position - then[o.camera.value]->cam_from_world.center()).normalized();
+      const Eigen::Vector3d b = (p.position - now.cam_from_world.center()).normalized();
+      turns[o.camera.value].push_back(std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+    }
+  }
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    if (turns[c].empty()) continue;
+    const auto middle = turns[c].begin() + static_cast<std::ptrdiff_t>(turns[c].size() / 2);
+    std::nth_element(turns[c].begin(), middle, turns[c].end());
+    out[c].median_turn_rad = *middle;
   }
   return out;
 }
@@ -51,10 +56,11 @@ bool decide_key_frame(Map& map, const FrameSet& set, const KeyFrameConfig& confi
     const auto gap = set.id.value - last.value;
     if (gap < static_cast<std::uint32_t>(config.min_sets)) return false;
     bool wanted = false;
+    const std::vector<SinceLast> since = since_last(map, last);
     for (const CameraFrame& cf : set.frames) {
       const MapCamera& camera = map.camera(cf.camera);
       if (!camera.frames.back().valid()) continue;
-      const SinceLast s = since_last(map, camera, last);
+      const SinceLast& s = since[camera.id.value];
       if (s.then == 0 || s.still < (1.0 - config.drop) * s.then) wanted = true;
       if (s.median_turn_rad > 2 * config.moved_rad) wanted = true;
       if (gap >= static_cast<std::uint32_t>(config.max_sets) && s.median_turn_rad > config.moved_rad) wanted = true;

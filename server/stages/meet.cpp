@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/pose_refinement.h"
+#include "server/stages/disjoint_sets.h"
 #include "server/stages/overlap.h"
 #include "server/stages/register.h"
 #include "server/stages/track_grid.h"
@@ -13,34 +14,16 @@
 namespace coslam {
 namespace {
 
-constexpr std::uint32_t kPendingSets = 60;  // within which a meeting is to be confirmed
-constexpr std::uint32_t kHintSets = 20;     // in which a place that may have been recognised is looked at closely
-
-// They found many points in both already, and are about to be one group.
-bool share_many(const ViewGraph& graph, CameraId a, CameraId b) {
-  constexpr int kMany = 12;
-  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const ViewEdge& e) {
-    return e.first == std::min(a, b) && e.second == std::max(a, b) && e.shared >= kMany;
-  });
-}
+constexpr std::uint32_t kHintSets = 20;  // in which a place that may have been recognised is looked at closely
 
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
   const int group = graph.group_of(a);
   return a == b || (group >= 0 && group == graph.group_of(b));
 }
 
-std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
+std::vector<const MapPoint*> points_of(const Map& map, const Recognition& seen) {
   std::vector<const MapPoint*> out;
-  for (const PointId id : ids) {
-    const MapPoint* p = map.find(id);
-    if (p != nullptr && p->map == of) out.push_back(p);
-  }
-  return out;
-}
-
-std::set<PointId> points_of(const Recognition& seen) {
-  std::set<PointId> out;
-  for (const auto& [track, point] : seen.matches) out.insert(point);
+  for (const auto& [track, point] : seen.matches) out.push_back(map.find(point));
   return out;
 }
 
@@ -192,11 +175,7 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   expect(map, set, graph);
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
-    if (link_expected(map, cf)) {
-      ++report.expected;
-    } else {
-      recognise(map, cf, graph, &report);
-    }
+    recognise(map, cf, graph, &report);
   }
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
@@ -214,16 +193,20 @@ MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph)
   return report;
 }
 
-// Which cameras of other groups see what it should see too; looked at now and then.
+// Which cameras see what a camera should see too without being held to it; looked at now and then.
 void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph) {
   constexpr std::uint32_t kEvery = 4;
   if (set.id.value % kEvery != 0) return;
   expected_.clear();
+  DisjointSets held(map.cameras().size());
+  for (const ViewEdge& e : graph.edges) {
+    if (e.shared >= config_.min_holding) held.unite(e.first.value, e.second.value);
+  }
   ViewOverlap overlap(map);
   for (std::size_t i = 0; i < set.frames.size(); ++i) {
     for (std::size_t j = i + 1; j < set.frames.size(); ++j) {
       const CameraId a = set.frames[i].camera, b = set.frames[j].camera;
-      if (together(graph, a, b) || share_many(graph, a, b)) continue;
+      if (held.find(a.value) == held.find(b.value)) continue;
       if (overlap.between(a, b).least() < config_.min_overlap) continue;
       expected_[a].push_back(b);
       expected_[b].push_back(a);
@@ -231,98 +214,69 @@ void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& grap
   }
 }
 
-bool Meetings::link_expected(Map& map, const CameraFrame& frame) const {
+ExpectedPlace Meetings::find_expected(const Map& map, const CameraFrame& frame) const {
   const auto others = expected_.find(frame.camera);
-  if (others == expected_.end()) return false;
-  MapCamera& camera = map.camera(frame.camera);
+  if (others == expected_.end()) return {};
   const std::uint32_t lately = 2 * static_cast<std::uint32_t>(config_.expect_period);
   const SetId since(map.now().value - std::min(map.now().value, lately));
-  const auto found = places_.find_expected(map, frame, others->second, since, slack_px(map, camera));
-  bind_matches(map, camera, found);
-  return !found.empty();
+  return places_.find_expected(map, frame, others->second, since, slack_px(map, map.camera(frame.camera)));
 }
 
 bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,
                        MapId in) const {
   if (camera.map == MapId() || in != camera.map) return true;
-  const bool lately = image.set.value + static_cast<std::uint32_t>(map.config().active_frames) >= map.now().value;
-  return lately ? !together(graph, camera.id, image.camera) : config_.loops;
+  if (!map.is_recent(image.set)) return config_.loops;
+  const auto expected = expected_.find(camera.id);
+  return !together(graph, camera.id, image.camera) ||
+         (expected != expected_.end() && std::ranges::find(expected->second, image.camera) != expected->second.end());
 }
 
 void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report) {
   MapCamera& camera = map.camera(frame.camera);
   const bool unplaced = camera.map == MapId();
   if (!unplaced && !camera.frames.back().valid()) return;
-  const auto seen =
-      places_.find(map, frame, [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
+  ExpectedPlace expected = find_expected(map, frame);
+  if (!expected.there.empty()) {
+    bind_matches(map, camera, expected.there);
+    ++report->expected;
+    return;
+  }
+  auto seen = places_.find(map, frame, [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
+  const bool enough = seen && (unplaced || static_cast<int>(seen->matches.size()) >= config_.min_merge_inliers);
+  if (!enough && expected.beside) seen = std::move(expected.beside);
   if (!seen) return;
   ++report->sightings;
-  const std::set<PointId> evidence = points_of(*seen);
   if (unplaced) {
-    if (!has_relief(points_in(map, seen->map, evidence), seen->median_depth) && !where_it_was_lost(camera, *seen)) {
+    if (!has_relief(points_of(map, *seen), seen->median_depth) && !where_it_was_lost(camera, *seen)) {
       ++report->doubted;
       return;
     }
     place(map, camera, *seen, config_.localise);
     ++report->placed;
-    return;
-  }
-  if (static_cast<int>(seen->matches.size()) < config_.min_merge_inliers) {
+  } else if (!enough && !seen->expected) {
     described_[camera.id].hinted = map.now();
-    return;
+  } else {
+    draw_together(map, camera, *seen, graph, report);
   }
-  if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
-    bind_matches(map, camera, seen->matches);
+}
+
+void Meetings::draw_together(Map& map, MapCamera& camera, const Recognition& seen, const ViewGraph& graph,
+                             MeetReport* report) {
+  if (seen.map == camera.map && as_expected(map, camera, seen, slack_px(map, camera))) {
+    bind_matches(map, camera, seen.matches);
     ++report->linked;
     return;
   }
-  const auto similarity = similarity_of(map, camera, *seen);
-  if (!similarity || !confirmed(map, camera, *seen, *similarity)) {
+  const auto similarity = similarity_of(map, camera, seen);
+  if (!similarity || !claims_.confirmed(map, camera, seen, *similarity, graph)) {
     ++report->doubted;
     return;
   }
-  if (seen->map == camera.map) {
-    close(map, camera, *seen, *similarity, graph, report);
+  if (seen.map == camera.map) {
+    close(map, camera, seen, *similarity, graph, report);
   } else {
-    join(map, camera, *seen, *similarity, report);
+    join(map, camera, seen, *similarity, report);
   }
-}
-
-// Another image some sets ago said the same, and both together see more than one plane.
-bool Meetings::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
-                         const Similarity3& in_from_own) {
-  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
-  const bool within = camera.map == seen.map, forward = camera.map <= seen.map;
-  const Claim claim{std::min(camera.map, seen.map), std::max(camera.map, seen.map),
-                    within ? std::optional(camera.id) : std::nullopt};
-  const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
-  const auto at = pending_.find(claim);
-  if (at != pending_.end() && at->second.since.value + kPendingSets > map.now().value) {
-    Pending& p = at->second;
-    const Similarity3 before = forward ? p.second_from_first : p.second_from_first.inverse();
-    const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, before);
-    const bool agrees = expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
-                        (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
-                        std::abs(std::log(before.scale / in_from_own.scale)) < kScale;
-    if (agrees) {
-      for (const PointId id : points_of(seen)) p.evidence.insert(id);
-      p.cameras.insert({camera.id, seen.key_camera});
-      if (p.since == map.now()) return false;  // of the same instant
-      p.second_from_first = second_from_first;
-      if (!has_relief(points_in(map, seen.map, p.evidence), seen.median_depth)) return false;
-      pending_.erase(at);
-      return true;
-    }
-  }
-  pending_[claim] = {second_from_first, map.now(), points_of(seen), {camera.id, seen.key_camera}};
-  return false;
-}
-
-bool Meetings::awaits_confirmation(const Map& map, CameraId camera) const {
-  return std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
-    const Pending& p = entry.second;
-    return p.cameras.contains(camera) && p.since.value + kPendingSets > map.now().value;
-  });
 }
 
 void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
@@ -336,7 +290,7 @@ void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const 
     map.merge(own, in, in_from_own);
   }
   bind_matches(map, camera, seen.matches);
-  pending_.clear();
+  claims_.clear();
   ++report->merged;
   report->to_adjust = camera.map;
 }
@@ -356,7 +310,7 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
   if (!close_loop(map, camera.map, reunion, reunions_, with_it)) return;
   reunions_.push_back(reunion);
   bind_matches(map, camera, seen.matches);
-  pending_.clear();
+  claims_.clear();
   ++report->closed;
   report->to_adjust = camera.map;
 }
@@ -370,7 +324,7 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
   const bool hinted = d.hinted && since(d.hinted) < kHintSets;
-  const bool confirm = awaits_confirmation(map, camera.id) || hinted;
+  const bool confirm = claims_.concern(map, camera.id) || hinted;
   const bool expects = expected_.contains(camera.id);
   const bool wanted = confirm ? due(config_.confirm_period)
                       : !d.at ? due(config_.lost_period)

@@ -4,10 +4,10 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "server/map/map.h"
+#include "server/stages/claims.h"
 #include "server/stages/close_loop.h"
 #include "server/stages/group.h"
 #include "server/stages/localise.h"
@@ -23,8 +23,9 @@ struct MeetConfig {
   int lost_period = 6;         // sets between requests for descriptors of a camera without a map
   int apart_period = 15;       // the same while there are several maps
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
-  int expect_period = 8;       // the same while it should see what another group sees
+  int expect_period = 8;       // the same while it should see what another camera sees that nothing holds it to
   double min_overlap = 0.08;   // of both views, by the map, for that
+  int min_holding = 12;        // points that two cameras see at once hold them to each other
   int least_period = 30;       // between requests because the view changed
   double images_per_s = 0.7;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
   double image_burst = 3;      // and so many ahead of that
@@ -43,10 +44,10 @@ struct MeetReport {
 
 // Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
 // brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
-// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that cameras of two
-// groups see the same, both are asked at once, and points are looked for where they should appear. Before maps move, a
-// meeting has to be confirmed by a second image, and must not rest on a single plane: two rooms may have the same
-// poster.
+// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that two
+// cameras see the same, but nothing holds them to each other, both are asked at once, and points are looked for where
+// they should appear. Before anything
+// moves, a meeting has to be confirmed by a second image.
 class Meetings {
  public:
   explicit Meetings(const MeetConfig& config) : config_(config), places_(config.recognise) {}
@@ -54,19 +55,6 @@ class Meetings {
   MeetReport step(Map& map, const FrameSet& set, const ViewGraph& graph);
 
  private:
-  // What waits to be confirmed: that two maps are one place, whichever of their cameras sees it (`first` < `second`);
-  // or that one camera's part of a map belongs elsewhere in it.
-  struct Claim {
-    MapId first, second;
-    std::optional<CameraId> camera;
-    friend auto operator<=>(const Claim&, const Claim&) = default;
-  };
-  struct Pending {
-    Similarity3 second_from_first;
-    SetId since;
-    std::set<PointId> evidence;
-    std::set<CameraId> cameras;  // that saw it or were seen
-  };
   // When a camera was last asked for descriptors, last gave them, and last saw a known place in too few features to act
   // on it.
   struct Described {
@@ -79,11 +67,10 @@ class Meetings {
   double slack_px(const Map& map, const MapCamera& camera) const {
     return config_.slack_sigma * map.gate_sigma_px(camera);
   }
-  bool link_expected(Map& map, const CameraFrame& frame) const;
+  ExpectedPlace find_expected(const Map& map, const CameraFrame& frame) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
   void recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
-  bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own);
-  bool awaits_confirmation(const Map& map, CameraId camera) const;
+  void draw_together(Map& map, MapCamera& camera, const Recognition& seen, const ViewGraph& graph, MeetReport* report);
   void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
   void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
              const ViewGraph& graph, MeetReport* report);
@@ -93,9 +80,9 @@ class Meetings {
 
   MeetConfig config_;
   PlaceMemory places_;
-  std::map<Claim, Pending> pending_;
+  Claims claims_;
   std::map<CameraId, Described> described_;
-  std::map<CameraId, std::vector<CameraId>> expected_;  // cameras of other groups whose view a camera's should overlap
+  std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
   std::vector<Reunion> reunions_;
 };
 

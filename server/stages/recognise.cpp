@@ -55,35 +55,43 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, const std::vector<const KeyImage*>& asked,
-                                  MapId in, const RecogniseConfig& config) {
-  const MapCamera& camera = map.camera(frame.camera);
-  const KnownPoints known = known_points(map, in, asked);
-  std::vector<FeatureMatch> matches;
+// What matched of some known points.
+struct Matched {
+  std::vector<TrackId> tracks;
+  std::vector<int> known;  // index
+};
+
+struct Agreement {
+  double sigma_px;  // of a match, at 640 px image width
+  int min_inliers;
+  double min_hull;  // of the image
+};
+
+// The pose that most of the matches agree on.
+std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector<const KeyImage*>& asked, MapId in,
+                                  const KnownPoints& known, const Matched& matched, const Agreement& wanted) {
+  const MapCamera& camera = map.camera(id);
   std::vector<Eigen::Vector3d> positions;
   std::vector<Eigen::Vector2d> pixels;
-  for (const FeatureMatch& m : match_descriptors(frame.descriptors->descriptors, known.descriptors)) {
-    const auto track = camera.tracks.find(frame.descriptors->tracks[static_cast<std::size_t>(m.first)]);
-    if (track == camera.tracks.end()) continue;
-    matches.push_back(m);
-    positions.push_back(known.positions[static_cast<std::size_t>(m.second)]);
-    pixels.push_back(track->second.seen.back().undistorted_px.cast<double>());
+  for (std::size_t i = 0; i < matched.tracks.size(); ++i) {
+    positions.push_back(known.positions[static_cast<std::size_t>(matched.known[i])]);
+    pixels.push_back(camera.tracks.at(matched.tracks[i]).seen.back().undistorted_px.cast<double>());
   }
-  const PlaceResult placed = place_camera(camera.model, positions, pixels, 1.5, config.min_inliers);
+  const PlaceResult placed = place_camera(camera.model, positions, pixels, wanted.sigma_px, wanted.min_inliers);
   if (!placed.ok) return std::nullopt;
   Recognition out{.map = in, .cam_from_world = placed.cam_from_world};
   std::vector<Eigen::Vector2d> spread;
   std::vector<double> depths;
   std::vector<int> by_image(asked.size(), 0);
-  for (const int i : placed.inliers) {
-    const FeatureMatch& m = matches[static_cast<std::size_t>(i)];
-    out.matches.emplace_back(frame.descriptors->tracks[static_cast<std::size_t>(m.first)],
-                             known.ids[static_cast<std::size_t>(m.second)]);
-    spread.push_back(pixels[static_cast<std::size_t>(i)]);
-    depths.push_back((placed.cam_from_world * positions[static_cast<std::size_t>(i)]).z());
-    ++by_image[static_cast<std::size_t>(known.images[static_cast<std::size_t>(m.second)])];
+  for (const int inlier : placed.inliers) {
+    const auto i = static_cast<std::size_t>(inlier);
+    const auto k = static_cast<std::size_t>(matched.known[i]);
+    out.matches.emplace_back(matched.tracks[i], known.ids[k]);
+    spread.push_back(pixels[i]);
+    depths.push_back((placed.cam_from_world * positions[i]).z());
+    ++by_image[static_cast<std::size_t>(known.images[k])];
   }
-  if (hull_fraction(spread, camera.model) < config.min_hull) return std::nullopt;
+  if (hull_fraction(spread, camera.model) < wanted.min_hull) return std::nullopt;
   const auto best = static_cast<std::size_t>(std::max_element(by_image.begin(), by_image.end()) - by_image.begin());
   out.key_camera = asked[best]->camera;
   out.key_set = asked[best]->set;
@@ -91,17 +99,26 @@ std::optional<Recognition> locate(const Map& map, const CameraFrame& frame, cons
   return out;
 }
 
-struct NearMatch {
-  TrackId track;
-  PointId point;
-  double off_px;  // from where the point should appear
+Matched match_anywhere(const MapCamera& camera, const DescriptorReply& reply, const KnownPoints& known) {
+  Matched out;
+  for (const FeatureMatch& m : match_descriptors(reply.descriptors, known.descriptors)) {
+    const TrackId track = reply.tracks[static_cast<std::size_t>(m.first)];
+    if (!camera.tracks.contains(track)) continue;
+    out.tracks.push_back(track);
+    out.known.push_back(m.second);
+  }
+  return out;
+}
+
+struct NearMatches : Matched {
+  std::vector<double> off_px;  // from where the point should appear
 };
 
 // Known points and features that look most like each other among those near where the camera's pose puts the points.
-std::vector<NearMatch> match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
-                                  const KnownPoints& known, double gate_px) {
-  constexpr double kSearch = 5;   // of the gate
-  constexpr float kRatio = 0.8F;  // of the second best distance
+NearMatches match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
+                       const KnownPoints& known) {
+  constexpr double kSearch = 0.03;  // of the image width
+  constexpr float kRatio = 0.8F;    // of the second best distance
   struct Best {
     std::size_t other = 0;
     float first = 2, second = 2;  // squared distances
@@ -132,19 +149,21 @@ std::vector<NearMatch> match_near(const Map& map, const MapCamera& camera, const
     if (!project_world(camera.model, camera.frames.back().cam_from_world, known.positions[p], &px)) continue;
     for (std::size_t f = 0; f < pixels.size(); ++f) {
       const double off_px = (pixels[f] - px).norm();
-      if (!(off_px < kSearch * gate_px)) continue;
+      if (!(off_px < kSearch * camera.model.width_px)) continue;
       const float d2 = 2 - 2 * points.row(static_cast<Eigen::Index>(p)).dot(features.row(static_cast<Eigen::Index>(f)));
       of_point[p].offer(f, d2, off_px);
       of_feature[f].offer(p, d2, off_px);
     }
   }
-  std::vector<NearMatch> out;
+  NearMatches out;
   for (std::size_t p = 0; p < known.ids.size(); ++p) {
     const Best& best = of_point[p];
     constexpr float kMost = 0.5F;  // squared: where nothing else is near, there is no second best to compare with
     if (best.first > kMost || !best.distinct() || !of_feature[best.other].distinct()) continue;
     if (of_feature[best.other].other != p) continue;
-    out.push_back({reply.tracks[best.other], known.ids[p], best.off_px});
+    out.tracks.push_back(reply.tracks[best.other]);
+    out.known.push_back(static_cast<int>(p));
+    out.off_px.push_back(best.off_px);
   }
   return out;
 }
@@ -159,9 +178,8 @@ void PlaceMemory::add(Map& map, const CameraFrame& frame) {
   images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
 }
 
-std::vector<std::pair<TrackId, PointId>> PlaceMemory::find_expected(const Map& map, const CameraFrame& frame,
-                                                                    const std::vector<CameraId>& cameras, SetId since,
-                                                                    double gate_px) const {
+ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
+                                         SetId since, double gate_px) const {
   const MapCamera& camera = map.camera(frame.camera);
   if (!frame.descriptors || !camera.frames.back().valid()) return {};
   std::vector<const KeyImage*> asked;
@@ -171,18 +189,21 @@ std::vector<std::pair<TrackId, PointId>> PlaceMemory::find_expected(const Map& m
     if (newest != images_.rend() && newest->set >= since) asked.push_back(&*newest);
   }
   const KnownPoints known = known_points(map, camera.map, asked);
-  std::vector<std::pair<TrackId, PointId>> fitting;
-  int beside = 0;
-  for (const NearMatch& m : match_near(map, camera, *frame.descriptors, known, gate_px)) {
-    if (m.off_px > gate_px) {
-      ++beside;
-    } else {
-      fitting.emplace_back(m.track, m.point);
-    }
+  const NearMatches near = match_near(map, camera, *frame.descriptors, known);
+  ExpectedPlace out;
+  for (std::size_t i = 0; i < near.tracks.size(); ++i) {
+    if (near.off_px[i] > gate_px) continue;
+    out.there.emplace_back(near.tracks[i], known.ids[static_cast<std::size_t>(near.known[i])]);
   }
-  const int found = static_cast<int>(fitting.size());
-  if (found < config_.min_expected || found < beside) return {};
-  return fitting;
+  if (static_cast<int>(out.there.size()) >= config_.min_expected && 2 * out.there.size() >= near.tracks.size()) {
+    return out;
+  }
+  out.there.clear();
+  // Few have to do, so they have to agree well: chance matches lie anywhere in what was searched.
+  out.beside = locate(map, camera.id, asked, camera.map, known, near, {0.75, config_.min_beside, 0});
+  if (out.beside && 2 * out.beside->matches.size() < near.tracks.size()) out.beside.reset();
+  if (out.beside) out.beside->expected = true;
+  return out;
 }
 
 std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
@@ -205,7 +226,9 @@ std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& 
     if (of == in && static_cast<int>(asked.size()) < config_.images) asked.push_back(image);
   }
   if (asked.empty()) return std::nullopt;
-  return locate(map, frame, asked, in, config_);
+  const KnownPoints known = known_points(map, in, asked);
+  const Matched matched = match_anywhere(map.camera(frame.camera), *frame.descriptors, known);
+  return locate(map, frame.camera, asked, in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
 }
 
 bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {

@@ -18,6 +18,7 @@ struct RecogniseConfig {
   int min_inliers = 20;    // of the pose
   double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose
   int min_expected = 5;    // points found where the pose says they are: enough to believe it
+  int min_beside = 8;      // found all a little beside that: enough to tell how far the map has drifted
 };
 
 // An image that the map remembers by its looks. The points behind its features are those with an observation of it.
@@ -36,6 +37,13 @@ struct Recognition {
   CameraId key_camera;  // of the key image with most of them
   SetId key_set;
   double median_depth = 0;  // of the matched points
+  bool expected = false;    // not far from where the camera's pose in that map says
+};
+
+// Points found near where a camera's pose says: there, or all of them beside it in one way.
+struct ExpectedPlace {
+  std::vector<std::pair<TrackId, PointId>> there;
+  std::optional<Recognition> beside;
 };
 
 // Key images of all cameras, found again by appearance and proved by geometry.
@@ -45,11 +53,10 @@ class PlaceMemory {
 
   // Remembers what this camera sees now, if it told.
   void add(Map& map, const CameraFrame& frame);
-  // Points behind the newest key images of these cameras, not older than `since`, that the camera finds where its pose
-  // says: near there alone is searched. Empty when they are too few, or when as many are found beside that.
-  std::vector<std::pair<TrackId, PointId>> find_expected(const Map& map, const CameraFrame& frame,
-                                                         const std::vector<CameraId>& cameras, SetId since,
-                                                         double gate_px) const;
+  // Points behind the newest key images of these cameras, not older than `since`, that the camera finds near where its
+  // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
+  ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
+                              SetId since, double gate_px) const;
   // Where the camera is by the place that looks most like its image, among the key images that may be asked; these have
   // a pose, in the map that is named.
   std::optional<Recognition> find(const Map& map, const CameraFrame& frame,

@@ -3,9 +3,11 @@
 #include "server/stages/refine.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 #include "server/solve/point_uncertainty.h"
 #include "server/stages/register.h"
@@ -13,11 +15,52 @@
 namespace coslam {
 namespace {
 
-using PoseIndex = std::map<std::pair<SetId, CameraId>, int>;
+struct PoseHash {
+  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
+    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
+  }
+};
+using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
+
+const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera) {
+  const FramePose* f = map.camera(camera).frame_at(set);
+  return f == nullptr || f->map != of || f->joint ? nullptr : f;
+}
+
+int poses_to_adjust(const Map& map, MapId of, SetId set) {
+  return static_cast<int>(std::ranges::count_if(
+      map.cameras(), [&](const MapCamera& c) { return pose_to_adjust(map, of, set, c.id) != nullptr; }));
+}
+
+// Ascending.
+std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const auto& keys = map.key_frames();
+  if (keys.size() < 2) return {};
+  std::vector<SetId> out;
+  if (extent == RefineExtent::kWindow) {
+    const std::size_t window = std::min(keys.size(), static_cast<std::size_t>(config.window));
+    for (std::size_t k = keys.size() - window; k < keys.size(); ++k) out.push_back(keys[k].set);
+    return out;
+  }
+  int poses = 0;
+  for (const KeyFrame& k : keys) {
+    const int n = poses_to_adjust(map, of, k.set);
+    poses += n;
+    if (n > 0) out.push_back(k.set);
+  }
+  if (extent == RefineExtent::kWhole || poses <= config.outline_poses) return out;
+  // Evenly, the first and the newest among them; neighbours have to see the same points.
+  constexpr int kMostApart = 3;
+  const int apart = std::min(kMostApart, (poses + config.outline_poses - 1) / config.outline_poses);
+  const std::size_t all = out.size(), some = std::max<std::size_t>(2, all / static_cast<std::size_t>(apart));
+  for (std::size_t i = 0; i < some; ++i) out[i] = out[i * (all - 1) / (some - 1)];
+  out.resize(some);
+  return out;
+}
 
 // Older poses that see the window's points, the most connected first.
 std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, SetId first, int most) {
-  std::map<std::pair<SetId, CameraId>, int> shared;
+  PoseIndex shared;  // points
   for (const auto& [id, p] : map.points()) {
     if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
     for (const KeyObservation& o : p.key_observations) {
@@ -35,8 +78,8 @@ std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, 
 }
 
 void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
-  const FramePose* f = map.camera(camera).frame_at(set);
-  if (f == nullptr || f->map != of || f->joint) return;
+  const FramePose* f = pose_to_adjust(map, of, set, camera);
+  if (f == nullptr) return;
   (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
   job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
   job->poses.push_back({set, camera});
@@ -181,36 +224,37 @@ void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
 
 }  // namespace
 
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const RefineConfig& config) {
-  const auto& keys = map.key_frames();
-  if (keys.size() < 2) return std::nullopt;
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const std::vector<SetId> keys = key_frames_to_adjust(map, of, extent, config);
+  if (keys.empty()) return std::nullopt;
   RefineJob job;
   job.epoch = map.epoch();
   job.map = of;
-  job.whole = whole;
-  job.config.max_iterations = whole ? config.final_iterations : config.max_iterations;
-  const std::size_t window = whole ? keys.size() : std::min(keys.size(), static_cast<std::size_t>(config.window));
-  const SetId first = keys[keys.size() - window].set;
+  job.extent = extent;
+  job.config.max_iterations = extent == RefineExtent::kWindow ? config.max_iterations : config.final_iterations;
+  if (extent == RefineExtent::kWindow) job.config.function_tolerance = 1e-4;  // the next window goes on from there
   for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
   PoseIndex index;
-  for (std::size_t k = keys.size() - window; k < keys.size(); ++k) {
-    for (const MapCamera& c : map.cameras()) add_pose(map, of, keys[k].set, c.id, false, &job, &index);
+  for (const SetId key : keys) {
+    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
   }
   if (job.poses.size() < 2) return std::nullopt;
   const std::size_t free_poses = job.poses.size();
-  if (!whole) {
-    for (const auto& [set, camera] : holding_poses(map, of, first, config.most_fixed)) {
+  if (extent == RefineExtent::kWindow) {
+    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), config.most_fixed)) {
       add_pose(map, of, set, camera, true, &job, &index);
     }
   }
-  add_points(map, of, first, index, &job);
+  add_points(map, of, keys.front(), index, &job);
   if (job.points.size() < 20) return std::nullopt;
   if (job.poses.size() < free_poses + 2) float_free(&job);
   return job;
 }
 
 BundleResult solve_refine(const RefineJob& job) {
+  const auto begin = std::chrono::steady_clock::now();
   BundleResult result = solve_bundle(job.problem, job.config);
+  result.took = std::chrono::steady_clock::now() - begin;
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
   return result;
 }

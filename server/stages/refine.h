@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -10,10 +11,15 @@
 
 namespace coslam {
 
+// Which key frames of a map are adjusted: the newest; some of all, which tells how the parts of the map lie to each
+// other and takes seconds where all take minutes; or all.
+enum class RefineExtent : std::uint8_t { kWindow, kOutline, kWhole };
+
 struct RefineConfig {
   bool enabled = true;
-  int window = 8;       // K: newest key frames whose poses are free
-  int most_fixed = 24;  // older poses that hold them
+  int window = 8;           // K: newest key frames whose poses are free
+  int most_fixed = 24;      // older poses that hold them
+  int outline_poses = 400;  // of an outline; more where every third key frame has more
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
 };
@@ -34,7 +40,7 @@ struct RefineJob {
   std::vector<ObservationKey> observations;  // as problem.observations
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
-  bool whole = false;     // every key frame of the map
+  RefineExtent extent = RefineExtent::kWindow;
   bool floating = false;  // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;
@@ -46,9 +52,8 @@ struct RefineReport {
   double sigma_px = 0;
 };
 
-// Cuts the window out of the map with the most cameras; empty when there is too little. whole: every key frame, all
-// free.
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, bool whole, const RefineConfig& config);
+// Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
 BundleResult solve_refine(const RefineJob& job);
 // What the uncertain poses of a solution add to the covariances of its points (point_uncertainty.h), in the order of
 // job.points. Each track counts for two views, as in Map::covariance_of().

@@ -33,7 +33,8 @@ struct Candidate {
   ServerTrack* track;
 };
 
-void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vector<Candidate>* out) {
+void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& points, const RegisterConfig& config,
+             std::vector<Candidate>* out) {
   TrackGrid grid;
   for (auto& [id, t] : camera.tracks) {
     if (t.point == PointId() && !t.moving && !t.doubtful && t.patch &&
@@ -42,15 +43,14 @@ void collect(Map& map, MapCamera& camera, const RegisterConfig& config, std::vec
   }
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  for (auto& [id, p] : map.points()) {
-    if (p.map != camera.map || p.state != PointState::kStatic || seen_by(p, camera.id)) continue;
-    if (p.last_seen.value + static_cast<std::uint32_t>(map.config().active_frames) < map.now().value) continue;
-    const auto window = search_window(camera.model, pose, p, gate_px, theta);
+  for (MapPoint* p : points) {
+    if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
     grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
-      const auto d2 = gate_distance2(p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
-      if (d2 && *d2 < best.d2) best = {*d2, &p, t};
+      const auto d2 = gate_distance2(*p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
+      if (d2 && *d2 < best.d2) best = {*d2, p, t};
     });
     if (best.track != nullptr) out->push_back(best);
   }
@@ -77,11 +77,12 @@ bool retriangulate(Map& map, MapPoint& point) {
 RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConfig& config) {
   RegisterReport report;
   const double theta2 = map.config().theta * map.config().theta;
+  const std::vector<MapPoint*> points = recent_static_points(map);
   for (const CameraFrame& cf : set.frames) {
     MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Candidate> candidates;
-    collect(map, camera, config, &candidates);
+    collect(map, camera, points, config, &candidates);
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
     for (const Candidate& c : candidates) {
       ++report.candidates;

@@ -167,7 +167,7 @@ void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartSt
   for (std::uint32_t i = 0; i <= kSteps; ++i) {
     map.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
   }
-  if (const auto job = plan_refine(map, id, true, config.refine)) {
+  if (const auto job = plan_refine(map, id, RefineExtent::kWhole, config.refine)) {
     apply_refine(map, *job, solve_refine(*job));
   }
   put_to_the_proof(map, id);

@@ -52,15 +52,25 @@ inline std::optional<SearchWindow> search_window(const CameraModel& camera, cons
                                                  const MapPoint& p, double gate_px, double theta) {
   constexpr double kMostPx = 40, kMargin = 0.3;  // margin: undistorted pixels may lie outside the image
   SearchWindow w;
-  Eigen::Matrix<double, 2, 3> j;
-  if (!project_world(camera, cam_from_world, p.position, &w.px, &j)) return std::nullopt;
+  if (!project_world(camera, cam_from_world, p.position, &w.px)) return std::nullopt;
   if (w.px.x() < -kMargin * camera.width_px || w.px.x() > (1 + kMargin) * camera.width_px ||
       w.px.y() < -kMargin * camera.height_px || w.px.y() > (1 + kMargin) * camera.height_px) {
     return std::nullopt;
   }
+  Eigen::Matrix<double, 2, 3> j;
+  project_world(camera, cam_from_world, p.position, &w.px, &j);
   w.covariance = j * p.covariance * j.transpose();
   w.radius_px = theta * std::sqrt(w.covariance.trace() + gate_px * gate_px);
   return w.radius_px > kMostPx ? std::nullopt : std::optional(w);
+}
+
+// Static points seen lately, which cameras may find again.
+inline std::vector<MapPoint*> recent_static_points(Map& map) {
+  std::vector<MapPoint*> out;
+  for (auto& [id, p] : map.points()) {
+    if (p.state == PointState::kStatic && map.is_recent(p.last_seen)) out.push_back(&p);
+  }
+  return out;
 }
 
 inline bool seen_by(const MapPoint& p, CameraId camera) {

@@ -188,6 +188,12 @@ TEST_F(OverlappingGroupTest, FewSharedPointsConfirmAnOverlap) {
   EXPECT_TRUE(together_after(40));
 }
 
+TEST_F(OverlappingGroupTest, TheWiderItIsTheFewerDo) {
+  share({0, 1}, 3);
+  see_apart();
+  EXPECT_TRUE(together_after(40));
+}
+
 TEST_F(OverlappingGroupTest, AnOverlapAloneDoesNotJoin) {
   see_apart();
   EXPECT_FALSE(together_after(40));

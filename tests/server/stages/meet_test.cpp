@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
+#include <random>
 
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
@@ -258,6 +260,102 @@ TEST_F(LoopTest, NotWhenToldNotTo) {
   meetings_ = Meetings(config_);
   go_around();
   EXPECT_EQ(closed_ + linked_, 0);
+}
+
+// Two cameras side by side in one map, each with points of its own. What belongs to the second one is set off a little,
+// and few features are common to both.
+class DriftTest : public MeetTest {
+ protected:
+  DriftTest() : MeetTest(2) {}
+  static constexpr int kCommon = 14;
+
+  // The world points that both see, the first few of them alone described.
+  void thin_descriptors() {
+    std::vector<int> common;
+    for (int p = 0; p < world_.size(); ++p) {
+      if (sim_.track_of(cam(0), p) != nullptr && sim_.track_of(cam(1), p) != nullptr) common.push_back(p);
+    }
+    ASSERT_GT(common.size(), 40U);
+    for (CameraFrame& cf : sim_.set.frames) {
+      DescriptorReply kept = *cf.descriptors;
+      kept.tracks.clear();
+      kept.descriptors.clear();
+      for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
+        const int p = sim_.world_point(cf.camera, cf.descriptors->tracks[i]);
+        const auto at = std::ranges::find(common, p);
+        if (at != common.end() && (at - common.begin()) % 3 != 0) continue;
+        if (at != common.end() && (at - common.begin()) / 3 >= kCommon) continue;
+        kept.tracks.push_back(cf.descriptors->tracks[i]);
+        const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+        kept.descriptors.insert(kept.descriptors.end(), begin, begin + kDescriptorBytes);
+      }
+      cf.descriptors = kept;
+    }
+  }
+  // scatter_m: of every single point of the second camera.
+  void run(int sets, double scatter_m = 0) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> noise(0, scatter_m + 1e-12);
+    for (int i = 0; i < sets && totals_.closed == 0; ++i) {
+      sim_.ingest(false, true);
+      sim_.place_truly();
+      FramePose& f = sim_.map.camera(cam(1)).frames.back();
+      f.cam_from_world = transform_world(f.cam_from_world, off_);
+      for (int c = 0; c < 2; ++c) {
+        for (auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
+          if (t.point != PointId()) continue;
+          Eigen::Vector3d at = world_.position(sim_.world_point(cam(c), id));
+          if (c == 1) at = off_ * at + Eigen::Vector3d(noise(random), noise(random), noise(random));
+          sim_.map.bind(sim_.map.create_point(sim_.id, at, 1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, 0), cam(c),
+                        t);
+        }
+      }
+      sim_.map.add_key_frame(sim_.set.id);
+      thin_descriptors();
+      const MeetReport r = step();
+      totals_.closed += r.closed;
+      totals_.expected += r.expected;
+      totals_.doubted += r.doubted;
+    }
+  }
+  // Of where one camera is as the other sees it.
+  double error_m() const {
+    const auto between = [](const Rigid3& a, const Rigid3& b) { return (a * b.inverse()).translation; };
+    const SetId now = sim_.set.id;
+    return (between(camera(0).frames.back().cam_from_world, camera(1).frames.back().cam_from_world) -
+            between(sim_.truth(cam(0), now), sim_.truth(cam(1), now)))
+        .norm();
+  }
+  int shared() {
+    int n = 0;
+    for (const auto& [id, p] : sim_.map.points()) n += p.bound.size() > 1;
+    return n;
+  }
+  Similarity3 off_;
+  MeetReport totals_;
+};
+
+TEST_F(DriftTest, PointsWhereTheyAreExpectedBecomeOne) {
+  run(10);
+  EXPECT_EQ(totals_.closed, 0);
+  EXPECT_GT(totals_.expected, 0);
+  EXPECT_GT(shared(), kCommon / 2);
+}
+
+TEST_F(DriftTest, FewPointsThatAreAllBesideDrawTheMapTogether) {
+  off_.translation = {0.06, -0.03, 0.04};
+  run(10);
+  ASSERT_EQ(totals_.closed, 1);
+  EXPECT_LT(kCommon, config_.min_merge_inliers);
+  EXPECT_GE(totals_.doubted, 1) << "it has to be confirmed";
+  EXPECT_LT(error_m(), 0.25 * off_.translation.norm());
+  EXPECT_GT(shared(), kCommon / 2);
+}
+
+TEST_F(DriftTest, PointsThatDoNotAgreeMoveNothing) {
+  run(10, 0.08);
+  EXPECT_EQ(totals_.closed, 0);
+  EXPECT_LT(error_m(), 1e-9);
 }
 
 class HasReliefTest : public testing::Test {

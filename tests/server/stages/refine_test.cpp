@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
@@ -37,13 +38,13 @@ class RefineTest : public testing::Test {
     const double s = std::max(0.0, (at.value - double{kFirstDrifted}) / kSets);
     return pose * Rigid3(so3_exp({0, 0.02 * s, 0.01 * s}), {0.1 * s, 0.05 * s, -0.05 * s});
   }
-  RefineJob plan(bool whole = false) {
-    auto job = plan_refine(sim_.map, sim_.id, whole, config_);
+  RefineJob plan(RefineExtent extent = RefineExtent::kWindow) {
+    auto job = plan_refine(sim_.map, sim_.id, extent, config_);
     EXPECT_TRUE(job);
     return job ? *job : RefineJob();
   }
-  RefineReport refine(bool whole = false) {
-    const RefineJob job = plan(whole);
+  RefineReport refine(RefineExtent extent = RefineExtent::kWindow) {
+    const RefineJob job = plan(extent);
     return apply_refine(sim_.map, job, solve_refine(job));
   }
   Rigid3 pose(int camera, int set) {
@@ -152,7 +153,7 @@ TEST_F(RefineTest, PointsComeRightAndKnowHowWell) {
 }
 
 TEST_F(RefineTest, TheWholeRunFloatsAndKeepsAnchorAndScale) {
-  const RefineJob job = plan(true);
+  const RefineJob job = plan(RefineExtent::kWhole);
   EXPECT_TRUE(job.floating);
   EXPECT_EQ(job.poses.size(), 11U * 3);
   const BundleResult solved = solve_refine(job);
@@ -194,6 +195,23 @@ TEST_F(RefineTest, WhatWasRemovedMeanwhileStaysRemoved) {
   EXPECT_LE(sim_.map.points().size(), left);
   EXPECT_EQ(sim_.map.find(job.points[3]), nullptr);
   EXPECT_LT(worst_m(18, 60), 0.015);
+}
+
+TEST_F(RefineTest, AnOutlineAdjustsSomeKeyFramesAndCarriesTheOthers) {
+  const int all = static_cast<int>(plan(RefineExtent::kWhole).poses.size());
+  config_.outline_poses = (all + 1) / 2;
+  const RefineJob job = plan(RefineExtent::kOutline);
+  EXPECT_LE(static_cast<int>(job.poses.size()), config_.outline_poses);
+  EXPECT_GE(static_cast<int>(job.poses.size()), config_.outline_poses - 6);
+  EXPECT_EQ(job.poses.front().set, sim_.map.key_frames().front().set);
+  EXPECT_TRUE(std::ranges::any_of(job.poses, [&](const auto& p) { return p.set == sim_.map.key_frames().back().set; }));
+  const double before_m = test::fit_of(sim_, sim_.id).worst_pose_m;
+  ASSERT_TRUE(apply_refine(sim_.map, job, solve_refine(job)).applied);
+  // Its frame and scale are nobody's.
+  const double after_m = test::fit_of(sim_, sim_.id).worst_pose_m;
+  EXPECT_LT(after_m, 0.35 * before_m) << "between its key frames too";
+  config_.outline_poses = all;
+  EXPECT_EQ(static_cast<int>(plan(RefineExtent::kOutline).poses.size()), all) << "all of a small map";
 }
 
 TEST_F(RefineTest, FramesThatCameMeanwhileAreCarried) {
@@ -251,14 +269,14 @@ TEST_F(RefineTest, OutliersAreTakenOut) {
 
 TEST_F(RefineTest, TooLittleIsNoJob) {
   test::SimMap small(world_, test::paths_side_by_side(2));
-  EXPECT_FALSE(plan_refine(small.map, small.id, false, config_));
+  EXPECT_FALSE(plan_refine(small.map, small.id, RefineExtent::kWindow, config_));
   small.advance();
   small.add_points();
   small.map.add_key_frame(small.set.id);
-  EXPECT_FALSE(plan_refine(small.map, small.id, false, config_)) << "one key frame";
-  EXPECT_FALSE(plan_refine(sim_.map, MapId(77), true, config_)) << "no such map";
+  EXPECT_FALSE(plan_refine(small.map, small.id, RefineExtent::kWindow, config_)) << "one key frame";
+  EXPECT_FALSE(plan_refine(sim_.map, MapId(77), RefineExtent::kWhole, config_)) << "no such map";
   while (sim_.map.points().size() > 19) sim_.map.remove_point(sim_.map.points().begin()->first);
-  EXPECT_FALSE(plan_refine(sim_.map, sim_.id, false, config_)) << "nineteen points";
+  EXPECT_FALSE(plan_refine(sim_.map, sim_.id, RefineExtent::kWindow, config_)) << "nineteen points";
 }
 
 TEST_F(RefineTest, TheFirstWindowHasNoHistoryAndFloats) {
@@ -269,7 +287,7 @@ TEST_F(RefineTest, TheFirstWindowHasNoHistoryAndFloats) {
     young.add_points(0.002);
     young.map.add_key_frame(young.set.id);
   }
-  const auto job = plan_refine(young.map, young.id, false, config_);
+  const auto job = plan_refine(young.map, young.id, RefineExtent::kWindow, config_);
   ASSERT_TRUE(job);
   EXPECT_TRUE(job->floating);
   const Rigid3 before = young.map.camera(cam(0)).frames[0].cam_from_world;
