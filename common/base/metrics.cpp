@@ -25,7 +25,7 @@ double DurationHistogram::percentile_ms(double percent) const {
   if (count_ == 0) return 0.0;
   const double wanted = percent / 100.0 * static_cast<double>(count_);
   double seen = 0.0;
-  for (std::size_t i = 0; i < kBins; ++i) {
+  for (std::size_t i = 0; i + 1 < kBins; ++i) {
     seen += bins_[i];
     if (seen >= wanted && bins_[i] > 0) {
       return std::min(max_ms_, kFirstMs * std::exp((static_cast<double>(i) + 0.5) * kLogRatio));

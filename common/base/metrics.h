@@ -11,7 +11,8 @@
 
 namespace coslam {
 
-// Durations of one stage in constant memory: a logarithmic histogram, 4 % wide bins from 1 us to 100 s.
+// Durations of one stage in constant memory: a logarithmic histogram, 4 % wide bins from 1 us to 100 s; beyond, the
+// longest.
 class DurationHistogram {
  public:
   void add_ms(double ms);

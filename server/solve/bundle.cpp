@@ -4,6 +4,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -26,10 +27,11 @@ Rigid3 from_block(const Block& b) {
   return {Eigen::Map<const Eigen::Quaterniond>(b.data()).normalized(), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
 }
 
-ceres::Solver::Options solver_options(const BundleConfig& config, std::size_t poses) {
-  constexpr std::size_t kDenseMost = 100;  // beyond, a whole run: most poses share no point
+ceres::Solver::Options solver_options(const BundleConfig& config, const BundleProblem& problem) {
+  constexpr std::ptrdiff_t kDenseMost = 120;  // beyond, a whole run: most poses share no point
+  const auto free_poses = std::ranges::count(problem.poses, false, &BundleProblem::Pose::fixed);
   ceres::Solver::Options o;
-  o.linear_solver_type = poses > kDenseMost ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  o.linear_solver_type = free_poses > kDenseMost ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   o.max_num_iterations = config.max_iterations;
   o.num_threads = 1;  // same bits every time
   o.function_tolerance = config.function_tolerance;
@@ -85,7 +87,7 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (problem.poses[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());
   }
-  ceres::Solver::Options options = solver_options(config, poses.size());
+  ceres::Solver::Options options = solver_options(config, problem);
   options.linear_solver_ordering.reset(ordering);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);

@@ -93,6 +93,7 @@ std::vector<std::vector<CameraId>> Grouping::components(const Map& map, TimeNs n
     if (here && c.map != MapId()) by_root[sets.find(c.id.value)].push_back(c.id);
   }
   std::vector<std::vector<CameraId>> out;
+  out.reserve(by_root.size());
   for (auto& [root, group] : by_root) out.push_back(std::move(group));
   return out;
 }

@@ -160,7 +160,7 @@ std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const M
                                   const Rigid3& cam_from_world, const PatchGrey& patch) {
   const Eigen::Vector3d here = (point.position - cam_from_world.center()).normalized();
   std::optional<PatchSight> nearest;
-  double best_cosine = -2;
+  double best_cosine = 0.5;  // from farther round it shows other things, or its other side
   for (const PointPatch& p : point.patches) {
     const MapCamera& c = map.camera(p.camera);
     const FramePose* f = c.frame_at(p.set);

@@ -55,7 +55,7 @@ struct PatchFit {
 };
 
 // How a patch that a camera sees at this pose fits what a point looked like from the nearest direction so far. Empty
-// when the point has no patch.
+// when the point has no patch from within 60 degrees.
 std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
                                   const Rigid3& cam_from_world, const PatchGrey& patch);
 

@@ -75,7 +75,7 @@ std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector
   std::vector<Eigen::Vector2d> pixels;
   for (std::size_t i = 0; i < matched.tracks.size(); ++i) {
     positions.push_back(known.positions[static_cast<std::size_t>(matched.known[i])]);
-    pixels.push_back(camera.tracks.at(matched.tracks[i]).seen.back().undistorted_px.cast<double>());
+    pixels.emplace_back(camera.tracks.at(matched.tracks[i]).seen.back().undistorted_px.cast<double>());
   }
   const PlaceResult placed = place_camera(camera.model, positions, pixels, wanted.sigma_px, wanted.min_inliers);
   if (!placed.ok) return std::nullopt;

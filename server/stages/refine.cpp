@@ -131,7 +131,7 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
   const auto after =
       std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
   if (after == changes.end()) return frame.cam_from_world * changes.back().old_from_new;
-  const Rigid3 by_after = frame.cam_from_world * after->old_from_new;
+  Rigid3 by_after = frame.cam_from_world * after->old_from_new;
   if (after == changes.begin() || after->set == frame.set) return by_after;
   const Change& before = *(after - 1);
   const double s = static_cast<double>(frame.set.value - before.set.value) / (after->set.value - before.set.value);
