@@ -41,11 +41,11 @@ std::vector<MovingState> MovingWriter::write(const Map& map, const std::vector<M
     states[o.map].objects.push_back({o.id, o.motion.centroid.cast<float>(), o.motion.velocity.cast<float>(),
                                      o.motion.extent.cast<float>(), static_cast<std::uint16_t>(o.members.size())});
   }
-  for (const auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic || p.last_seen != map.now()) continue;
-    const auto object = object_of.find(id);
-    states[p.map].points.push_back({id, object == object_of.end() ? ObjectId() : object->second,
-                                    p.position.cast<float>(), pack_covariance(p.covariance), cameras_now(map, p)});
+  for (const MapPoint* p : map.moving_points()) {
+    if (p->last_seen != map.now()) continue;
+    const auto object = object_of.find(p->id);
+    states[p->map].points.push_back({p->id, object == object_of.end() ? ObjectId() : object->second,
+                                     p->position.cast<float>(), pack_covariance(p->covariance), cameras_now(map, *p)});
   }
   told_.clear();
   std::vector<MovingState> out;

@@ -211,6 +211,30 @@ void Map::remove_point(PointId id) {
     if (at != camera(b.camera).tracks.end()) unbind(b.camera, at->second);
   }
   points_.erase(id);
+  moving_.erase(id);
+}
+
+void Map::set_state(MapPoint& point, PointState state) {
+  point.state = state;
+  if (state == PointState::kDynamic) {
+    moving_.insert(point.id);
+  } else {
+    moving_.erase(point.id);
+  }
+}
+
+std::vector<MapPoint*> Map::moving_points() {
+  std::vector<MapPoint*> out;
+  out.reserve(moving_.size());
+  for (const PointId id : moving_) out.push_back(find(id));
+  return out;
+}
+
+std::vector<const MapPoint*> Map::moving_points() const {
+  std::vector<const MapPoint*> out;
+  out.reserve(moving_.size());
+  for (const PointId id : moving_) out.push_back(find(id));
+  return out;
 }
 
 void Map::end_track(CameraId camera_id, ServerTrack& track) {
@@ -241,6 +265,7 @@ void Map::fuse(PointId kept, PointId gone) {
   into->first_ns = std::min(into->first_ns, from->first_ns);
   into->last_ns = std::max(into->last_ns, from->last_ns);
   points_.erase(gone);
+  moving_.erase(gone);
 }
 
 bool Map::is_key_frame(SetId set) const {

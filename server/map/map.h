@@ -114,7 +114,7 @@ struct BoundTrack {
 struct MapPoint {
   PointId id;
   MapId map;
-  PointState state = PointState::kStatic;
+  PointState state = PointState::kStatic;  // changed by Map::set_state()
   // Poses, filter and bundle adjustment rest on it. A point from a short track of one camera or from the start has to
   // stand still for a while first: one that moves would be followed, and drag the poses along.
   bool proven = true;
@@ -203,6 +203,10 @@ class Map {
   // Takes the track's share out of the point too: its observations are believed wrong.
   void unbind_and_forget(CameraId camera, ServerTrack& track);
   void remove_point(PointId id);
+  void set_state(MapPoint& point, PointState state);
+  // Those of state kDynamic, ascending.
+  std::vector<MapPoint*> moving_points();
+  std::vector<const MapPoint*> moving_points() const;
   // `gone` is the same thing as `kept`: its tracks and observations move over.
   void fuse(PointId kept, PointId gone);
   // Observations of this instant become part of a moving point's path.
@@ -257,6 +261,7 @@ class Map {
   MapConfig config_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
+  std::set<PointId> moving_;
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
   std::set<std::pair<SetId, CameraId>> key_images_;

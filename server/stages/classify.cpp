@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "server/stages/follow.h"
@@ -23,7 +24,7 @@ void forget_past(Map& map, MapPoint& p) {
 }
 
 void become_dynamic(Map& map, MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
-  p.state = PointState::kDynamic;
+  map.set_state(p, PointState::kDynamic);
   forget_past(map, p);
   take_position(p, t, set);
   for (const BoundTrack& b : p.bound) {
@@ -32,8 +33,9 @@ void become_dynamic(Map& map, MapPoint& p, const TriangulationResult& t, const F
   }
 }
 
-// Static points that several cameras see elsewhere; tracks of one camera are left to verify().
-void doubt(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+// Static points that several cameras see elsewhere, ascending; tracks of one camera are left to verify().
+std::set<PointId> doubt(Map& map, const FrameSet& set, const ClassifyConfig& config) {
+  std::set<PointId> doubted;
   for (const CameraFrame& cf : set.frames) {
     for (auto& [id, track] : map.camera(cf.camera).tracks) {
       MapPoint* p = map.find(track.point);
@@ -44,16 +46,18 @@ void doubt(Map& map, const FrameSet& set, const ClassifyConfig& config, Classify
         elsewhere += track_of(map, s.track).gate_failures > 0;
       }
       if (cameras < 2 || elsewhere < 2) continue;
-      p->state = PointState::kUncertain;
-      ++report->uncertain;
+      map.set_state(*p, PointState::kUncertain);
+      doubted.insert(p->id);
     }
   }
+  return doubted;
 }
 
-void judge(Map& map, const FrameSet& set, ClassifyReport* report) {
+void judge(Map& map, const FrameSet& set, const std::set<PointId>& doubted, ClassifyReport* report) {
   std::vector<PointId> gone;
-  for (auto& [id, p] : map.points()) {
-    if (p.state != PointState::kUncertain) continue;
+  for (const PointId id : doubted) {
+    MapPoint& p = *map.find(id);
+    ++report->uncertain;
     if (const auto t = position_of(map, seen_now(map, p), kMovingParallax_rad)) {
       become_dynamic(map, p, *t, set);
       ++report->dynamic;
@@ -114,7 +118,7 @@ void become_static(Map& map, MapPoint& p, int frames) {
   for (const BoundTrack& b : bound) {
     if (track_of(map, b).offset_px.norm() > kMostStaticOffset_px) map.unbind(b.camera, track_of(map, b));
   }
-  p.state = PointState::kStatic;
+  map.set_state(p, PointState::kStatic);
   p.proven = false;  // it may go on
   p.views = 0;
   p.updated_from.clear();
@@ -134,9 +138,9 @@ bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
 
 // Moving points that stopped.
 void settle(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
-  for (auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic || p.last_seen != set.id || !stopped(map, p, config)) continue;
-    become_static(map, p, config.still_frames);
+  for (MapPoint* p : map.moving_points()) {
+    if (p->last_seen != set.id || !stopped(map, *p, config)) continue;
+    become_static(map, *p, config.still_frames);
     ++report->stopped;
   }
 }
@@ -352,8 +356,7 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
 ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& config) {
   ClassifyReport report;
   if (!config.enabled) return report;
-  doubt(map, set, config, &report);
-  judge(map, set, &report);
+  judge(map, set, doubt(map, set, config), &report);
   FollowReport followed = follow_moving(map, set, config.follow);
   rebind_moving(map, set, config.follow, &followed);
   report.removed += followed.removed;

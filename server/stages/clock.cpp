@@ -105,11 +105,10 @@ void ClockFinder::step(Map& map, const FrameSet& set) {
     BoundTrack first, second;
   };
   std::map<std::pair<CameraId, CameraId>, std::vector<Shared>> shared;
-  for (const auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic) continue;
-    for (const BoundTrack& first : p.bound) {
-      for (const BoundTrack& second : p.bound) {
-        if (first.camera < second.camera) shared[{first.camera, second.camera}].push_back({&p, first, second});
+  for (const MapPoint* p : map.moving_points()) {
+    for (const BoundTrack& first : p->bound) {
+      for (const BoundTrack& second : p->bound) {
+        if (first.camera < second.camera) shared[{first.camera, second.camera}].push_back({p, first, second});
       }
     }
   }

@@ -119,8 +119,8 @@ void refresh_patches(Map& map, MapPoint& p, const FrameSet& set) {
 // Positions from two cameras, this instant.
 void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
                   std::vector<Loose>* loose) {
-  for (auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic) continue;
+  for (MapPoint* moving : map.moving_points()) {
+    MapPoint& p = *moving;
     std::vector<Seen> seen = seen_now(map, p);
     auto t = position_of(map, seen, kMovingParallax_rad);
     if (!t) {
@@ -144,7 +144,7 @@ void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vect
       const ServerTrack& track = track_of(map, s.track);
       sample.seen.push_back(sighting(map.camera(s.track.camera), track, track.seen.size() - 1));
     }
-    map.record_motion(id, std::move(sample));
+    map.record_motion(p.id, std::move(sample));
     refresh_patches(map, p, set);
     ++report->positioned;
   }
@@ -336,12 +336,12 @@ void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, Fo
     for (auto& [id, t] : camera.tracks) {
       if (t.point == PointId() && t.moving && t.patch) grid.add(&t);
     }
-    for (auto& [id, p] : map.points()) {
-      if (p.state != PointState::kDynamic || p.map != camera.map || seen_by(p, camera.id)) continue;
-      const Look look = find_track(map, camera, grid, p, config);
+    for (MapPoint* p : map.moving_points()) {
+      if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+      const Look look = find_track(map, camera, grid, *p, config);
       if (look.track == nullptr || look.track->point != PointId()) continue;
-      if (!agrees(map, camera, p, look)) continue;
-      bind_moving(map, p, camera.id, *look.track, look.offset_px);
+      if (!agrees(map, camera, *p, look)) continue;
+      bind_moving(map, *p, camera.id, *look.track, look.offset_px);
       ++report->bound;
     }
   }

@@ -66,8 +66,8 @@ std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const s
   std::map<CameraId, int> index;
   for (std::size_t i = 0; i < members.size(); ++i) index[members[i].camera->id] = static_cast<int>(i);
   std::vector<InterPoseProblem::MovingPoint> out;
-  for (const auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic) continue;
+  for (const MapPoint* moving : map.moving_points()) {
+    const MapPoint& p = *moving;
     InterPoseProblem::MovingPoint m{p.position, {}};
     std::vector<View> views;
     for (const BoundTrack& b : p.bound) {

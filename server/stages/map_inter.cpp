@@ -272,13 +272,12 @@ bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d
   if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
   const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
   int alike = 0, others = 0;
-  for (const auto& [id, p] : map.points()) {
-    if (p.state != PointState::kDynamic || p.map != view.first->map || p.last_seen.value + 2 < map.now().value)
-      continue;
+  for (const MapPoint* p : map.moving_points()) {
+    if (p->map != view.first->map || p->last_seen.value + 2 < map.now().value) continue;
     Eigen::Vector2d other_px;
-    if (!project_world(view.first->model, view.first_pose, p.position, &other_px)) continue;
+    if (!project_world(view.first->model, view.first_pose, p->position, &other_px)) continue;
     if ((other_px - px).norm() > radius_px) continue;
-    (std::abs((view.first_pose * p.position).z() - depth) < kMostDepth * depth ? alike : others) += 1;
+    (std::abs((view.first_pose * p->position).z() - depth) < kMostDepth * depth ? alike : others) += 1;
   }
   return alike >= others;
 }
@@ -336,7 +335,7 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
   if (p == nullptr) std::swap(p, q);
   if (p == nullptr) {
     p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
-    p->state = PointState::kDynamic;
+    map.set_state(*p, PointState::kDynamic);
     bind_moving(map, *p, view.first->id, *a.track, Eigen::Vector2f::Zero());
     free.offset_px = offset_px;
     record_past(map, view, p->id, *a.track, *b.track);

@@ -210,9 +210,9 @@ void ObjectFinder::update_paths(const Map& map, TimeNs now_ns) {
     const MapPoint* p = map.find(entry.first);
     return p == nullptr || p->state != PointState::kDynamic;
   });
-  for (const auto& [id, point] : map.points()) {
-    if (point.state != PointState::kDynamic) continue;
-    FollowedPath& path = paths_[id];
+  for (const MapPoint* moving : map.moving_points()) {
+    const MapPoint& point = *moving;
+    FollowedPath& path = paths_[point.id];
     FollowedPath kept;
     for (std::size_t i = 0; i < path.samples.size(); ++i) {
       PathSample& sample = path.samples[i];

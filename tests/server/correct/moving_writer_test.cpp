@@ -16,7 +16,7 @@ class MovingWriterTest : public testing::Test {
   MapPoint& moving_point(double sigma = 0.05) {
     while (sim_.track_of(CameraId(0), next_) == nullptr || sim_.track_of(CameraId(1), next_) == nullptr) ++next_;
     MapPoint& p = sim_.add_point(next_++, sigma);
-    p.state = PointState::kDynamic;
+    sim_.map.set_state(p, PointState::kDynamic);
     return p;
   }
 

@@ -81,7 +81,7 @@ class PatchPair {
       } else if (MapPoint* p = map.find(track.point)) {
         if (chance() < 0.05 * rate) p->position.x() += 0.1 * chance();
         if (chance() < 0.05 * rate) p->covariance *= 0.5;
-        if (chance() < 0.02 * rate) p->state = PointState::kUncertain;
+        if (chance() < 0.02 * rate) map.set_state(*p, PointState::kUncertain);
         if (chance() < 0.02 * rate) map.unbind(kCam, track);
       }
     }

@@ -116,7 +116,7 @@ TEST_F(PatchWriterTest, CovarianceAndStateAreToldWhenTheyChange) {
   EXPECT_EQ(write().updated.size(), 1U);
   p.covariance /= 1.6;
   EXPECT_EQ(write().updated.size(), 1U);
-  p.state = PointState::kDynamic;
+  sim_.map.set_state(p, PointState::kDynamic);
   const MapPatch patch = write();
   ASSERT_EQ(patch.updated.size(), 1U);
   EXPECT_EQ(patch.updated[0].state, PointState::kDynamic);

@@ -32,8 +32,13 @@ bool unique(const MapPoint& p) {
          }) == p.key_observations.end();
 }
 
-// Bindings are told twice, by the track and by the point; they must agree.
+// Bindings are told twice, by the track and by the point, and what moves by the point and by the map; they must agree.
 void expect_consistent(const Map& map) {
+  std::vector<const MapPoint*> moving;
+  for (const auto& [id, p] : map.points()) {
+    if (p.state == PointState::kDynamic) moving.push_back(&p);
+  }
+  EXPECT_EQ(map.moving_points(), moving);
   for (const auto& [id, p] : map.points()) {
     EXPECT_EQ(id, p.id);
     EXPECT_TRUE(sorted(p) && unique(p)) << id.value;
@@ -92,6 +97,21 @@ TEST_F(MapPointsTest, DistrustedObservationsAreNotTaken) {
   EXPECT_FALSE(observed(p, SetId(0), kCam0, track(kCam0).id));
   EXPECT_TRUE(observed(p, SetId(2), kCam0, track(kCam0).id));
   EXPECT_TRUE(observed(p, SetId(0), kCam1, track(kCam1).id));
+}
+
+TEST_F(MapPointsTest, TheMapKnowsWhatMoves) {
+  sim_.add_points();
+  std::vector<PointId> ids;
+  for (const auto& [id, p] : map().points()) ids.push_back(id);
+  ASSERT_GT(ids.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) map().set_state(*map().find(ids[i]), PointState::kDynamic);
+  expect_consistent(map());
+  map().set_state(*map().find(ids[0]), PointState::kStatic);
+  map().remove_point(ids[1]);
+  map().fuse(ids[2], ids[3]);
+  expect_consistent(map());
+  ASSERT_EQ(map().moving_points().size(), 1U);
+  EXPECT_EQ(map().moving_points()[0]->id, ids[2]);
 }
 
 TEST_F(MapPointsTest, UnbindKeepsObservationsUnlessForgotten) {

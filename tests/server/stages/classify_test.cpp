@@ -27,7 +27,7 @@ TEST(Classify, OneCameraGivesBackWhatStandsStill) {
   sim.map.remove_point(on_wall->id);
   MapPoint& p = sim.map.create_point(sim.id, eye + 0.6 * (place - eye), 1e-3 * Eigen::Matrix3d::Identity(), sim.set.id,
                                      sim.set.t_ns);
-  p.state = PointState::kDynamic;
+  sim.map.set_state(p, PointState::kDynamic);
   const PointId id = p.id;
   ServerTrack* track = sim.track_of(kCam0, world_point);
   bind_moving(sim.map, p, kCam0, *track, Eigen::Vector2f::Zero());

@@ -41,7 +41,7 @@ class ClockTest : public testing::Test {
     MapPoint* p = at == points_.end() ? nullptr : sim_.map.find(at->second);
     if (p == nullptr) {
       p = &sim_.add_point(world_point);
-      p->state = PointState::kDynamic;
+      sim_.map.set_state(*p, PointState::kDynamic);
       points_[world_point] = p->id;
     }
     for (const CameraId c : {kFirst, kSecond, kThird}) {

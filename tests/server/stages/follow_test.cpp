@@ -30,7 +30,7 @@ class PassingPoint {
 
   MapPoint& add_moving() {
     MapPoint& p = map_.create_point(id_, truth(set_.t_ns), 1e-4 * Eigen::Matrix3d::Identity(), set_.id, set_.t_ns);
-    p.state = PointState::kDynamic;
+    map_.set_state(p, PointState::kDynamic);
     for (MapCamera& c : map_.cameras()) bind_moving(map_, p, c.id, c.tracks.at(TrackId(1)), Eigen::Vector2f::Zero());
     return p;
   }

@@ -98,7 +98,7 @@ TEST_F(FuseTest, OnePositionMustExplainThePastOfBoth) {
 
 TEST_F(FuseTest, OnlyStaticPointsOfTheSameMap) {
   for (auto& [id, p] : sim_.map.points()) {
-    if (p.bound.front().camera == kCam1) p.state = PointState::kUncertain;
+    if (p.bound.front().camera == kCam1) sim_.map.set_state(p, PointState::kUncertain);
   }
   EXPECT_EQ(fuse().candidates, 0);
 }

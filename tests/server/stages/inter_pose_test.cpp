@@ -24,7 +24,7 @@ class InterPoseTest : public testing::Test {
     for (int p = 0; p < world_.size(); ++p) {
       if (!world_.moves(p)) continue;
       MapPoint& point = sim_.add_point(p);
-      point.state = PointState::kDynamic;
+      sim_.map.set_state(point, PointState::kDynamic);
     }
     sim_.ingest();
     sim_.place_truly(CameraId(0));
@@ -64,7 +64,7 @@ TEST_F(InterPoseTest, FindsTheCameraThatHasNoStaticPoints) {
 TEST_F(InterPoseTest, NotWhenStaticPointsAreEnough) {
   sim_.advance(1);
   for (auto& [id, p] : sim_.map.points()) {
-    if (p.state == PointState::kDynamic) p.state = PointState::kFalse;
+    if (p.state == PointState::kDynamic) sim_.map.set_state(p, PointState::kFalse);
   }
   for (const auto& [id, t] : sim_.map.camera(kPoor).tracks) {
     if (t.point == PointId() && !world_.moves(sim_.world_point(kPoor, id))) sim_.add_point(sim_.world_point(kPoor, id));

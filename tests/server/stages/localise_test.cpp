@@ -147,7 +147,7 @@ TEST_F(LocaliseTest, StandsOnStaticPointsOnly) {
   int i = 0;
   for (auto& [id, p] : sim_.map.points()) {
     if (++i % 2 == 0) continue;
-    p.state = PointState::kDynamic;
+    sim_.map.set_state(p, PointState::kDynamic);
     p.position += Eigen::Vector3d(0.5, 0, 0);  // they all walk the same way
   }
   EXPECT_EQ(step().tracked, 2);

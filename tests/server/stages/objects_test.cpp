@@ -301,7 +301,7 @@ class ObjectsOfAMap : public testing::Test {
       if (sim_.track_of(CameraId(0), i) == nullptr || sim_.track_of(CameraId(1), i) == nullptr) continue;
       MapPoint& p = sim_.add_point(i, 0.02);
       p.position = world_.position(i, sim_.set.t_ns);
-      p.state = PointState::kDynamic;
+      sim_.map.set_state(p, PointState::kDynamic);
     }
   }
 

@@ -131,7 +131,7 @@ TEST_F(RegisterTest, InactivePointsTakeNoPart) {
 }
 
 TEST_F(RegisterTest, OnlyStaticPointsAreOffered) {
-  for (auto& [id, p] : sim_.map.points()) p.state = PointState::kDynamic;
+  for (auto& [id, p] : sim_.map.points()) sim_.map.set_state(p, PointState::kDynamic);
   EXPECT_EQ(step().candidates, 0);
 }
 
