@@ -67,15 +67,17 @@ bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognitio
       return true;
     }
   }
-  pending_[claim] = {second_from_first, map.now(), std::move(evidence), {camera.id, seen.key_camera}};
+  pending_[claim] = {second_from_first, map.now(), seen.expected, std::move(evidence), {camera.id, seen.key_camera}};
   return false;
 }
 
-bool Claims::concern(const Map& map, CameraId camera) const {
-  return std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
-    const Pending& p = entry.second;
-    return p.cameras.contains(camera) && p.since.value + kPendingSets > map.now().value;
-  });
+Claims::Waiting Claims::waiting(const Map& map, CameraId camera) const {
+  Waiting most = Waiting::kNothing;
+  for (const auto& [claim, p] : pending_) {
+    if (!p.cameras.contains(camera) || p.since.value + kPendingSets <= map.now().value) continue;
+    most = std::max(most, p.expected ? Waiting::kExpected : Waiting::kAnywhere);
+  }
+  return most;
 }
 
 }  // namespace coslam

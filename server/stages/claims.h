@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -21,8 +22,9 @@ class Claims {
   // True once, when it is confirmed.
   bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                  const ViewGraph& graph);
-  // It saw, or was seen by, what waits.
-  bool concern(const Map& map, CameraId camera) const;
+  // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
+  enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
+  Waiting waiting(const Map& map, CameraId camera) const;
   void clear() { pending_.clear(); }
 
  private:
@@ -39,6 +41,7 @@ class Claims {
   struct Pending {
     Similarity3 second_from_first;
     SetId since;
+    bool expected = false;
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };

@@ -324,7 +324,8 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
   const bool hinted = d.hinted && since(d.hinted) < kHintSets;
-  const bool confirm = claims_.concern(map, camera.id) || hinted;
+  const Claims::Waiting waiting = claims_.waiting(map, camera.id);
+  const bool confirm = hinted || waiting != Claims::Waiting::kNothing;
   const bool expects = expected_.contains(camera.id);
   const bool wanted = confirm ? due(config_.confirm_period)
                       : !d.at ? due(config_.lost_period)
@@ -333,7 +334,8 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
                           : due(parted ? config_.least_period / 2 : config_.least_period) &&
                                 view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);
   if (!wanted || !afford(d, map.now_ns(), confirm)) return DescriptorRequest::kNone;
-  return apart || confirm ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
+  const bool everywhere = apart || hinted || waiting == Claims::Waiting::kAnywhere;
+  return everywhere ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
 }
 
 // Whether the uplink has room for an image's descriptors; if so, it is counted. What is about to be confirmed may run

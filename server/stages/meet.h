@@ -27,7 +27,7 @@ struct MeetConfig {
   double min_overlap = 0.08;   // of both views, by the map, for that
   int min_holding = 12;        // points that two cameras see at once hold them to each other
   int least_period = 30;       // between requests because the view changed
-  double images_per_s = 0.7;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
+  double images_per_s = 0.5;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
   double image_burst = 3;      // and so many ahead of that
   double turned_rad = 0.3;     // of the optical axis, or
   double moved_share = 0.5;    // of the median depth: the view is another one
