@@ -25,6 +25,7 @@
 #include "server/stages/key_frame.h"
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
+#include "server/stages/map_moving.h"
 #include "server/stages/map_intra.h"
 #include "server/stages/meet.h"
 #include "server/stages/objects.h"

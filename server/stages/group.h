@@ -34,7 +34,7 @@ struct GroupConfig {
   int min_shared_overlapping = 4;  // points that bring them together if their views overlap so far by the map, and
   int least_shared = 2;            // at least, where they overlap more: the fewer the farther they do
   double join_s = 0.2;             // for so long, before they are
-  double part_s = 0.3;             // with fewer for so long, before they are not any more
+  double part_s = 0.2;             // with fewer for so long, before they are not any more
   double settle_s = 0.3;           // that a new grouping must last: cameras seldom part in one instant
   double hold_s = 1.0;             // every grouping stays at least so long
 };

@@ -97,23 +97,6 @@ TEST_F(MapInterWithTraffic, StaticPointsOnly) {
   EXPECT_EQ(moving, 0);
 }
 
-// One camera knows that they move, to the other they look like things at rest farther or nearer.
-TEST_F(MapInterWithTraffic, WhatOneCameraSeesMoveIsJoinedIfItMoves) {
-  int still = 0;
-  for (auto& [id, t] : sim_.map.camera(kCam0).tracks) {
-    if (t.point != PointId()) continue;
-    t.moving = true;
-    still += !world_.moves(sim_.world_point(kCam0, id));
-  }
-  ASSERT_GT(still, 20);
-  const MapInterReport report = map_moving(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), {});
-  EXPECT_GE(report.moving, 10);
-  for (const MapPoint* p : created()) {
-    EXPECT_EQ(p->state, PointState::kDynamic);
-    EXPECT_TRUE(world_.moves(sim_.world_point(*p)));
-  }
-}
-
 // One candidate on each side: the same patch on the same epipolar line, as if the thing were `depth_m` away.
 class Lookalike : public MapInterTest {
  protected:

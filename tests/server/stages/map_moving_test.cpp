@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stages/map_moving.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/sim_map.h"
+
+namespace coslam {
+namespace {
+
+constexpr CameraId kCam0(0), kCam1(1);
+
+// Two cameras 1.2 m apart with true poses, whose view things cross; the first few static points that both see are
+// mapped, so that they share an edge.
+class MapMovingTest : public testing::Test {
+ protected:
+  MapMovingTest() : sim_(world_, test::paths_side_by_side(2)) {
+    sim_.advance(10, true);
+    for (int p = 0; p < world_.size() && sim_.map.points().size() < 12; ++p) {
+      if (!world_.moves(p) && both_see(p)) sim_.add_point(p);
+    }
+  }
+  bool both_see(int p) { return sim_.track_of(kCam0, p) != nullptr && sim_.track_of(kCam1, p) != nullptr; }
+  MapInterReport step() { return map_moving(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), {}); }
+  // What the first camera believes of its free tracks; the number of them that stand still.
+  int believe(bool moving) {
+    int still = 0;
+    for (auto& [id, t] : sim_.map.camera(kCam0).tracks) {
+      if (t.point != PointId()) continue;
+      t.moving = moving;
+      still += !world_.moves(sim_.world_point(kCam0, id));
+    }
+    return still;
+  }
+
+  const test::SimWorld world_{{.points = 300, .moving_points = 80}};
+  test::SimMap sim_;
+};
+
+TEST_F(MapMovingTest, NothingThatNobodySeesMove) {
+  believe(false);
+  EXPECT_EQ(step().moving, 0);
+}
+
+// One camera knows that they move, to the other they look like things at rest farther or nearer.
+TEST_F(MapMovingTest, WhatOneCameraSeesMoveIsJoinedIfItMoves) {
+  ASSERT_GT(believe(true), 20);
+  EXPECT_GE(step().moving, 10);
+  EXPECT_GE(sim_.map.moving_points().size(), 10U);
+  for (const MapPoint* p : sim_.map.moving_points()) EXPECT_TRUE(world_.moves(sim_.world_point(*p)));
+}
+
+}  // namespace
+}  // namespace coslam
