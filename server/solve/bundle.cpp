@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 
 #include "common/geometry/robust.h"
@@ -78,11 +79,16 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
     ceres_problem.AddParameterBlock(p.data(), 3);
     ordering->AddElementToGroup(p.data(), 0);
   }
+  std::map<double, ceres::ScaledLoss> losses;
+  const auto weighted = [&](double weight) {
+    return &losses.try_emplace(weight, &loss, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
+  };
   for (const auto& o : problem.observations) {
     const auto pose = static_cast<std::size_t>(o.pose);
     const CameraModel& camera = problem.cameras[static_cast<std::size_t>(problem.poses[pose].camera)];
-    ceres_problem.AddResidualBlock(make_reprojection_cost(camera, o.undistorted_px, o.sigma_px).release(), &loss,
-                                   poses[pose].data(), result.points[static_cast<std::size_t>(o.point)].data());
+    ceres_problem.AddResidualBlock(make_reprojection_cost(camera, o.undistorted_px, o.sigma_px).release(),
+                                   weighted(o.weight), poses[pose].data(),
+                                   result.points[static_cast<std::size_t>(o.point)].data());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (problem.poses[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());

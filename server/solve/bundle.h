@@ -24,6 +24,7 @@ struct BundleProblem {
     int point = 0;
     Eigen::Vector2d undistorted_px;
     double sigma_px = 1.0;
+    double weight = 1.0;  // less for one of several that repeat an error
   };
   std::vector<CameraModel> cameras;
   std::vector<Pose> poses;

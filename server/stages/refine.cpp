@@ -107,6 +107,26 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, R
   }
 }
 
+// Views of a point by one track repeat what is wrong with it, its drift on the surface above all: together they are
+// worth two, as in Map::covariance_of(). counts: whether the i-th observation is one.
+std::vector<double> worth_of_observations(const RefineJob& job, auto&& counts) {
+  std::map<std::tuple<int, CameraId, TrackId>, int> views;
+  const auto key = [&](std::size_t i) {
+    const auto& o = job.problem.observations[i];
+    return std::tuple(o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track);
+  };
+  for (std::size_t i = 0; i < job.observations.size(); ++i) views[key(i)] += counts(i) ? 1 : 0;
+  std::vector<double> worth;
+  worth.reserve(job.observations.size());
+  for (std::size_t i = 0; i < job.observations.size(); ++i) worth.push_back(2.0 / std::max(2, views[key(i)]));
+  return worth;
+}
+
+void weigh_observations(RefineJob* job) {
+  const std::vector<double> worth = worth_of_observations(*job, [](std::size_t) { return true; });
+  for (std::size_t i = 0; i < worth.size(); ++i) job->problem.observations[i].weight = worth[i];
+}
+
 // With no history to hold the window: one pose stays, and the distance to the farthest other is restored afterwards.
 void float_free(RefineJob* job) {
   job->floating = true;
@@ -247,6 +267,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   }
   add_points(map, of, keys.front(), index, &job);
   if (job.points.size() < 20) return std::nullopt;
+  if (extent != RefineExtent::kWindow) weigh_observations(&job);
   if (job.poses.size() < free_poses + 2) float_free(&job);
   return job;
 }
@@ -267,16 +288,10 @@ std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, co
     solved.poses[i].fixed = solved.poses[i].fixed && !job.floating;
   }
   solved.points = result.points;
-  std::map<std::tuple<int, CameraId, TrackId>, int> views;  // of a point by a track
-  const auto key = [&](std::size_t i) {
-    const auto& o = job.problem.observations[i];
-    return std::tuple(o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track);
-  };
-  for (std::size_t i = 0; i < solved.observations.size(); ++i) views[key(i)] += result.is_inlier[i] ? 1 : 0;
+  const std::vector<double> worth = worth_of_observations(job, [&](std::size_t i) { return result.is_inlier[i]; });
   for (std::size_t i = 0; i < solved.observations.size(); ++i) {
-    const auto& o = solved.observations[i];
-    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(o.pose)].camera);
-    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) * std::sqrt(std::max(1.0, 0.5 * views[key(i)]));
+    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(solved.observations[i].pose)].camera);
+    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
   }
   return pose_share_of_points(solved, result.is_inlier, kMostPoses);
 }

@@ -135,6 +135,17 @@ TEST_F(BundleTest, FixedPosesStay) {
   EXPECT_GT((r.poses[5].center() - p.poses[5].cam_from_world.center()).norm(), 1e-4);
 }
 
+TEST_F(BundleTest, TwiceAtHalfTheWeightIsOnce) {
+  const BundleProblem once = make({.outliers = 0.05});
+  BundleProblem twice = once;
+  twice.observations.insert(twice.observations.end(), once.observations.begin(), once.observations.end());
+  for (auto& o : twice.observations) o.weight = 0.5;
+  const BundleResult a = solve_bundle(once, {}), b = solve_bundle(twice, {});
+  EXPECT_NEAR(b.final_cost, a.final_cost, 1e-6 * a.final_cost);
+  for (std::size_t i = 0; i < a.poses.size(); ++i) EXPECT_THAT(b.poses[i], PoseNear(a.poses[i], 1e-6, 1e-6));
+  for (std::size_t i = 0; i < a.is_inlier.size(); ++i) EXPECT_EQ(b.is_inlier[i], a.is_inlier[i]);
+}
+
 TEST_F(BundleTest, TheSameBitsEveryTime) {
   const BundleProblem p = make({.outliers = 0.05});
   const BundleResult a = solve_bundle(p, {}), b = solve_bundle(p, {});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
@@ -85,6 +86,22 @@ TEST_F(RefineTest, TheWindowIsFreeAndHistoryHoldsIt) {
     EXPECT_LT(static_cast<std::size_t>(o.pose), job.poses.size());
     EXPECT_LT(static_cast<std::size_t>(o.point), job.points.size());
   }
+}
+
+TEST_F(RefineTest, AllViewsOfOneTrackAreWorthTwoInTheWholeMap) {
+  const auto most = [&](const RefineJob& job) {
+    std::map<std::tuple<int, CameraId, TrackId>, double> worth;
+    double largest = 0;
+    for (std::size_t i = 0; i < job.observations.size(); ++i) {
+      const auto& o = job.problem.observations[i];
+      double& sum = worth[{o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track}];
+      sum += o.weight;
+      largest = std::max(largest, sum);
+    }
+    return largest;
+  };
+  EXPECT_NEAR(most(plan(RefineExtent::kWhole)), 2, 1e-9);
+  EXPECT_GT(most(plan()), 4) << "within a window they count one by one";
 }
 
 TEST_F(RefineTest, PosesThatRestOnMovingPointsAreCarriedAndNotAdjusted) {
