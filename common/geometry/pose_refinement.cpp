@@ -58,10 +58,8 @@ double measured_sigma(const std::vector<Residual>& residuals, const PoseRefineme
     explained.push_back(0.5 * r.point_part.trace());
   }
   if (norms.empty()) return cap_px;
-  const auto middle = explained.begin() + static_cast<std::ptrdiff_t>(explained.size() / 2);
-  std::nth_element(explained.begin(), middle, explained.end());
   const double total = robust_sigma_2d(norms);
-  return std::clamp(std::sqrt(std::max(0.0, total * total - *middle)), config.sigma_floor_px, cap_px);
+  return std::clamp(std::sqrt(std::max(0.0, total * total - upper_median(explained))), config.sigma_floor_px, cap_px);
 }
 
 struct System {

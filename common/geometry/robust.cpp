@@ -20,11 +20,15 @@ double tukey_weight(double x, double t) {
   return u * u;
 }
 
+double upper_median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 double robust_sigma_2d(std::vector<double>& norms) {
-  if (norms.empty()) return 0.0;
-  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
-  std::nth_element(norms.begin(), middle, norms.end());
-  return *middle / std::sqrt(2.0 * std::log(2.0));  // median of the Rayleigh distribution
+  return upper_median(norms) / std::sqrt(2.0 * std::log(2.0));  // median of the Rayleigh distribution
 }
 
 }  // namespace coslam

@@ -11,6 +11,9 @@ double tukey_rho(double x, double t);
 // IRLS weight rho'(x) / x = [1 - (x/t)^2]^2 for |x| <= t, else 0.
 double tukey_weight(double x, double t);
 
+// The upper one of two in the middle. Reorders `values`; 0 when empty.
+double upper_median(std::vector<double>& values);
+
 // Standard deviation of one axis of a 2D Gaussian from the norms of its samples, by the median (robust to half
 // outliers). Reorders `norms`; 0 when empty.
 double robust_sigma_2d(std::vector<double>& norms);

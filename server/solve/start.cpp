@@ -11,6 +11,7 @@
 #include <set>
 
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
 #include "common/geometry/triangulation.h"
 #include "server/solve/bundle.h"
 #include "server/solve/root_sift.h"
@@ -79,9 +80,7 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
     cells.insert({static_cast<int>(8 * views[0].undistorted_px.x() / ia.camera.width_px),
                   static_cast<int>(6 * views[0].undistorted_px.y() / ia.camera.height_px)});
   }
-  std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2),
-                   parallax.end());
-  pair.median_parallax_rad = parallax[parallax.size() / 2];
+  pair.median_parallax_rad = upper_median(parallax);
   if (pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
   // Many, spread over the image, and with depth to be gained up to about 8 degrees.
   pair.score = static_cast<double>(pair.inliers.size()) * std::sqrt(static_cast<double>(cells.size())) *

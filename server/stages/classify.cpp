@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "common/geometry/robust.h"
 #include "server/stages/follow.h"
 
 namespace coslam {
@@ -224,10 +225,7 @@ double median_static_depth(const Map& map, const MapCamera& camera) {
     if (p == nullptr || p->state != PointState::kStatic || !p->proven) continue;
     depths.push_back((camera.frames.back().cam_from_world * p->position).z());
   }
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median(depths);
 }
 
 // What a thing at rest may seem to have moved in the last frames.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/robust.h"
 #include "server/stages/track_grid.h"
 
 namespace coslam {
@@ -39,10 +40,7 @@ std::vector<SinceLast> since_last(const Map& map, SetId last) {
     }
   }
   for (std::size_t c = 0; c < out.size(); ++c) {
-    if (turns[c].empty()) continue;
-    const auto middle = turns[c].begin() + static_cast<std::ptrdiff_t>(turns[c].size() / 2);
-    std::nth_element(turns[c].begin(), middle, turns[c].end());
-    out[c].median_turn_rad = *middle;
+    out[c].median_turn_rad = upper_median(turns[c]);
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
 #include "server/stages/disjoint_sets.h"
 #include "server/stages/overlap.h"
 #include "server/stages/register.h"
@@ -140,9 +141,7 @@ bool as_expected(const Map& map, const MapCamera& camera, const Recognition& see
       return false;
     errors.push_back((px - camera.tracks.at(track).seen.back().undistorted_px.cast<double>()).norm());
   }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle < most_px;
+  return upper_median(errors) < most_px;
 }
 
 bool several_maps(const Map& map) {
@@ -162,10 +161,7 @@ double median_depth(const Map& map, const MapCamera& camera) {
     if (p != nullptr && p->state == PointState::kStatic)
       depths.push_back((camera.frames.back().cam_from_world * p->position).z());
   }
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median(depths);
 }
 
 }  // namespace

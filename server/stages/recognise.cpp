@@ -9,6 +9,7 @@
 #include <random>
 
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
 #include "server/solve/root_sift.h"
 #include "server/solve/start.h"
 #include "server/stages/track_grid.h"
@@ -46,13 +47,6 @@ KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyIm
     }
   }
   return out;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // What matched of some known points.
@@ -95,7 +89,7 @@ std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector
   const auto best = static_cast<std::size_t>(std::max_element(by_image.begin(), by_image.end()) - by_image.begin());
   out.key_camera = asked[best]->camera;
   out.key_set = asked[best]->set;
-  out.median_depth = median_of(std::move(depths));
+  out.median_depth = upper_median(depths);
   return out;
 }
 

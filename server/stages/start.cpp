@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
 #include "server/stages/refine.h"
 #include "server/stages/register.h"
 
@@ -116,10 +117,7 @@ Common common_tracks(const MapCamera& camera, SetId then) {
     c.matches.push_back({i, i, 0});
     flow.push_back((c.then.undistorted_px.back() - c.now.undistorted_px.back()).norm());
   }
-  if (!flow.empty()) {
-    std::nth_element(flow.begin(), flow.begin() + static_cast<std::ptrdiff_t>(flow.size() / 2), flow.end());
-    c.median_flow_px = flow[flow.size() / 2];
-  }
+  c.median_flow_px = upper_median(flow);
   return c;
 }
 

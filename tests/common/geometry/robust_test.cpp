@@ -45,6 +45,13 @@ std::vector<double> norms_of_gauss(int count, double sigma_px, unsigned seed) {
   return norms;
 }
 
+TEST(UpperMedian, IsTheUpperOfTwo) {
+  std::vector<double> none, odd{5, 1, 3}, even{4, 1, 3, 2};
+  EXPECT_EQ(upper_median(none), 0);
+  EXPECT_EQ(upper_median(odd), 3);
+  EXPECT_EQ(upper_median(even), 3);
+}
+
 TEST(RobustSigma, IsThatOfOneAxis) {
   std::vector<double> norms = norms_of_gauss(20000, 0.7, 1);
   EXPECT_NEAR(robust_sigma_2d(norms), 0.7, 0.01);
