@@ -223,7 +223,8 @@ std::optional<RefineJob> MapServer::take_refine_job() {
   return std::exchange(planned_, std::nullopt);
 }
 
-void MapServer::give_refined(RefineJob job, BundleResult result) {
+void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::steady_clock::duration took) {
+  times_.add(job.extent == RefineExtent::kOutline ? "refine_outline" : "refine", took);
   refined_.emplace(std::move(job), std::move(result));
 }
 
@@ -231,7 +232,6 @@ void MapServer::apply_refined() {
   if (!refined_) return;
   const RefineReport r = apply_refine(map_, refined_->first, refined_->second);
   const bool outline = refined_->first.extent == RefineExtent::kOutline;
-  times_.add(outline ? "refine_outline" : "refine", refined_->second.took);
   count("refine_applied", r.applied ? 1 : 0);
   // One that a change of the map overtook is planned again.
   const RefineJob& job = refined_->first;

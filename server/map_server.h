@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <optional>
 #include <set>
@@ -25,8 +26,8 @@
 #include "server/stages/key_frame.h"
 #include "server/stages/localise.h"
 #include "server/stages/map_inter.h"
-#include "server/stages/map_moving.h"
 #include "server/stages/map_intra.h"
+#include "server/stages/map_moving.h"
 #include "server/stages/meet.h"
 #include "server/stages/objects.h"
 #include "server/stages/refine.h"
@@ -84,7 +85,8 @@ class MapServer {
 
   // The job that the last step planned, at most one in flight; its solution is taken in at the next step.
   std::optional<RefineJob> take_refine_job();
-  void give_refined(RefineJob job, BundleResult result);
+  // took: to solve, for the report.
+  void give_refined(RefineJob job, BundleResult result, std::chrono::steady_clock::duration took = {});
 
   // The last word: adjusts the whole run and sets the scale.
   void finish();

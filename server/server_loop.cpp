@@ -32,14 +32,18 @@ TimeNs monotonic_ns() {
 // One bundle adjustment at a time, beside the map thread.
 class ServerLoop::Refiner {
  public:
+  struct Solved {
+    RefineJob job;
+    BundleResult result;
+    std::chrono::steady_clock::duration took;
+  };
   explicit Refiner(bool threaded) {
     if (!threaded) return;
     worker_.emplace("refine", [this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         std::optional<RefineJob> job = jobs_.take();
         if (!job) return;
-        BundleResult result = solve_refine(*job);
-        results_.put({std::move(*job), std::move(result)});
+        results_.put(solve(std::move(*job)));
       }
     });
   }
@@ -61,13 +65,11 @@ class ServerLoop::Refiner {
       inline_job_ = std::move(job);
     }
   }
-  using Solved = std::pair<RefineJob, BundleResult>;
   std::optional<Solved> take(bool wait) {
     if (!busy_) return std::nullopt;
     std::optional<Solved> solved;
     if (inline_job_) {
-      BundleResult result = solve_refine(*inline_job_);
-      solved.emplace(std::move(*inline_job_), std::move(result));
+      solved = solve(std::move(*inline_job_));
       inline_job_.reset();
     } else {
       solved = wait ? results_.take() : results_.try_take();
@@ -77,6 +79,12 @@ class ServerLoop::Refiner {
   }
 
  private:
+  static Solved solve(RefineJob job) {
+    const auto begin = std::chrono::steady_clock::now();
+    BundleResult result = solve_refine(job);
+    return {std::move(job), std::move(result), std::chrono::steady_clock::now() - begin};
+  }
+
   LatestSlot<RefineJob> jobs_;
   LatestSlot<Solved> results_;
   std::optional<RefineJob> inline_job_;
@@ -213,8 +221,13 @@ void ServerLoop::exchange_refinement(SetId now) {
   // Lock-step: at a fixed set, so that the machine's speed does not show in the result.
   const bool due = now.value >= refiner_->planned_at().value + kRefineDueSets;
   if (lockstep() && !due) return;
-  if (auto solved = refiner_->take(lockstep()))
-    server_.give_refined(std::move(solved->first), std::move(solved->second));
+  give_refined(lockstep());
+}
+
+void ServerLoop::give_refined(bool wait) {
+  if (auto solved = refiner_->take(wait)) {
+    server_.give_refined(std::move(solved->job), std::move(solved->result), solved->took);
+  }
 }
 
 void ServerLoop::send_status() {
@@ -231,7 +244,7 @@ void ServerLoop::send_status() {
 }
 
 void ServerLoop::finish(const nlohmann::ordered_json& effective) {
-  if (auto solved = refiner_->take(true)) server_.give_refined(std::move(solved->first), std::move(solved->second));
+  give_refined(true);
   server_.finish();
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   make_report(effective);

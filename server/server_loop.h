@@ -62,6 +62,7 @@ class ServerLoop {
   void start_if_complete();
   void run_set(const FrameSet& set);
   void exchange_refinement(SetId now);
+  void give_refined(bool wait);
   void send_status();
   void make_report(const nlohmann::ordered_json& effective);
   bool lockstep() const { return lockstep_; }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <chrono>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
@@ -46,7 +45,6 @@ struct BundleResult {
   std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;
-  std::chrono::steady_clock::duration took{};
   double sigma_px = 0;  // robust standard deviation of the final residuals, pixels
 };
 

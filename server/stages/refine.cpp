@@ -3,7 +3,6 @@
 #include "server/stages/refine.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -273,9 +272,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
 }
 
 BundleResult solve_refine(const RefineJob& job) {
-  const auto begin = std::chrono::steady_clock::now();
   BundleResult result = solve_bundle(job.problem, job.config);
-  result.took = std::chrono::steady_clock::now() - begin;
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
   return result;
 }
