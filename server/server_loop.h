@@ -32,6 +32,8 @@ class ServerLoop {
  public:
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
   ~ServerLoop();
+  ServerLoop(const ServerLoop&) = delete;
+  ServerLoop& operator=(const ServerLoop&) = delete;
 
   // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done:
   // all expected agents have ended and their frames are used.
@@ -57,7 +59,7 @@ class ServerLoop {
   void on_hello(const Hello& hello);
   void on_frame(const JoinedFrame& joined);
   void on_status(const AgentStatus& status);
-  void on_gone(const std::string& agent, RunId run);
+  void on_gone(const std::string& name, RunId run);
   void admit(const Hello& hello);
   void start_if_complete();
   void run_set(const FrameSet& set);

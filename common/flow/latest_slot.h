@@ -17,6 +17,7 @@ template <class T>
 class LatestSlot {
  public:
   LatestSlot() = default;
+  ~LatestSlot() = default;
   LatestSlot(const LatestSlot&) = delete;
   LatestSlot& operator=(const LatestSlot&) = delete;
 

@@ -15,7 +15,11 @@ namespace coslam {
 class Worker {
  public:
   Worker(std::string name, std::function<void(std::stop_token)> body);
+  ~Worker() = default;
   Worker(Worker&&) = default;
+  Worker& operator=(Worker&&) = delete;
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
 
   void request_stop() { thread_.request_stop(); }
   void join();  // waits for the body to return; may be called twice

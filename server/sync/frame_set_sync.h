@@ -45,7 +45,7 @@ class FrameSetSync {
  private:
   struct Waiting {
     CameraFrame frame;
-    TimeNs arrived_ns;
+    TimeNs arrived_ns = 0;
   };
   struct Member {
     bool lockstep = false, finished = false, silent = false;
