@@ -135,7 +135,7 @@ struct Fit {
 
 // Gauss-Newton on the homography and on how far all edges lie towards the white side.
 std::optional<Fit> fit_edges(const cv::Mat& image, const CameraModel& camera, const std::vector<Edge>& edges,
-                             Homography start) {
+                             const Homography& start) {
   constexpr int kRounds = 5;
   constexpr double kTukey_px = 1.0, kShiftPrior_px = 0.5, kEdgeSigma_px = 0.1;
   constexpr double kReachCells = 0.45, kMostReach_px = 3.0;

@@ -28,7 +28,7 @@ TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
     const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
     if (at == camera.tracks.end()) continue;
     out.tracks.push_back(at->first);
-    out.image.undistorted_px.push_back(at->second.seen.back().undistorted_px.cast<double>());
+    out.image.undistorted_px.emplace_back(at->second.seen.back().undistorted_px.cast<double>());
     const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
     out.image.descriptors.insert(out.image.descriptors.end(), begin, begin + kDescriptorBytes);
   }
@@ -58,6 +58,7 @@ void start_together(Map& map, const FrameSet& set, const StartStageConfig& confi
   }
   if (cameras.size() < 2) return;
   std::vector<FeatureImage> images;
+  images.reserve(features.size());
   for (const TrackFeatures& f : features) images.push_back(f.image);
   const StartResult result = start_map(images, config.pair);
   if (!result.ok) {
@@ -112,8 +113,8 @@ Common common_tracks(const MapCamera& camera, SetId then) {
     if (at == t.seen.end() || at->set != then) continue;
     const int i = static_cast<int>(c.tracks.size());
     c.tracks.push_back(id);
-    c.then.undistorted_px.push_back(at->undistorted_px.cast<double>());
-    c.now.undistorted_px.push_back(t.seen.back().undistorted_px.cast<double>());
+    c.then.undistorted_px.emplace_back(at->undistorted_px.cast<double>());
+    c.now.undistorted_px.emplace_back(t.seen.back().undistorted_px.cast<double>());
     c.matches.push_back({i, i, 0});
     flow.push_back((c.then.undistorted_px.back() - c.now.undistorted_px.back()).norm());
   }
