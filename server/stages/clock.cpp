@@ -101,7 +101,7 @@ void ClockFinder::step(Map& map, const FrameSet& set) {
   if (!config_.enabled) return;
   offsets_.resize(map.cameras().size(), {0, kPrior_s});
   struct Shared {
-    const MapPoint* point;
+    const MapPoint* point = nullptr;
     BoundTrack first, second;
   };
   std::map<std::pair<CameraId, CameraId>, std::vector<Shared>> shared;

@@ -47,7 +47,7 @@ bool weak(const Member& m, const InterPoseConfig& config) {
 Eigen::Vector2d at_instant(const Map& map, const MapCamera& c, const ServerTrack& t, const MapPoint& p,
                            const Rigid3& pose) {
   const Sighting seen = sighting(c, t, t.seen.size() - 1);
-  const Eigen::Vector2d px = seen.undistorted_px.cast<double>();
+  Eigen::Vector2d px = seen.undistorted_px.cast<double>();
   if (c.frames.size() < 2) return px;
   const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
   const TimeNs later_ns = map.now_ns() - c.taken_ns(now), period_ns = now.capture_ns - before.capture_ns;
