@@ -68,6 +68,14 @@ void thin_out(std::vector<TrackPoint>& seen) {
   seen.resize(kept);
 }
 
+template <class Point>
+std::vector<Point*> find_all(auto& map, const std::set<PointId>& ids) {
+  std::vector<Point*> out;
+  out.reserve(ids.size());
+  for (const PointId id : ids) out.push_back(map.find(id));
+  return out;
+}
+
 }  // namespace
 
 const FramePose* MapCamera::frame_at(SetId set) const { return find_frame(frames, set); }
@@ -210,6 +218,10 @@ void Map::remove_point(PointId id) {
     const auto at = camera(b.camera).tracks.find(b.track);
     if (at != camera(b.camera).tracks.end()) unbind(b.camera, at->second);
   }
+  erase_point(id);
+}
+
+void Map::erase_point(PointId id) {
   points_.erase(id);
   moving_.erase(id);
 }
@@ -223,19 +235,9 @@ void Map::set_state(MapPoint& point, PointState state) {
   }
 }
 
-std::vector<MapPoint*> Map::moving_points() {
-  std::vector<MapPoint*> out;
-  out.reserve(moving_.size());
-  for (const PointId id : moving_) out.push_back(find(id));
-  return out;
-}
+std::vector<MapPoint*> Map::moving_points() { return find_all<MapPoint>(*this, moving_); }
 
-std::vector<const MapPoint*> Map::moving_points() const {
-  std::vector<const MapPoint*> out;
-  out.reserve(moving_.size());
-  for (const PointId id : moving_) out.push_back(find(id));
-  return out;
-}
+std::vector<const MapPoint*> Map::moving_points() const { return find_all<const MapPoint>(*this, moving_); }
 
 void Map::end_track(CameraId camera_id, ServerTrack& track) {
   if (MapPoint* p = find(track.point)) std::erase(p->bound, BoundTrack{camera_id, track.id});
@@ -264,8 +266,7 @@ void Map::fuse(PointId kept, PointId gone) {
   into->last_seen = std::max(into->last_seen, from->last_seen);
   into->first_ns = std::min(into->first_ns, from->first_ns);
   into->last_ns = std::max(into->last_ns, from->last_ns);
-  points_.erase(gone);
-  moving_.erase(gone);
+  erase_point(gone);
 }
 
 bool Map::is_key_frame(SetId set) const {

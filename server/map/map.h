@@ -256,12 +256,13 @@ class Map {
 
  private:
   void end_track(CameraId camera, ServerTrack& track);
+  void erase_point(PointId id);
   bool keeps_observations_of(SetId set, CameraId camera) const;
 
   MapConfig config_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
-  std::set<PointId> moving_;
+  std::set<PointId> moving_;  // of points_
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
   std::set<std::pair<SetId, CameraId>> key_images_;

@@ -36,18 +36,14 @@ bool agree(const MapCamera& camera, const Recognition& seen, const Similarity3& 
 std::pair<Claims::Part, Claims::Part> Claims::parts(const Map& map, const MapCamera& camera, const Recognition& seen,
                                                     const ViewGraph& graph) {
   if (camera.map != seen.map) return {{camera.map, std::nullopt}, {seen.map, std::nullopt}};
-  const auto first_of_group = [&](CameraId id) {
-    const int group = graph.group_of(id);
-    return group < 0 ? id : graph.groups[static_cast<std::size_t>(group)].front();
-  };
-  const CameraId own = first_of_group(camera.id), other = first_of_group(seen.key_camera);
+  const CameraId own = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
   const bool past = own == other || !map.is_recent(seen.key_set);
   return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
 bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                        const ViewGraph& graph) {
-  auto [own, other] = parts(map, camera, seen, graph);
+  const auto [own, other] = parts(map, camera, seen, graph);
   const bool forward = own < other;
   const Claim claim = forward ? Claim{own, other} : Claim{other, own};
   const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();

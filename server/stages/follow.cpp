@@ -329,6 +329,7 @@ FollowReport follow_moving(Map& map, const FrameSet& set, const FollowConfig& co
 }
 
 void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
+  const std::vector<MapPoint*> points = map.moving_points();
   for (const CameraFrame& cf : set.frames) {
     MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
@@ -336,7 +337,7 @@ void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, Fo
     for (auto& [id, t] : camera.tracks) {
       if (t.point == PointId() && t.moving && t.patch) grid.add(&t);
     }
-    for (MapPoint* p : map.moving_points()) {
+    for (MapPoint* p : points) {
       if (p->map != camera.map || seen_by(*p, camera.id)) continue;
       const Look look = find_track(map, camera, grid, *p, config);
       if (look.track == nullptr || look.track->point != PointId()) continue;

@@ -14,6 +14,11 @@ int ViewGraph::group_of(CameraId camera) const {
   return -1;
 }
 
+std::vector<CameraId> ViewGraph::group_with(CameraId camera) const {
+  const int group = group_of(camera);
+  return group < 0 ? std::vector{camera} : groups[static_cast<std::size_t>(group)];
+}
+
 ViewGraph view_graph(const Map& map, const FrameSet& set) {
   const std::size_t n = map.cameras().size();
   std::vector<bool> here(n, false);

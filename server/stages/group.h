@@ -18,10 +18,11 @@ struct ViewEdge {
 };
 
 struct ViewGraph {
-  std::vector<ViewEdge> edges;                // N_ij > 0
-  std::vector<ViewEdge> tree;                 // maximum-weight spanning forest
-  std::vector<std::vector<CameraId>> groups;  // connected components, ascending
-  int group_of(CameraId camera) const;        // index in groups, -1 = in none
+  std::vector<ViewEdge> edges;                              // N_ij > 0
+  std::vector<ViewEdge> tree;                               // maximum-weight spanning forest
+  std::vector<std::vector<CameraId>> groups;                // connected components, ascending
+  int group_of(CameraId camera) const;                      // index in groups, -1 = in none
+  std::vector<CameraId> group_with(CameraId camera) const;  // all of its group; itself alone when it is in none
 };
 
 // Cameras by shared view at this instant (paper 6.1).

@@ -64,7 +64,7 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
 MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {
-    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
+    if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
     const MapCamera &first = map.camera(edge.first), &second = map.camera(edge.second);
     const PairView view =
         make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);

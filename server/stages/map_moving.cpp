@@ -165,7 +165,7 @@ bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature
 MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
   MapInterReport report;
   for (const ViewEdge& edge : graph.edges) {
-    if (!here(map.camera(edge.first), set) || !here(map.camera(edge.second), set)) continue;
+    if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
     const auto first_pose = map.camera(edge.first).pose_at(set.id, set.t_ns),
                second_pose = map.camera(edge.second).pose_at(set.id, set.t_ns);
     const std::vector<Feature> first = moving(map, map.camera(edge.first), edge.second),

@@ -300,10 +300,7 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
                         seen.key_set,
                         seen.cam_from_world * there->cam_from_world.inverse(),
                         in_from_own.scale};
-  const int group = graph.group_of(camera.id);
-  const std::vector<CameraId> with_it =
-      group < 0 ? std::vector<CameraId>() : graph.groups[static_cast<std::size_t>(group)];
-  if (!close_loop(map, camera.map, reunion, reunions_, with_it)) return;
+  if (!close_loop(map, camera.map, reunion, reunions_, graph.group_with(camera.id))) return;
   reunions_.push_back(reunion);
   bind_matches(map, camera, seen.matches);
   claims_.clear();

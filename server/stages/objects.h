@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/map/map.h"
+#include "server/stages/followed_paths.h"
 #include "server/stages/moving_path.h"
 
 namespace coslam {
@@ -78,22 +79,6 @@ class ObjectFinder {
     ObjectId object;
     TimeNs last_ns = 0;
   };
-  // Where a sample lies for the cameras that saw it: it follows when the map moves, at less than a triangulation each.
-  struct Anchor {
-    CameraId first, second;
-    Eigen::Vector3d in_first = Eigen::Vector3d::Zero();
-    double baseline = 0;
-  };
-  struct FollowedPath {
-    MovingPath samples;
-    std::vector<Anchor> anchors;  // one for each
-  };
-  static std::optional<Anchor> anchor_of(const Map& map, MapId in, const MotionSample& sample,
-                                         const Eigen::Vector3d& position);
-  static bool follow(const Map& map, MapId in, Anchor* anchor, PathSample* sample);
-  static void look_back(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
-  static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, FollowedPath* path);
-  void update_paths(const Map& map, TimeNs now_ns);
   std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
   std::vector<Part> parts(const std::vector<Candidate>& all, TimeNs now_ns) const;
   bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
@@ -103,8 +88,7 @@ class ObjectFinder {
   void forget(TimeNs now_ns);
 
   ObjectsConfig config_;
-  std::map<PointId, FollowedPath> paths_;
-  MapEpoch epoch_;  // of the paths
+  FollowedPaths paths_;
   std::map<PointId, Membership> members_;
   std::map<ObjectId, Known> known_;
   std::uint32_t next_object_ = 1;

@@ -42,7 +42,7 @@ PairView make_pair_view(Map& map, const ViewEdge& edge, const Rigid3& first_pose
   return v;
 }
 
-bool here(const MapCamera& c, const FrameSet& set) {
+bool has_pose_now(const MapCamera& c, const FrameSet& set) {
   return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
 }
 

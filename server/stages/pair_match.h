@@ -35,7 +35,7 @@ struct PairView {
 // Of cameras with a pose, at an instant.
 PairView make_pair_view(Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose);
 // The camera has a pose in this set.
-bool here(const MapCamera& c, const FrameSet& set);
+bool has_pose_now(const MapCamera& c, const FrameSet& set);
 // Half width of the epipolar band.
 double band_px_of(const Map& map, const PairView& view);
 // Of the nearest point that both see, if one is near.

@@ -182,6 +182,7 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
         std::find_if(images_.rbegin(), images_.rend(), [&](const KeyImage& i) { return i.camera == c; });
     if (newest != images_.rend() && newest->set >= since) asked.push_back(&*newest);
   }
+  if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
   const NearMatches near = match_near(map, camera, *frame.descriptors, known);
   ExpectedPlace out;

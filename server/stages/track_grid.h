@@ -57,7 +57,7 @@ inline std::optional<SearchWindow> search_window(const CameraModel& camera, cons
       w.px.y() < -kMargin * camera.height_px || w.px.y() > (1 + kMargin) * camera.height_px) {
     return std::nullopt;
   }
-  Eigen::Matrix<double, 2, 3> j;
+  Eigen::Matrix<double, 2, 3> j;  // not before: most points are out of sight
   project_world(camera, cam_from_world, p.position, &w.px, &j);
   w.covariance = j * p.covariance * j.transpose();
   w.radius_px = theta * std::sqrt(w.covariance.trace() + gate_px * gate_px);

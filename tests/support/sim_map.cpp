@@ -93,6 +93,10 @@ ServerTrack* SimMap::track_of(CameraId camera, int point) {
   return at == map.camera(camera).tracks.end() ? nullptr : &at->second;
 }
 
+bool SimMap::all_follow(int world_point) {
+  return std::ranges::all_of(map.cameras(), [&](const MapCamera& c) { return track_of(c.id, world_point) != nullptr; });
+}
+
 Rigid3 SimMap::truth(CameraId camera, SetId at) const { return trackers[camera.value].truth(kPeriodNs * at.value); }
 
 double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {

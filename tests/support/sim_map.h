@@ -40,6 +40,8 @@ class SimMap {
   int world_point(const MapPoint& point) const;
   // Live track of a world point in a camera; null when it has none.
   ServerTrack* track_of(CameraId camera, int world_point);
+  // Every camera has one.
+  bool all_follow(int world_point);
   Rigid3 truth(CameraId camera, SetId at) const;
 
   const SimWorld& world;

@@ -14,7 +14,7 @@ class MovingWriterTest : public testing::Test {
   MovingWriterTest() : sim_(world_, test::paths_side_by_side(2)) { sim_.advance(); }
   // A moving point at the n-th of the world's points that both cameras see.
   MapPoint& moving_point(double sigma = 0.05) {
-    while (sim_.track_of(CameraId(0), next_) == nullptr || sim_.track_of(CameraId(1), next_) == nullptr) ++next_;
+    while (!sim_.all_follow(next_)) ++next_;
     MapPoint& p = sim_.add_point(next_++, sigma);
     sim_.map.set_state(p, PointState::kDynamic);
     return p;

@@ -62,7 +62,7 @@ class MapPointsTest : public testing::Test {
  protected:
   MapPointsTest() : sim_(world_, test::paths_side_by_side(2)) {
     sim_.advance(3, true);
-    for (shared_ = 0; sim_.track_of(kCam0, shared_) == nullptr || sim_.track_of(kCam1, shared_) == nullptr;) ++shared_;
+    while (!sim_.all_follow(shared_)) ++shared_;
   }
   Map& map() { return sim_.map; }
   ServerTrack& track(CameraId camera) { return *sim_.track_of(camera, shared_); }

@@ -19,7 +19,7 @@ class FuseTest : public testing::Test {
   FuseTest() : sim_(world_, test::paths_side_by_side(2)) {
     sim_.advance(10, true);
     for (int p = 0; p < world_.size(); ++p) {
-      if (world_.moves(p) || sim_.track_of(kCam0, p) == nullptr || sim_.track_of(kCam1, p) == nullptr) continue;
+      if (world_.moves(p) || !sim_.all_follow(p)) continue;
       map_alone(p, kCam0, {0.004, 0, 0.01});
       map_alone(p, kCam1, {-0.004, 0, -0.01});
       twice_.push_back(p);

@@ -21,11 +21,10 @@ class MapInterTest : public testing::Test {
       : world_(world), sim_(world_, test::paths_side_by_side(2)) {
     sim_.advance(10, true);
     for (int p = 0; p < world_.size(); ++p) {
-      if (!both_see(p) || world_.moves(p)) continue;
+      if (!sim_.all_follow(p) || world_.moves(p)) continue;
       if (++seen_ % 4 == 0) sim_.add_point(p);
     }
   }
-  bool both_see(int p) { return sim_.track_of(kCam0, p) != nullptr && sim_.track_of(kCam1, p) != nullptr; }
   MapInterReport step(const MapInterConfig& config = {}) {
     return map_inter(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), config);
   }
@@ -102,7 +101,7 @@ class Lookalike : public MapInterTest {
  protected:
   Lookalike() {
     for (int p = 0; p < world_.size() && a_ == nullptr; ++p) {
-      if (!both_see(p) || sim_.track_of(kCam0, p)->point != PointId() || !near_a_seed(p)) continue;
+      if (!sim_.all_follow(p) || sim_.track_of(kCam0, p)->point != PointId() || !near_a_seed(p)) continue;
       a_ = sim_.track_of(kCam0, p);
       b_ = sim_.track_of(kCam1, p);
     }

@@ -273,7 +273,7 @@ class DriftTest : public MeetTest {
   void thin_descriptors() {
     std::vector<int> common;
     for (int p = 0; p < world_.size(); ++p) {
-      if (sim_.track_of(cam(0), p) != nullptr && sim_.track_of(cam(1), p) != nullptr) common.push_back(p);
+      if (sim_.all_follow(p)) common.push_back(p);
     }
     ASSERT_GT(common.size(), 40U);
     for (CameraFrame& cf : sim_.set.frames) {

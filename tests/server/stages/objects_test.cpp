@@ -298,7 +298,7 @@ class ObjectsOfAMap : public testing::Test {
   ObjectsOfAMap() : sim_(world_, test::paths_side_by_side(2), {.noise_px = 0.1, .max_tracks = 400}) {
     sim_.advance(20);
     for (int i = 300; i < world_.size(); ++i) {
-      if (sim_.track_of(CameraId(0), i) == nullptr || sim_.track_of(CameraId(1), i) == nullptr) continue;
+      if (!sim_.all_follow(i)) continue;
       MapPoint& p = sim_.add_point(i, 0.02);
       p.position = world_.position(i, sim_.set.t_ns);
       sim_.map.set_state(p, PointState::kDynamic);
