@@ -11,7 +11,7 @@ namespace coslam {
 MapServer::MapServer(RunId run, const MapServerConfig& config)
     : run_(run),
       config_(config),
-      map_(config.map),
+      edit_(config.map),
       meetings_(config.meet),
       grouping_(config.group),
       clocks_(config.clock),
@@ -22,32 +22,33 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
 }
 
 CameraId MapServer::admit(const Hello& hello) {
-  for (const MapCamera& c : map_.cameras()) {
+  for (const MapCamera& c : map().cameras()) {
     if (c.name != hello.agent) continue;
     if (c.run != hello.agent_run) {
-      map_.restart_camera(c.id, hello.agent_run, hello.camera);
+      edit_.restart_camera(c.id, hello.agent_run, hello.camera);
       clocks_.forget(c.id);
     }
     return c.id;
   }
-  const CameraId id = map_.add_camera(hello.agent, hello.agent_run, hello.camera);
+  const CameraId id = edit_.add_camera(hello.agent, hello.agent_run, hello.camera);
   writers_.emplace(id, PatchWriter(run_, config_.patches));
   return id;
 }
 
-void MapServer::set_alive(CameraId camera, bool alive) { map_.camera(camera).alive = alive; }
+void MapServer::set_alive(CameraId camera, bool alive) { edit_.set_alive(camera, alive); }
 
 std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   const auto whole = times_.measure("frame_set");
   ++counts_.frame_sets;
-  map_.ingest(set);
+  edit_.journal().clear();
+  edit_.ingest(set);
   {
     const auto t = times_.measure("apply_refined");
     apply_refined();
   }
   {
     const auto t = times_.measure("localise");
-    const LocaliseReport r = localise(map_, set, config_.localise);
+    const LocaliseReport r = localise(edit_, set, config_.localise);
     count("tracked", r.tracked);
     count("lost", r.lost);
   }
@@ -58,12 +59,12 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   {
     const auto t = times_.measure("start");
-    count("maps_started", start(map_, set, config_.start).started);
+    count("maps_started", start(edit_, set, config_.start).started);
   }
   MeetReport met;
   {
     const auto t = times_.measure("meet");
-    met = meetings_.step(map_, set, graph_);
+    met = meetings_.step(edit_, set, graph_);
     count("images_described", met.described);
     count("sightings", met.sightings);
     count("placed", met.placed);
@@ -76,7 +77,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   {
     const auto t = times_.measure("verify");
-    const VerifyReport r = verify(map_, set, config_.verify);
+    const VerifyReport r = verify(edit_, set, config_.verify);
     count("gate_inside", r.inside);
     count("gate_outside", r.outside);
     count("unbound", r.unbound);
@@ -84,7 +85,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   {
     const auto t = times_.measure("classify");
-    const ClassifyReport r = classify(map_, set, config_.classify);
+    const ClassifyReport r = classify(edit_, set, config_.classify);
     count("became_uncertain", r.uncertain);
     count("became_dynamic", r.dynamic);
     count("became_static", r.stopped);
@@ -94,53 +95,53 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   }
   {
     const auto t = times_.measure("clock");
-    clocks_.step(map_, set);
+    clocks_.step(edit_, set);
   }
   {
     const auto t = times_.measure("register");
-    const RegisterReport r = register_tracks(map_, set, config_.registration);
+    const RegisterReport r = register_tracks(edit_, set, config_.registration);
     count("register_candidates", r.candidates);
     count("registered", r.registered);
   }
   {
     const auto t = times_.measure("map_intra");
-    count("created_intra", map_intra(map_, set, config_.intra).created);
+    count("created_intra", map_intra(edit_, set, config_.intra).created);
   }
   {
     const auto t = times_.measure("group");
-    graph_ = grouping_.step(map_, set);
+    graph_ = grouping_.step(map(), set);
   }
   if (set.id.value % static_cast<std::uint32_t>(config_.inter.period) == 0) {
     const auto t = times_.measure("map_inter");
-    const MapInterReport r = map_inter(map_, set, graph_, config_.inter);
+    const MapInterReport r = map_inter(edit_, set, graph_, config_.inter);
     count("inter_matched", r.matched);
     count("created_inter", r.created);
   }
   if (config_.classify.enabled && set.id.value % static_cast<std::uint32_t>(config_.inter.moving_period) == 0) {
     const auto t = times_.measure("map_moving");
-    count("joined_moving", map_moving(map_, set, graph_, config_.inter).moving);
+    count("joined_moving", map_moving(edit_, set, graph_, config_.inter).moving);
   }
   if (set.id.value % static_cast<std::uint32_t>(config_.fuse.period) == 0) {
     const auto t = times_.measure("fuse");
-    const FuseReport r = fuse_points(map_, set, config_.fuse);
+    const FuseReport r = fuse_points(edit_, set, config_.fuse);
     count("fuse_candidates", r.candidates);
     count("fused", r.fused);
   }
   {
     const auto t = times_.measure("cull");
-    count("culled", cull(map_, set, config_.cull).removed);
+    count("culled", cull(edit_, set, config_.cull).removed);
   }
   set_scale(set, met.merged > 0);
   {
     const auto t = times_.measure("objects");
-    const ObjectsReport r = objects_.step(map_, set, in_metres_);
+    const ObjectsReport r = objects_.step(map(), set, in_metres_);
     count("objects_started", r.started);
     count("object_sets", r.objects);
-    moving_ = moving_writer_.write(map_, objects_.objects(), in_metres_);
+    moving_ = moving_writer_.write(map(), objects_.objects(), in_metres_);
   }
   {
     const auto t = times_.measure("key_frame");
-    plan_refinement(decide_key_frame(map_, set, config_.key_frame));
+    plan_refinement(decide_key_frame(edit_, set, config_.key_frame));
   }
   const auto t = times_.measure("correct");
   return write_patches(set, met);
@@ -149,13 +150,13 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
 // Timed only when it had something to do.
 InterPoseReport MapServer::run_inter_pose(const FrameSet& set) {
   const auto begin = std::chrono::steady_clock::now();
-  const InterPoseReport r = inter_pose(map_, set, graph_, config_.inter_pose);
+  const InterPoseReport r = inter_pose(edit_, set, graph_, config_.inter_pose);
   if (r.calls > 0) times_.add("inter_pose", std::chrono::steady_clock::now() - begin);
   return r;
 }
 
 MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {
-  return writers_.at(camera).acknowledge(map_, map_.camera(camera), frame);
+  return writers_.at(camera).acknowledge(map(), map().camera(camera), frame);
 }
 
 std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetReport& met) {
@@ -163,9 +164,9 @@ std::vector<MapPatch> MapServer::write_patches(const FrameSet& set, const MeetRe
   for (const CameraFrame& cf : set.frames) {
     const auto request = met.requests.find(cf.camera);
     patches.push_back(
-        writers_.at(cf.camera).write(map_, map_.camera(cf.camera), cf.frame,
+        writers_.at(cf.camera).write(edit_, map().camera(cf.camera), cf.frame,
                                      request == met.requests.end() ? DescriptorRequest::kNone : request->second));
-    patches.back().scale_known = in_metres_.contains(map_.camera(cf.camera).map);
+    patches.back().scale_known = in_metres_.contains(map().camera(cf.camera).map);
     patches.back().group = GroupId(static_cast<std::uint32_t>(graph_.group_of(cf.camera) + 1));
   }
   return patches;
@@ -185,10 +186,10 @@ std::map<MapId, int> frames_by_map(const Map& map) {
 
 }  // namespace
 
-int MapServer::map_count() const { return static_cast<int>(frames_by_map(map_).size()); }
+int MapServer::map_count() const { return static_cast<int>(frames_by_map(map()).size()); }
 
 MapId MapServer::largest_map() const {
-  const std::map<MapId, int> frames = frames_by_map(map_);
+  const std::map<MapId, int> frames = frames_by_map(map());
   MapId best;
   int most = 0;
   for (const auto& [id, n] : frames) {
@@ -204,12 +205,12 @@ void MapServer::plan_refinement(bool key_frame) {
   const bool outline = refine_outline_ != MapId();
   if (!config_.refine.enabled || in_flight_ || !(key_frame || outline)) return;
   std::vector<MapId> maps;
-  for (const MapCamera& c : map_.cameras()) {
+  for (const MapCamera& c : map().cameras()) {
     if (c.map != MapId() && std::find(maps.begin(), maps.end(), c.map) == maps.end()) maps.push_back(c.map);
   }
   if (maps.empty()) return;
   const MapId of = outline ? refine_outline_ : maps[static_cast<std::size_t>(counts_.refinements) % maps.size()];
-  planned_ = plan_refine(map_, of, outline ? RefineExtent::kOutline : RefineExtent::kWindow, config_.refine);
+  planned_ = plan_refine(map(), of, outline ? RefineExtent::kOutline : RefineExtent::kWindow, config_.refine);
   if (planned_) {
     ++counts_.refinements;
   } else if (outline) {
@@ -230,7 +231,7 @@ void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::st
 
 void MapServer::apply_refined() {
   if (!refined_) return;
-  const RefineReport r = apply_refine(map_, refined_->first, refined_->second);
+  const RefineReport r = apply_refine(edit_, refined_->first, refined_->second);
   const bool outline = refined_->first.extent == RefineExtent::kOutline;
   count("refine_applied", r.applied ? 1 : 0);
   // One that a change of the map overtook is planned again.
@@ -246,7 +247,7 @@ void MapServer::set_scale(const FrameSet& set, bool merged) {
   if (config_.baseline_m > 0) return set_scale_by_baseline();
   if (config_.tags.side_m <= 0) return;
   const auto t = times_.measure("tag_scale");
-  take(tag_scale_.step(map_, set, merged));
+  take(tag_scale_.step(edit_, set, merged));
 }
 
 void MapServer::take(const TagScaleReport& r) {
@@ -259,8 +260,8 @@ void MapServer::take(const TagScaleReport& r) {
 // The first instant at which the first two cameras have a pose in the same map tells its scale; again when that map
 // became part of another, whose scale is its own.
 void MapServer::set_scale_by_baseline() {
-  if (map_.cameras().size() < 2) return;
-  const MapCamera &a = map_.cameras()[0], &b = map_.cameras()[1];
+  if (map().cameras().size() < 2) return;
+  const MapCamera &a = map().cameras()[0], &b = map().cameras()[1];
   if (scaled_map_ != MapId() && a.frame_at(scaled_at_)->map == scaled_map_) return;
   for (const FramePose& fa : a.frames) {
     const FramePose* fb = b.frame_at(fa.set);
@@ -270,7 +271,8 @@ void MapServer::set_scale_by_baseline() {
     scaled_map_ = fa.map;
     in_metres_ = {fa.map};
     scaled_at_ = fa.set;
-    map_.transform(fa.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
+    edit_.transform(fa.map, {config_.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()},
+                    Why::kScaleKnown);
     return;
   }
 }
@@ -280,14 +282,14 @@ void MapServer::finish() {
   apply_refined();
   if (!config_.refine.enabled) return;
   for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
-    const auto job = plan_refine(map_, largest_map(), extent, config_.refine);
+    const auto job = plan_refine(map(), largest_map(), extent, config_.refine);
     if (!job) break;
     const BundleResult result = solve_refine(*job);
-    apply_refine(map_, *job, result);
+    apply_refine(edit_, *job, result);
     if (extent != RefineExtent::kWhole || !result.usable) continue;
-    const auto share = pose_share(map_, *job, result);
+    const auto share = pose_share(map(), *job, result);
     for (std::size_t i = 0; i < share.size(); ++i) {
-      if (MapPoint* p = map_.find(job->points[i])) p->covariance += share[i];
+      if (const MapPoint* p = map().find(job->points[i])) edit_.move_point(*p, p->position, p->covariance + share[i]);
     }
   }
   // The poses that tell the scale are known better now.
@@ -295,7 +297,7 @@ void MapServer::finish() {
     scaled_map_ = MapId();
     set_scale_by_baseline();
   } else {
-    take(tag_scale_.finish(map_));
+    take(tag_scale_.finish(edit_));
   }
 }
 

@@ -16,7 +16,7 @@
 #include "common/model/track_frame.h"
 #include "server/correct/moving_writer.h"
 #include "server/correct/patch_writer.h"
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/stages/classify.h"
 #include "server/stages/clock.h"
 #include "server/stages/cull.h"
@@ -91,7 +91,8 @@ class MapServer {
   // The last word: adjusts the whole run and sets the scale.
   void finish();
 
-  const Map& map() const { return map_; }
+  const Map& map() const { return edit_.map(); }
+  const Journal& journal() const { return edit_.journal(); }
   const ViewGraph& graph() const { return graph_; }
   // What moves as one, at the last frame set.
   const std::vector<MovingObject>& objects() const { return objects_.objects(); }
@@ -125,7 +126,7 @@ class MapServer {
 
   RunId run_;
   MapServerConfig config_;
-  Map map_;
+  MapEdit edit_;
   ViewGraph graph_;
   Meetings meetings_;
   Grouping grouping_;

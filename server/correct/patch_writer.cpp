@@ -10,7 +10,7 @@ namespace {
 
 // Agents localise on static points: what is not proven is uncertain to them.
 PointState state_for(const MapCamera& camera, const MapPoint& p) {
-  return p.state == PointState::kStatic && !p.proven && !camera.sparse ? PointState::kUncertain : p.state;
+  return p.phase == PointPhase::kTrial && !camera.sparse ? PointState::kUncertain : told_state(p.phase);
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
   for (auto at = told_.begin(); at != told_.end();) {
     const auto track = camera.tracks.find(at->first);
     const bool ended = track == camera.tracks.end();
-    const bool free = !ended && track->second.point == PointId();
+    const bool free = !ended && !track->second.bound();
     if (free) patch->unbound.push_back(at->first);
     at = ended || free ? told_.erase(at) : std::next(at);
   }
@@ -44,16 +44,16 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
   }
 }
 
-void PatchWriter::write_requests(const Map& map, MapCamera& camera, MapPatch* patch) const {
+void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {
   if (patch->sequence % static_cast<std::uint32_t>(config_.patch_period) != 0) return;
   using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
   Due still, moving;
   for (const auto& [id, t] : camera.tracks) {
     if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
-    const int refresh = t.moving ? config_.moving_patch_refresh_sets : config_.patch_refresh_sets;
-    const bool keeps = t.point != PointId() && !t.moving;
+    const int refresh = t.moves() ? config_.moving_patch_refresh_sets : config_.patch_refresh_sets;
+    const bool keeps = t.bound() && !t.moves();
     if (t.patch && (keeps || t.patch_set.value + static_cast<std::uint32_t>(refresh) > map.now().value)) continue;
-    (t.moving ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
+    (t.moves() ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
   }
   // What moves soon looks different or is gone: it doesn't wait behind what stays.
   for (Due* due : {&moving, &still}) {
@@ -89,7 +89,9 @@ MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const
   return patch;
 }
 
-MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors) {
+MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
+                            DescriptorRequest descriptors) {
+  const Map& map = edit.map();
   MapPatch patch = next_patch(map, camera, frame);
   // What was merged into another map is still known, only elsewhere.
   const bool other_map = camera.map != map_ && (map_ == MapId() || camera.merged_from != map_);
@@ -103,8 +105,7 @@ MapPatch PatchWriter::write(const Map& map, MapCamera& camera, const TrackFrame&
       t.trace *= s * s;
     }
   }
-  camera.moved = Similarity3();
-  camera.merged_from = MapId();
+  edit.agent_was_told(camera);
   epoch_ = map.epoch();
   map_ = camera.map;
 

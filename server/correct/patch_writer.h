@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/model/map_patch.h"
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -25,8 +25,8 @@ class PatchWriter {
  public:
   PatchWriter(RunId server_run, const PatchWriterConfig& config) : server_run_(server_run), config_(config) {}
 
-  // After a frame set that held `frame` of `camera`. Takes camera.moved (leaves the identity).
-  MapPatch write(const Map& map, MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
+  // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
+  MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
   // After a frame that came too late to be used: its agent only learns that it may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
@@ -41,7 +41,7 @@ class PatchWriter {
   };
   bool worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const;
   void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
-  void write_requests(const Map& map, MapCamera& camera, MapPatch* patch) const;
+  void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const;
 
   RunId server_run_;
   PatchWriterConfig config_;

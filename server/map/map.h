@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -18,9 +19,10 @@
 #include "common/geometry/triangulation.h"
 #include "common/model/map_patch.h"
 #include "common/model/track_frame.h"
+#include "server/map/states.h"
 
-// The map and everything that was observed, owned by one thread. Plain data with invariants kept by Map's verbs; the
-// stages (server/stages) read and change it through them.
+// The map and everything that was observed, owned by one thread. Everybody may read it; it is written through MapEdit
+// (server/map/edit.h) alone, which keeps its invariants.
 namespace coslam {
 
 struct TrackPoint {
@@ -38,10 +40,16 @@ struct ServerTrack {
   std::uint32_t mapping_after = 0;      // set number before which mapping it is not tried again
   int gate_failures = 0;                // in succession
   std::uint32_t distrusted_before = 0;  // observations of earlier sets are not used (it slid or was mismatched)
-  bool moving = false;                  // follows something that moves, as far as its own camera can tell
-  bool doubtful = false;                // no static place explains it well: it is not mapped as static
+  TrackMotion motion = TrackMotion::kResting;
   // From the track to the point, while that moves: two cameras find different corners of one small structure.
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
+
+  bool bound() const { return point != PointId(); }
+  bool moves() const { return motion == TrackMotion::kMoving; }
+  // May become part of the static map.
+  bool free_and_resting() const { return !bound() && motion == TrackMotion::kResting; }
+  // Index in `seen`; empty when it was not seen at that set.
+  std::optional<std::size_t> index_at(SetId set) const;
 };
 
 // Where one camera was at one frame set.
@@ -82,7 +90,8 @@ struct MapCamera {
   std::map<TrackId, ServerTrack> tracks;  // live ones
 
   const FramePose* frame_at(SetId set) const;
-  FramePose* frame_at(SetId set);
+  // Has a pose in the newest frame set that it took part in.
+  bool placed_now() const { return !frames.empty() && frames.back().valid(); }
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.
@@ -114,10 +123,7 @@ struct BoundTrack {
 struct MapPoint {
   PointId id;
   MapId map;
-  PointState state = PointState::kStatic;  // changed by Map::set_state()
-  // Poses, filter and bundle adjustment rest on it. A point from a short track of one camera or from the start has to
-  // stand still for a while first: one that moves would be followed, and drag the poses along.
-  bool proven = true;
+  PointPhase phase = PointPhase::kStatic;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   SetId created;
@@ -129,10 +135,14 @@ struct MapPoint {
   std::vector<PointPatch> patches;               // from different directions, few
   std::uint32_t views = 0;                       // observations that were gated in, all frames
   std::vector<Eigen::Vector3d> updated_from;     // by camera, as far as needed: ray at the last Kalman update or 0
+
+  bool moves() const { return phase == PointPhase::kMoving; }
+  bool rests() const { return phase != PointPhase::kMoving; }  // static, or on trial for that
+  bool proven() const { return phase == PointPhase::kStatic; }
 };
 
-// The point in another frame.
-void transform(MapPoint& point, const Similarity3& new_from_old);
+// What agents and files are told of a point.
+PointState told_state(PointPhase phase);
 
 // What was seen of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
 // whenever these are corrected.
@@ -175,53 +185,33 @@ class Map {
   explicit Map(const MapConfig& config) : config_(config) {}
 
   const MapConfig& config() const { return config_; }
-  std::vector<MapCamera>& cameras() { return cameras_; }
   const std::vector<MapCamera>& cameras() const { return cameras_; }
-  MapCamera& camera(CameraId id) { return cameras_[id.value]; }
   const MapCamera& camera(CameraId id) const { return cameras_[id.value]; }
-  std::map<PointId, MapPoint>& points() { return points_; }
+  const ServerTrack& track(const BoundTrack& bound) const { return camera(bound.camera).tracks.at(bound.track); }
   const std::map<PointId, MapPoint>& points() const { return points_; }
-  MapPoint* find(PointId id);
   const MapPoint* find(PointId id) const;
-  std::vector<KeyFrame>& key_frames() { return key_frames_; }
   const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
+  bool is_key_frame(SetId set) const;
 
-  CameraId add_camera(const std::string& name, RunId run, const CameraModel& model);
-  // An agent that restarted: its old tracks are gone, its poses stay.
-  void restart_camera(CameraId id, RunId run, const CameraModel& model);
-
-  // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
-  void ingest(const FrameSet& set);
-
-  MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, SetId now,
-                         TimeNs now_ns);
-  // Binds a track to a point, with its observations at key frames so far and its patch.
-  void bind(MapPoint& point, CameraId camera, ServerTrack& track);
-  // The track's patch becomes one of the point's.
-  void give_patch(MapPoint& point, CameraId camera, const ServerTrack& track);
-  void unbind(CameraId camera, ServerTrack& track);
-  // Takes the track's share out of the point too: its observations are believed wrong.
-  void unbind_and_forget(CameraId camera, ServerTrack& track);
-  void remove_point(PointId id);
-  void set_state(MapPoint& point, PointState state);
-  // Those of state kDynamic, ascending.
-  std::vector<MapPoint*> moving_points();
+  // Those that move now, ascending.
   std::vector<const MapPoint*> moving_points() const;
-  // `gone` is the same thing as `kept`: its tracks and observations move over.
-  void fuse(PointId kept, PointId gone);
-  // Observations of this instant become part of a moving point's path.
-  void record_motion(PointId point, MotionSample sample) { motions_[point].push_back(std::move(sample)); }
   // Paths of points that move or moved, also of those that are gone.
   const std::map<PointId, std::vector<MotionSample>>& motions() const { return motions_; }
-  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
-  // already.
-  void add_key_frame(SetId set);
-  bool is_key_frame(SetId set) const;
-  // One camera's image that is remembered by its looks: points keep their observations of it too.
-  void add_key_image(SetId set, CameraId camera);
+  // What follows is found without looking at every point that ever was. All ascending.
+  // Seen in the last active_frames sets.
+  std::vector<const MapPoint*> recent_points() const;
+  // Seen at this set or later.
+  std::vector<const MapPoint*> points_seen_since(SetId set) const;
+  // With a key observation at one of these sets; at this set or later.
+  std::vector<const MapPoint*> points_observed_at(const std::vector<SetId>& sets) const;
+  std::vector<const MapPoint*> points_observed_since(SetId set) const;
+  // That no track follows, since their last binding ended; cull() looks at these.
+  const std::set<PointId>& loose_points() const { return loose_; }
 
-  // Standard deviation behind the gates: generous against the measured one, never above sigma_px.
+  // Standard deviation behind the gates: generous against the measured one, never above sigma_px of the configuration.
   double gate_sigma_px(const MapCamera& camera) const;
+  // The largest believed noise, in pixels of this camera.
+  double sigma_bound_px(const MapCamera& camera) const { return config_.sigma_px * camera.model.width_px / 640.0; }
 
   // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
   // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
@@ -239,38 +229,39 @@ class Map {
   // Views of all key observations of a point whose frames have poses.
   std::vector<View> key_views_of(const MapPoint& point) const;
 
-  MapId new_map() { return MapId(next_map_++); }
-  // Cameras and points of `from` become part of `into`, moved by into_from_from. Every pose ever, too.
-  void merge(MapId from, MapId into, const Similarity3& into_from_from);
-  // Moves a whole map, e.g. to a known scale.
-  void transform(MapId map, const Similarity3& new_from_old);
-
   MapEpoch epoch() const { return epoch_; }
-  void raise_epoch() { ++epoch_.value; }
   SetId now() const { return now_; }
+  TimeNs now_ns() const { return now_ns_; }
   // One of the last active_frames sets.
   bool is_recent(SetId set) const {
     return set.value + static_cast<std::uint32_t>(config_.active_frames) >= now_.value;
   }
-  TimeNs now_ns() const { return now_ns_; }
 
  private:
-  void end_track(CameraId camera, ServerTrack& track);
-  void erase_point(PointId id);
+  friend class MapEdit;
   bool keeps_observations_of(SetId set, CameraId camera) const;
+  std::vector<const MapPoint*> found(std::vector<PointId> ids) const;
 
   MapConfig config_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
-  std::set<PointId> moving_;  // of points_
+  std::unordered_map<PointId, MapPoint*> index_;  // of points_
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
   std::set<std::pair<SetId, CameraId>> key_images_;
+  // Parts of points_, so that nobody has to look at all of them.
+  std::map<PointId, MapPoint*> moving_, recent_;  // recent_: and some that were seen longer ago
+  std::set<PointId> loose_;
+  std::map<SetId, std::vector<PointId>> observed_at_;  // and some whose observation is gone; in any order, some twice
+  std::vector<PointId> repatched_;                     // that were given a patch since they were thinned
   std::uint32_t next_point_ = 1;
   std::uint32_t next_map_ = 1;
   MapEpoch epoch_;
   SetId now_;
   TimeNs now_ns_ = 0;
 };
+
+// Some camera's live track shows the point.
+bool seen_by(const MapPoint& point, CameraId camera);
 
 }  // namespace coslam

@@ -17,59 +17,40 @@ namespace {
 
 constexpr float kMostStaticOffset_px = 0.7F;
 
-// Its observations so far are of a place that it left.
-void forget_past(Map& map, MapPoint& p) {
-  p.key_observations.clear();
-  p.updated_from.clear();
-  for (const BoundTrack& b : p.bound) track_of(map, b).distrusted_before = map.now().value;
-}
-
-void become_dynamic(Map& map, MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
-  map.set_state(p, PointState::kDynamic);
-  forget_past(map, p);
-  take_position(p, t, set);
-  for (const BoundTrack& b : p.bound) {
-    track_of(map, b).gate_failures = 0;
-    track_of(map, b).moving = true;
-  }
-}
-
 // Static points that several cameras see elsewhere, ascending; tracks of one camera are left to verify().
-std::set<PointId> doubt(Map& map, const FrameSet& set, const ClassifyConfig& config) {
+std::set<PointId> doubt(const Map& map, const FrameSet& set, const ClassifyConfig& config) {
   std::set<PointId> doubted;
   for (const CameraFrame& cf : set.frames) {
-    for (auto& [id, track] : map.camera(cf.camera).tracks) {
-      MapPoint* p = map.find(track.point);
-      if (p == nullptr || p->state != PointState::kStatic || track.gate_failures < config.failures) continue;
+    for (const auto& [id, track] : map.camera(cf.camera).tracks) {
+      const MapPoint* p = map.find(track.point);
+      if (p == nullptr || !p->rests() || track.gate_failures < config.failures || doubted.contains(p->id)) continue;
       int elsewhere = 0, cameras = 0;
       for (const Seen& s : seen_now(map, *p)) {
         ++cameras;
-        elsewhere += track_of(map, s.track).gate_failures > 0;
+        elsewhere += map.track(s.track).gate_failures > 0;
       }
       if (cameras < 2 || elsewhere < 2) continue;
-      map.set_state(*p, PointState::kUncertain);
       doubted.insert(p->id);
     }
   }
   return doubted;
 }
 
-void judge(Map& map, const FrameSet& set, const std::set<PointId>& doubted, ClassifyReport* report) {
-  std::vector<PointId> gone;
+void judge(MapEdit& edit, const std::set<PointId>& doubted, ClassifyReport* report) {
+  const Map& map = edit.map();
   for (const PointId id : doubted) {
-    MapPoint& p = *map.find(id);
+    const MapPoint& p = *map.find(id);
     ++report->uncertain;
-    if (const auto t = position_of(map, seen_now(map, p), kMovingParallax_rad)) {
-      become_dynamic(map, p, *t, set);
+    const std::vector<Seen> seen = seen_now(map, p);
+    const Figures cameras{static_cast<double>(seen.size()), 0};
+    if (const auto t = position_of(map, seen, kMovingParallax_rad)) {
+      edit.start_moving(p, t->position, t->covariance, Why::kSeenElsewhere, cameras);
       ++report->dynamic;
     } else {
-      gone.push_back(id);
+      edit.forget_past(p);
+      edit.remove_point(p, Why::kNoOnePlace, cameras);
+      ++report->removed;
     }
-  }
-  for (const PointId id : gone) {
-    forget_past(map, *map.find(id));
-    map.remove_point(id);
-    ++report->removed;
   }
 }
 
@@ -113,23 +94,13 @@ bool stands_still(const Map& map, const MapPoint& p, int frames, double most_px_
   return cameras >= 2;
 }
 
-void become_static(Map& map, MapPoint& p, int frames) {
-  // Static points are seen exactly where their tracks are.
+// Static points are seen exactly where their tracks are.
+void let_go_of_other_corners(MapEdit& edit, const MapPoint& p) {
   const std::vector<BoundTrack> bound = p.bound;
   for (const BoundTrack& b : bound) {
-    if (track_of(map, b).offset_px.norm() > kMostStaticOffset_px) map.unbind(b.camera, track_of(map, b));
+    const ServerTrack& t = edit.map().track(b);
+    if (t.offset_px.norm() > kMostStaticOffset_px) edit.unbind(b.camera, t, Why::kOtherCorner, {t.offset_px.norm(), 0});
   }
-  map.set_state(p, PointState::kStatic);
-  p.proven = false;  // it may go on
-  p.views = 0;
-  p.updated_from.clear();
-  for (const BoundTrack& b : p.bound) {
-    ServerTrack& t = track_of(map, b);
-    t.moving = t.doubtful = false;
-    t.gate_failures = 0;
-    t.distrusted_before = t.seen[t.seen.size() - std::min(t.seen.size(), static_cast<std::size_t>(frames))].set.value;
-  }
-  p.covariance = map.covariance_of(p);
 }
 
 bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
@@ -138,10 +109,11 @@ bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
 }
 
 // Moving points that stopped.
-void settle(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
-  for (MapPoint* p : map.moving_points()) {
-    if (p->last_seen != set.id || !stopped(map, *p, config)) continue;
-    become_static(map, *p, config.still_frames);
+void settle(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+  for (const MapPoint* p : edit.map().moving_points()) {
+    if (p->last_seen != set.id || !stopped(edit.map(), *p, config)) continue;
+    let_go_of_other_corners(edit, *p);
+    edit.stop_moving(*p, config.still_frames);
     ++report->stopped;
   }
 }
@@ -165,7 +137,7 @@ double static_miss_px(const std::vector<View>& views) {
 enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kDoubtful, kMoves };
 
 struct Judged {
-  ServerTrack* track;
+  const ServerTrack* track;
   Eigen::Vector2d px;
   Verdict verdict = Verdict::kYoung;
   std::optional<Eigen::Vector2d> flow_px;  // over the last frames
@@ -222,7 +194,7 @@ double median_static_depth(const Map& map, const MapCamera& camera) {
   std::vector<double> depths;
   for (const auto& [id, track] : camera.tracks) {
     const MapPoint* p = map.find(track.point);
-    if (p == nullptr || p->state != PointState::kStatic || !p->proven) continue;
+    if (p == nullptr || !p->proven()) continue;
     depths.push_back((camera.frames.back().cam_from_world * p->position).z());
   }
   return upper_median(depths);
@@ -238,20 +210,21 @@ constexpr double kNearest = 0.15;  // nothing that stands still is expected clos
 
 // One camera alone cannot tell where its point is by now. What it has seen lately as something at rest, at whatever
 // distance, is no longer taken for the point.
-void give_back_resting(Map& map, const FrameSet& set, const ClassifyConfig& config) {
+void give_back_resting(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
+  const Map& map = edit.map();
   const auto frames = static_cast<std::size_t>(2 * config.still_frames);
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::optional<double> median_depth;
-    for (auto& [id, track] : camera.tracks) {
+    for (const auto& [id, track] : camera.tracks) {
       const MapPoint* p = map.find(track.point);
-      if (p == nullptr || p->state != PointState::kDynamic || p->last_seen == set.id) continue;
+      if (p == nullptr || !p->moves() || p->last_seen == set.id) continue;
       const std::vector<View> views = newest_views(camera, track, static_cast<int>(frames) + 1);
       if (views.size() <= frames) continue;
       if (!median_depth) median_depth = median_static_depth(map, camera);
       if (!moves_by_more(views, views.size() - 1, kNearest * *median_depth, still_px(camera, frames, config))) {
-        map.unbind(camera.id, track);
+        edit.unbind(camera.id, track, Why::kStandsStill, {static_cast<double>(frames), 0});
       }
     }
   }
@@ -261,7 +234,7 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
                    const ClassifyConfig& config) {
   const double nearest = kNearest * median_depth;
   if (const MapPoint* p = map.find(track.point)) {
-    return p->state == PointState::kDynamic ? Verdict::kMoves : Verdict::kStill;
+    return p->moves() ? Verdict::kMoves : Verdict::kStill;
   }
   const auto views = newest_views(camera, track, config.test_frames);
   if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
@@ -323,13 +296,14 @@ bool goes_along(const Judged& j, const Judgements& movers, bool moves, const Jud
   return (*j.flow_px - moving.flow_px).norm() < 0.5 * (*j.flow_px - still.flow_px).norm();
 }
 
-void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+  const Map& map = edit.map();
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Judged> all;
     const double median_depth = median_static_depth(map, camera);
-    for (auto& [id, track] : camera.tracks) {
+    for (const auto& [id, track] : camera.tracks) {
       all.push_back({&track, track.seen.back().undistorted_px.cast<double>(),
                      verdict_of(map, camera, track, median_depth, config), flow_of(track)});
     }
@@ -341,27 +315,29 @@ void judge_tracks(Map& map, const FrameSet& set, const ClassifyConfig& config, C
       return goes_along(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
     };
     for (const Judged& j : all) {
-      if (j.track->point != PointId()) continue;
-      j.track->moving = along(j, moving, Verdict::kMoves);
-      j.track->doubtful = j.track->moving || along(j, doubtful, Verdict::kDoubtful);
-      report->moving_tracks += j.track->moving;
+      if (j.track->bound()) continue;
+      const TrackMotion motion = along(j, moving, Verdict::kMoves)        ? TrackMotion::kMoving
+                                 : along(j, doubtful, Verdict::kDoubtful) ? TrackMotion::kDoubtful
+                                                                          : TrackMotion::kResting;
+      edit.set_motion(camera.id, *j.track, motion);
+      report->moving_tracks += j.track->moves();
     }
   }
 }
 
 }  // namespace
 
-ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& config) {
+ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
   ClassifyReport report;
   if (!config.enabled) return report;
-  judge(map, set, doubt(map, set, config), &report);
-  FollowReport followed = follow_moving(map, set, config.follow);
-  rebind_moving(map, set, config.follow, &followed);
+  judge(edit, doubt(edit.map(), set, config), &report);
+  FollowReport followed = follow_moving(edit, set, config.follow);
+  rebind_moving(edit, set, config.follow, &followed);
   report.removed += followed.removed;
   report.rebound = followed.bound;
-  settle(map, set, config, &report);
-  give_back_resting(map, set, config);
-  judge_tracks(map, set, config, &report);
+  settle(edit, set, config, &report);
+  give_back_resting(edit, set, config);
+  judge_tracks(edit, set, config, &report);
   return report;
 }
 

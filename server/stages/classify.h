@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/stages/follow.h"
 
 namespace coslam {
@@ -38,6 +38,6 @@ struct ClassifyReport {
 //   alone still sees it gives its track back when that stands still.
 // Unmapped tracks, and those of one camera alone, are told apart by the camera's own motion: a track that no static
 // point explains, among others like it, is moving and is not mapped as static.
-ClassifyReport classify(Map& map, const FrameSet& set, const ClassifyConfig& config);
+ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config);
 
 }  // namespace coslam

@@ -57,11 +57,9 @@ std::optional<Moment::Beside> beside(const MapCamera& c, const ServerTrack& t, s
 }
 
 std::optional<Moment> moment(const MapCamera& c, const ServerTrack& t, SetId set, TimeNs t_ns) {
-  const auto at =
-      std::lower_bound(t.seen.begin(), t.seen.end(), set, [](const TrackPoint& s, SetId want) { return s.set < want; });
-  if (at == t.seen.end() || at->set != set || at - t.seen.begin() < kFar || t.seen.end() - at <= kFar)
-    return std::nullopt;
-  const auto i = static_cast<std::size_t>(at - t.seen.begin());
+  const auto at = t.index_at(set);
+  if (!at || *at < kFar || t.seen.size() - *at <= kFar) return std::nullopt;
+  const std::size_t i = *at;
   if (t.seen[i - kFar].set.value < t.distrusted_before) return std::nullopt;
   const auto view = view_at(c, t, i, t_ns);
   const auto near = beside(c, t, i, kNear), far = beside(c, t, i, kFar);
@@ -97,7 +95,8 @@ std::optional<ClockObservation> observation(const MapCamera& a, const ServerTrac
 
 }  // namespace
 
-void ClockFinder::step(Map& map, const FrameSet& set) {
+void ClockFinder::step(MapEdit& edit, const FrameSet& set) {
+  const Map& map = edit.map();
   if (!config_.enabled) return;
   offsets_.resize(map.cameras().size(), {0, kPrior_s});
   struct Shared {
@@ -123,7 +122,7 @@ void ClockFinder::step(Map& map, const FrameSet& set) {
     for (const Shared& s : all) observe(map, *s.point, s.first, s.second, weight);
   }
   close(map);
-  if (set.id.value % static_cast<std::uint32_t>(config_.period) == 0) estimate(map);
+  if (set.id.value % static_cast<std::uint32_t>(config_.period) == 0) estimate(edit);
 }
 
 void ClockFinder::observe(const Map& map, const MapPoint& point, const BoundTrack& first, const BoundTrack& second,
@@ -172,17 +171,18 @@ void ClockFinder::close(const Map& map) {
   while (stretches_.size() > most) stretches_.pop_front();
 }
 
-void ClockFinder::estimate(Map& map) {
+void ClockFinder::estimate(MapEdit& edit) {
+  const Map& map = edit.map();
   std::vector<ClockStretch> all;
   for (const Stretch& s : stretches_) all.push_back(s.seen);
   for (const auto& [pair, s] : open_) all.push_back(s.seen);
   if (all.empty()) return;
   offsets_ = solve_clock_offsets(static_cast<int>(map.cameras().size()), all, kPrior_s);
-  for (MapCamera& c : map.cameras()) {
+  for (const MapCamera& c : map.cameras()) {
     const ClockOffset& o = offsets_[c.id.value];
     const double sigma_s = std::hypot(o.sigma_s, kSystematic_s);
     const bool known = sigma_s < config_.max_sigma_s && std::abs(o.offset_s) > config_.significance * sigma_s;
-    c.clock_offset_ns = known ? to_ns(o.offset_s) : 0;
+    edit.set_clock_offset(c, known ? to_ns(o.offset_s) : 0);
   }
 }
 

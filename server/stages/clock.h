@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/solve/clock_offset.h"
 
 namespace coslam {
@@ -27,7 +27,7 @@ class ClockFinder {
  public:
   explicit ClockFinder(const ClockConfig& config) : config_(config) {}
 
-  void step(Map& map, const FrameSet& set);
+  void step(MapEdit& edit, const FrameSet& set);
   // Another clock from now on.
   void forget(CameraId camera);
   ClockOffset offset(CameraId camera) const;
@@ -41,7 +41,7 @@ class ClockFinder {
   };
   void observe(const Map& map, const MapPoint& point, const BoundTrack& first, const BoundTrack& second, double weight);
   void close(const Map& map);
-  void estimate(Map& map);
+  void estimate(MapEdit& edit);
 
   ClockConfig config_;
   std::map<Pair, Stretch> open_;        // still growing

@@ -107,31 +107,33 @@ std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& 
   return std::nullopt;
 }
 
-void apply(Map& map, MapId of, const Nodes& nodes, const PathSolution& solution) {
+void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solution) {
+  const Map& map = edit.map();
   std::map<CameraId, Similarity3> last;
   for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
     const auto& [camera, set] = nodes.keys[i];
-    map.camera(camera).frame_at(set)->cam_from_world = solution.nodes[i].cam_from_world;
+    const MapCamera& c = map.camera(camera);
+    edit.adjust_pose(c, *c.frame_at(set), solution.nodes[i].cam_from_world);
     last[camera] = solution.nodes[i].new_from_old;
   }
-  for (auto& [camera, new_from_old] : last) {
-    MapCamera& c = map.camera(camera);
-    if (c.map == of) c.moved = new_from_old * c.moved;
+  for (const auto& [camera, new_from_old] : last) {
+    if (map.camera(camera).map == of) edit.carry_agent(map.camera(camera), new_from_old);
   }
-  for (auto& [id, p] : map.points()) {
+  for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
     if (const auto node = frame_of(map, nodes, p)) {
-      transform(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
-      retriangulate(map, p);
+      edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
+      retriangulate(edit, p);
     }
   }
-  map.raise_epoch();
+  edit.raise_epoch();
 }
 
 }  // namespace
 
-bool close_loop(Map& map, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
+bool close_loop(MapEdit& edit, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
                 const std::vector<CameraId>& together) {
+  const Map& map = edit.map();
   const Nodes nodes(map, of);
   PathGraph graph;
   if (nodes.keys.empty()) return false;
@@ -142,7 +144,8 @@ bool close_loop(Map& map, MapId of, const Reunion& reunion, const std::vector<Re
   link_reunions(earlier, nodes, &graph);
   const PathSolution solution = solve_path_graph(graph);
   if (!solution.ok) return false;
-  apply(map, of, nodes, solution);
+  apply(edit, of, nodes, solution);
+  edit.note_moved(of, Why::kLoopClosed, {reunion.scale, 0});
   return true;
 }
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -20,7 +20,7 @@ struct Reunion {
 // the map's first frame moves, the earlier reunions and the cameras that see each other now keep their relative poses,
 // and the points go along and are triangulated anew. `together`: the cameras of the reunited one's group. False when
 // there is no solution; the map is then as before.
-bool close_loop(Map& map, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
+bool close_loop(MapEdit& edit, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
                 const std::vector<CameraId>& together);
 
 }  // namespace coslam

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -16,6 +16,6 @@ struct CullReport {
 };
 
 // Removes points that turned out to be false, and thins what old points carry, so that memory stays bounded.
-CullReport cull(Map& map, const FrameSet& set, const CullConfig& config);
+CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config);
 
 }  // namespace coslam

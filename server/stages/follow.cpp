@@ -67,7 +67,7 @@ std::optional<Eigen::Vector2d> flow_near(const MapCamera& camera, const Eigen::V
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const auto& [id, t] : camera.tracks) {
     const std::size_t n = t.seen.size();
-    if (!t.moving || n < 2 || t.seen[n - 2].set.value + 1 != t.seen[n - 1].set.value) continue;
+    if (!t.moves() || n < 2 || t.seen[n - 2].set.value + 1 != t.seen[n - 1].set.value) continue;
     const double distance2 = (t.seen[n - 2].undistorted_px.cast<double>() - before_px).squaredNorm();
     if (distance2 > radius_px * radius_px) continue;
     const double weight = 1 / (distance2 + 0.04 * radius_px * radius_px);
@@ -94,7 +94,7 @@ std::vector<View> views_by_flow(const Map& map, const MapPoint& p) {
 }
 
 struct Loose {
-  MapPoint* point;
+  const MapPoint* point;
   std::vector<Seen> seen;
 };
 
@@ -107,51 +107,61 @@ double distance_to_cameras(const Map& map, const MapPoint& p) {
   return least;
 }
 
-void refresh_patches(Map& map, MapPoint& p, const FrameSet& set) {
+void refresh_patches(MapEdit& edit, const MapPoint& p, const FrameSet& set) {
   constexpr std::size_t kMost = 12;
   for (const BoundTrack& b : p.bound) {
-    const ServerTrack& t = map.camera(b.camera).tracks.at(b.track);
-    if (t.patch_set == set.id) map.give_patch(p, b.camera, t);
+    const ServerTrack& t = edit.map().track(b);
+    if (t.patch_set == set.id) edit.give_patch(p, b.camera, t);
   }
-  if (p.patches.size() > kMost) p.patches.erase(p.patches.begin(), p.patches.end() - kMost);
+  edit.keep_newest_patches(p, kMost);
+}
+
+// By what its cameras see now; without the one view that is wrong, if there is one.
+std::optional<TriangulationResult> position_now(MapEdit& edit, const MapPoint& p, std::vector<Seen>* seen,
+                                                FollowReport* report) {
+  const Map& map = edit.map();
+  *seen = seen_now(map, p);
+  if (auto t = position_of(map, *seen, kMovingParallax_rad)) return t;
+  const auto odd = odd_one_out(map, *seen);
+  if (!odd) return std::nullopt;
+  const BoundTrack b = (*seen)[*odd].track;
+  edit.unbind(b.camera, map.track(b), Why::kOddOneOut, {static_cast<double>(seen->size()) - 1, 0});
+  ++report->unbound;
+  *seen = seen_now(map, p);
+  return position_of(map, *seen, kMovingParallax_rad);
+}
+
+void record(MapEdit& edit, const MapPoint& p, const std::vector<Seen>& seen, const FrameSet& set) {
+  MotionSample sample{.set = set.id, .t_ns = set.t_ns};
+  for (const Seen& s : seen) {
+    const ServerTrack& track = edit.map().track(s.track);
+    edit.pass_gate(track);
+    sample.seen.push_back(sighting(edit.map().camera(s.track.camera), track, track.seen.size() - 1));
+  }
+  edit.record_motion(p.id, std::move(sample));
 }
 
 // Positions from two cameras, this instant.
-void position_all(Map& map, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
+void position_all(MapEdit& edit, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
                   std::vector<Loose>* loose) {
-  for (MapPoint* moving : map.moving_points()) {
-    MapPoint& p = *moving;
-    std::vector<Seen> seen = seen_now(map, p);
-    auto t = position_of(map, seen, kMovingParallax_rad);
-    if (!t) {
-      if (const auto odd = odd_one_out(map, seen)) {
-        const BoundTrack b = seen[*odd].track;
-        map.unbind(b.camera, track_of(map, b));
-        ++report->unbound;
-        seen = seen_now(map, p);
-        t = position_of(map, seen, kMovingParallax_rad);
-      }
-    }
+  for (const MapPoint* moving : edit.map().moving_points()) {
+    const MapPoint& p = *moving;
+    std::vector<Seen> seen;
+    const auto t = position_now(edit, p, &seen, report);
     if (!t) {
       loose->push_back({&p, std::move(seen)});
       continue;
     }
     if (p.last_seen.value + 1 == set.id.value) steps->push_back({p.position, t->position});
-    take_position(p, *t, set);
-    MotionSample sample{.set = set.id, .t_ns = set.t_ns};
-    for (const Seen& s : seen) {
-      track_of(map, s.track).gate_failures = 0;
-      const ServerTrack& track = track_of(map, s.track);
-      sample.seen.push_back(sighting(map.camera(s.track.camera), track, track.seen.size() - 1));
-    }
-    map.record_motion(p.id, std::move(sample));
-    refresh_patches(map, p, set);
+    edit.follow(p, t->position, t->covariance);
+    record(edit, p, seen, set);
+    refresh_patches(edit, p, set);
     ++report->positioned;
   }
 }
 
 // The tracks that do not lead to where the point was carried; the one nearest to it stays.
-void let_go_of_strays(Map& map, Loose& loose, double most_px, FollowReport* report) {
+void let_go_of_strays(MapEdit& edit, Loose& loose, double most_px, FollowReport* report) {
   std::vector<std::pair<double, std::size_t>> miss_px;
   for (std::size_t i = 0; i < loose.seen.size(); ++i) {
     const View& v = loose.seen[i].view;
@@ -163,16 +173,16 @@ void let_go_of_strays(Map& map, Loose& loose, double most_px, FollowReport* repo
   for (std::size_t k = miss_px.size(); k-- > 0;) {
     if (k == 0 && miss_px[k].first <= most_px) break;
     const BoundTrack b = loose.seen[miss_px[k].second].track;
-    map.unbind(b.camera, track_of(map, b));
+    edit.unbind(b.camera, edit.map().track(b), Why::kStray, {miss_px[k].first, 0});
     ++report->unbound;
   }
-  std::erase_if(loose.seen, [&](const Seen& s) { return track_of(map, s.track).point != loose.point->id; });
+  std::erase_if(loose.seen, [&](const Seen& s) { return edit.map().track(s.track).point != loose.point->id; });
 }
 
-// Moves the point sideways onto the ray of its one view, at the depth that it has.
-void keep_to_ray(MapPoint& p, const View& v) {
+// The place moved sideways onto the ray of its one view, at the depth that it has.
+Eigen::Vector3d kept_to_ray(const Eigen::Vector3d& position, const View& v) {
   const Eigen::Vector3d center = v.cam_from_world.center(), ray = world_ray(v);
-  p.position = center + ray * std::max(1e-6, (p.position - center).dot(ray));
+  return center + ray * std::max(1e-6, (position - center).dot(ray));
 }
 
 // Its step since the last set: as its moving neighbours in space or, without any, in the images.
@@ -181,47 +191,48 @@ std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const 
   if (auto step = step_near(steps, p.position, radius)) return step;
   const std::vector<View> views = views_by_flow(map, p);
   if (views.empty()) return std::nullopt;
-  MapPoint moved{.position = p.position};
+  Eigen::Vector3d moved;
   if (views.size() == 1) {
-    keep_to_ray(moved, views.front());
+    moved = kept_to_ray(p.position, views.front());
   } else {
     const TriangulationResult t = triangulate(views, 1.0, kMovingParallax_rad);
     if (t.status != TriangulationStatus::kOk) return std::nullopt;
-    moved.position = t.position;
+    moved = t.position;
   }
-  const Eigen::Vector3d step = moved.position - p.position;
+  const Eigen::Vector3d step = moved - p.position;
   return step.norm() < radius ? std::optional(step) : std::nullopt;
 }
 
-void carry(Map& map, const FrameSet& set, const std::vector<Step>& steps, Loose& loose, const FollowConfig& config,
-           FollowReport* report, std::vector<PointId>* gone) {
-  MapPoint& p = *loose.point;
+void carry(MapEdit& edit, const FrameSet& set, const std::vector<Step>& steps, Loose& loose, const FollowConfig& config,
+           FollowReport* report) {
+  const Map& map = edit.map();
+  const MapPoint& p = *loose.point;
   const std::uint32_t since = set.id.value - p.last_seen.value;
   const double radius = config.neighbour_radius * distance_to_cameras(map, p);
   const auto step = step_of(map, p, steps, radius);
   const int limit = step || !loose.seen.empty() ? config.forget_sets : config.forget_alone_sets;
   if (since > static_cast<std::uint32_t>(limit)) {
-    gone->push_back(p.id);
+    edit.remove_point(p, Why::kOutOfSight, {static_cast<double>(since), static_cast<double>(limit)});
+    ++report->removed;
     return;
   }
   ++report->carried;
   const Eigen::Vector3d move = step.value_or(Eigen::Vector3d::Zero());
-  p.position += move;
   // Neighbours move alike to a fifth or so; without any the radius bounds where it may have gone in a while.
   const double drift = step ? 0.2 * move.norm() : 0.05 * radius;
-  p.covariance += drift * drift * Eigen::Matrix3d::Identity();
-  if (cameras_of(loose.seen) >= 2) let_go_of_strays(map, loose, 2 * gate_px_of(map, loose.seen), report);
-  if (loose.seen.size() == 1) keep_to_ray(p, loose.seen.front().view);
+  edit.move_point(p, p.position + move, p.covariance + drift * drift * Eigen::Matrix3d::Identity());
+  if (cameras_of(loose.seen) >= 2) let_go_of_strays(edit, loose, 2 * gate_px_of(map, loose.seen), report);
+  if (loose.seen.size() == 1) edit.move_point(p, kept_to_ray(p.position, loose.seen.front().view), p.covariance);
 }
 
 struct Look {
-  ServerTrack* track = nullptr;
+  const ServerTrack* track = nullptr;
   double zncc = -1;
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 };
 
 // How a track looks beside the newest of the point's patches.
-Look look_of(const MapPoint& p, ServerTrack& t) {
+Look look_of(const MapPoint& p, const ServerTrack& t) {
   constexpr std::size_t kNewest = 6;
   Look best{&t};
   for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
@@ -241,7 +252,7 @@ Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, 
   Look best;
   double second = -1;
   const double radius_px = std::min(window->radius_px + kMostShift_px, most_px);
-  grid.near(window->px, radius_px, [&](ServerTrack* t) {
+  grid.near(window->px, radius_px, [&](const ServerTrack* t) {
     if ((t->seen.back().undistorted_px.cast<double>() - window->px).norm() > radius_px) return;
     const Look look = look_of(p, *t);
     second = std::max(second, std::min(look.zncc, best.zncc));
@@ -301,48 +312,31 @@ std::optional<TriangulationResult> position_of(const Map& map, const std::vector
   return t;
 }
 
-void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px) {
-  track.offset_px = offset_px;
-  track.moving = true;
-  map.bind(p, camera, track);
-  p.key_observations.clear();
-}
-
-void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set) {
-  p.position = t.position;
-  p.covariance = t.covariance;
-  p.last_seen = set.id;
-  p.last_ns = set.t_ns;
-  ++p.views;
-}
-
-FollowReport follow_moving(Map& map, const FrameSet& set, const FollowConfig& config) {
+FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config) {
   FollowReport report;
   std::vector<Step> steps;
   std::vector<Loose> loose;
-  position_all(map, set, &report, &steps, &loose);
-  std::vector<PointId> gone;
-  for (Loose& l : loose) carry(map, set, steps, l, config, &report, &gone);
-  for (const PointId id : gone) map.remove_point(id);
-  report.removed = static_cast<int>(gone.size());
+  position_all(edit, set, &report, &steps, &loose);
+  for (Loose& l : loose) carry(edit, set, steps, l, config, &report);
   return report;
 }
 
-void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
-  const std::vector<MapPoint*> points = map.moving_points();
+void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
+  const Map& map = edit.map();
+  const std::vector<const MapPoint*> points = map.moving_points();
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     TrackGrid grid;
-    for (auto& [id, t] : camera.tracks) {
-      if (t.point == PointId() && t.moving && t.patch) grid.add(&t);
+    for (const auto& [id, t] : camera.tracks) {
+      if (!t.bound() && t.moves() && t.patch) grid.add(&t);
     }
-    for (MapPoint* p : points) {
+    for (const MapPoint* p : points) {
       if (p->map != camera.map || seen_by(*p, camera.id)) continue;
       const Look look = find_track(map, camera, grid, *p, config);
-      if (look.track == nullptr || look.track->point != PointId()) continue;
+      if (look.track == nullptr || look.track->bound()) continue;
       if (!agrees(map, camera, *p, look)) continue;
-      bind_moving(map, *p, camera.id, *look.track, look.offset_px);
+      edit.bind_moving(*p, camera.id, *look.track, look.offset_px, Why::kLooksLikeIt, {look.zncc, 0});
       ++report->bound;
     }
   }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 // Moving points, frame set by frame set: where they are, and which tracks are theirs.
 namespace coslam {
@@ -18,8 +18,6 @@ struct Seen {
 
 inline constexpr double kMovingParallax_rad = 0.01;
 
-inline ServerTrack& track_of(Map& map, const BoundTrack& b) { return map.camera(b.camera).tracks.at(b.track); }
-
 // The i-th observation of a track, where its point is.
 Sighting sighting(const MapCamera& camera, const ServerTrack& track, std::size_t i);
 // The same as it would be at t_ns: interpolated, pose and pixel, when the camera took its image at another time. Empty
@@ -31,11 +29,6 @@ std::vector<Seen> seen_now(const Map& map, const MapPoint& p);
 
 // The one place that observations of one instant by at least two cameras agree on.
 std::optional<TriangulationResult> position_of(const Map& map, const std::vector<Seen>& seen, double min_parallax_rad);
-
-// Makes the track one of a moving point, which lies offset_px from it in the image.
-void bind_moving(Map& map, MapPoint& p, CameraId camera, ServerTrack& track, const Eigen::Vector2f& offset_px);
-
-void take_position(MapPoint& p, const TriangulationResult& t, const FrameSet& set);
 
 struct FollowConfig {
   double neighbour_radius = 0.12;  // of the distance to the cameras: moving points so near move alike
@@ -53,10 +46,10 @@ struct FollowReport {
 // Triangulates every dynamic point from this instant. One that fewer than two cameras see is carried along with its
 // moving neighbours, and keeps to its one ray. A track that disagrees with the others, or with where the point was
 // carried, is let go.
-FollowReport follow_moving(Map& map, const FrameSet& set, const FollowConfig& config);
+FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config);
 
 // Free tracks where a moving point should appear, and which look like it, are its further tracks: so it keeps its id
 // when a track ends, is hidden for a moment, or begins in another camera.
-void rebind_moving(Map& map, const FrameSet& set, const FollowConfig& config, FollowReport* report);
+void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
 
 }  // namespace coslam

@@ -100,7 +100,7 @@ void FollowedPaths::update(const Map& map, TimeNs since_ns) {
   epoch_ = map.epoch();
   std::erase_if(paths_, [&](const auto& entry) {
     const MapPoint* p = map.find(entry.first);
-    return p == nullptr || p->state != PointState::kDynamic;
+    return p == nullptr || !p->moves();
   });
   for (const MapPoint* moving : map.moving_points()) {
     const MapPoint& point = *moving;

@@ -20,15 +20,15 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& points, FuseReport* report,
+void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points, FuseReport* report,
              std::vector<Candidate>* out) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
   TrackGrid grid;
   std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of the tracks in the grid
-  for (auto& [id, t] : camera.tracks) {
+  for (const auto& [id, t] : camera.tracks) {
     const MapPoint* p = map.find(t.point);
-    if (p == nullptr || p->state != PointState::kStatic || !t.patch || t.gate_failures > 0) continue;
+    if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     covariances[id] = window->covariance;
@@ -39,7 +39,7 @@ void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& po
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
-    grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
+    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
       const Eigen::Matrix2d s =
           window->covariance + covariances.at(t->id) + gate_px * gate_px * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
@@ -88,17 +88,18 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
 
 }  // namespace
 
-FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) {
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& config) {
+  const Map& map = edit.map();
   FuseReport report;
   std::vector<Candidate> candidates;
-  const std::vector<MapPoint*> points = recent_static_points(map);
+  const std::vector<const MapPoint*> points = recent_static_points(map);
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
   for (const Candidate& c : candidates) {
-    MapPoint *p = map.find(c.first), *q = map.find(c.second);
+    const MapPoint *p = map.find(c.first), *q = map.find(c.second);
     if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) continue;
     const MapCamera& camera = map.camera(c.camera);
     const auto cut_at = camera.frame_at(c.track->patch_set);
@@ -110,9 +111,8 @@ FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config) 
     const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));
     if (!position) continue;
     if (p->id > q->id) std::swap(p, q);
-    map.fuse(p->id, q->id);
-    p->position = *position;
-    p->covariance = map.covariance_of(*p);
+    edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});
+    edit.move_point(*p, *position);
     ++report.fused;
   }
   return report;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -19,6 +19,6 @@ struct FuseReport {
 // Two cameras that map the same corner by themselves make two points of it. Such a pair becomes one when no camera ever
 // saw both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate,
 // and one position explains every view of either: these links between cameras hold the map together.
-FuseReport fuse_points(Map& map, const FrameSet& set, const FuseConfig& config);
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& config);
 
 }  // namespace coslam

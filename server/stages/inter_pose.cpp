@@ -17,18 +17,19 @@ namespace {
 
 struct Member {
   const CameraFrame* frame;
-  MapCamera* camera;
+  const MapCamera* camera;
   std::vector<PointObservation> statics;
   int moving = 0;
 };
 
-Member look_at(Map& map, const CameraFrame& cf) {
+Member look_at(const Map& map, const CameraFrame& cf) {
   Member m{&cf, &map.camera(cf.camera), {}, 0};
   for (const auto& [id, track] : m.camera->tracks) {
     const MapPoint* p = map.find(track.point);
     if (p == nullptr || p->map != m.camera->map) continue;
-    if (p->state == PointState::kDynamic) ++m.moving;
-    if (p->state != PointState::kStatic || !(p->proven || m.camera->sparse) || track.gate_failures > 0) continue;
+    if (p->moves()) ++m.moving;
+    if (!p->proven() && !(p->rests() && m.camera->sparse)) continue;
+    if (track.gate_failures > 0) continue;
     m.statics.push_back({p->position, p->covariance, track.seen.back().undistorted_px.cast<double>()});
   }
   return m;
@@ -95,7 +96,8 @@ int shares(const InterPoseProblem& problem, int camera) {
   }));
 }
 
-void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
+void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
+  const Map& map = edit.map();
   InterPoseProblem problem;
   std::vector<Rigid3> poses;
   for (Member& m : members) {
@@ -110,21 +112,17 @@ void solve_group(Map& map, std::vector<Member> members, const InterPoseConfig& c
   if (!result.ok) return;
   for (std::size_t i = 0; i < members.size(); ++i) {
     if (result.cameras[i].inliers < config.min_inliers) continue;
-    MapCamera& c = *members[i].camera;
-    FramePose& f = c.frames.back();
-    report->rescued += !f.valid();
-    f.joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
+    report->rescued += !members[i].camera->frames.back().valid();
     ++report->posed;
-    f.cam_from_world = result.cameras[i].cam_from_world;
-    f.map = c.map;
-    c.lost_sets = 0;
-    c.corrected = true;
+    const bool joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
+    edit.set_joint_pose(*members[i].camera, result.cameras[i].cam_from_world, joint);
   }
 }
 
 }  // namespace
 
-InterPoseReport inter_pose(Map& map, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config) {
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config) {
+  const Map& map = edit.map();
   InterPoseReport report;
   if (!config.enabled) return report;
   for (const auto& group : graph.groups) {
@@ -138,7 +136,7 @@ InterPoseReport inter_pose(Map& map, const FrameSet& set, const ViewGraph& graph
                                       [&](const Member& m) { return m.camera->map == members[0].camera->map; });
     if (!same_map) continue;
     if (std::none_of(members.begin(), members.end(), [&](const Member& m) { return weak(m, config); })) continue;
-    solve_group(map, std::move(members), config, &report);
+    solve_group(edit, std::move(members), config, &report);
   }
   return report;
 }

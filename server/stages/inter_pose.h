@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/stages/group.h"
 #include "server/stages/localise.h"
 
@@ -25,6 +25,6 @@ struct InterPoseReport {
 // Inter-camera pose (paper 4.2), for a group of which some camera sees more moving points than static ones, or static
 // ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
 // static and moving points. graph: of the set before.
-InterPoseReport inter_pose(Map& map, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config);
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config);
 
 }  // namespace coslam

@@ -25,7 +25,8 @@ std::vector<SinceLast> since_last(const Map& map, SetId last) {
     const FramePose* f = c.frame_at(last);
     then.push_back(f != nullptr && f->valid() && f->map == c.frames.back().map ? f : nullptr);
   }
-  for (const auto& [id, p] : map.points()) {
+  for (const MapPoint* point : map.points_observed_at({last})) {
+    const MapPoint& p = *point;
     for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= last;) {
       const KeyObservation& o = p.key_observations[i];
       if (o.set != last || then[o.camera.value] == nullptr) continue;
@@ -47,7 +48,8 @@ std::vector<SinceLast> since_last(const Map& map, SetId last) {
 
 }  // namespace
 
-bool decide_key_frame(Map& map, const FrameSet& set, const KeyFrameConfig& config) {
+bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config) {
+  const Map& map = edit.map();
   if (map.points().empty()) return false;
   if (!map.key_frames().empty()) {
     const SetId last = map.key_frames().back().set;
@@ -65,7 +67,7 @@ bool decide_key_frame(Map& map, const FrameSet& set, const KeyFrameConfig& confi
     }
     if (!wanted) return false;
   }
-  map.add_key_frame(set.id);
+  edit.add_key_frame(set.id);
   return true;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -15,6 +15,6 @@ struct KeyFrameConfig {
 
 // Key frame for all cameras when any camera lost 30 % of the points it had at the last one, or moved for long (paper
 // 4). Returns true when the set became one.
-bool decide_key_frame(Map& map, const FrameSet& set, const KeyFrameConfig& config);
+bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config);
 
 }  // namespace coslam

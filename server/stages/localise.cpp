@@ -10,16 +10,14 @@ namespace coslam {
 namespace {
 
 std::vector<PointObservation> bound_observations(const Map& map, const MapCamera& camera, SetId set,
-                                                 bool unproven_too) {
+                                                 bool on_trial_too) {
   std::vector<PointObservation> observations;
   for (const auto& [id, track] : camera.tracks) {
-    if (track.point == PointId() || set.value < track.distrusted_before) continue;
+    if (!track.bound() || set.value < track.distrusted_before) continue;
     const MapPoint* p = map.find(track.point);
-    if (p->state != PointState::kStatic || !(p->proven || unproven_too)) continue;
-    const auto at = std::lower_bound(track.seen.begin(), track.seen.end(), set,
-                                     [](const TrackPoint& s, SetId want) { return s.set < want; });
-    if (at == track.seen.end() || at->set != set) continue;
-    observations.push_back({p->position, p->covariance, at->undistorted_px.cast<double>()});
+    if (!p->proven() && !(p->rests() && on_trial_too)) continue;
+    const auto i = track.index_at(set);
+    if (i) observations.push_back({p->position, p->covariance, track.seen[*i].undistorted_px.cast<double>()});
   }
   return observations;
 }
@@ -27,18 +25,6 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
 bool good(const PoseResult& r, std::size_t observations, const LocaliseConfig& config) {
   return r.status == PoseStatus::kOk && r.inliers >= config.min_inliers &&
          r.inliers >= config.min_inlier_ratio * static_cast<double>(observations);
-}
-
-double sigma_bound_px(const Map& map, const MapCamera& camera) {
-  return map.config().sigma_px * camera.model.width_px / 640.0;
-}
-
-void leave_map(Map& map, MapCamera& camera) {
-  for (auto& [id, track] : camera.tracks) {
-    if (track.point != PointId()) map.unbind(camera.id, track);
-  }
-  camera.map = MapId();
-  camera.lost_sets = 0;
 }
 
 }  // namespace
@@ -58,62 +44,53 @@ Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& fra
   return last->cam_from_world * before->cam_from_world.inverse() * last->cam_from_world;
 }
 
-LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config) {
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config) {
+  const Map& map = edit.map();
   LocaliseReport report;
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId()) continue;
     auto observations = bound_observations(map, camera, set.id, camera.sparse);
     const Rigid3 start = start_pose(map, camera, cf.frame);
-    PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
+    PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
     if (!good(r, observations.size(), config) && !camera.sparse) {
-      camera.sparse = true;  // better on points that may move than not at all
+      edit.set_sparse(camera, true);  // better on points that may move than not at all
       observations = bound_observations(map, camera, set.id, true);
-      r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
+      r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
     }
     if (good(r, observations.size(), config)) {
-      camera.frames.back().cam_from_world = r.cam_from_world;
-      camera.frames.back().map = camera.map;
-      camera.sigma_px += std::max(0.1, 1.0 / ++camera.sigma_frames) * (r.sigma_px - camera.sigma_px);
-      camera.lost_sets = 0;
+      edit.set_pose(camera, set.id, r.cam_from_world);
+      edit.measure_sigma(camera, r.sigma_px);
       ++report.tracked;
     } else {
       ++report.lost;
-      if (++camera.lost_sets > config.lost_after_sets) leave_map(map, camera);
+      if (edit.lose_pose(camera, observations.size(), r.inliers) > config.lost_after_sets) edit.leave_map(camera);
     }
   }
   return report;
 }
 
-bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config) {
-  FramePose* frame = camera.frame_at(set);
-  if (frame == nullptr) return false;
+bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+                   const LocaliseConfig& config) {
+  const Map& map = edit.map();
+  if (camera.frame_at(set) == nullptr) return false;
   const auto observations = bound_observations(map, camera, set, true);
-  const PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = sigma_bound_px(map, camera)});
+  const PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
   if (!good(r, observations.size(), config)) return false;
-  frame->cam_from_world = r.cam_from_world;
-  frame->map = camera.map;
+  edit.set_pose(camera, set, r.cam_from_world);
   return true;
 }
 
-void localise_backwards(Map& map, MapCamera& camera, SetId from, const LocaliseConfig& config) {
+void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config) {
   const FramePose* known = camera.frame_at(from);
   Rigid3 pose = known->cam_from_world;
   for (std::size_t i = camera.frames.size(); i-- > 0;) {
-    FramePose& f = camera.frames[i];
+    const FramePose& f = camera.frames[i];
     if (f.set >= from) continue;
     if (f.valid()) break;
-    if (!localise_past(map, camera, f.set, pose, config)) break;
+    if (!localise_past(edit, camera, f.set, pose, config)) break;
     pose = f.cam_from_world;
   }
-}
-
-void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose) {
-  FramePose* f = camera.frame_at(set);
-  f->map = map;
-  f->cam_from_world = pose;
-  camera.map = map;
-  camera.lost_sets = 0;
 }
 
 }  // namespace coslam

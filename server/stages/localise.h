@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -20,19 +20,17 @@ struct LocaliseReport {
 // Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
 // and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
 // was.
-LocaliseReport localise(Map& map, const FrameSet& set, const LocaliseConfig& config);
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config);
 
 // Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
 // now, else the motion so far.
 Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
 // Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
-bool localise_past(Map& map, MapCamera& camera, SetId set, const Rigid3& start, const LocaliseConfig& config);
+bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+                   const LocaliseConfig& config);
 
 // The same back from a known pose, until there is one or none is found.
-void localise_backwards(Map& map, MapCamera& camera, SetId from, const LocaliseConfig& config);
-
-// Puts a camera into a map, at its newest or an earlier set.
-void set_pose(MapCamera& camera, SetId set, MapId map, const Rigid3& pose);
+void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config);
 
 }  // namespace coslam

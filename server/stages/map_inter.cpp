@@ -11,11 +11,10 @@
 namespace coslam {
 namespace {
 
-std::vector<Feature> unmapped(MapCamera& camera) {
+std::vector<Feature> unmapped(const MapCamera& camera) {
   std::vector<Feature> out;
-  for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && !t.moving && !t.doubtful && t.patch)
-      out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+  for (const auto& [id, t] : camera.tracks) {
+    if (t.free_and_resting() && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
   }
   return out;
 }
@@ -35,8 +34,8 @@ bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::V
   return checked > 0;
 }
 
-bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
-               const MapInterConfig& config) {
+bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const MapInterConfig& config) {
+  const Map& map = edit.map();
   if (!same_centre(*a.track->patch, *b.track->patch)) return false;
   std::vector<View> views = map.views_of(*view.first, *a.track, 6);
   const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
@@ -52,16 +51,19 @@ bool try_point(Map& map, const PairView& view, const Feature& a, const Feature& 
     return false;
   const double distance = (t.position - view.first_pose.center()).norm();
   const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{view.first, a.track}, {view.second, b.track}});
-  if (std::sqrt(covariance.trace()) > config.max_relative_sigma * distance) return false;
-  MapPoint& p = map.create_point(view.first->map, t.position, covariance, set.id, set.t_ns);
-  map.bind(p, view.first->id, *a.track);
-  map.bind(p, view.second->id, *b.track);
+  const double sigma = std::sqrt(covariance.trace());
+  if (sigma > config.max_relative_sigma * distance) return false;
+  const MapPoint& p = edit.create_point(view.first->map, t.position, covariance, PointPhase::kStatic,
+                                        Why::kTwoCamerasNow, {2, sigma / distance});
+  edit.bind(p, view.first->id, *a.track, Why::kMadeFromIt);
+  edit.bind(p, view.second->id, *b.track, Why::kMadeFromIt);
   return true;
 }
 
 }  // namespace
 
-MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  const Map& map = edit.map();
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {
     if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
@@ -72,7 +74,7 @@ MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, 
         view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config,
         [](const Feature&, const Feature&) { return true; },
         [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report,
-        [&](const Feature& a, const Feature& b) { return try_point(map, view, a, b, set, config); });
+        [&](const Feature& a, const Feature& b) { return try_point(edit, view, a, b, config); });
   }
   return report;
 }

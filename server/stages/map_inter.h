@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/stages/group.h"
 
 namespace coslam {
@@ -29,6 +29,6 @@ struct MapInterReport {
 // New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
 // band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
 // back in time.
-MapInterReport map_inter(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
+MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 }  // namespace coslam

@@ -25,36 +25,44 @@ bool gate_in_every_view(const std::vector<View>& views, const TriangulationResul
   return true;
 }
 
+// The track becomes a point, when its views determine one.
+bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapIntraConfig& config,
+               MapIntraReport* report) {
+  const Map& map = edit.map();
+  // A track that left a point before may do so because it moves: it has to prove itself for longer.
+  const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
+  if (static_cast<int>(track.seen.size()) < least) return false;
+  const std::vector<View> all = map.views_of(camera, track, 1000);
+  if (static_cast<int>(all.size()) < least) return false;
+  edit.map_not_before(track, SetId(map.now().value + kRetrySets));
+  const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
+  const double parallax = mature ? config.min_parallax_rad : config.early_parallax_rad;
+  if (ray_angle(all) < parallax) return false;
+  ++report->tried;
+  const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
+  if (t.status != TriangulationStatus::kOk) return false;
+  if (!gate_in_every_view(all, t, map.gate_sigma_px(camera), map.config().theta)) return false;
+  const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
+  const double sigma = std::sqrt(covariance.trace()),
+               distance = (t.position - camera.frames.back().cam_from_world.center()).norm();
+  if (sigma > config.max_relative_sigma * distance) return false;
+  const MapPoint& p =
+      edit.create_point(camera.map, t.position, covariance, mature ? PointPhase::kStatic : PointPhase::kTrial,
+                        Why::kOneCamerasMotion, {static_cast<double>(all.size()), sigma / distance});
+  edit.bind(p, camera.id, track, Why::kMadeFromIt);
+  return true;
+}
+
 }  // namespace
 
-MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& config) {
+MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const MapIntraConfig& config) {
   MapIntraReport report;
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = edit.map().camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
-    const Eigen::Vector3d center = camera.frames.back().cam_from_world.center();
-    for (auto& [id, track] : camera.tracks) {
-      if (track.point != PointId() || set.id.value < track.mapping_after) continue;
-      if (track.moving || track.doubtful) continue;
-      // A track that left a point before may do so because it moves: it has to prove itself for longer.
-      const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
-      if (static_cast<int>(track.seen.size()) < least) continue;
-      const std::vector<View> all = map.views_of(camera, track, 1000);
-      if (static_cast<int>(all.size()) < least) continue;
-      track.mapping_after = set.id.value + kRetrySets;
-      const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
-      const double parallax = mature ? config.min_parallax_rad : config.early_parallax_rad;
-      if (ray_angle(all) < parallax) continue;
-      ++report.tried;
-      const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
-      if (t.status != TriangulationStatus::kOk) continue;
-      if (!gate_in_every_view(all, t, map.gate_sigma_px(camera), map.config().theta)) continue;
-      const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
-      if (std::sqrt(covariance.trace()) > config.max_relative_sigma * (t.position - center).norm()) continue;
-      MapPoint& p = map.create_point(camera.map, t.position, covariance, set.id, set.t_ns);
-      p.proven = mature;
-      map.bind(p, camera.id, track);
-      ++report.created;
+    for (const auto& [id, track] : camera.tracks) {
+      if (!track.free_and_resting() || set.id.value < track.mapping_after) continue;
+      report.created += try_track(edit, camera, track, config, &report) ? 1 : 0;
     }
   }
   return report;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -20,6 +20,6 @@ struct MapIntraReport {
 
 // New static points from unmapped tracks of one camera (paper 5.2.1): from the widest parallax, gate theta in every
 // frame.
-MapIntraReport map_intra(Map& map, const FrameSet& set, const MapIntraConfig& config);
+MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const MapIntraConfig& config);
 
 }  // namespace coslam

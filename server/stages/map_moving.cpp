@@ -17,12 +17,12 @@ namespace {
 
 // Tracks of what moves or may move, at the instant of the set: those without a point, and those of moving points that
 // the other camera does not see yet.
-std::vector<Feature> moving(const Map& map, MapCamera& camera, CameraId other) {
+std::vector<Feature> moving(const Map& map, const MapCamera& camera, CameraId other) {
   std::vector<Feature> out;
-  for (auto& [id, t] : camera.tracks) {
+  for (const auto& [id, t] : camera.tracks) {
     if (!t.patch) continue;
     const MapPoint* p = map.find(t.point);
-    if (p != nullptr && (p->state != PointState::kDynamic || seen_by(*p, other))) continue;
+    if (p != nullptr && (!p->moves() || seen_by(*p, other))) continue;
     const auto view = view_at(camera, t, t.seen.size() - 1, map.now_ns());
     if (view) out.push_back({&t, view->undistorted_px - t.offset_px.cast<double>()});
   }
@@ -48,11 +48,10 @@ std::optional<Eigen::Vector3d> together_back(const Map& map, const PairView& vie
   std::optional<Eigen::Vector3d> oldest;
   for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
     const SetId at = a.seen[i].set;
-    const auto other = std::lower_bound(b.seen.begin(), b.seen.end(), at,
-                                        [](const TrackPoint& s, SetId want) { return s.set < want; });
-    if (other == b.seen.end() || other->set != at) continue;
+    const auto other = b.index_at(at);
+    if (!other) continue;
     if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
-    const auto met = meeting(map, view, a, i, b, static_cast<std::size_t>(other - b.seen.begin()), 0);
+    const auto met = meeting(map, view, a, i, b, *other, 0);
     if (!met) return std::nullopt;
     oldest = met->position;
     ++checked;
@@ -69,14 +68,14 @@ bool left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world,
 }
 
 // The path of a new moving point begins when its two tracks first met, not when that was found out.
-void record_past(Map& map, const PairView& view, PointId point, const ServerTrack& a, const ServerTrack& b) {
+void record_past(MapEdit& edit, const PairView& view, PointId point, const ServerTrack& a, const ServerTrack& b) {
   std::vector<MotionSample> past;
   for (std::size_t i = a.seen.size() - 1, j = b.seen.size() - 1; i-- > 0 && j-- > 0;) {
-    if (a.seen[i].set != b.seen[j].set || !meeting(map, view, a, i, b, j, kMovingParallax_rad)) break;
+    if (a.seen[i].set != b.seen[j].set || !meeting(edit.map(), view, a, i, b, j, kMovingParallax_rad)) break;
     const TimeNs t_ns = view.first->taken_ns(*view.first->frame_at(a.seen[i].set));
     past.push_back({a.seen[i].set, t_ns, {sighting(*view.first, a, i), sighting(*view.second, b, j)}});
   }
-  for (auto s = past.rbegin(); s != past.rend(); ++s) map.record_motion(point, std::move(*s));
+  for (auto s = past.rbegin(); s != past.rend(); ++s) edit.record_motion(point, std::move(*s));
 }
 
 // Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
@@ -113,56 +112,65 @@ std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, con
   return peak;
 }
 
+// Where two matched tracks, each with its offset, are one thing that moves; empty when they are not.
+std::optional<TriangulationResult> one_mover(const Map& map, const PairView& view, const Feature& a, const Feature& b,
+                                             const MapInterConfig& config) {
+  const ServerTrack &in_a = *a.track, &in_b = *b.track;
+  const auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, config.min_parallax_rad);
+  if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
+  const double distance = (now->position - view.first_pose.center()).norm();
+  if (std::sqrt(now->covariance.trace()) > config.max_relative_sigma * distance) return std::nullopt;
+  if (!beside_in_depth(map, view, now->position)) return std::nullopt;
+  const auto before = together_back(map, view, in_a, in_b, config.moving_check_back / 2, config.moving_check_back);
+  if (!before) return std::nullopt;
+  // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
+  const bool both_move = in_a.moves() && in_b.moves();
+  if (!both_move &&
+      !(left(map, *view.first, view.first_pose, a, *before) && left(map, *view.second, view.second_pose, b, *before)))
+    return std::nullopt;
+  return now;
+}
+
+bool fuse_movers(MapEdit& edit, const MapPoint& p, const MapPoint& q) {
+  if (std::ranges::any_of(p.bound, [&](const BoundTrack& bound) { return seen_by(q, bound.camera); })) return false;
+  edit.fuse(p.id, q.id, Why::kOneMover);
+  return true;
+}
+
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
-bool join_moving(Map& map, const PairView& view, const Feature& a, const Feature& b, const FrameSet& set,
+bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b,
                  const MapInterConfig& config) {
-  MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  const Map& map = edit.map();
+  const MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
   const auto peak = peak_if_one(view, a, b);
   if (!peak) return false;
+  if (p != nullptr && q != nullptr) return one_mover(map, view, a, b, config) && fuse_movers(edit, *p, *q);
   // The free one of the two is brought to where the other one's point is.
   const bool free_b = q == nullptr;
-  ServerTrack& free = free_b ? *b.track : *a.track;
   const Eigen::Vector2f shift = peak->shift_px.cast<float>();
-  const Eigen::Vector2f offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
-  if (p == nullptr || q == nullptr) free.offset_px = offset_px;
-  const auto now = meeting(map, view, *a.track, a.track->seen.size() - 1, *b.track, b.track->seen.size() - 1,
-                           config.min_parallax_rad);
-  const double distance = now ? (now->position - view.first_pose.center()).norm() : 0;
-  bool joined = now && (a.track->moving || b.track->moving) &&
-                std::sqrt(now->covariance.trace()) <= config.max_relative_sigma * distance &&
-                beside_in_depth(map, view, now->position);
-  if (joined) {
-    const auto before =
-        together_back(map, view, *a.track, *b.track, config.moving_check_back / 2, config.moving_check_back);
-    // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
-    joined =
-        before && ((a.track->moving && b.track->moving) || (left(map, *view.first, view.first_pose, a, *before) &&
-                                                            left(map, *view.second, view.second_pose, b, *before)));
+  ServerTrack shifted = free_b ? *b.track : *a.track;
+  shifted.offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
+  const Feature in_a = free_b ? a : Feature{&shifted, a.px}, in_b = free_b ? Feature{&shifted, b.px} : b;
+  const auto now = one_mover(map, view, in_a, in_b, config);
+  if (!now) return false;
+  const MapPoint* point = free_b ? p : q;
+  if (point == nullptr) {
+    const double distance = (now->position - view.first_pose.center()).norm();
+    point = &edit.create_point(view.first->map, now->position, now->covariance, PointPhase::kMoving,
+                               Why::kMetWhileMoving, {2, std::sqrt(now->covariance.trace()) / distance});
+    edit.bind_moving(*point, view.first->id, *a.track, Eigen::Vector2f::Zero(), Why::kMadeFromIt);
+    record_past(edit, view, point->id, *in_a.track, *in_b.track);
   }
-  if (p == nullptr || q == nullptr) free.offset_px.setZero();
-  if (!joined) return false;
-  if (p != nullptr && q != nullptr) {
-    for (const BoundTrack& bound : p->bound) {
-      if (seen_by(*q, bound.camera)) return false;
-    }
-    map.fuse(p->id, q->id);
-    return true;
-  }
-  if (p == nullptr) std::swap(p, q);
-  if (p == nullptr) {
-    p = &map.create_point(view.first->map, now->position, now->covariance, set.id, set.t_ns);
-    map.set_state(*p, PointState::kDynamic);
-    bind_moving(map, *p, view.first->id, *a.track, Eigen::Vector2f::Zero());
-    free.offset_px = offset_px;
-    record_past(map, view, p->id, *a.track, *b.track);
-  }
-  bind_moving(map, *p, (free_b ? view.second : view.first)->id, free, offset_px);
+  const Feature& free = free_b ? b : a;
+  edit.bind_moving(*point, (free_b ? view.second : view.first)->id, *free.track, shifted.offset_px, Why::kLooksLikeIt,
+                   {peak->zncc, 0});
   return true;
 }
 
 }  // namespace
 
-MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+MapInterReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  const Map& map = edit.map();
   MapInterReport report;
   for (const ViewEdge& edge : graph.edges) {
     if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
@@ -171,17 +179,17 @@ MapInterReport map_moving(Map& map, const FrameSet& set, const ViewGraph& graph,
     const std::vector<Feature> first = moving(map, map.camera(edge.first), edge.second),
                                second = moving(map, map.camera(edge.second), edge.first);
     // Of two that become one point, at least one is seen to move.
-    const auto moves = [](const Feature& f) { return f.track->moving; };
+    const auto moves = [](const Feature& f) { return f.track->moves(); };
     if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
     const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
-    const auto either_moves = [](const Feature& a, const Feature& b) { return a.track->moving || b.track->moving; };
+    const auto either_moves = [](const Feature& a, const Feature& b) { return a.track->moves() || b.track->moves(); };
     const auto as_one = [&](const Feature& a, const Feature& b) {
       const auto peak = peak_if_one(view, a, b);
       return peak ? peak->zncc : -1;
     };
     report.moving +=
         best_pairs(view, first, second, band_px_of(map, view) + kMostShift_px, config, either_moves, as_one, &report,
-                   [&](const Feature& a, const Feature& b) { return join_moving(map, view, a, b, set, config); });
+                   [&](const Feature& a, const Feature& b) { return join_moving(edit, view, a, b, config); });
   }
   return report;
 }

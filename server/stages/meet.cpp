@@ -36,14 +36,14 @@ std::optional<double> own_depth(const Map& map, const MapCamera& camera, const S
     float nearest = static_cast<float>(kNear * camera.model.width_px);
     for (const auto& [id, t] : camera.tracks) {
       const MapPoint* p = map.find(t.point);
-      if (p == nullptr || p->state != PointState::kStatic) continue;
+      if (p == nullptr || !p->rests()) continue;
       const float d = (t.seen.back().undistorted_px - track.seen.back().undistorted_px).norm();
       if (d >= nearest) continue;
       nearest = d;
       best = p;
     }
   }
-  if (best == nullptr || best->state != PointState::kStatic) return std::nullopt;
+  if (best == nullptr || !best->rests()) return std::nullopt;
   return (camera.frames.back().cam_from_world * best->position).z();
 }
 
@@ -85,28 +85,31 @@ bool seen_at_once(const MapPoint& p, const MapPoint& q) {
 }
 
 // Tracks that matched a point of the place are bound to it; a point of their own becomes one with it.
-void bind_matches(Map& map, MapCamera& camera, const std::vector<std::pair<TrackId, PointId>>& matches) {
+void bind_matches(MapEdit& edit, const MapCamera& camera, const std::vector<std::pair<TrackId, PointId>>& matches) {
+  const Map& map = edit.map();
+  const Figures agree{static_cast<double>(matches.size()), 0};
   for (const auto& [track_id, point_id] : matches) {
-    ServerTrack& t = camera.tracks.at(track_id);
-    MapPoint* kept = map.find(point_id);
+    const ServerTrack& t = camera.tracks.at(track_id);
+    const MapPoint* kept = map.find(point_id);
     if (kept == nullptr || t.point == point_id) continue;
     if (const MapPoint* own = map.find(t.point); own == nullptr) {
       if (seen_by(*kept, camera.id)) continue;
-      map.bind(*kept, camera.id, t);
+      edit.bind(*kept, camera.id, t, Why::kPlaceRecognised, agree);
     } else {
-      if (own->state != PointState::kStatic || seen_at_once(*own, *kept)) continue;
-      map.fuse(point_id, t.point);
+      if (!own->rests() || seen_at_once(*own, *kept)) continue;
+      edit.fuse(point_id, t.point, Why::kPlaceRecognised, agree);
     }
-    kept->last_seen = map.now();
-    retriangulate(map, *kept);
+    edit.keep_recent(*kept);
+    retriangulate(edit, *kept);
   }
 }
 
-void place(Map& map, MapCamera& camera, const Recognition& seen, const LocaliseConfig& config) {
-  set_pose(camera, camera.frames.back().set, seen.map, seen.cam_from_world);
-  bind_matches(map, camera, seen.matches);
-  localise_backwards(map, camera, camera.frames.back().set, config);
-  map.raise_epoch();
+void place(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const LocaliseConfig& config) {
+  edit.place(camera, camera.frames.back().set, seen.map, seen.cam_from_world, Why::kPlaceRecognised,
+             {static_cast<double>(seen.matches.size()), 0});
+  bind_matches(edit, camera, seen.matches);
+  localise_backwards(edit, camera, camera.frames.back().set, config);
+  edit.raise_epoch();
 }
 
 // It had a pose in that map not long ago, and not far from there.
@@ -158,24 +161,24 @@ double median_depth(const Map& map, const MapCamera& camera) {
   std::vector<double> depths;
   for (const auto& [id, t] : camera.tracks) {
     const MapPoint* p = map.find(t.point);
-    if (p != nullptr && p->state == PointState::kStatic)
-      depths.push_back((camera.frames.back().cam_from_world * p->position).z());
+    if (p != nullptr && p->rests()) depths.push_back((camera.frames.back().cam_from_world * p->position).z());
   }
   return upper_median(depths);
 }
 
 }  // namespace
 
-MeetReport Meetings::step(Map& map, const FrameSet& set, const ViewGraph& graph) {
+MeetReport Meetings::step(MapEdit& edit, const FrameSet& set, const ViewGraph& graph) {
+  const Map& map = edit.map();
   MeetReport report;
   expect(map, set, graph);
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
-    recognise(map, cf, graph, &report);
+    recognise(edit, cf, graph, &report);
   }
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
-    places_.add(map, cf);
+    places_.add(edit, cf);
     ++report.described;
     described_[cf.camera].at = set.id;
   }
@@ -227,13 +230,14 @@ bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph&
          (expected != expected_.end() && std::ranges::find(expected->second, image.camera) != expected->second.end());
 }
 
-void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report) {
-  MapCamera& camera = map.camera(frame.camera);
+void Meetings::recognise(MapEdit& edit, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report) {
+  const Map& map = edit.map();
+  const MapCamera& camera = map.camera(frame.camera);
   const bool unplaced = camera.map == MapId();
   if (!unplaced && !camera.frames.back().valid()) return;
   ExpectedPlace expected = find_expected(map, frame);
   if (!expected.there.empty()) {
-    bind_matches(map, camera, expected.there);
+    bind_matches(edit, camera, expected.there);
     ++report->expected;
     return;
   }
@@ -247,19 +251,20 @@ void Meetings::recognise(Map& map, const CameraFrame& frame, const ViewGraph& gr
       ++report->doubted;
       return;
     }
-    place(map, camera, *seen, config_.localise);
+    place(edit, camera, *seen, config_.localise);
     ++report->placed;
   } else if (!enough && !seen->expected) {
     described_[camera.id].hinted = map.now();
   } else {
-    draw_together(map, camera, *seen, graph, report);
+    draw_together(edit, camera, *seen, graph, report);
   }
 }
 
-void Meetings::draw_together(Map& map, MapCamera& camera, const Recognition& seen, const ViewGraph& graph,
+void Meetings::draw_together(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const ViewGraph& graph,
                              MeetReport* report) {
+  const Map& map = edit.map();
   if (seen.map == camera.map && as_expected(map, camera, seen, slack_px(map, camera))) {
-    bind_matches(map, camera, seen.matches);
+    bind_matches(edit, camera, seen.matches);
     ++report->linked;
     return;
   }
@@ -269,30 +274,32 @@ void Meetings::draw_together(Map& map, MapCamera& camera, const Recognition& see
     return;
   }
   if (seen.map == camera.map) {
-    close(map, camera, seen, *similarity, graph, report);
+    close(edit, camera, seen, *similarity, graph, report);
   } else {
-    join(map, camera, seen, *similarity, report);
+    join(edit, camera, seen, *similarity, report);
   }
 }
 
-void Meetings::join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+void Meetings::join(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                     MeetReport* report) {
+  const Map& map = edit.map();
   const MapId own = camera.map, in = seen.map;
   const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
   // The larger map keeps its frame; the older one when they are equal.
   if (own_frames > in_frames || (own_frames == in_frames && own < in)) {
-    map.merge(in, own, in_from_own.inverse());
+    edit.merge(in, own, in_from_own.inverse());
   } else {
-    map.merge(own, in, in_from_own);
+    edit.merge(own, in, in_from_own);
   }
-  bind_matches(map, camera, seen.matches);
+  bind_matches(edit, camera, seen.matches);
   claims_.clear();
   ++report->merged;
   report->to_adjust = camera.map;
 }
 
-void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+void Meetings::close(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
                      const ViewGraph& graph, MeetReport* report) {
+  const Map& map = edit.map();
   const FramePose* there = map.camera(seen.key_camera).frame_at(seen.key_set);
   const Reunion reunion{camera.id,
                         seen.key_camera,
@@ -300,9 +307,9 @@ void Meetings::close(Map& map, MapCamera& camera, const Recognition& seen, const
                         seen.key_set,
                         seen.cam_from_world * there->cam_from_world.inverse(),
                         in_from_own.scale};
-  if (!close_loop(map, camera.map, reunion, reunions_, graph.group_with(camera.id))) return;
+  if (!close_loop(edit, camera.map, reunion, reunions_, graph.group_with(camera.id))) return;
   reunions_.push_back(reunion);
-  bind_matches(map, camera, seen.matches);
+  bind_matches(edit, camera, seen.matches);
   claims_.clear();
   ++report->closed;
   report->to_adjust = camera.map;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/stages/claims.h"
 #include "server/stages/close_loop.h"
 #include "server/stages/group.h"
@@ -52,7 +52,7 @@ class Meetings {
  public:
   explicit Meetings(const MeetConfig& config) : config_(config), places_(config.recognise) {}
   // After the set's poses are known. graph: of the set before.
-  MeetReport step(Map& map, const FrameSet& set, const ViewGraph& graph);
+  MeetReport step(MapEdit& edit, const FrameSet& set, const ViewGraph& graph);
 
  private:
   // When a camera was last asked for descriptors, last gave them, and last saw a known place in too few features to act
@@ -69,10 +69,12 @@ class Meetings {
   }
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
-  void recognise(Map& map, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
-  void draw_together(Map& map, MapCamera& camera, const Recognition& seen, const ViewGraph& graph, MeetReport* report);
-  void join(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own, MeetReport* report);
-  void close(Map& map, MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+  void recognise(MapEdit& edit, const CameraFrame& frame, const ViewGraph& graph, MeetReport* report);
+  void draw_together(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const ViewGraph& graph,
+                     MeetReport* report);
+  void join(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+            MeetReport* report);
+  void close(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
              const ViewGraph& graph, MeetReport* report);
   bool afford(Described& d, TimeNs now_ns, bool confirm) const;
   bool view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const;

@@ -16,7 +16,7 @@ const ViewOverlap::Sight& ViewOverlap::sight_of(const MapCamera& camera) {
   if (!added) return sight;
   for (const auto& [id, t] : camera.tracks) {
     const MapPoint* p = map_.find(t.point);
-    if (p == nullptr || p->state != PointState::kStatic) continue;
+    if (p == nullptr || !p->rests()) continue;
     const int cell = cell_of(camera.model, t.seen.back().undistorted_px.cast<double>());
     const double depth = (camera.frames.back().cam_from_world * p->position).z();
     if (cell < 0 || depth <= 0) continue;

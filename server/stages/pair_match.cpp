@@ -31,7 +31,7 @@ std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second)
 
 }  // namespace
 
-PairView make_pair_view(Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose) {
+PairView make_pair_view(const Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose) {
   PairView v{&map.camera(edge.first), &map.camera(edge.second)};
   v.first_pose = first_pose;
   v.second_pose = second_pose;

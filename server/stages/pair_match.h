@@ -14,7 +14,7 @@
 namespace coslam {
 
 struct Feature {
-  ServerTrack* track;
+  const ServerTrack* track;
   Eigen::Vector2d px;
 };
 
@@ -25,15 +25,15 @@ struct Seed {
 
 // One pair of cameras at one set.
 struct PairView {
-  MapCamera* first;
-  MapCamera* second;
+  const MapCamera* first;
+  const MapCamera* second;
   Rigid3 first_pose, second_pose;
   Eigen::Matrix3d fundamental;  // line in second = F * (pixel in first)
   std::vector<Seed> seeds;
 };
 
 // Of cameras with a pose, at an instant.
-PairView make_pair_view(Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose);
+PairView make_pair_view(const Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose);
 // The camera has a pose in this set.
 bool has_pose_now(const MapCamera& c, const FrameSet& set);
 // Half width of the epipolar band.

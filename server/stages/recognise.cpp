@@ -27,8 +27,11 @@ struct KnownPoints {
 
 KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyImage*>& asked) {
   KnownPoints out;
-  for (const auto& [id, p] : map.points()) {
-    if (p.map != of || p.state != PointState::kStatic) continue;
+  std::vector<SetId> sets;
+  for (const KeyImage* image : asked) sets.push_back(image->set);
+  for (const MapPoint* point : map.points_observed_at(sets)) {
+    const MapPoint& p = *point;
+    if (p.map != of || !p.rests()) continue;
     for (std::size_t i = 0; i < asked.size(); ++i) {
       const auto key = std::pair(asked[i]->set, asked[i]->camera);
       const auto at =
@@ -38,7 +41,7 @@ KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyIm
       const auto& tracks = asked[i]->tracks;
       const auto track = std::lower_bound(tracks.begin(), tracks.end(), at->track);
       if (track == tracks.end() || *track != at->track) continue;
-      out.ids.push_back(id);
+      out.ids.push_back(p.id);
       out.positions.push_back(p.position);
       out.images.push_back(static_cast<int>(i));
       const auto begin = asked[i]->descriptors.begin() + (track - tracks.begin()) * kDescriptorBytes;
@@ -164,10 +167,10 @@ NearMatches match_near(const Map& map, const MapCamera& camera, const Descriptor
 
 }  // namespace
 
-void PlaceMemory::add(Map& map, const CameraFrame& frame) {
+void PlaceMemory::add(MapEdit& edit, const CameraFrame& frame) {
   if (!frame.descriptors || frame.descriptors->tracks.empty()) return;
-  const SetId set = map.camera(frame.camera).frames.back().set;
-  map.add_key_image(set, frame.camera);
+  const SetId set = edit.map().camera(frame.camera).frames.back().set;
+  edit.add_key_image(set, frame.camera);
   index_.add(frame.descriptors->descriptors);
   images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
 }

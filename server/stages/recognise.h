@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/solve/appearance.h"
 
 namespace coslam {
@@ -52,7 +52,7 @@ class PlaceMemory {
   explicit PlaceMemory(const RecogniseConfig& config) : config_(config) {}
 
   // Remembers what this camera sees now, if it told.
-  void add(Map& map, const CameraFrame& frame);
+  void add(MapEdit& edit, const CameraFrame& frame);
   // Points behind the newest key images of these cameras, not older than `since`, that the camera finds near where its
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,

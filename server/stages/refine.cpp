@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 
@@ -60,7 +61,8 @@ std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent e
 // Older poses that see the window's points, the most connected first.
 std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, SetId first, int most) {
   PoseIndex shared;  // points
-  for (const auto& [id, p] : map.points()) {
+  for (const MapPoint* point : map.points_observed_since(first)) {
+    const MapPoint& p = *point;
     if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
     for (const KeyObservation& o : p.key_observations) {
       if (o.set < first) ++shared[{o.set, o.camera}];
@@ -85,8 +87,9 @@ void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, 
 }
 
 void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
-  for (const auto& [id, p] : map.points()) {
-    if (p.map != of || p.state != PointState::kStatic || !p.proven || p.key_observations.empty()) continue;
+  for (const MapPoint* candidate : map.points_observed_since(first)) {
+    const MapPoint& p = *candidate;
+    if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
     const auto usable =
         std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {
@@ -94,7 +97,7 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, R
         });
     if (usable < 2) continue;
     const int point = static_cast<int>(job->points.size());
-    job->points.push_back(id);
+    job->points.push_back(p.id);
     job->problem.points.push_back(p.position);
     for (const KeyObservation& o : p.key_observations) {
       const auto at = index.find({o.set, o.camera});
@@ -159,21 +162,23 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
 
 // All relative poses of neighbours in time change equally little between two key frames: the closed form of the soft
 // constraints (14) along one camera's path with its key frames fixed.
-void carry_frames(MapCamera& camera, const RefineJob& job, std::vector<Change> changes) {
+void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, const std::vector<Change>& changes) {
   if (changes.empty()) return;
-  const SetId first = changes.front().set;
+  const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), changes.front().set,
+                                      [](const FramePose& f, SetId set) { return f.set < set; });
   bool any = false;
-  for (FramePose& f : camera.frames) {
-    if (f.map != job.map || f.set < first) continue;
+  for (auto f = first; f != camera.frames.end(); ++f) {
+    if (f->map != job.map) continue;
     any = true;
-    f.cam_from_world = carried(f, changes);
+    edit.adjust_pose(camera, *f, carried(*f, changes));
   }
   if (!any || camera.map != job.map) return;
   const Rigid3 new_from_old = changes.back().old_from_new.inverse();
-  camera.moved = Similarity3{1.0, new_from_old.rotation, new_from_old.translation} * camera.moved;
+  edit.carry_agent(camera, {1.0, new_from_old.rotation, new_from_old.translation});
 }
 
-void move_frames(Map& map, const RefineJob& job, const BundleResult& result) {
+void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const Map& map = edit.map();
   std::vector<std::vector<Change>> changes(map.cameras().size());
   for (std::size_t i = 0; i < job.poses.size(); ++i) {
     const Rigid3& before = job.problem.poses[i].cam_from_world;
@@ -186,59 +191,58 @@ void move_frames(Map& map, const RefineJob& job, const BundleResult& result) {
   const auto& keys = map.key_frames();
   const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
                                    [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
-  for (MapCamera& c : map.cameras()) {
+  for (const MapCamera& c : map.cameras()) {
     auto& list = changes[c.id.value];
     if (!list.empty() && at != keys.begin() && at != keys.end()) list.push_back({std::prev(at)->set, Rigid3()});
     std::sort(list.begin(), list.end(), [](const Change& a, const Change& b) { return a.set < b.set; });
-    carry_frames(c, job, std::move(list));
+    carry_frames(edit, c, job, list);
   }
 }
 
-void drop_outliers(Map& map, const RefineJob& job, const BundleResult& result, RefineReport* report) {
+void drop_outliers(MapEdit& edit, const RefineJob& job, const BundleResult& result, RefineReport* report) {
   for (std::size_t i = 0; i < job.observations.size(); ++i) {
     if (result.is_inlier[i]) continue;
     ++report->outliers;
     const auto& o = job.problem.observations[i];
-    MapPoint* p = map.find(job.points[static_cast<std::size_t>(o.point)]);
+    const MapPoint* p = edit.map().find(job.points[static_cast<std::size_t>(o.point)]);
     if (p == nullptr) continue;
-    const CameraId camera = job.poses[static_cast<std::size_t>(o.pose)].camera;
-    std::erase_if(p->key_observations, [&](const KeyObservation& k) {
-      return k.set == job.observations[i].set && k.camera == camera && k.track == job.observations[i].track;
-    });
+    edit.drop_observation(*p, job.observations[i].set, job.poses[static_cast<std::size_t>(o.pose)].camera,
+                          job.observations[i].track);
   }
 }
 
-// Known to better than its distance from where it was last seen.
-bool determined(const Map& map, const MapPoint& p) {
+// From where it was last seen.
+double distance_of(const Map& map, const MapPoint& p) {
   const KeyObservation& last = p.key_observations.back();
   const FramePose* f = map.camera(last.camera).frame_at(last.set);
-  const double distance = f == nullptr ? 0 : (p.position - f->cam_from_world.center()).norm();
-  return std::sqrt(p.covariance.trace()) < distance;
+  return f == nullptr ? 0 : (p.position - f->cam_from_world.center()).norm();
 }
 
-void move_points(Map& map, const RefineJob& job, const BundleResult& result) {
-  std::map<PointId, std::size_t> solved;
-  for (std::size_t i = 0; i < job.points.size(); ++i) solved[job.points[i]] = i;
+// Takes its solution; one that is not known to better than its distance goes.
+void move_point(MapEdit& edit, const MapPoint& p, const Eigen::Vector3d& position) {
+  const Map& map = edit.map();
+  if (p.key_observations.size() < 2) {
+    edit.remove_point(p, Why::kTooFewViews, {static_cast<double>(p.key_observations.size()), 0});
+    return;
+  }
+  edit.move_point(p, position);
+  const double sigma = std::sqrt(p.covariance.trace()), distance = distance_of(map, p);
+  if (!(sigma < distance)) edit.remove_point(p, Why::kUndetermined, {sigma, distance});
+}
+
+void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const Map& map = edit.map();
+  const std::set<PointId> solved(job.points.begin(), job.points.end());
   const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
                         return a.set < b.set;
                       })->set;
-  std::vector<PointId> gone;
-  for (auto& [id, p] : map.points()) {
-    if (p.map != job.map) continue;
-    const auto at = solved.find(id);
-    if (at == solved.end()) {
-      if (p.last_seen >= first) retriangulate(map, p);
-      continue;
-    }
-    if (p.key_observations.size() < 2) {
-      gone.push_back(id);
-      continue;
-    }
-    p.position = result.points[at->second];
-    p.covariance = map.covariance_of(p);
-    if (!determined(map, p)) gone.push_back(id);
+  for (const MapPoint* p : map.points_seen_since(first)) {
+    if (p->map == job.map && !solved.contains(p->id)) retriangulate(edit, *p);
   }
-  for (const PointId id : gone) map.remove_point(id);
+  for (std::size_t i = 0; i < job.points.size(); ++i) {
+    const MapPoint* p = map.find(job.points[i]);
+    if (p != nullptr && p->map == job.map) move_point(edit, *p, result.points[i]);
+  }
 }
 
 }  // namespace
@@ -293,16 +297,17 @@ std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, co
   return pose_share_of_points(solved, result.is_inlier, kMostPoses);
 }
 
-RefineReport apply_refine(Map& map, const RefineJob& job, const BundleResult& result) {
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   RefineReport report{.poses = static_cast<int>(job.poses.size()),
                       .points = static_cast<int>(job.points.size()),
                       .observations = static_cast<int>(job.observations.size()),
                       .sigma_px = result.sigma_px};
-  if (!result.usable || job.epoch != map.epoch()) return report;
-  drop_outliers(map, job, result, &report);
-  move_frames(map, job, result);
-  move_points(map, job, result);
-  map.raise_epoch();
+  if (!result.usable || job.epoch != edit.map().epoch()) return report;
+  drop_outliers(edit, job, result, &report);
+  move_frames(edit, job, result);
+  move_points(edit, job, result);
+  edit.raise_epoch();
+  edit.note_moved(job.map, Why::kAdjusted, {static_cast<double>(report.poses), static_cast<double>(report.points)});
   report.applied = true;
   return report;
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/solve/bundle.h"
 
 namespace coslam {
@@ -60,6 +60,6 @@ BundleResult solve_refine(const RefineJob& job);
 std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.
-RefineReport apply_refine(Map& map, const RefineJob& job, const BundleResult& result);
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result);
 
 }  // namespace coslam

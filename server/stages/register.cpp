@@ -29,26 +29,24 @@ bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const Ma
 
 struct Candidate {
   double d2;
-  MapPoint* point;
-  ServerTrack* track;
+  const MapPoint* point;
+  const ServerTrack* track;
 };
 
-void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& points, const RegisterConfig& config,
-             std::vector<Candidate>* out) {
+void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points,
+             const RegisterConfig& config, std::vector<Candidate>* out) {
   TrackGrid grid;
-  for (auto& [id, t] : camera.tracks) {
-    if (t.point == PointId() && !t.moving && !t.doubtful && t.patch &&
-        static_cast<int>(t.seen.size()) >= config.min_track_frames)
-      grid.add(&t);
+  for (const auto& [id, t] : camera.tracks) {
+    if (t.free_and_resting() && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames) grid.add(&t);
   }
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  for (MapPoint* p : points) {
+  for (const MapPoint* p : points) {
     if (p->map != camera.map || seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
-    grid.near(window->px, window->radius_px, [&](ServerTrack* t) {
+    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
       const auto d2 = gate_distance2(*p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
       if (d2 && *d2 < best.d2) best = {*d2, p, t};
     });
@@ -58,7 +56,8 @@ void collect(const Map& map, MapCamera& camera, const std::vector<MapPoint*>& po
 
 }  // namespace
 
-bool retriangulate(Map& map, MapPoint& point) {
+bool retriangulate(MapEdit& edit, const MapPoint& point) {
+  const Map& map = edit.map();
   std::vector<View> views = map.key_views_of(point);
   for (const BoundTrack& b : point.bound) {
     const MapCamera& c = map.camera(b.camera);
@@ -69,32 +68,32 @@ bool retriangulate(Map& map, MapPoint& point) {
   }
   const TriangulationResult t = triangulate(views, 1.0, 0.01);
   if (t.status != TriangulationStatus::kOk) return false;
-  point.position = t.position;
-  point.covariance = map.covariance_of(point);
+  edit.move_point(point, t.position);
   return true;
 }
 
-RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConfig& config) {
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const RegisterConfig& config) {
+  const Map& map = edit.map();
   RegisterReport report;
   const double theta2 = map.config().theta * map.config().theta;
-  const std::vector<MapPoint*> points = recent_static_points(map);
+  const std::vector<const MapPoint*> points = recent_static_points(map);
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Candidate> candidates;
     collect(map, camera, points, config, &candidates);
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
     for (const Candidate& c : candidates) {
       ++report.candidates;
-      if (c.track->point != PointId()) continue;
+      if (c.track->bound()) continue;
       const FramePose* cut_at = camera.frame_at(c.track->patch_set);
       if (cut_at == nullptr || cut_at->map != c.point->map) continue;
       const auto fit = fit_patch(map, *c.point, camera, cut_at->cam_from_world, *c.track->patch);
       if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
       if (!gate_holds_back(camera, *c.track, *c.point, map.gate_sigma_px(camera), theta2, config.check_back)) continue;
-      map.bind(*c.point, camera.id, *c.track);
-      c.point->last_seen = set.id;
-      retriangulate(map, *c.point);
+      edit.bind(*c.point, camera.id, *c.track, Why::kRegistered, {std::sqrt(c.d2), fit->zncc});
+      edit.keep_recent(*c.point);
+      retriangulate(edit, *c.point);
       ++report.registered;
     }
   }

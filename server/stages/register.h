@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -19,10 +19,10 @@ struct RegisterReport {
 // Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
 // theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
 // widest views.
-RegisterReport register_tracks(Map& map, const FrameSet& set, const RegisterConfig& config);
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const RegisterConfig& config);
 
 // Position and covariance of a point from all its key views and the newest view of each bound track.
 // False when its views do not determine it (it then stays as it is).
-bool retriangulate(Map& map, MapPoint& point);
+bool retriangulate(MapEdit& edit, const MapPoint& point);
 
 }  // namespace coslam

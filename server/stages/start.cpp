@@ -35,20 +35,15 @@ TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
   return out;
 }
 
-MapPoint& add_start_point(Map& map, MapId id, const Eigen::Vector3d& position, const std::vector<View>& views,
-                          const FrameSet& set) {
-  return map.create_point(id, position, triangulation_covariance(views, position, 1.5), set.id, set.t_ns);
-}
-
-// Its points have to stand still for a while before anything else rests on them.
-void put_to_the_proof(Map& map, MapId of) {
-  for (auto& [id, p] : map.points()) {
-    if (p.map == of) p.proven = false;
-  }
+const MapPoint& add_start_point(MapEdit& edit, MapId id, const Eigen::Vector3d& position,
+                                const std::vector<View>& views) {
+  return edit.create_point(id, position, triangulation_covariance(views, position, 1.5), PointPhase::kStatic,
+                           Why::kStartOfMap, {static_cast<double>(views.size()), 0});
 }
 
 // All unplaced cameras with descriptors at once.
-void start_together(Map& map, const FrameSet& set, const StartStageConfig& config, StartReport* report) {
+void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, StartReport* report) {
+  const Map& map = edit.map();
   std::vector<TrackFeatures> features;
   std::vector<CameraId> cameras;
   for (const CameraFrame& cf : set.frames) {
@@ -65,9 +60,11 @@ void start_together(Map& map, const FrameSet& set, const StartStageConfig& confi
     report->reason = result.reason;
     return;
   }
-  const MapId id = map.new_map();
+  const auto together = static_cast<double>(cameras.size());
+  const MapId id = edit.new_map(Why::kStartedTogether, together);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (result.cam_from_world[i]) set_pose(map.camera(cameras[i]), set.id, id, *result.cam_from_world[i]);
+    if (!result.cam_from_world[i]) continue;
+    edit.place(map.camera(cameras[i]), set.id, id, *result.cam_from_world[i], Why::kStartedTogether, {together, 0});
   }
   for (const StartResult::Point& p : result.points) {
     std::vector<View> views;
@@ -76,20 +73,20 @@ void start_together(Map& map, const FrameSet& set, const StartStageConfig& confi
       views.push_back({&map.camera(cameras[i]).model, *result.cam_from_world[i],
                        images[i].undistorted_px[static_cast<std::size_t>(feature)]});
     }
-    MapPoint& point = add_start_point(map, id, p.position, views, set);
+    const MapPoint& point = add_start_point(edit, id, p.position, views);
     for (const auto& [image, feature] : p.seen) {
-      MapCamera& camera = map.camera(cameras[static_cast<std::size_t>(image)]);
-      ServerTrack& track =
+      const MapCamera& camera = map.camera(cameras[static_cast<std::size_t>(image)]);
+      const ServerTrack& track =
           camera.tracks.at(features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)]);
-      if (track.point == PointId()) map.bind(point, camera.id, track);
+      if (!track.bound()) edit.bind(point, camera.id, track, Why::kMadeFromIt);
     }
   }
-  map.add_key_frame(set.id);
+  edit.add_key_frame(set.id);
   for (const CameraId c : cameras) {
-    if (map.camera(c).map == id) localise_backwards(map, map.camera(c), set.id, config.localise);
+    if (map.camera(c).map == id) localise_backwards(edit, map.camera(c), set.id, config.localise);
   }
-  put_to_the_proof(map, id);
-  map.raise_epoch();
+  edit.put_on_trial(id, Why::kMapIsNew);
+  edit.raise_epoch();
   ++report->started;
 }
 
@@ -108,12 +105,11 @@ Common common_tracks(const MapCamera& camera, SetId then) {
   c.then.camera = c.now.camera = camera.model;
   std::vector<double> flow;
   for (const auto& [id, t] : camera.tracks) {
-    const auto at = std::lower_bound(t.seen.begin(), t.seen.end(), then,
-                                     [](const TrackPoint& s, SetId want) { return s.set < want; });
-    if (at == t.seen.end() || at->set != then) continue;
+    const auto at = t.index_at(then);
+    if (!at) continue;
     const int i = static_cast<int>(c.tracks.size());
     c.tracks.push_back(id);
-    c.then.undistorted_px.emplace_back(at->undistorted_px.cast<double>());
+    c.then.undistorted_px.emplace_back(t.seen[*at].undistorted_px.cast<double>());
     c.now.undistorted_px.emplace_back(t.seen.back().undistorted_px.cast<double>());
     c.matches.push_back({i, i, 0});
     flow.push_back((c.then.undistorted_px.back() - c.now.undistorted_px.back()).norm());
@@ -125,23 +121,26 @@ Common common_tracks(const MapCamera& camera, SetId then) {
 // The oldest set of which enough tracks are left.
 std::optional<Common> widest_common(const MapCamera& camera) {
   const std::size_t enough = std::max<std::size_t>(60, camera.tracks.size() * 2 / 5);
-  for (const FramePose& f : camera.frames) {
-    if (f.valid() || f.set == camera.frames.back().set) continue;
-    std::size_t n = 0;
-    for (const auto& [id, t] : camera.tracks) n += t.seen.front().set <= f.set;
-    if (n >= enough) return common_tracks(camera, f.set);
-  }
-  return std::nullopt;
+  if (camera.tracks.size() < enough) return std::nullopt;
+  std::vector<SetId> begins;
+  for (const auto& [id, t] : camera.tracks) begins.push_back(t.seen.front().set);
+  std::sort(begins.begin(), begins.end());
+  const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), begins[enough - 1],
+                                      [](const FramePose& f, SetId set) { return f.set < set; });
+  const auto oldest = std::find_if(first, camera.frames.end(), [](const FramePose& f) { return !f.valid(); });
+  if (oldest == camera.frames.end() || oldest->set == camera.frames.back().set) return std::nullopt;
+  return common_tracks(camera, oldest->set);
 }
 
-int sets_without_map(const MapCamera& camera) {
-  int n = 0;
-  for (std::size_t i = camera.frames.size(); i-- > 0 && !camera.frames[i].valid();) ++n;
-  return n;
+// Its newest frames, more than so many, are without a pose.
+bool without_map_for(const MapCamera& camera, int sets) {
+  const auto n = static_cast<std::size_t>(sets) + 1;
+  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
+                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
 }
 
 // Two views of one camera at different times.
-void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
+void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
                  StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
   if (!common || common->median_flow_px < config.min_flow_px * camera.model.width_px / 640.0) return;
@@ -150,39 +149,41 @@ void start_alone(Map& map, MapCamera& camera, const FrameSet& set, const StartSt
     report->reason = result.reason;
     return;
   }
-  const MapId id = map.new_map();
-  set_pose(camera, common->set, id, *result.cam_from_world[0]);
-  set_pose(camera, set.id, id, *result.cam_from_world[1]);
+  const double over = set.id.value - common->set.value;
+  const MapId id = edit.new_map(Why::kStartedAlone, over);
+  edit.place(camera, common->set, id, *result.cam_from_world[0], Why::kStartedAlone, {over, 0});
+  edit.set_pose(camera, set.id, *result.cam_from_world[1]);
   for (const StartResult::Point& p : result.points) {
     const auto i = static_cast<std::size_t>(p.seen.front().second);
     const std::vector<View> views{{&camera.model, *result.cam_from_world[0], common->then.undistorted_px[i]},
                                   {&camera.model, *result.cam_from_world[1], common->now.undistorted_px[i]}};
-    map.bind(add_start_point(map, id, p.position, views, set), camera.id, camera.tracks.at(common->tracks[i]));
+    edit.bind(add_start_point(edit, id, p.position, views), camera.id, camera.tracks.at(common->tracks[i]),
+              Why::kMadeFromIt);
   }
-  localise_backwards(map, camera, set.id, config.localise);
-  localise_backwards(map, camera, common->set, config.localise);
+  localise_backwards(edit, camera, set.id, config.localise);
+  localise_backwards(edit, camera, common->set, config.localise);
   // Two views leave depth and direction weakly known; the ones between settle it.
   constexpr std::uint32_t kSteps = 6;
   for (std::uint32_t i = 0; i <= kSteps; ++i) {
-    map.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
+    edit.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
   }
-  if (const auto job = plan_refine(map, id, RefineExtent::kWhole, config.refine)) {
-    apply_refine(map, *job, solve_refine(*job));
+  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, config.refine)) {
+    apply_refine(edit, *job, solve_refine(*job));
   }
-  put_to_the_proof(map, id);
-  map.raise_epoch();
+  edit.put_on_trial(id, Why::kMapIsNew);
+  edit.raise_epoch();
   ++report->started;
 }
 
 }  // namespace
 
-StartReport start(Map& map, const FrameSet& set, const StartStageConfig& config) {
+StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config) {
   StartReport report;
-  start_together(map, set, config, &report);
+  start_together(edit, set, config, &report);
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
-    if (camera.map == MapId() && sets_without_map(camera) > config.alone_after_sets && set.id.value % 3 == 0) {
-      start_alone(map, camera, set, config, &report);
+    const MapCamera& camera = edit.map().camera(cf.camera);
+    if (camera.map == MapId() && without_map_for(camera, config.alone_after_sets) && set.id.value % 3 == 0) {
+      start_alone(edit, camera, set, config, &report);
     }
   }
   return report;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/solve/start.h"
 #include "server/stages/localise.h"
 #include "server/stages/refine.h"
@@ -24,6 +24,6 @@ struct StartReport {
 
 // Starts maps. Images of one instant with enough common view start one together (paper: all see one scene); a camera
 // that stays alone starts a map of its own from its own motion, with a scale of its own. How they join: meet.h.
-StartReport start(Map& map, const FrameSet& set, const StartStageConfig& config);
+StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config);
 
 }  // namespace coslam

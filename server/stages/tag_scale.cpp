@@ -87,9 +87,9 @@ TagScale::Verdict TagScale::judge(const std::vector<MeasuredTag>& tags) const {
   return {.side = side, .sigma = sigma};
 }
 
-TagScaleReport TagScale::update(Map& map, bool at_end) {
+TagScaleReport TagScale::update(MapEdit& edit, bool at_end) {
   TagScaleReport report;
-  auto measured = measure(map);
+  auto measured = measure(edit.map());
   std::erase_if(states_, [&](const auto& s) { return !measured.contains(s.first); });  // merged into another
   for (auto& [in, tags] : measured) {
     State& state = states_[in];
@@ -108,7 +108,7 @@ TagScaleReport TagScale::update(Map& map, bool at_end) {
     const double sigma = verdict.sigma / verdict.side;
     if (state.in_metres && sigma > 0.5 * state.sigma && !at_end) continue;
     const double scale = config_.side_m / verdict.side;
-    map.transform(in, {scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
+    edit.transform(in, {scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()}, Why::kScaleKnown);
     for (MeasuredTag& t : state.tags) {
       t.size.side *= scale;
       t.size.sigma *= scale;
@@ -121,14 +121,14 @@ TagScaleReport TagScale::update(Map& map, bool at_end) {
   return report;
 }
 
-TagScaleReport TagScale::step(Map& map, const FrameSet& set, bool merged) {
+TagScaleReport TagScale::step(MapEdit& edit, const FrameSet& set, bool merged) {
   if (config_.side_m <= 0) return {};
   collect(set);
   const bool due = fresh_ && set.id.value % static_cast<std::uint32_t>(config_.period) == 0;
-  return due || (merged && !seen_.empty()) ? update(map, false) : TagScaleReport{};
+  return due || (merged && !seen_.empty()) ? update(edit, false) : TagScaleReport{};
 }
 
-TagScaleReport TagScale::finish(Map& map) { return seen_.empty() ? TagScaleReport{} : update(map, true); }
+TagScaleReport TagScale::finish(MapEdit& edit) { return seen_.empty() ? TagScaleReport{} : update(edit, true); }
 
 std::set<MapId> TagScale::in_metres() const {
   std::set<MapId> out;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 #include "server/solve/tag_size.h"
 
 namespace coslam {
@@ -39,9 +39,9 @@ class TagScale {
   explicit TagScale(const TagScaleConfig& config) : config_(config) {}
 
   // After the poses of the set are known. merged: maps became one in it.
-  TagScaleReport step(Map& map, const FrameSet& set, bool merged);
+  TagScaleReport step(MapEdit& edit, const FrameSet& set, bool merged);
   // By the final poses.
-  TagScaleReport finish(Map& map);
+  TagScaleReport finish(MapEdit& edit);
 
   bool in_metres(MapId map) const { return states_.contains(map) && states_.at(map).in_metres; }
   std::set<MapId> in_metres() const;
@@ -69,7 +69,7 @@ class TagScale {
   void collect(const FrameSet& set);
   std::map<MapId, std::vector<MeasuredTag>> measure(const Map& map) const;
   Verdict judge(const std::vector<MeasuredTag>& tags) const;
-  TagScaleReport update(Map& map, bool at_end);
+  TagScaleReport update(MapEdit& edit, bool at_end);
 
   TagScaleConfig config_;
   std::map<TagId, std::vector<TagSighting>> seen_;

@@ -18,7 +18,7 @@ namespace coslam {
 // Tracks of one camera by place.
 class TrackGrid {
  public:
-  void add(ServerTrack* t) { cells_[cell(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
+  void add(const ServerTrack* t) { cells_[cell(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
   template <class Visit>
   void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
     const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)),
@@ -27,7 +27,7 @@ class TrackGrid {
       for (int x = low.first; x <= high.first; ++x) {
         const auto at = cells_.find({x, y});
         if (at == cells_.end()) continue;
-        for (ServerTrack* t : at->second) visit(t);
+        for (const ServerTrack* t : at->second) visit(t);
       }
     }
   }
@@ -37,7 +37,7 @@ class TrackGrid {
   static std::pair<int, int> cell(const Eigen::Vector2d& px) {
     return {static_cast<int>(std::floor(px.x() / kCellPx)), static_cast<int>(std::floor(px.y() / kCellPx))};
   }
-  std::map<std::pair<int, int>, std::vector<ServerTrack*>> cells_;
+  std::map<std::pair<int, int>, std::vector<const ServerTrack*>> cells_;
 };
 
 // Where a point projects, and how far around that it may be; empty far outside the image and when the point is too
@@ -65,16 +65,10 @@ inline std::optional<SearchWindow> search_window(const CameraModel& camera, cons
 }
 
 // Static points seen lately, which cameras may find again.
-inline std::vector<MapPoint*> recent_static_points(Map& map) {
-  std::vector<MapPoint*> out;
-  for (auto& [id, p] : map.points()) {
-    if (p.state == PointState::kStatic && map.is_recent(p.last_seen)) out.push_back(&p);
-  }
+inline std::vector<const MapPoint*> recent_static_points(const Map& map) {
+  std::vector<const MapPoint*> out = map.recent_points();
+  std::erase_if(out, [](const MapPoint* p) { return !p->rests(); });
   return out;
-}
-
-inline bool seen_by(const MapPoint& p, CameraId camera) {
-  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
 }
 
 }  // namespace coslam

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace coslam {
 
@@ -17,31 +18,30 @@ std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& c
   return r.dot(s.inverse() * r);
 }
 
-void kalman_update(MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
-                   const Eigen::Vector2d& undistorted_px, double sigma_px) {
+PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                            const Eigen::Vector2d& undistorted_px, double sigma_px) {
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
-  if (!project_world(camera, cam_from_world, point.position, &px, &j)) return;
+  if (!project_world(camera, cam_from_world, point.position, &px, &j)) return {point.position, point.covariance};
   const Eigen::Matrix2d noise = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d s = j * point.covariance * j.transpose() + noise;
   const Eigen::Matrix<double, 3, 2> gain = point.covariance * j.transpose() * s.inverse();
-  point.position += gain * (undistorted_px - px);
   const Eigen::Matrix3d keep = Eigen::Matrix3d::Identity() - gain * j;
-  point.covariance = keep * point.covariance * keep.transpose() + gain * noise * gain.transpose();
+  PointEstimate now{point.position, point.covariance};
+  now.position += gain * (undistorted_px - px);
+  now.covariance = keep * now.covariance * keep.transpose() + gain * noise * gain.transpose();
+  return now;
 }
 
 namespace {
 
 // True when the camera looks at the point from a new enough direction; remembers it then.
-bool turned(MapPoint& point, const MapCamera& camera, const Rigid3& pose, double angle_rad) {
-  if (point.updated_from.size() <= camera.id.value) {
-    point.updated_from.resize(camera.id.value + std::size_t{1}, Eigen::Vector3d::Zero());
-  }
-  Eigen::Vector3d& last = point.updated_from[camera.id.value];
-  const Eigen::Vector3d ray = (point.position - pose.center()).normalized();
-  if (last.squaredNorm() > 0 && last.dot(ray) > std::cos(angle_rad)) return false;
-  const bool first = last.squaredNorm() == 0;
-  last = ray;
+bool turned(MapEdit& edit, const MapPoint& point, const MapCamera& camera, double angle_rad) {
+  const auto& rays = point.updated_from;
+  const bool first = rays.size() <= camera.id.value || rays[camera.id.value].squaredNorm() == 0;
+  const Eigen::Vector3d ray = (point.position - camera.frames.back().cam_from_world.center()).normalized();
+  if (!first && rays[camera.id.value].dot(ray) > std::cos(angle_rad)) return false;
+  edit.note_ray(point, camera.id, ray);
   return !first;
 }
 
@@ -58,46 +58,59 @@ bool elsewhere_for_others(const Map& map, const MapPoint& point, CameraId camera
   });
 }
 
+void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
+          const VerifyConfig& config, VerifyReport* report) {
+  ++report->inside;
+  edit.pass_gate(track);
+  edit.see(point);
+  if (stood_still(point, config)) edit.prove(point);
+  if (track.patch_set == set.id) edit.give_patch(point, camera.id, track);
+  if (!point.proven() || !turned(edit, point, camera, config.update_turn_rad)) return;
+  const PointEstimate now =
+      kalman_update(point, camera.model, camera.frames.back().cam_from_world,
+                    track.seen.back().undistorted_px.cast<double>(), edit.map().covariance_sigma_px(camera));
+  edit.move_point(point, now.position, now.covariance);
+  ++report->updated;
+}
+
+// Squared Mahalanobis distance; empty for a point behind the camera.
+void miss(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
+          std::optional<double> distance2, const VerifyConfig& config, VerifyReport* report) {
+  ++report->outside;
+  const double sigmas = distance2 ? std::sqrt(*distance2) : std::nan("");
+  const int failures = edit.miss_gate(camera.id, track, sigmas);
+  if (failures < config.failures) return;
+  if (config.leave_moved && elsewhere_for_others(edit.map(), point, camera.id)) return;
+  edit.distrust_before(track, set.id);
+  edit.unbind(camera.id, track, Why::kOutsideGate, {static_cast<double>(failures), sigmas});
+  ++report->unbound;
+}
+
 }  // namespace
 
-VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config) {
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config) {
   VerifyReport report;
+  const Map& map = edit.map();
   const double theta2 = map.config().theta * map.config().theta;
   for (const CameraFrame& cf : set.frames) {
-    MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = map.camera(cf.camera);
     const FramePose& frame = camera.frames.back();
     if (!frame.valid()) continue;
     const double gate_px = map.gate_sigma_px(camera);
     int proven = 0;
-    for (auto& [id, track] : camera.tracks) {
-      MapPoint* point = map.find(track.point);
-      if (point == nullptr || point->state != PointState::kStatic) continue;
+    for (const auto& [id, track] : camera.tracks) {
+      const MapPoint* point = map.find(track.point);
+      if (point == nullptr || !point->rests()) continue;
       const Eigen::Vector2d px = track.seen.back().undistorted_px.cast<double>();
       const auto d2 = gate_distance2(*point, camera.model, frame.cam_from_world, px, gate_px);
       if (d2 && *d2 <= theta2) {
-        ++report.inside;
-        track.gate_failures = 0;
-        ++point->views;
-        point->proven |= stood_still(*point, config);
-        point->last_seen = set.id;
-        point->last_ns = set.t_ns;
-        if (track.patch_set == set.id) map.give_patch(*point, camera.id, track);
-        proven += point->proven;
-        if (!point->proven) continue;
-        if (turned(*point, camera, frame.cam_from_world, config.update_turn_rad)) {
-          kalman_update(*point, camera.model, frame.cam_from_world, px, map.covariance_sigma_px(camera));
-          ++report.updated;
-        }
-        continue;
+        pass(edit, set, camera, track, *point, config, &report);
+        proven += point->proven();
+      } else {
+        miss(edit, set, camera, track, *point, d2, config, &report);
       }
-      ++report.outside;
-      if (++track.gate_failures < config.failures) continue;
-      if (config.leave_moved && elsewhere_for_others(map, *point, camera.id)) continue;
-      track.distrusted_before = set.id.value;
-      map.unbind(camera.id, track);
-      ++report.unbound;
     }
-    camera.sparse = proven < config.sparse_points;
+    edit.set_sparse(camera, proven < config.sparse_points);
   }
   return report;
 }

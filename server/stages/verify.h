@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/map/map.h"
+#include "server/map/edit.h"
 
 namespace coslam {
 
@@ -22,11 +22,16 @@ struct VerifyReport {
 // r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
 // correlated in time, and the point is proven. A patch that came
 // now becomes the point's. Outside for several sets: the track no longer follows the point.
-VerifyReport verify(Map& map, const FrameSet& set, const VerifyConfig& config);
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config);
+
+struct PointEstimate {
+  Eigen::Vector3d position;
+  Eigen::Matrix3d covariance;
+};
 
 // Kalman update (5)-(7) in Joseph form; sigma_px of one coordinate of the observation.
-void kalman_update(MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
-                   const Eigen::Vector2d& undistorted_px, double sigma_px);
+PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                            const Eigen::Vector2d& undistorted_px, double sigma_px);
 
 // Squared Mahalanobis distance (8) of an observation; empty when the point is not in front of the camera.
 std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,

@@ -20,7 +20,7 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
     out.push_back(
-        {id, p.position, p.covariance, p.state, p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
+        {id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
   }
   return out;
 }
@@ -100,8 +100,8 @@ void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) 
     row.track = id;
     row.raw_px = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
     row.point = track.point;
-    if (const MapPoint* p = server.map().find(track.point)) row.state = p->state;
-    if (track.point == PointId() && track.moving) row.state = PointState::kDynamic;
+    if (const MapPoint* p = server.map().find(track.point)) row.state = told_state(p->phase);
+    if (!track.bound() && track.moves()) row.state = PointState::kDynamic;
     writer->write(row);
   }
 }
@@ -251,7 +251,7 @@ nlohmann::ordered_json tags_report(const std::vector<MeasuredTag>& tags) {
 nlohmann::ordered_json server_report(const MapServer& server) {
   std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}, {"false", 0}};
   const MapId of = server.largest_map();
-  for (const auto& [id, p] : server.map().points()) by_state[state_name(p.state)] += p.map == of ? 1 : 0;
+  for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
   nlohmann::ordered_json out;
   out["ms"] = times_report(server.times());
   out["points"] = by_state;

@@ -1,0 +1,303 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/map/edit.h"
+
+#include <algorithm>
+
+#include "common/base/check.h"
+
+// Cameras, poses, tracks, and the map as a whole. Points: edit_points.cpp.
+namespace coslam {
+namespace {
+
+constexpr std::size_t kTrackKeepAll = 128;  // newest observations of a track are all kept
+constexpr std::size_t kTrackMost = 256;     // beyond, every other of the old ones goes
+
+void thin_out(std::vector<TrackPoint>& seen) {
+  if (seen.size() <= kTrackMost) return;
+  const std::size_t old = seen.size() - kTrackKeepAll;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (i >= old || i % 2 == 0) seen[kept++] = seen[i];
+  }
+  seen.resize(kept);
+}
+
+}  // namespace
+
+// ---- the journal ----
+
+Event MapEdit::event(EventKind kind, Why why, Figures figures) const {
+  return {.set = map_.now_, .t_ns = map_.now_ns_, .kind = kind, .why = why, .figures = figures};
+}
+
+void MapEdit::note_track(EventKind kind, CameraId camera, const ServerTrack& track, Why why, Figures figures) {
+  Event e = event(kind, why, figures);
+  e.camera = camera;
+  e.map = map_.camera(camera).map;
+  e.track = track.id;
+  e.point = track.point;
+  e.to = static_cast<std::uint8_t>(track.motion);
+  journal_.note(e);
+}
+
+void MapEdit::note_camera(EventKind kind, const MapCamera& camera, Why why, Figures figures) {
+  Event e = event(kind, why, figures);
+  e.camera = camera.id;
+  e.map = camera.map;
+  journal_.note(e);
+}
+
+void MapEdit::note_moved(MapId map, Why why, Figures figures) {
+  Event e = event(EventKind::kMapMoved, why, figures);
+  e.map = map;
+  journal_.note(e);
+}
+
+// ---- cameras ----
+
+CameraId MapEdit::add_camera(const std::string& name, RunId run, const CameraModel& model) {
+  MapCamera camera;
+  camera.id = CameraId(static_cast<std::uint16_t>(map_.cameras_.size()));
+  camera.name = name;
+  camera.run = run;
+  camera.model = model;
+  map_.cameras_.push_back(std::move(camera));
+  note_camera(EventKind::kCameraJoined, map_.cameras_.back(), Why::kHello);
+  return map_.cameras_.back().id;
+}
+
+void MapEdit::restart_camera(CameraId id, RunId run, const CameraModel& model) {
+  MapCamera& c = own(id);
+  for (auto& [track_id, track] : c.tracks) end_track(id, track);
+  c.tracks.clear();
+  c.run = run;
+  c.model = model;
+  c.map = MapId();
+  c.clock_offset_ns = 0;
+  c.alive = true;
+  note_camera(EventKind::kCameraJoined, c, Why::kRestarted);
+}
+
+void MapEdit::measure_sigma(const MapCamera& camera, double sigma_px) {
+  MapCamera& c = own(camera);
+  c.sigma_px += std::max(0.1, 1.0 / ++c.sigma_frames) * (sigma_px - c.sigma_px);
+}
+
+void MapEdit::agent_was_told(const MapCamera& camera) {
+  own(camera).moved = Similarity3();
+  own(camera).merged_from = MapId();
+}
+
+// ---- poses ----
+
+void MapEdit::place(const MapCamera& camera, SetId set, MapId map, const Rigid3& cam_from_world, Why why,
+                    Figures figures) {
+  MapCamera& c = own(camera);
+  const bool enters = c.map != map;
+  c.map = map;
+  set_pose(camera, set, cam_from_world);
+  if (enters) note_camera(EventKind::kCameraPlaced, c, why, figures);
+}
+
+void MapEdit::set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_from_world) {
+  MapCamera& c = own(camera);
+  FramePose& f = c.frames[static_cast<std::size_t>(c.frame_at(set) - c.frames.data())];
+  f.map = c.map;
+  f.cam_from_world = cam_from_world;
+  c.lost_sets = 0;
+}
+
+void MapEdit::set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_world, bool rests_on_moving) {
+  MapCamera& c = own(camera);
+  set_pose(camera, c.frames.back().set, cam_from_world);
+  c.frames.back().joint = rests_on_moving;
+  c.corrected = true;
+}
+
+int MapEdit::lose_pose(const MapCamera& camera, std::size_t known, int agree) {
+  if (camera.lost_sets == 0) {
+    note_camera(EventKind::kCameraLost, camera, Why::kNoPose, {static_cast<double>(known), static_cast<double>(agree)});
+  }
+  return ++own(camera).lost_sets;
+}
+
+void MapEdit::leave_map(const MapCamera& camera) {
+  MapCamera& c = own(camera);
+  for (auto& [id, track] : c.tracks) {
+    if (track.bound()) unbind(c.id, track, Why::kCameraLeft);
+  }
+  note_camera(EventKind::kCameraLeft, c, Why::kNoPose, {static_cast<double>(c.lost_sets), 0});
+  c.map = MapId();
+  c.lost_sets = 0;
+}
+
+void MapEdit::adjust_pose(const MapCamera& camera, const FramePose& frame, const Rigid3& cam_from_world) {
+  own(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].cam_from_world = cam_from_world;
+}
+
+void MapEdit::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
+  own(camera).moved = new_from_old * camera.moved;
+}
+
+// ---- tracks ----
+
+void MapEdit::ingest(const FrameSet& set) {
+  COSLAM_CHECK(set.id.value == 0 || set.id > map_.now_ || map_.cameras_.empty(), "frame sets come in order");
+  map_.now_ = set.id;
+  map_.now_ns_ = set.t_ns;
+  std::erase_if(map_.recent_, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
+  for (const CameraFrame& cf : set.frames) take_tracks(own(cf.camera), cf, set.id);
+}
+
+void MapEdit::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {
+  c.frames.push_back({set, cf.frame.frame, cf.frame.capture_ns, {}, {}});
+  c.corrected = false;
+  for (const TrackObservation& o : cf.frame.tracks) {
+    ServerTrack& track = c.tracks[o.track];
+    track.id = o.track;
+    track.seen.push_back({set, o.undistorted_px});
+    thin_out(track.seen);
+  }
+  for (auto at = c.tracks.begin(); at != c.tracks.end();) {
+    const bool alive = at->second.seen.back().set == set;
+    if (!alive) end_track(cf.camera, at->second);
+    at = alive ? std::next(at) : c.tracks.erase(at);
+  }
+  if (!cf.patches) return;
+  for (const ImagePatch& p : cf.patches->patches) {
+    const auto at = c.tracks.find(p.track);
+    if (at == c.tracks.end()) continue;
+    at->second.patch = p.grey;
+    at->second.patch_set = set;
+  }
+}
+
+// Its point no longer knows of it.
+void MapEdit::let_go(CameraId camera, ServerTrack& track) {
+  MapPoint* p = own(track.point);
+  if (p == nullptr) return;
+  std::erase(p->bound, BoundTrack{camera, track.id});
+  if (p->bound.empty()) map_.loose_.insert(p->id);
+}
+
+void MapEdit::end_track(CameraId camera, ServerTrack& track) {
+  if (track.bound()) note_track(EventKind::kTrackEnded, camera, track, Why::kImageEnded);
+  let_go(camera, track);
+}
+
+void MapEdit::bind(const MapPoint& to, CameraId camera, const ServerTrack& of, Why why, Figures figures) {
+  MapPoint& point = own(to);
+  ServerTrack& track = own(of);
+  COSLAM_CHECK(!track.bound(), "a track is bound once");
+  track.point = point.id;
+  track.gate_failures = 0;
+  point.bound.push_back({camera, track.id});
+  map_.loose_.erase(point.id);
+  for (const TrackPoint& s : track.seen) {
+    if (s.set.value < track.distrusted_before || !map_.keeps_observations_of(s.set, camera)) continue;
+    observe(point, {s.set, camera, track.id, s.undistorted_px});
+  }
+  give_patch(point, camera, track);
+  note_track(EventKind::kTrackBound, camera, track, why, figures);
+}
+
+void MapEdit::bind_moving(const MapPoint& point, CameraId camera, const ServerTrack& track,
+                          const Eigen::Vector2f& offset_px, Why why, Figures figures) {
+  own(track).offset_px = offset_px;
+  own(track).motion = TrackMotion::kMoving;
+  bind(point, camera, track, why, figures);
+  own(point).key_observations.clear();
+}
+
+void MapEdit::unbind(CameraId camera, const ServerTrack& of, Why why, Figures figures) {
+  ServerTrack& track = own(of);
+  note_track(EventKind::kTrackUnbound, camera, track, why, figures);
+  let_go(camera, track);
+  track.point = PointId();
+  track.gate_failures = 0;
+  track.offset_px.setZero();
+}
+
+int MapEdit::miss_gate(CameraId camera, const ServerTrack& track, double sigmas) {
+  if (track.gate_failures == 0) note_track(EventKind::kTrackMissed, camera, track, Why::kOutsideGate, {1, sigmas});
+  return ++own(track).gate_failures;
+}
+
+void MapEdit::set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion) {
+  if (track.motion == motion) return;
+  own(track).motion = motion;
+  note_track(EventKind::kTrackBecame, camera, track,
+             motion == TrackMotion::kResting ? Why::kStaticPlace : Why::kNoStaticPlace);
+}
+
+// ---- the whole ----
+
+MapId MapEdit::new_map(Why why, double figure) {
+  Event e = event(EventKind::kMapStarted, why, {figure, 0});
+  e.map = MapId(map_.next_map_++);
+  journal_.note(e);
+  return e.map;
+}
+
+void MapEdit::add_key_frame(SetId set) {
+  if (map_.is_key_frame(set)) return;
+  const auto at = std::upper_bound(map_.key_frames_.begin(), map_.key_frames_.end(), KeyFrame{set},
+                                   [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
+  map_.key_frames_.insert(at, {set});
+  for (const MapCamera& c : map_.cameras_) {
+    for (const auto& [id, t] : c.tracks) {
+      MapPoint* p = own(t.point);
+      if (p == nullptr || set.value < t.distrusted_before || t.gate_failures > 0) continue;
+      if (const auto i = t.index_at(set)) observe(*p, {set, c.id, id, t.seen[*i].undistorted_px});
+    }
+  }
+}
+
+void MapEdit::add_key_image(SetId set, CameraId camera) {
+  if (!map_.key_images_.emplace(set, camera).second || map_.is_key_frame(set)) return;
+  for (const auto& [id, track] : map_.camera(camera).tracks) {
+    MapPoint* p = own(track.point);
+    if (p == nullptr || track.seen.back().set != set || track.gate_failures > 0) continue;
+    observe(*p, {set, camera, id, track.seen.back().undistorted_px});
+  }
+}
+
+void MapEdit::move_map(MapId map, const Similarity3& new_from_old) {
+  for (const auto& [id, p] : map_.points_) {
+    if (p.map == map) transform_point(p, new_from_old);
+  }
+  for (MapCamera& c : map_.cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == map) f.cam_from_world = transform_world(f.cam_from_world, new_from_old);
+    }
+    if (c.map == map) c.moved = new_from_old * c.moved;
+  }
+  raise_epoch();
+}
+
+void MapEdit::transform(MapId map, const Similarity3& new_from_old, Why why) {
+  move_map(map, new_from_old);
+  note_moved(map, why, {new_from_old.scale, 0});
+}
+
+void MapEdit::merge(MapId from, MapId into, const Similarity3& into_from_from) {
+  move_map(from, into_from_from);
+  for (auto& [id, p] : map_.points_) {
+    if (p.map == from) p.map = into;
+  }
+  for (MapCamera& c : map_.cameras_) {
+    for (FramePose& f : c.frames) {
+      if (f.map == from) f.map = into;
+    }
+    if (c.map != from) continue;
+    c.map = into;
+    if (c.merged_from == MapId()) c.merged_from = from;
+  }
+  Event e = event(EventKind::kMapMerged, Why::kMapsMet, {into_from_from.scale, 0});
+  e.map = into;
+  e.from = from;
+  journal_.note(e);
+}
+
+}  // namespace coslam
