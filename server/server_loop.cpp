@@ -142,6 +142,11 @@ void ServerLoop::on_hello(const Hello& hello) {
     link_.refuse(hello, "agent " + hello.agent + " is not one that this server waits for");
     return;
   }
+  if (agents_.size() >= kMostAgents && !agents_.contains(hello.agent)) {
+    link_.refuse(hello, "the map server has met " + std::to_string(kMostAgents) +
+                            " agents of different names, as many as it can: restart it");
+    return;
+  }
   if (started_) {
     admit(hello);
     return;
@@ -239,7 +244,11 @@ void ServerLoop::send_status() {
   status.start_utc_ns = start_utc_ns_;
   status.frame_sets = static_cast<std::uint32_t>(server_.counts().frame_sets);
   status.points = static_cast<std::uint32_t>(server_.map().points().size());
-  for (const auto& [name, agent] : agents_) status.agents.push_back(name);
+  for (const bool ended : {false, true}) {
+    for (const auto& [name, agent] : agents_) {
+      if (agent.ended == ended) status.agents.push_back(name);
+    }
+  }
   link_.send_status(status);
 }
 

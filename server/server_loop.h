@@ -30,6 +30,9 @@ struct ServerLoopConfig {
 // The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
 class ServerLoop {
  public:
+  // Different names, in the life of a server: each keeps a camera in the map and a path in the result when it has left.
+  static constexpr std::size_t kMostAgents = 1000;
+
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
   ~ServerLoop();
   ServerLoop(const ServerLoop&) = delete;

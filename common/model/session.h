@@ -63,8 +63,8 @@ struct ServerStatus {
   TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
-  std::vector<std::string> agents;
-  std::vector<Refusal> refused;  // by run, since the agent that holds the name must not take it for itself
+  std::vector<std::string> agents;  // the first 64 reach the others: name those that are here first
+  std::vector<Refusal> refused;     // by run, since the agent that holds the name must not take it for itself
 };
 
 // Why the server turned this run away; empty when it did not.

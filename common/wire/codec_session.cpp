@@ -21,9 +21,10 @@ Problem check_sentence(std::string_view text) {
   return good ? std::nullopt : Problem(Rejection::kBadText);
 }
 
-std::string join(const std::vector<std::string>& items, char end) {
+// Each name is followed by a space. Those beyond the bound are left out: others say how many come in a server's life.
+std::string pack_names(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& item : items) text += item + end;
+  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), idl::MAX_AGENTS); ++i) text += names[i] + ' ';
   return text;
 }
 
@@ -155,7 +156,6 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
 }
 
 idl::ServerStatus encode(const ServerStatus& s) {
-  COSLAM_CHECK(s.agents.size() <= idl::MAX_AGENTS, "more agents than a status may name");
   COSLAM_CHECK(s.refused.size() <= idl::MAX_REFUSALS, "more refusals than a status may carry");
   idl::ServerStatus m;
   m.protocol(s.protocol);
@@ -170,7 +170,7 @@ idl::ServerStatus encode(const ServerStatus& s) {
     m.refused().push_back(r.agent_run.value);
     reasons += r.reason.substr(0, kMaxSentence) + '\n';
   }
-  m.agents(join(s.agents, ' '));
+  m.agents(pack_names(s.agents));
   m.reasons(reasons);
   return m;
 }
