@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 3;
+constexpr std::uint16_t kProtocolVersion = 4;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {
@@ -40,7 +40,6 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  FrameId last_frame;         // newest frame sent
   std::uint32_t frames = 0;   // images read
   std::uint32_t dropped = 0;  // images skipped for lack of time
   std::uint32_t tracks = 0;

@@ -124,7 +124,6 @@ idl::AgentStatus encode(const AgentStatus& s) {
   COSLAM_CHECK(s.report_json.size() <= idl::MAX_REPORT_BYTES, "the report of an agent is too long");
   idl::AgentStatus m;
   m.agent_run(s.agent_run.value);
-  m.last_frame(s.last_frame.value);
   m.frames(s.frames);
   m.dropped(s.dropped);
   m.tracks(s.tracks);
@@ -146,7 +145,6 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   if (problem) return *problem;
   s.state = static_cast<AgentState>(m.state());
   s.pose_state = static_cast<PoseState>(m.pose_state());
-  s.last_frame = FrameId(m.last_frame());
   s.frames = m.frames();
   s.dropped = m.dropped();
   s.tracks = m.tracks();

@@ -249,7 +249,7 @@ nlohmann::ordered_json tags_report(const std::vector<MeasuredTag>& tags) {
 }  // namespace
 
 nlohmann::ordered_json server_report(const MapServer& server) {
-  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}, {"false", 0}};
+  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
   const MapId of = server.largest_map();
   for (const auto& [id, p] : server.map().points()) by_state[state_name(p.state)] += p.map == of ? 1 : 0;
   nlohmann::ordered_json out;
