@@ -101,9 +101,8 @@ class DdsServerLink : public ServerLink {
   }
 
   ServerLinkCounts counts() const override {
-    const QueueCounts queue = events_.counts();
     const std::lock_guard lock(mutex_);
-    return {queue.depth, queue.dropped, sessions_.late_replies(), resent_};
+    return {events_.counts().dropped, sessions_.late_replies(), resent_};
   }
 
   const RejectionCounts& rejections() const override { return participant_.rejections(); }

@@ -56,5 +56,40 @@ TEST_F(ServerLoopTest, TurnsAwayWhomItHasNoRoomFor) {
   EXPECT_THAT(known->server_status()->agents, Contains("cam7"));
 }
 
+TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
+  const auto agent = join("cam0");
+  AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+  status.frames = 70;
+  status.dropped = 7;
+  status.report_json = R"({"frames":77,"ms":{"track":{"p50":1.5}}})";
+  agent->send_status(status);
+  EXPECT_TRUE(loop_.poll(0ms));
+  loop_.finish({{"server", "as it was"}});
+  const auto& report = loop_.report();
+  EXPECT_EQ(report["frames"], 70);
+  EXPECT_EQ(report["dropped"], 7);
+  EXPECT_EQ(report["agents"]["cam0"]["dropped"], 7);
+  EXPECT_EQ(report["agents"]["cam0"]["frames"], 77);
+  EXPECT_EQ(report["agents"]["cam0"]["ms"]["track"]["p50"], 1.5);
+  EXPECT_GT(report["agents"]["cam0"]["bytes_up"], 200);
+  EXPECT_EQ(report["configuration"]["server"], "as it was");
+  for (const char* part : {"version", "frame_sets", "late_frames", "overflowed_frames", "link", "server", "rejected"})
+    EXPECT_TRUE(report.contains(part)) << part;
+}
+
+TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
+  const std::string deep = R"({"a":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
+  for (const std::string& text : {deep, std::string("[1,2]"), std::string("{\"a\":"), std::string("\xff\xfe")}) {
+    const auto agent = join("cam0");
+    AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+    status.report_json = text;
+    agent->send_status(status);
+    EXPECT_TRUE(loop_.poll(0ms));
+    loop_.finish({});
+    EXPECT_LT(loop_.report().dump().size(), 4000U) << text.substr(0, 20);
+    EXPECT_EQ(loop_.report()["agents"]["cam0"]["frames"], 0);
+  }
+}
+
 }  // namespace
 }  // namespace coslam
