@@ -31,6 +31,7 @@ class ServerLoop {
   static constexpr std::size_t kMostAgents = 1000;
 
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
+  ~ServerLoop() = default;
   ServerLoop(const ServerLoop&) = delete;
   ServerLoop& operator=(const ServerLoop&) = delete;
 

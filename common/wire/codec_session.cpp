@@ -32,7 +32,7 @@ std::string pack_names(const std::vector<std::string>& names) {
 std::vector<std::string> split(const std::string& text, char end) {
   std::vector<std::string> items;
   std::size_t begin = 0;
-  for (std::size_t at; (at = text.find(end, begin)) != std::string::npos; begin = at + 1) {
+  for (std::size_t at = 0; (at = text.find(end, begin)) != std::string::npos; begin = at + 1) {
     items.push_back(text.substr(begin, at - begin));
   }
   return items;

@@ -144,7 +144,7 @@ struct Loop::Impl {
   std::vector<std::unique_ptr<Source>> sources;
   std::optional<Worker> worker;
 
-  void run(std::stop_token stop) {
+  void run(const std::stop_token& stop) {
     const std::stop_callback wake_up(stop, [this] { wake.set_trigger_value(true); });
     const Duration_t timeout(1e-3L * static_cast<long double>(tick.count()));
     auto next_tick = std::chrono::steady_clock::now() + tick;
@@ -179,7 +179,7 @@ void Loop::read_topic(std::size_t topic, std::unique_ptr<Inlet> inlet, OnPresenc
 }
 
 void Loop::start() {
-  impl_->worker.emplace(impl_->name, [impl = impl_.get()](std::stop_token stop) { impl->run(stop); });
+  impl_->worker.emplace(impl_->name, [impl = impl_.get()](const std::stop_token& stop) { impl->run(stop); });
 }
 
 }  // namespace coslam

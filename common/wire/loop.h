@@ -47,9 +47,9 @@ class Loop {
 
   // Before start(). The topics of one loop are read in this order.
   template <class Message>
-  void read(OnSample<Message> on_sample, OnPresence on_presence = {}, const std::string& partition = {}) {
-    read_topic(topic_index<Message>(), std::make_unique<TypedInlet<Message>>(std::move(on_sample)),
-               std::move(on_presence), partition);
+  void read(OnSample<Message> on_sample, const OnPresence& on_presence = {}, const std::string& partition = {}) {
+    read_topic(topic_index<Message>(), std::make_unique<TypedInlet<Message>>(std::move(on_sample)), on_presence,
+               partition);
   }
   void start();
 

@@ -62,11 +62,12 @@ bool is_ipv4(const std::string& text) {
 
 void require_addresses(const WireConfig& c) {
   const std::vector<std::string> mine = local_addresses();
-  for (const std::string& address : c.interfaces) {
-    if (std::ranges::find(mine, address) != mine.end()) continue;
+  const auto foreign = std::ranges::find_if(
+      c.interfaces, [&](const std::string& address) { return std::ranges::find(mine, address) == mine.end(); });
+  if (foreign != c.interfaces.end()) {
     std::string known;
-    for (const std::string& a : mine) known += (known.empty() ? "" : ", ") + a;
-    throw UserError("network interface '" + address + "' is not an IPv4 address of this machine (it has " + known +
+    for (const std::string& a : mine) known.append(known.empty() ? "" : ", ").append(a);
+    throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " + known +
                     ")");
   }
   for (const std::string& peer : c.peers) {
