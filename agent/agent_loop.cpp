@@ -77,7 +77,6 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.agent_run = hello_.agent_run;
   s.state = state;
   s.pose_state = agent_.pose_state();
-  s.last_frame = last_sent_.value_or(FrameId());
   s.frames = frames_;
   s.dropped = feed_->dropped();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());

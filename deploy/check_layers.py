@@ -43,7 +43,6 @@ MAY_INCLUDE = {
     "server/correct": [*MODEL, *SERVER_CORE],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*FILES, *SERVER_CORE],
-    "server/view": [*FILES, *SERVER_CORE, "common/flow"],
     "server": ["common", "server"],
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],

@@ -20,6 +20,8 @@ std::vector<std::string_view> split_csv(std::string_view line);
 
 // The whole text as one number; empty for anything else, infinities and NaN included.
 std::optional<double> parse_double(std::string_view text);
+// The shortest text that reads back as the same number.
+std::string format_double(double value);
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
 // Decimal seconds, kept exact to the nanosecond (a double would lose 100 ns on a UTC stamp).
