@@ -29,7 +29,6 @@ MAY_INCLUDE = {
     "common/flow": BASE,
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
-    "common/scene": FILES,
     "agent/capture": FILES,
     "agent/track": [*MODEL, *AGENT_CORE],
     "agent/pose": [*MODEL, *AGENT_CORE],
@@ -44,6 +43,7 @@ MAY_INCLUDE = {
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*FILES, *SERVER_CORE],
     "server": ["common", "server"],
+    "deploy/scene": FILES,
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],
     "idl": [],
@@ -63,10 +63,10 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
     "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
-    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent", "common/scene", "common/dataset", "deploy/tools", "tests", "server/solve"]),
+    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent", "common/dataset", "deploy/scene", "deploy/tools", "tests", "server/solve"]),
     "solver": (r"ceres/|suitesparse/|(cholmod|amd|camd|colamd|ccolamd|umfpack|klu|SuiteSparse).*\.h(pp)?$",
                ["server/solve", "tests/server/solve", "tests/benchmark"]),
-    "ray caster": (r"embree\d?/", ["common/scene"]),
+    "ray caster": (r"embree\d?/", ["deploy/scene"]),
     "window": (r"opencv2?/highgui|gtk/|Qt|GL/|GLFW/|X11/", []),
 }
 # The library patterns whose folders are these alone, not those below them.

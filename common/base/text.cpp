@@ -110,8 +110,9 @@ std::string nearest_of(std::string_view word, const std::vector<std::string>& kn
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, (word.size() + 1) / 3) + 1;
   for (const std::string& candidate : known) {
-    const bool one_begins_the_other = word.size() >= 3 && (candidate.starts_with(word) || word.starts_with(candidate));
-    const std::size_t distance = one_begins_the_other ? 1 : edit_distance(word, candidate);
+    const bool part = word.size() >= 3 && (candidate.starts_with(word) || word.starts_with(candidate) ||
+                                           candidate.ends_with(word) || word.ends_with(candidate));
+    const std::size_t distance = part ? 1 : edit_distance(word, candidate);
     if (distance >= best_distance) continue;
     best_distance = distance;
     best = candidate;

@@ -28,7 +28,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 std::optional<TimeNs> parse_seconds(std::string_view text);
 std::string format_seconds(TimeNs t_ns);  // 9 decimals
 
-// The known word closest to `word` by edit distance, or one that it begins; empty when none is near.
+// The known word closest to `word` by edit distance, or one that it begins or ends; empty when none is near.
 std::string nearest_of(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace coslam

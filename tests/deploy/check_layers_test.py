@@ -63,6 +63,9 @@ class CheckLayers(unittest.TestCase):
         self.assert_breach("common/dataset/a.h", '#include "tests/support/b.h"', "layer")
         self.assert_breach("server/map/a.h", '#include "common/flow/queue.h"', "layer")
         self.assert_clean("deploy/tools/a.cpp", '#include "agent/agent.h"\n#include "server/server.h"')
+        self.assert_breach("server/a.cpp", '#include "deploy/scene/b.h"', "layer")
+        self.assert_breach("deploy/scene/a.h", '#include "server/map/b.h"', "layer")
+        self.assert_clean("deploy/tools/a.cpp", '#include "deploy/scene/b.h"')
         self.assert_clean("agent/link/a.cpp", '#include "common/wire/reader.h"\n#include "common/flow/queue.h"')
 
     def test_core_folders_form_no_ring(self) -> None:

@@ -4,8 +4,10 @@
 // `coslam run` as a user meets it when all goes well.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "common/dataset/result.h"
 #include "common/dataset/trajectory.h"
@@ -19,8 +21,17 @@ namespace {
 using test::Program;
 using test::SmallScene;
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
+// Relative to the folder.
+std::set<std::string> files_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) names.insert(entry.path().lexically_relative(folder).string());
+  }
+  return names;
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -52,7 +63,10 @@ TEST_F(Run, WritesTheResult) {
   Program eval("coslam", {"eval", r.path().string(), scene_.sequence()});
   ASSERT_EQ(eval.exit_code(), 0) << eval.err();
   const auto evaluation = read_json(r.evaluation());
-  EXPECT_LT(evaluation["ate_percent"].get<double>(), 5.0);
+  // 0.07 to 0.25, with a scale of 1.004 to 1.010, over ten textures of the scene.
+  EXPECT_LT(evaluation["ate_percent"].get<double>(), 0.75);
+  EXPECT_NEAR(evaluation["scale"].get<double>(), 1, 0.03);
+  for (const char* agent : {"cam0", "cam1"}) EXPECT_EQ(evaluation["agents"][agent]["tracked_percent"], 100.0) << agent;
 }
 
 TEST_F(Run, ProcessesAndInlineAgree) {
@@ -63,11 +77,17 @@ TEST_F(Run, ProcessesAndInlineAgree) {
   const auto configured = read_json(result("processes").report())["configuration"]["server"];
   EXPECT_EQ(configured["baseline_m"], SmallScene::kBaseline_m);
   EXPECT_EQ(configured, read_json(result("inline").report())["configuration"]["server"]);
-  for (const char* agent : {"cam0", "cam1"}) {
-    EXPECT_EQ(load_tum(result("processes").trajectory(agent)).size(), 30U);
-    EXPECT_EQ(text_of(result("processes").trajectory(agent)), text_of(result("inline").trajectory(agent)));
+  // To the bit; report.json has times in it.
+  const std::filesystem::path processes_folder = result("processes").path(), inline_folder = result("inline").path();
+  std::set<std::string> files = files_in(processes_folder);
+  EXPECT_EQ(files, files_in(inline_folder));
+  EXPECT_EQ(files.erase("report.json"), 1U);
+  EXPECT_GE(files.size(), 11U);
+  for (const std::string& file : files) {
+    const std::string content = content_of(processes_folder / file);
+    EXPECT_FALSE(content.empty()) << file;
+    EXPECT_TRUE(content == content_of(inline_folder / file)) << file;
   }
-  EXPECT_EQ(text_of(result("processes").points()), text_of(result("inline").points()));
 }
 
 }  // namespace

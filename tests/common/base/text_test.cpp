@@ -53,6 +53,7 @@ TEST(Text, FindsTheNearestWord) {
   EXPECT_EQ(nearest_of("max_track", known), "max_tracks");
   EXPECT_EQ(nearest_of("maxtracks", known), "max_tracks");
   EXPECT_EQ(nearest_of("rate", known), "rate_hz");
+  EXPECT_EQ(nearest_of("tracks", known), "max_tracks");
   EXPECT_EQ(nearest_of("rats", known), "");
   EXPECT_EQ(nearest_of("colour", known), "");
 }

@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-#include "common/scene/gait.h"
+#include "deploy/scene/gait.h"
 #include "tests/support/sim_map.h"
 
 // Moving points with the noise of two cameras that look along y, against the bodies that they are on.
