@@ -30,7 +30,7 @@ MAY_INCLUDE = {
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
     "common/scene": FILES,
-    "agent/capture": FILES,
+    "agent/capture": [*FILES, "agent/track"],
     "agent/track": [*MODEL, *AGENT_CORE],
     "agent/pose": [*MODEL, *AGENT_CORE],
     "agent/correct": [*MODEL, *AGENT_CORE],
