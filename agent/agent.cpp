@@ -3,7 +3,6 @@
 #include "agent/agent.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "agent/track/klt_feature_tracker.h"
@@ -57,6 +56,7 @@ void Agent::look_for_tags() {
 void Agent::observe() {
   observations_.clear();
   for (const Track& t : tracker_->live()) {
+    if (observations_.size() == kMaxTracks) break;  // the oldest go, which are known
     const auto px = camera_.undistorted_from_raw(t.raw_px.cast<double>());
     if (px) observations_.push_back({t.id, quantised_px(*px, pixel_scale_)});
   }
@@ -103,14 +103,21 @@ void Agent::take(const MapPatch& patch) {
   descriptors_wanted_ = std::max(descriptors_wanted_, effect.descriptor_request);
 }
 
+// How many tracks an answer to a descriptor request may start. Without a place the agent is asked again and again: all
+// answers together add no more than the features of one, and no more than a frame may carry.
+int Agent::room_for_described() const {
+  const int most = std::min(config_.tracker.max_tracks + config_.descriptor_features, static_cast<int>(kMaxTracks));
+  return std::max(0, most - static_cast<int>(tracker_->live().size()));
+}
+
 std::optional<DescriptorReply> Agent::describe_image() {
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
   if (wanted == DescriptorRequest::kNone) return std::nullopt;
   const bool everywhere = wanted == DescriptorRequest::kEverywhere;
   if (everywhere) since_described_ = 0;
-  constexpr int kAny = std::numeric_limits<int>::max();
-  const DescribedTracks described = everywhere ? tracker_->describe_strongest(config_.descriptor_features, kAny)
-                                               : tracker_->describe_at(observed(), config_.place_features, kAny);
+  const int room = room_for_described();
+  const DescribedTracks described = everywhere ? tracker_->describe_strongest(config_.descriptor_features, room)
+                                               : tracker_->describe_at(observed(), config_.place_features, room);
   observe();
   const std::vector<TrackId> ids = observed();
   DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};

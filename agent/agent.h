@@ -65,6 +65,7 @@ class Agent {
   std::optional<PatchReply> cut_patches();
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;
+  int room_for_described() const;
 
   std::string name_;
   RunId run_;

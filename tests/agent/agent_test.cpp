@@ -7,6 +7,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "agent/agent_config.h"
+#include "common/base/error.h"
+#include "common/config/config.h"
+#include "common/wire/codec.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_tracker.h"
 
@@ -265,6 +269,97 @@ TEST_F(AgentOfFewTracks, WhatIsDescribedEverywhereIsTrackedForAWhile) {
     ASSERT_THAT(step().frame.tracks, SizeIs(expected));
   }
   EXPECT_THAT(step().frame.tracks, SizeIs(kTracks));
+}
+
+// Nothing ever ends of itself; each answer finds features at all tracks, and as many new ones as it may.
+class EndlessTracker final : public FeatureTracker {
+ public:
+  explicit EndlessTracker(std::size_t tracks) : keeps_(tracks) { start(tracks); }
+  const std::vector<Track>& step(const Image&) override { return live_; }
+  const std::vector<Track>& live() const override { return live_; }
+  void thin(int at_most) override {
+    for (; at_most > 0 && live_.size() > keeps_; --at_most) live_.pop_back();
+  }
+  std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override {
+    std::vector<ImagePatch> out;
+    for (const TrackId t : tracks) out.push_back({t, {}});
+    return out;
+  }
+  DescribedTracks describe_strongest(int most, int most_new) override {
+    start(static_cast<std::size_t>(std::max(0, std::min(most, most_new))));
+    std::vector<TrackId> tracks;
+    for (const Track& t : live_) tracks.push_back(t.id);
+    return {tracks, std::vector<std::uint8_t>(tracks.size() * kDescriptorBytes)};
+  }
+  DescribedTracks describe_at(const std::vector<TrackId>&, int most, int most_new) override {
+    return describe_strongest(most, most_new);
+  }
+  std::vector<TagObservation> tags() override { return {}; }
+
+ private:
+  void start(std::size_t tracks) {
+    for (std::size_t i = 0; i < tracks; ++i) live_.push_back({TrackId(next_++), {100, 100}, 0});
+  }
+  std::size_t keeps_;
+  std::uint32_t next_ = 1;
+  std::vector<Track> live_;
+};
+
+MapPatch asking_patch(std::uint32_t sequence, DescriptorRequest request) {
+  MapPatch p;
+  p.server_run = kServer;
+  p.agent_run = kRun;
+  p.sequence = sequence;
+  p.snapshot = sequence == 1;
+  p.descriptor_request = request;
+  return p;
+}
+
+// Most tracks of a frame while the server asks every sixth image, as it does of an agent without a place.
+std::size_t most_tracks(DescriptorRequest request, const AgentConfig& config) {
+  Agent agent("cam0", kRun, test::sim_camera(), config,
+              std::make_unique<EndlessTracker>(static_cast<std::size_t>(config.tracker.max_tracks)));
+  std::size_t most = 0;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    agent.track({FrameId(i), kPeriodNs * i, {}});
+    const MapPatch asks = asking_patch(i + 1, i % 6 == 0 ? request : DescriptorRequest::kNone);
+    most = std::max(most, agent.finish(std::vector{asks}).frame.tracks.size());
+  }
+  return most;
+}
+
+TEST(AgentWithoutAPlace, HasTheTracksOfOneAnswerMoreAndNoMore) {
+  const AgentConfig config{.tracker = {.max_tracks = 300}, .descriptor_features = 400};
+  EXPECT_EQ(most_tracks(DescriptorRequest::kEverywhere, config), 700U);
+  EXPECT_LE(most_tracks(DescriptorRequest::kAtTracks, config), 700U);
+}
+
+TEST(AgentFrames, NeverCarryMoreThanTheWire) {
+  AgentConfig config;
+  config.tracker.max_tracks = 5000;
+  config.descriptor_features = 5000;
+  Agent agent("cam0", kRun, test::sim_camera(), config, std::make_unique<EndlessTracker>(5000));
+  agent.track({FrameId(0), 0, {}});
+  MapPatch asks = asking_patch(1, DescriptorRequest::kEverywhere);
+  for (std::uint32_t i = 1; i <= 5000; ++i) asks.patch_requests.emplace_back(i);
+  const AgentOutput out = agent.finish(std::vector{asks});
+  EXPECT_THAT(out.frame.tracks, SizeIs(kMaxTracks));
+  EXPECT_EQ(out.frame.tracks.front().track, TrackId(1)) << "the oldest: those that are known";
+  EXPECT_TRUE(decode(encode(out.frame, pixel_scale(test::sim_camera()))));
+  ASSERT_TRUE(out.patches);
+  EXPECT_TRUE(decode(encode(*out.patches)));
+  ASSERT_TRUE(out.descriptors);
+  EXPECT_TRUE(decode(encode(*out.descriptors)));
+  EXPECT_EQ(out.descriptors->tracks, ids_of(out.frame)) << "of no track that the frame does not have";
+}
+
+TEST(AgentConfigBounds, WhatIsLegalFitsIntoAFrame) {
+  AgentConfig config;
+  config::apply_set(config, "tracker.max_tracks=1024");
+  config::apply_set(config, "descriptor_features=1024");
+  EXPECT_EQ(static_cast<std::size_t>(config.tracker.max_tracks + config.descriptor_features), kMaxTracks);
+  EXPECT_THROW(config::apply_set(config, "tracker.max_tracks=1025"), UsageError);
+  EXPECT_THROW(config::apply_set(config, "descriptor_features=1025"), UsageError);
 }
 
 }  // namespace
