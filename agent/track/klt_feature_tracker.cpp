@@ -35,6 +35,7 @@ class KltFeatureTracker final : public FeatureTracker {
     if (wanted.empty()) return {};
     const cv::Mat small = shrink_for_patches(grey_);
     std::vector<ImagePatch> out;
+    out.reserve(wanted.size());
     for (const Track& t : wanted) out.push_back(cut_patch(small, t));
     return out;
   }

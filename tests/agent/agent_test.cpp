@@ -32,6 +32,7 @@ AgentConfig with_tags() {
 
 std::vector<TrackId> ids_of(const TrackFrame& frame) {
   std::vector<TrackId> ids;
+  ids.reserve(frame.tracks.size());
   for (const TrackObservation& o : frame.tracks) ids.push_back(o.track);
   return ids;
 }
@@ -124,6 +125,7 @@ TEST_F(AgentTest, PatchesAskedForComeWithTheNextFrameAndOnce) {
   EXPECT_EQ(out.patches->frame, out.frame.frame);
   EXPECT_EQ(out.patches->agent_run, kRun);
   std::vector<TrackId> cut;
+  cut.reserve(out.patches->patches.size());
   for (const ImagePatch& p : out.patches->patches) cut.push_back(p.track);
   EXPECT_THAT(cut, testing::ElementsAre(live[3], live[7], live[20])) << "a track that is not live has no patch";
   EXPECT_EQ(out.frame.patches_sent, 3);
@@ -282,12 +284,14 @@ class EndlessTracker final : public FeatureTracker {
   }
   std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override {
     std::vector<ImagePatch> out;
+    out.reserve(tracks.size());
     for (const TrackId t : tracks) out.push_back({t, {}});
     return out;
   }
   DescribedTracks describe_strongest(int most, int most_new) override {
     start(static_cast<std::size_t>(std::max(0, std::min(most, most_new))));
     std::vector<TrackId> tracks;
+    tracks.reserve(live_.size());
     for (const Track& t : live_) tracks.push_back(t.id);
     return {tracks, std::vector<std::uint8_t>(tracks.size() * kDescriptorBytes)};
   }

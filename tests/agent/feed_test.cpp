@@ -116,6 +116,7 @@ class FeedTest : public testing::Test {
 
 std::vector<std::uint32_t> numbers(std::uint32_t from, std::uint32_t to) {
   std::vector<std::uint32_t> out;
+  out.reserve(to - from);
   for (std::uint32_t i = from; i < to; ++i) out.push_back(i);
   return out;
 }

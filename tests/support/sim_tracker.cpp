@@ -174,6 +174,7 @@ PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& 
 
 DescriptorReply SimTracker::describe(const TrackFrame& frame) {
   std::vector<TrackId> all;
+  all.reserve(frame.tracks.size());
   for (const TrackObservation& o : frame.tracks) all.push_back(o.track);
   DescribedTracks d = described(std::move(all));
   return {name_, run_, frame.frame, std::move(d.tracks), std::move(d.descriptors)};
