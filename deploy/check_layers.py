@@ -20,7 +20,14 @@ GEOMETRY = [*BASE, "common/geometry"]
 MODEL = [*GEOMETRY, "common/model"]
 FILES = [*MODEL, "common/config", "common/dataset"]
 AGENT_CORE = ["agent/track", "agent/pose", "agent/correct"]
-SERVER_CORE = ["server/sync", "server/map", "server/solve", "server/stages", "server/correct"]
+# The server's estimator, each room with what is below it.
+SERVER_MAP = ["server/map", "server/pipeline"]
+SERVER_COVISIBILITY = [*SERVER_MAP, "server/covisibility", "server/solve"]
+SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, "server/associate"]
+SERVER_PLACES = [*SERVER_ASSOCIATE, "server/pose", "server/places"]
+SERVER_ADJUST = [*SERVER_PLACES, "server/adjust"]
+SERVER_MOTION = [*SERVER_ADJUST, "server/motion"]
+SERVER_CORE = [*SERVER_MOTION, "server/create", "server/sync", "server/correct"]
 MAY_INCLUDE = {
     "common/base": [],
     "common/geometry": BASE,
@@ -29,16 +36,23 @@ MAY_INCLUDE = {
     "common/flow": BASE,
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
-    "agent/capture": FILES,
+    "agent/capture": [*FILES, "agent/track"],
     "agent/track": [*MODEL, *AGENT_CORE],
     "agent/pose": [*MODEL, *AGENT_CORE],
     "agent/correct": [*MODEL, *AGENT_CORE],
     "agent/link": [*MODEL, *AGENT_CORE, "common/flow", "common/wire"],
     "agent": ["common", "agent"],
-    "server/sync": [*MODEL, *SERVER_CORE],
-    "server/map": [*MODEL, *SERVER_CORE],
-    "server/solve": [*MODEL, *SERVER_CORE],
-    "server/stages": [*MODEL, *SERVER_CORE],
+    "server/sync": [*MODEL, "server/map"],
+    "server/map": MODEL,
+    "server/pipeline": [*MODEL, *SERVER_MAP],
+    "server/solve": MODEL,
+    "server/covisibility": [*MODEL, *SERVER_COVISIBILITY],
+    "server/associate": [*MODEL, *SERVER_ASSOCIATE],
+    "server/pose": [*MODEL, *SERVER_COVISIBILITY],
+    "server/places": [*MODEL, *SERVER_PLACES],
+    "server/adjust": [*MODEL, *SERVER_ADJUST],
+    "server/motion": [*MODEL, *SERVER_MOTION],
+    "server/create": [*MODEL, *SERVER_ADJUST],
     "server/correct": [*MODEL, *SERVER_CORE],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*FILES, *SERVER_CORE],

@@ -34,7 +34,7 @@ class CheckLayers(unittest.TestCase):
 
     def test_core_is_pure(self) -> None:
         self.assert_breach("server/map/a.h", "#include <thread>", "threads")
-        self.assert_breach("server/stages/a.cpp", "#include <chrono>", "clock")
+        self.assert_breach("server/motion/a.cpp", "#include <chrono>", "clock")
         self.assert_breach("common/model/a.h", "#include <yaml-cpp/yaml.h>", "pure")
         self.assert_breach("agent/pose/a.h", '#include "common/base/metrics.h"', "clock")
         self.assert_breach("agent/track/a.cpp", "#include <opencv2/highgui.hpp>", "window")
@@ -45,7 +45,7 @@ class CheckLayers(unittest.TestCase):
         self.assert_breach("server/link/a.cpp", '#include "framePubSubTypes.h"', "DDS")
         self.assert_breach("server/store/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
         self.assert_breach("agent/pose/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
-        self.assert_breach("server/stages/a.cpp", "#include <ceres/ceres.h>", "solver")
+        self.assert_breach("server/motion/a.cpp", "#include <ceres/ceres.h>", "solver")
         self.assert_breach("server/map/a.cpp", "#include <cholmod.h>", "solver")
         self.assert_clean("common/wire/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>")
         self.assert_clean("server/solve/a.cpp", "#include <ceres/ceres.h>")
