@@ -93,6 +93,7 @@ EXCEPTIONS = {
     ("server/link/inline_link.cpp", "agent/link/inbox.h"): "the same",
     ("server/link/admission.cpp", "idl/coslam.h"): "bounds of the wire contract",
     ("common/base/time.h", "chrono"): "durations only",
+    ("server/pipeline/pipeline.h", "common/base/metrics.h"): "the one place where stages are timed",
     ("server/store/result_store.h", "server/map_server.h"): "what a result is made of",
     ("common/base/log.h", "chrono"): "one log line a second; the core does not include it",
     ("common/base/log.cpp", "spdlog/spdlog.h"): "the one place that knows the logging library",

@@ -78,28 +78,38 @@ std::vector<Rigid3> place_person(const Posture& p) {
   return out;
 }
 
-std::vector<Mesh> person_parts(std::uint64_t seed) {
+// What a person is made of.
+struct Outfit {
+  Material shirt, trousers, head, hand, shoe;
+};
+
+Outfit draw_outfit(std::uint64_t seed) {
   Random random(mix(seed, 77));
   const auto drawn = [&](MaterialKind kind, double low, double high) {
     return Material{kind, static_cast<std::uint32_t>(random.next() >> 32),
                     static_cast<float>(random.uniform(low, high))};
   };
   const MaterialKind kinds[] = {MaterialKind::kCheckedCloth, MaterialKind::kPrintedCloth, MaterialKind::kStripedCloth};
-  const Material shirt = drawn(kinds[random.index(3)], 0.4, 0.6);
-  const Material trousers = drawn(MaterialKind::kDenim, 0.2, 0.4);
-  const Material head = drawn(MaterialKind::kFace, 0.4, 0.5), hand = drawn(MaterialKind::kHand, 0.4, 0.5);
-  const Material shoe = drawn(MaterialKind::kShoe, 0.1, 0.5);
-  // Every piece of cloth shows another part of its pattern.
-  const auto piece = [](Material m, std::uint32_t number) {
-    m.seed += 131U * number;
-    return m;
-  };
+  Outfit out;
+  out.shirt = drawn(kinds[random.index(3)], 0.4, 0.6);
+  out.trousers = drawn(MaterialKind::kDenim, 0.2, 0.4);
+  out.head = drawn(MaterialKind::kFace, 0.4, 0.5);
+  out.hand = drawn(MaterialKind::kHand, 0.4, 0.5);
+  out.shoe = drawn(MaterialKind::kShoe, 0.1, 0.5);
+  return out;
+}
 
-  std::vector<Mesh> parts(kPersonParts);
+// Every piece of cloth shows another part of its pattern.
+Material piece(Material m, std::uint32_t number) {
+  m.seed += 131U * number;
+  return m;
+}
+
+void add_trunk(std::vector<Mesh>& parts, const Outfit& of) {
   const Rigid3 here;
   add_loft(parts[kPelvis], here,
            {{{-0.11, 0.10, 0.15}, {0, 0.115, 0.175}, {0.08, 0.11, 0.16}, {0.17, 0.10, 0.145}}, 0.06, 0.03, 2.4},
-           piece(trousers, 0));
+           piece(of.trousers, 0));
   add_loft(parts[kTorso], here,
            {{{-0.09, 0.105, 0.155},
              {0.05, 0.11, 0.15, 0.005},
@@ -110,7 +120,7 @@ std::vector<Mesh> person_parts(std::uint64_t seed) {
             0.02,
             0.025,
             2.5},
-           shirt);
+           of.shirt);
   add_loft(parts[kHead], here,
            {{{-0.02, 0.055, 0.055},
              {0.07, 0.055, 0.055},
@@ -121,47 +131,65 @@ std::vector<Mesh> person_parts(std::uint64_t seed) {
             0.01,
             0.075,
             2.2},
-           head);
+           of.head);
+}
+
+// side: 0 left, 1 right.
+void add_arm(std::vector<Mesh>& parts, const Outfit& of, std::uint32_t side) {
+  const Rigid3 here;
+  const auto part = [&](PersonPart left) -> Mesh& { return parts[static_cast<std::size_t>(left) + side]; };
+  add_loft(part(kLeftUpperArm), here,
+           {{{-kUpperArmM - 0.03, 0.042, 0.042}, {-0.16, 0.052, 0.05}, {-0.03, 0.058, 0.055}, {0.045, 0.05, 0.05}},
+            0.04,
+            0.05},
+           piece(of.shirt, 1 + side));
+  add_loft(part(kLeftForearm), here,
+           {{{-kForearmM + 0.01, 0.032, 0.032}, {-0.12, 0.043, 0.042}, {0, 0.043, 0.042}, {0.03, 0.035, 0.035}},
+            0.015,
+            0.03},
+           piece(of.shirt, 3 + side));
+  add_loft(part(kLeftForearm), here,
+           {{{-kForearmM - 0.17, 0.025, 0.015}, {-kForearmM - 0.08, 0.043, 0.02}, {-kForearmM + 0.03, 0.025, 0.025}},
+            0.03,
+            0.01},
+           piece(of.hand, side));
+}
+
+void add_leg(std::vector<Mesh>& parts, const Outfit& of, std::uint32_t side) {
+  const Rigid3 here;
+  const auto part = [&](PersonPart left) -> Mesh& { return parts[static_cast<std::size_t>(left) + side]; };
+  add_loft(
+      part(kLeftThigh), here,
+      {{{-kThighM - 0.04, 0.057, 0.057}, {-0.3, 0.07, 0.068}, {-0.1, 0.088, 0.085}, {0.06, 0.08, 0.075}}, 0.05, 0.06},
+      piece(of.trousers, 1 + side));
+  add_loft(part(kLeftShank), here,
+           {{{-kShankM + 0.02, 0.048, 0.046},
+             {-0.26, 0.058, 0.056, -0.01},
+             {-0.12, 0.064, 0.06, -0.012},
+             {0.03, 0.056, 0.054}},
+            0.01,
+            0.04},
+           piece(of.trousers, 3 + side));
+  // Turned so that its z axis is the foot's x axis; its x axis is down.
+  const Rigid3 along(rotation_of(Vector3d::UnitY(), Vector3d::UnitX()), {0, 0, -0.02});
+  add_loft(part(kLeftFoot), along,
+           {{{kHeelM - 0.03, 0.055, 0.038, 0.005},
+             {0.02, 0.065, 0.04, -0.005},
+             {0.09, 0.04, 0.05, 0.02},
+             {0.2, 0.026, 0.042, 0.034}},
+            0.03,
+            0.04,
+            3},
+           piece(of.shoe, side));
+}
+
+std::vector<Mesh> person_parts(std::uint64_t seed) {
+  const Outfit outfit = draw_outfit(seed);
+  std::vector<Mesh> parts(kPersonParts);
+  add_trunk(parts, outfit);
   for (std::uint32_t side = 0; side < 2; ++side) {
-    const auto part = [&](PersonPart left) -> Mesh& { return parts[static_cast<std::size_t>(left) + side]; };
-    add_loft(part(kLeftUpperArm), here,
-             {{{-kUpperArmM - 0.03, 0.042, 0.042}, {-0.16, 0.052, 0.05}, {-0.03, 0.058, 0.055}, {0.045, 0.05, 0.05}},
-              0.04,
-              0.05},
-             piece(shirt, 1 + side));
-    add_loft(part(kLeftForearm), here,
-             {{{-kForearmM + 0.01, 0.032, 0.032}, {-0.12, 0.043, 0.042}, {0, 0.043, 0.042}, {0.03, 0.035, 0.035}},
-              0.015,
-              0.03},
-             piece(shirt, 3 + side));
-    add_loft(part(kLeftForearm), here,
-             {{{-kForearmM - 0.17, 0.025, 0.015}, {-kForearmM - 0.08, 0.043, 0.02}, {-kForearmM + 0.03, 0.025, 0.025}},
-              0.03,
-              0.01},
-             piece(hand, side));
-    add_loft(
-        part(kLeftThigh), here,
-        {{{-kThighM - 0.04, 0.057, 0.057}, {-0.3, 0.07, 0.068}, {-0.1, 0.088, 0.085}, {0.06, 0.08, 0.075}}, 0.05, 0.06},
-        piece(trousers, 1 + side));
-    add_loft(part(kLeftShank), here,
-             {{{-kShankM + 0.02, 0.048, 0.046},
-               {-0.26, 0.058, 0.056, -0.01},
-               {-0.12, 0.064, 0.06, -0.012},
-               {0.03, 0.056, 0.054}},
-              0.01,
-              0.04},
-             piece(trousers, 3 + side));
-    // Turned so that its z axis is the foot's x axis; its x axis is down.
-    const Rigid3 along(rotation_of(Vector3d::UnitY(), Vector3d::UnitX()), {0, 0, -0.02});
-    add_loft(part(kLeftFoot), along,
-             {{{kHeelM - 0.03, 0.055, 0.038, 0.005},
-               {0.02, 0.065, 0.04, -0.005},
-               {0.09, 0.04, 0.05, 0.02},
-               {0.2, 0.026, 0.042, 0.034}},
-              0.03,
-              0.04,
-              3},
-             piece(shoe, side));
+    add_arm(parts, outfit, side);
+    add_leg(parts, outfit, side);
   }
   return parts;
 }

@@ -41,6 +41,26 @@ const MapPoint& add_start_point(MapEdit& edit, MapId id, const Eigen::Vector3d& 
                            Why::kStartOfMap, {static_cast<double>(views.size()), 0});
 }
 
+void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
+                const std::vector<TrackFeatures>& features, const StartResult& result) {
+  const auto camera_of = [&](int image) -> const MapCamera& {
+    return edit.map().camera(cameras[static_cast<std::size_t>(image)]);
+  };
+  for (const StartResult::Point& p : result.points) {
+    std::vector<View> views;
+    for (const auto& [image, feature] : p.seen) {
+      const auto i = static_cast<std::size_t>(image), f = static_cast<std::size_t>(feature);
+      views.push_back({&camera_of(image).model, *result.cam_from_world[i], features[i].image.undistorted_px[f]});
+    }
+    const MapPoint& point = add_start_point(edit, id, p.position, views);
+    for (const auto& [image, feature] : p.seen) {
+      const TrackId id_of = features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)];
+      const ServerTrack& track = camera_of(image).tracks.at(id_of);
+      if (!track.bound()) edit.bind(point, camera_of(image).id, track, Why::kMadeFromIt);
+    }
+  }
+}
+
 // All unplaced cameras with descriptors at once.
 void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
                     StartReport* report) {
@@ -67,21 +87,7 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
     if (!result.cam_from_world[i]) continue;
     edit.place(map.camera(cameras[i]), set.id, id, *result.cam_from_world[i], Why::kStartedTogether, {together, 0});
   }
-  for (const StartResult::Point& p : result.points) {
-    std::vector<View> views;
-    for (const auto& [image, feature] : p.seen) {
-      const auto i = static_cast<std::size_t>(image);
-      views.push_back({&map.camera(cameras[i]).model, *result.cam_from_world[i],
-                       images[i].undistorted_px[static_cast<std::size_t>(feature)]});
-    }
-    const MapPoint& point = add_start_point(edit, id, p.position, views);
-    for (const auto& [image, feature] : p.seen) {
-      const MapCamera& camera = map.camera(cameras[static_cast<std::size_t>(image)]);
-      const ServerTrack& track =
-          camera.tracks.at(features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)]);
-      if (!track.bound()) edit.bind(point, camera.id, track, Why::kMadeFromIt);
-    }
-  }
+  add_points(edit, id, cameras, features, result);
   edit.add_key_frame(set.id);
   for (const CameraId c : cameras) {
     if (map.camera(c).map == id) localise_backwards(edit, map.camera(c), set.id, localise);

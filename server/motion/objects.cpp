@@ -169,88 +169,118 @@ bool ObjectFinder::lasts(ObjectId object, TimeNs now_ns) const {
   return at != known_.end() && to_seconds(now_ns - at->second.first_ns) > config.path_s;
 }
 
-std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>& all, TimeNs now_ns) const {
+// Points joined to parts of bodies, nearest first.
+class ObjectFinder::Joining {
+ public:
+  Joining(const ObjectFinder& finder, const std::vector<Candidate>& all, TimeNs now_ns)
+      : finder_(finder), all_(all), now_ns_(now_ns), part_of_(all.size()), members_(all.size()) {
+    std::iota(part_of_.begin(), part_of_.end(), 0U);
+    for (std::size_t i = 0; i < all.size(); ++i) members_[i] = {i};
+  }
+
+  std::vector<Part> parts() {
+    for (const Link& link : links()) join(link);
+    std::vector<Part> out;
+    for (Members& part : members_) {
+      if (part.size() < 2) continue;
+      std::sort(part.begin(), part.end());
+      Part& p = out.emplace_back();
+      for (const std::size_t i : part) p.points.push_back(&all_[i]);
+      p.measure();
+    }
+    return out;
+  }
+
+ private:
+  using Members = std::vector<std::size_t>;
   struct Link {
     double distance;  // over what is allowed
     std::size_t a, b;
   };
-  const auto hold = [&](const Candidate& a, const Candidate& b) {
-    if (a.object == ObjectId() || b.object == ObjectId()) return 1.0;
-    if (a.object == b.object) return kTogether;
-    return lasts(a.object, now_ns) && lasts(b.object, now_ns) ? kApart : 1.0;
-  };
-  std::vector<Link> links;
-  for (std::size_t a = 0; a < all.size(); ++a) {
-    for (std::size_t b = a + 1; b < all.size(); ++b) {
-      if (all[a].point->map != all[b].point->map) continue;
-      const double reach = hold(all[a], all[b]) * std::min(all[a].point->reach, all[b].point->reach);
-      const double distance = (all[a].now.position - all[b].now.position).norm() / reach;
-      if (distance < 1) links.push_back({distance, a, b});
-    }
+
+  // How near two points have to be to be neighbours.
+  double reach(const Candidate& a, const Candidate& b) const {
+    const double least = std::min(a.point->reach, b.point->reach);
+    if (a.object == ObjectId() || b.object == ObjectId()) return least;
+    if (a.object == b.object) return kTogether * least;
+    return finder_.lasts(a.object, now_ns_) && finder_.lasts(b.object, now_ns_) ? kApart * least : least;
   }
-  std::sort(links.begin(), links.end(), [](const Link& x, const Link& y) {
-    return std::tie(x.distance, x.a, x.b) < std::tie(y.distance, y.a, y.b);
-  });
-  std::vector<std::size_t> part_of(all.size());
-  std::iota(part_of.begin(), part_of.end(), 0U);
-  std::vector<std::vector<std::size_t>> members(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i) members[i] = {i};
-  // How far two parts shifted against each other on their newest path.
-  const auto shift = [&](const std::vector<std::size_t>& x, const std::vector<std::size_t>& y) {
-    const auto motion = [&](const std::vector<std::size_t>& part, double* span_s) {
-      std::vector<PointMotion> motions;
-      for (const std::size_t i : part) {
-        motions.push_back({.velocity = all[i].drift});
-        *span_s += to_seconds(all[i].point->path.back().t_ns - all[i].point->path.front().t_ns) /
-                   static_cast<double>(part.size());
+  std::optional<double> stretch(const Candidate& a, const Candidate& b) const {
+    return stretch_of(a.point->path, b.point->path, finder_.config.path_s);
+  }
+
+  std::vector<Link> links() const {
+    std::vector<Link> out;
+    for (std::size_t a = 0; a < all_.size(); ++a) {
+      for (std::size_t b = a + 1; b < all_.size(); ++b) {
+        if (all_[a].point->map != all_[b].point->map) continue;
+        const double distance = (all_[a].now.position - all_[b].now.position).norm() / reach(all_[a], all_[b]);
+        if (distance < 1) out.push_back({distance, a, b});
       }
-      return body_of(motions).velocity;
-    };
+    }
+    std::sort(out.begin(), out.end(), [](const Link& x, const Link& y) {
+      return std::tie(x.distance, x.a, x.b) < std::tie(y.distance, y.a, y.b);
+    });
+    return out;
+  }
+
+  Eigen::Vector3d drift_of(const Members& part, double* span_s) const {
+    std::vector<PointMotion> motions;
+    for (const std::size_t i : part) {
+      motions.push_back({.velocity = all_[i].drift});
+      *span_s += to_seconds(all_[i].point->path.back().t_ns - all_[i].point->path.front().t_ns) /
+                 static_cast<double>(part.size());
+    }
+    return body_of(motions).velocity;
+  }
+  // How far two parts shifted against each other on their newest path.
+  double shift(const Members& x, const Members& y) const {
     double span_x_s = 0, span_y_s = 0;
-    const Eigen::Vector3d apart = motion(x, &span_x_s) - motion(y, &span_y_s);
+    const Eigen::Vector3d apart = drift_of(x, &span_x_s) - drift_of(y, &span_y_s);
     return apart.norm() * std::min(span_x_s, span_y_s);
-  };
+  }
+
   // Most of the points of two parts that are near each other keep their distance. One pair of many does so by chance.
-  const auto together = [&](const std::vector<std::size_t>& x, const std::vector<std::size_t>& y) {
+  bool keep_their_distance(const Members& x, const Members& y) const {
     constexpr std::size_t kMostPairs = 60;
     const std::size_t every = 1 + x.size() * y.size() / kMostPairs;
     int near = 0, kept = 0;
     for (std::size_t k = 0; k < x.size() * y.size(); k += every) {
-      const Candidate &a = all[x[k / y.size()]], &b = all[y[k % y.size()]];
-      const double reach = hold(a, b) * std::min(a.point->reach, b.point->reach);
-      if ((a.now.position - b.now.position).norm() > reach) continue;
-      const auto stretch = stretch_of(a.point->path, b.point->path, config.path_s);
-      if (!stretch) continue;
+      const Candidate &a = all_[x[k / y.size()]], &b = all_[y[k % y.size()]];
+      if ((a.now.position - b.now.position).norm() > reach(a, b)) continue;
+      const auto change = stretch(a, b);
+      if (!change) continue;
       ++near;
-      kept += *stretch <= config.stretch * reach;
+      kept += *change <= finder_.config.stretch * reach(a, b);
     }
     return 2 * kept >= near;
-  };
-  for (const Link& link : links) {
-    const std::size_t into = part_of[link.a], from = part_of[link.b];
-    if (into == from) continue;
-    const Candidate &a = all[link.a], &b = all[link.b];
-    const double reach = hold(a, b) * std::min(a.point->reach, b.point->reach);
-    const auto stretch = stretch_of(a.point->path, b.point->path, config.path_s);
-    if (!stretch || *stretch > config.stretch * reach) continue;
-    constexpr std::size_t kBody = 3;
-    if (members[into].size() >= kBody && members[from].size() >= kBody &&
-        (shift(members[into], members[from]) > config.shift * reach || !together(members[into], members[from]))) {
-      continue;
-    }
-    for (const std::size_t i : members[from]) part_of[i] = into;
-    members[into].insert(members[into].end(), members[from].begin(), members[from].end());
-    members[from].clear();
   }
-  std::vector<Part> out;
-  for (std::vector<std::size_t>& part : members) {
-    if (part.size() < 2) continue;
-    std::sort(part.begin(), part.end());
-    Part& p = out.emplace_back();
-    for (const std::size_t i : part) p.points.push_back(&all[i]);
-    p.measure();
+
+  void join(const Link& link) {
+    const std::size_t into = part_of_[link.a], from = part_of_[link.b];
+    if (into == from) return;
+    const double near = reach(all_[link.a], all_[link.b]);
+    const auto change = stretch(all_[link.a], all_[link.b]);
+    if (!change || *change > finder_.config.stretch * near) return;
+    const std::size_t least = std::min(members_[into].size(), members_[from].size());
+    const bool bodies = static_cast<int>(least) >= finder_.config.min_points;
+    if (bodies && (shift(members_[into], members_[from]) > finder_.config.shift * near ||
+                   !keep_their_distance(members_[into], members_[from])))
+      return;
+    for (const std::size_t i : members_[from]) part_of_[i] = into;
+    members_[into].insert(members_[into].end(), members_[from].begin(), members_[from].end());
+    members_[from].clear();
   }
-  return out;
+
+  const ObjectFinder& finder_;
+  const std::vector<Candidate>& all_;
+  TimeNs now_ns_;
+  std::vector<std::size_t> part_of_;
+  std::vector<Members> members_;
+};
+
+std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>& all, TimeNs now_ns) const {
+  return Joining(*this, all, now_ns).parts();
 }
 
 void ObjectFinder::name_by_members(std::vector<Part>& parts) const {

@@ -105,6 +105,7 @@ class ObjectFinder {
     TimeNs last_ns = 0;
   };
   std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
+  class Joining;
   std::vector<Part> parts(const std::vector<Candidate>& all, TimeNs now_ns) const;
   bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
   ObjectId object_of(PointId point) const;

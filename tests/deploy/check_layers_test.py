@@ -70,11 +70,11 @@ class CheckLayers(unittest.TestCase):
 
     def test_core_folders_form_no_ring(self) -> None:
         code, lines = check({
-            "server/map/a.h": '#include "server/sync/b.h"',
-            "server/sync/b.h": '#include "server/map/c.h"',
+            "agent/pose/a.h": '#include "agent/track/b.h"',
+            "agent/track/b.h": '#include "agent/pose/c.h"',
         })
         self.assertEqual(code, 1)
-        self.assertEqual(lines, ["server/map/a.h:2: cycle: server/map -> server/sync -> server/map"])
+        self.assertEqual(lines, ["agent/pose/a.h:2: cycle: agent/pose -> agent/track -> agent/pose"])
 
     def test_form_of_the_lines(self) -> None:
         self.assert_breach("common/model/a.h", '#include "b.h"', "form", common__model__b="")
