@@ -19,8 +19,8 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   std::vector<ResultPoint> out;
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
-    out.push_back(
-        {id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
+    out.push_back({id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views),
+                   grey_of(p)});
   }
   return out;
 }
@@ -249,7 +249,7 @@ nlohmann::ordered_json tags_report(const std::vector<MeasuredTag>& tags) {
 }  // namespace
 
 nlohmann::ordered_json server_report(const MapServer& server) {
-  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}, {"false", 0}};
+  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
   const MapId of = server.largest_map();
   for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
   nlohmann::ordered_json out;
