@@ -24,8 +24,7 @@ constexpr std::string_view kGroupHeader = "t_s,group,agents";
 
 constexpr std::string_view kMapFolder = "map";
 
-constexpr std::array<PointState, 4> kStates = {PointState::kStatic, PointState::kUncertain, PointState::kDynamic,
-                                               PointState::kFalse};
+constexpr std::array<PointState, 3> kStates = {PointState::kStatic, PointState::kUncertain, PointState::kDynamic};
 
 std::string position_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& c) {
   char text[256];
@@ -127,11 +126,9 @@ const char* state_name(std::optional<PointState> state) {
     case PointState::kUncertain:
       return "uncertain";
     case PointState::kDynamic:
-      return "dynamic";
-    case PointState::kFalse:
       break;
   }
-  return "false";
+  return "dynamic";
 }
 
 CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header)
@@ -190,7 +187,7 @@ std::vector<ResultPoint> read_points(const std::filesystem::path& file) {
     p.position = f.vector();
     p.covariance = f.covariance();
     const auto state = f.state();
-    p.state = state.value_or(PointState::kFalse);
+    p.state = state.value_or(PointState::kUncertain);
     p.first_ns = f.time();
     p.last_ns = f.time();
     p.views = static_cast<int>(f.count());

@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-enum class PointState : std::uint8_t { kStatic, kUncertain, kDynamic, kFalse };
+enum class PointState : std::uint8_t { kStatic, kUncertain, kDynamic };
 
 // A map point bound to one of the agent's tracks.
 struct BoundPoint {

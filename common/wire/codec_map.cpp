@@ -54,7 +54,7 @@ Problem unpack_point(Unpacker& in, BoundPoint& b) {
   for (float& v : b.position) v = *in.get<float>();
   for (float& v : b.covariance) v = *in.get<float>();
   return first_of({check_covariance(b.covariance), check_id(b.track), check_id(b.point),
-                   check_enum(state, PointState::kFalse), check_position(b.position)});
+                   check_enum(state, PointState::kDynamic), check_position(b.position)});
 }
 
 Problem unpack_points(const std::vector<std::uint8_t>& octets, std::vector<BoundPoint>& points) {

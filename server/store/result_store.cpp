@@ -18,8 +18,8 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   std::vector<ResultPoint> out;
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
-    out.push_back(
-        {id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views), grey_of(p)});
+    out.push_back({id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views),
+                   grey_of(p)});
   }
   return out;
 }

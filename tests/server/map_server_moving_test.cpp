@@ -30,7 +30,7 @@ void count(SimRun& run, const SimWorld& world, Called* called) {
     for (const auto& [id, t] : c.tracks) {
       if (t.seen.size() < 15) continue;
       const MapPoint* p = run.map().find(t.point);
-      const bool dynamic = p != nullptr ? p->state == PointState::kDynamic : t.moving;
+      const bool dynamic = p != nullptr ? p->moves() : t.moves();
       const bool moves = world.moves(run.agent(c.id).tracker().point_of(id));
       ++(moves ? (dynamic ? called->dynamic_moving : called->other_moving)
                : (dynamic ? called->dynamic_still : called->other_still));
@@ -50,7 +50,7 @@ class MovingWorld : public testing::TestWithParam<unsigned> {
     std::vector<double> errors;
     for (const auto& [id, p] : run.map().points()) {
       const int point = run.world_point(p);
-      if (p.state != PointState::kDynamic || point < 0 || p.last_seen != run.map().now()) continue;
+      if (!p.moves() || point < 0 || p.last_seen != run.map().now()) continue;
       const Eigen::Vector3d truth = world_.position(point, run.map().now_ns());
       const double distance_m = (truth - run.truth(CameraId(0), run.map().now_ns()).center()).norm();
       errors.push_back((truth_from_map * p.position - truth).norm() / distance_m);
@@ -132,7 +132,7 @@ TEST_P(MovingWorld, SwitchedOffEverythingIsStatic) {
   SimRun run(world_, config, tracking_);
   add_agents(run);
   run.step(100);
-  for (const auto& [id, p] : run.map().points()) EXPECT_EQ(p.state, PointState::kStatic);
+  for (const auto& [id, p] : run.map().points()) EXPECT_TRUE(p.rests());
   EXPECT_TRUE(run.map().motions().empty());
 }
 
@@ -154,7 +154,7 @@ TEST_P(MovingWorld, BodiesAreObjects) {
     std::map<int, int> points;              // by body
     std::map<int, std::set<ObjectId>> own;  // objects that have points of it
     for (const auto& [id, p] : run.map().points()) {
-      if (p.state != PointState::kDynamic || run.world_point(p) < 0) continue;
+      if (!p.moves() || run.world_point(p) < 0) continue;
       if (p.last_seen == run.map().now()) ++points[body_of(run.world_point(p))];
     }
     for (const MovingObject& o : run.server().objects()) {

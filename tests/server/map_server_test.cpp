@@ -83,7 +83,7 @@ TEST(MapServer, StandsMovingThings) {
   int on_static = 0, on_moving = 0;
   for (const auto& [id, p] : run.map().points()) {
     const int point = run.world_point(p);
-    if (p.bound.empty() || p.state != PointState::kStatic || point < 0) continue;
+    if (p.bound.empty() || p.moves() || point < 0) continue;
     ++(world.moves(point) ? on_moving : on_static);
   }
   EXPECT_GT(on_static, 150);

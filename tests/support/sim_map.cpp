@@ -10,17 +10,17 @@ namespace coslam::test {
 
 SimMap::SimMap(const SimWorld& w, const std::vector<CameraPath>& paths, const TrackingConfig& tracking,
                const MapConfig& config)
-    : world(w), map(config) {
+    : world(w), edit(config), map(edit.map()) {
   for (const CameraPath& path : paths) {
     const std::size_t i = trackers.size();
     trackers.emplace_back(world, path, tracking, "cam" + std::to_string(i), RunId(100 + i));
-    const CameraId c = map.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
-    map.camera(c).sigma_px = std::max(0.4, tracking.noise_px);
+    const CameraId c = edit.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
+    edit.set_sigma(map.camera(c), std::max(0.4, tracking.noise_px));
   }
-  id = map.new_map();
+  id = edit.new_map(Why::kStartedTogether, static_cast<double>(paths.size()));
 }
 
-const FrameSet& SimMap::ingest(bool patches, bool descriptors) {
+FrameSet& SimMap::look(bool patches, bool descriptors) {
   set = FrameSet{SetId(next_set_), kPeriodNs * next_set_, {}};
   for (std::size_t i = 0; i < trackers.size(); ++i) {
     CameraFrame cf{CameraId(static_cast<std::uint16_t>(i)), trackers[i].observe(FrameId(next_set_), set.t_ns), {}, {}};
@@ -31,16 +31,20 @@ const FrameSet& SimMap::ingest(bool patches, bool descriptors) {
     set.frames.push_back(std::move(cf));
   }
   ++next_set_;
-  map.ingest(set);
   return set;
 }
 
-void SimMap::place_truly(CameraId camera) {
-  MapCamera& c = map.camera(camera);
-  c.map = id;
-  c.frames.back().map = id;
-  c.frames.back().cam_from_world = truth(camera, set.id);
+const FrameSet& SimMap::ingest(bool patches, bool descriptors) {
+  look(patches, descriptors);
+  take();
+  return set;
 }
+
+void SimMap::place(CameraId camera, MapId in, const Rigid3& cam_from_world) {
+  edit.place(map.camera(camera), set.id, in, cam_from_world, Why::kStartedTogether);
+}
+
+void SimMap::place_truly(CameraId camera) { place(camera, truth(camera, set.id)); }
 
 void SimMap::place_truly() {
   for (const CameraFrame& cf : set.frames) place_truly(cf.camera);
@@ -53,12 +57,21 @@ void SimMap::advance(int sets, bool patches) {
   }
 }
 
-MapPoint& SimMap::add_point(int point, double sigma_m, const Eigen::Vector3d& off_m) {
-  MapPoint& p = map.create_point(id, world.position(point, set.t_ns) + off_m,
-                                 sigma_m * sigma_m * Eigen::Matrix3d::Identity(), set.id, set.t_ns);
-  for (MapCamera& c : map.cameras()) {
-    ServerTrack* t = track_of(c.id, point);
-    if (c.map == id && t != nullptr && t->point == PointId()) map.bind(p, c.id, *t);
+const MapPoint& SimMap::create(MapId in, const Eigen::Vector3d& position, double sigma_m, PointPhase phase) {
+  return edit.create_point(in, position, sigma_m * sigma_m * Eigen::Matrix3d::Identity(), phase,
+                           phase == PointPhase::kMoving ? Why::kMetWhileMoving : Why::kTwoCamerasNow);
+}
+
+const MapPoint& SimMap::add_point(int point, double sigma_m, const Eigen::Vector3d& off_m, PointPhase phase) {
+  const MapPoint& p = create(world.position(point, set.t_ns) + off_m, sigma_m, phase);
+  for (const MapCamera& c : map.cameras()) {
+    const ServerTrack* t = track_of(c.id, point);
+    if (c.map != id || t == nullptr || t->bound()) continue;
+    if (p.moves()) {
+      edit.bind_moving(p, c.id, *t, Eigen::Vector2f::Zero(), Why::kMadeFromIt);
+    } else {
+      bind(p, c.id, *t);
+    }
   }
   return p;
 }
@@ -86,15 +99,30 @@ int SimMap::world_point(const MapPoint& point) const {
   return -1;
 }
 
-ServerTrack* SimMap::track_of(CameraId camera, int point) {
+const ServerTrack* SimMap::track_of(CameraId camera, int point) const {
   const auto id_of = trackers[camera.value].track_of(point);
   if (!id_of) return nullptr;
   const auto at = map.camera(camera).tracks.find(*id_of);
   return at == map.camera(camera).tracks.end() ? nullptr : &at->second;
 }
 
-bool SimMap::all_follow(int world_point) {
+bool SimMap::all_follow(int world_point) const {
   return std::ranges::all_of(map.cameras(), [&](const MapCamera& c) { return track_of(c.id, world_point) != nullptr; });
+}
+
+TrackObservation* SimMap::seen(CameraId camera, int point) {
+  const auto track = trackers[camera.value].track_of(point);
+  auto& all = set.frames[camera.value].frame.tracks;
+  const auto at = std::ranges::find_if(all, [&](const TrackObservation& o) { return o.track == track; });
+  return at == all.end() ? nullptr : &*at;
+}
+
+ImagePatch* SimMap::patch_of(CameraId camera, int point) {
+  const auto track = trackers[camera.value].track_of(point);
+  auto& reply = set.frames[camera.value].patches;
+  if (!reply) return nullptr;
+  const auto at = std::ranges::find_if(reply->patches, [&](const ImagePatch& p) { return p.track == track; });
+  return at == reply->patches.end() ? nullptr : &*at;
 }
 
 Rigid3 SimMap::truth(CameraId camera, SetId at) const { return trackers[camera.value].truth(kPeriodNs * at.value); }

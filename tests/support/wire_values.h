@@ -126,7 +126,7 @@ class WireValues {
     BoundPoint b;
     b.track = TrackId(1 + below(1000000));
     b.point = PointId(1 + below(1000000));
-    b.state = static_cast<PointState>(below(4));
+    b.state = static_cast<PointState>(below(3));
     for (float& v : b.position) v = static_cast<float>(uniform(-50, 50));
     for (float& v : b.covariance) v = static_cast<float>(uniform(0, 0.1));
     return b;

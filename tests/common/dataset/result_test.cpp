@@ -133,8 +133,9 @@ TEST_F(Result, ReadersNameFileAndLine) {
   const std::string header = "frame,t_s,track,u,v,point,state\n";
   EXPECT_EQ(error(header + "\n"), "");
   EXPECT_THAT(error("frame,t_s\n"), HasSubstr("t.csv:1: the header"));
-  for (const char* bad : {"1,0,2,3,4,5", "1,0,2,3,4,5,static,6", "1,0,2,3,4,5,still", "-1,0,2,3,4,5,static",
-                          "1,x,2,3,4,5,static", "1,0,2,nan,4,5,static", "4294967296,0,2,3,4,5,static"}) {
+  for (const char* bad :
+       {"1,0,2,3,4,5", "1,0,2,3,4,5,static,6", "1,0,2,3,4,5,still", "1,0,2,3,4,5,false", "-1,0,2,3,4,5,static",
+        "1,x,2,3,4,5,static", "1,0,2,nan,4,5,static", "4294967296,0,2,3,4,5,static"}) {
     EXPECT_THAT(error(header + "1,0,2,3,4,5,static\n" + bad + "\n"), HasSubstr("t.csv:3: not a line")) << bad;
   }
   EXPECT_THAT(error(""), HasSubstr("cannot be read"));

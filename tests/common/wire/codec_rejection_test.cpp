@@ -143,7 +143,7 @@ TEST(CodecRejects, MapPatches) {
   expect_rejected<M>(good_patch(), Rejection::kTooMany, [](M& m) { m.patch_requests().resize(2049, 1); });
   expect_rejected<M>(good_patch(), Rejection::kSizeMismatch, [](M& m) { m.updated().push_back(0); });
   expect_rejected<M>(good_patch(), Rejection::kTooMany, [](M& m) { m.updated().resize(45 * 2049); });
-  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.updated()[8] = 4; });
+  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.updated()[8] = 3; });
   expect_rejected<M>(good_patch(), Rejection::kNotFinite, [&](M& m) { put_float(m, 9, NAN); });
   expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [&](M& m) { put_float(m, 9, 2e9f); });
   expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [&](M& m) { put_float(m, 21, -1.0f); });

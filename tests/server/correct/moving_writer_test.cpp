@@ -13,11 +13,9 @@ class MovingWriterTest : public testing::Test {
  protected:
   MovingWriterTest() : sim_(world_, test::paths_side_by_side(2)) { sim_.advance(); }
   // A moving point at the n-th of the world's points that both cameras see.
-  MapPoint& moving_point(double sigma = 0.05) {
+  const MapPoint& moving_point(double sigma = 0.05) {
     while (!sim_.all_follow(next_)) ++next_;
-    MapPoint& p = sim_.add_point(next_++, sigma);
-    sim_.map.set_state(p, PointState::kDynamic);
-    return p;
+    return sim_.add_point(next_++, sigma, Eigen::Vector3d::Zero(), PointPhase::kMoving);
   }
 
   const test::SimWorld world_{{}};
@@ -54,8 +52,7 @@ TEST_F(MovingWriterTest, PointsWithTheirObjectsAndOneEmptyStateAfterwards) {
     EXPECT_EQ(p.position, sim_.map.find(p.point)->position.cast<float>());
     EXPECT_EQ(p.cameras, 2);
   }
-  sim_.map.remove_point(first);
-  sim_.map.remove_point(second);
+  for (const PointId id : {first, second}) sim_.edit.remove_point(*sim_.map.find(id), Why::kOutOfSight);
   states = writer_.write(sim_.map, {}, {});
   ASSERT_EQ(states.size(), 1U);
   EXPECT_TRUE(states[0].points.empty() && states[0].objects.empty());
@@ -72,7 +69,7 @@ TEST_F(MovingWriterTest, TheMostCertainPointsAreKept) {
 }
 
 TEST_F(MovingWriterTest, APointThatIsNotSeenNowIsNotTold) {
-  moving_point().last_seen = SetId();
+  moving_point();
   sim_.advance(2);
   EXPECT_TRUE(writer_.write(sim_.map, {}, {sim_.id}).empty());
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <deque>
 #include <map>
 #include <memory>
@@ -36,10 +37,7 @@ class PatchPair {
 
   void step() {
     sim_.ingest();
-    sim_.place_truly();
-    FramePose& pose = sim_.map.camera(kCam).frames.back();
-    pose.map = sim_.map.camera(kCam).map = map_id_;
-    pose.cam_from_world = transform_world(pose.cam_from_world, map_from_world_);
+    sim_.place(kCam, map_id_, transform_world(sim_.truth(kCam, sim_.set.id), map_from_world_));
     live(0.3);
     TrackFrame frame = sim_.set.frames[0].frame;
     deliver();
@@ -48,7 +46,7 @@ class PatchPair {
     frame.epoch = agent_->epoch();
     frame.pose_state = agent_world_ ? PoseState::kTracked : PoseState::kNone;
     if (chance() < channel_.loss) return;  // the server never sees the frame, and answers nothing
-    Sent sent{writer_->write(sim_.map, sim_.map.camera(kCam), frame, DescriptorRequest::kNone), expected(),
+    Sent sent{writer_->write(sim_.edit, sim_.map.camera(kCam), frame, DescriptorRequest::kNone), expected(),
               map_from_world_};
     if (chance() < channel_.loss) return;
     under_way_.push_back(sent);
@@ -72,38 +70,43 @@ class PatchPair {
 
   // What stages do to a map.
   void live(double rate) {
-    Map& map = sim_.map;
-    for (auto& [id, track] : map.camera(kCam).tracks) {
-      if (track.point == PointId() && chance() < 0.2 * rate) {
+    MapEdit& edit = sim_.edit;
+    for (const auto& [id, track] : sim_.map.camera(kCam).tracks) {
+      if (!track.bound() && chance() < 0.2 * rate) {
         const Eigen::Vector3d at = map_from_world_ * world_.position(sim_.world_point(kCam, id));
-        const Eigen::Matrix3d covariance = chance() * Eigen::Matrix3d::Identity();
-        map.bind(map.create_point(map_id_, at, covariance, sim_.set.id, 0), kCam, track);
-      } else if (MapPoint* p = map.find(track.point)) {
-        if (chance() < 0.05 * rate) p->position.x() += 0.1 * chance();
-        if (chance() < 0.05 * rate) p->covariance *= 0.5;
-        if (chance() < 0.02 * rate) map.set_state(*p, PointState::kUncertain);
-        if (chance() < 0.02 * rate) map.unbind(kCam, track);
+        const PointPhase phase = chance() < 0.2 ? PointPhase::kTrial : PointPhase::kStatic;
+        sim_.bind(sim_.create(map_id_, at, std::sqrt(chance()), phase), kCam, track);
+      } else if (const MapPoint* p = sim_.map.find(track.point)) {
+        if (chance() < 0.05 * rate) sim_.shift(*p, {0.1 * chance(), 0, 0});
+        if (chance() < 0.05 * rate) edit.move_point(*p, p->position, 0.5 * p->covariance);
+        if (chance() < 0.02 * rate) change_phase(*p);
+        if (chance() < 0.02 * rate) edit.unbind(kCam, track, Why::kOutsideGate);
       }
     }
-    if (chance() < 0.3 * rate) map.remove_point(map.points().begin()->first);
+    if (chance() < 0.3 * rate) edit.remove_point(sim_.map.points().begin()->second, Why::kTooFewViews);
     if (chance() < 0.2 * rate) {
       const Similarity3 move{0.8 + 0.4 * chance(), so3_exp({0, chance() - 0.5, 0}), {chance(), 0, -chance()}};
-      map.transform(map_id_, move);
+      edit.transform(map_id_, move, Why::kAdjusted);
       map_from_world_ = move * map_from_world_;
     }
-    if (chance() < 0.1 * rate) map.raise_epoch();  // another camera's affair
+    if (chance() < 0.1 * rate) edit.raise_epoch();  // another camera's affair
     if (chance() < 0.02 * rate) move_to_a_new_map();
   }
 
-  void move_to_a_new_map() {
-    MapCamera& c = sim_.map.camera(kCam);
-    for (auto& [id, track] : c.tracks) {
-      if (track.point != PointId()) sim_.map.unbind(kCam, track);
+  void change_phase(const MapPoint& p) {
+    if (p.phase == PointPhase::kTrial) {
+      sim_.edit.prove(p);
+    } else if (p.phase == PointPhase::kStatic) {
+      sim_.set_moving(p);
     }
-    map_id_ = c.map = c.frames.back().map = sim_.map.new_map();
+  }
+
+  void move_to_a_new_map() {
+    sim_.edit.leave_map(sim_.map.camera(kCam));
+    map_id_ = sim_.edit.new_map(Why::kStartedAlone, 1);
     map_from_world_ = {1 + chance(), so3_exp({0, 0, chance()}), {chance(), chance(), 5}};
-    c.frames.back().cam_from_world = transform_world(sim_.truth(kCam, sim_.set.id), map_from_world_);
-    sim_.map.raise_epoch();
+    sim_.place(kCam, map_id_, transform_world(sim_.truth(kCam, sim_.set.id), map_from_world_));
+    sim_.edit.raise_epoch();
   }
 
   void restart_agent() {
@@ -115,13 +118,16 @@ class PatchPair {
     // Every change passes the image's and the covariance's bounds, so that both sides must agree exactly.
     const PatchWriterConfig config{.moved_px = 0, .covariance_ratio = 1};
     writer_ = std::make_unique<PatchWriter>(RunId(2000 + ++runs_), config);
-    sim_.map.camera(kCam).moved = Similarity3();
+    sim_.edit.agent_was_told(sim_.map.camera(kCam));
   }
 
   Bindings expected() {
     Bindings out;
     for (const auto& [id, t] : sim_.map.camera(kCam).tracks) {
-      if (const MapPoint* p = sim_.map.find(t.point)) out[id] = {p->id, p->state, p->position, p->covariance};
+      const MapPoint* p = sim_.map.find(t.point);
+      if (p == nullptr) continue;
+      const PointState told = p->phase == PointPhase::kTrial ? PointState::kUncertain : told_state(p->phase);
+      out[id] = {p->id, told, p->position, p->covariance};
     }
     return out;
   }

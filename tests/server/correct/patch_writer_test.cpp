@@ -35,14 +35,14 @@ class PatchWriterTest : public testing::Test {
     sim_.ingest(patches);
     sim_.place_truly();
   }
-  MapCamera& camera() { return sim_.map.camera(kCam); }
+  const MapCamera& camera() { return sim_.map.camera(kCam); }
   // As an agent that tracks and missed nothing; `change` makes it another.
   template <class Change>
   MapPatch write(Change change, DescriptorRequest wants_descriptors = DescriptorRequest::kNone) {
     TrackFrame frame = sim_.set.frames[0].frame;
     frame.pose_state = PoseState::kTracked;
     change(frame);
-    return writer_.write(sim_.map, camera(), frame, wants_descriptors);
+    return writer_.write(sim_.edit, camera(), frame, wants_descriptors);
   }
   MapPatch write() {
     return write([](TrackFrame&) {});
@@ -52,6 +52,20 @@ class PatchWriterTest : public testing::Test {
     for (int p = 0; p < world_.size(); ++p) {
       const ServerTrack* t = sim_.track_of(kCam, p);
       if (t != nullptr && t->point == PointId()) return p;
+    }
+    return -1;
+  }
+  // The same, and it is seen for so many sets.
+  int in_view_for(std::uint32_t sets) {
+    const auto seen = [&](int p, std::uint32_t at) {
+      const Eigen::Vector3d in_cam = sim_.truth(kCam, SetId(at)) * world_.position(p);
+      return in_cam.z() > 1 && camera().model.contains_raw(camera().model.project(in_cam), 10);
+    };
+    for (int p = 0; p < world_.size(); ++p) {
+      std::uint32_t i = 0;
+      while (i < sets && seen(p, sim_.set.id.value + i)) ++i;
+      const ServerTrack* t = sim_.track_of(kCam, p);
+      if (i == sets && t != nullptr && !t->bound()) return p;
     }
     return -1;
   }
@@ -80,12 +94,12 @@ TEST_F(PatchWriterTest, TheFirstPatchIsASnapshot) {
 
 TEST_F(PatchWriterTest, ThenOnlyWhatChanged) {
   sim_.add_point(unmapped());
-  MapPoint& removed = sim_.add_point(unmapped());
+  const MapPoint& removed = sim_.add_point(unmapped());
   const TrackId freed = track_of(removed);
   write();
   EXPECT_THAT(write().updated, IsEmpty());
   const MapPoint& added = sim_.add_point(unmapped());
-  sim_.map.remove_point(removed.id);
+  sim_.edit.remove_point(removed, Why::kTooFewViews);
   const MapPatch patch = write();
   EXPECT_EQ(patch.sequence, 3U);
   EXPECT_FALSE(patch.snapshot);
@@ -96,37 +110,38 @@ TEST_F(PatchWriterTest, ThenOnlyWhatChanged) {
 }
 
 TEST_F(PatchWriterTest, AMoveIsToldWhenItShowsInTheImage) {
-  MapPoint& p = sim_.add_point(unmapped());
+  const MapPoint& p = sim_.add_point(unmapped());
   write();
   const double distance_m = (p.position - camera().frames.back().cam_from_world.center()).norm();
   const double pixel_m = distance_m / camera().model.focal_px();
-  p.position.x() += 0.1 * pixel_m;
+  sim_.shift(p, {0.1 * pixel_m, 0, 0});
   EXPECT_THAT(write().updated, IsEmpty()) << "0.1 px";
-  p.position.x() += 0.1 * pixel_m;
+  sim_.shift(p, {0.1 * pixel_m, 0, 0});
   EXPECT_EQ(write().updated.size(), 1U) << "0.2 px since it was told";
   EXPECT_THAT(write().updated, IsEmpty());
 }
 
 TEST_F(PatchWriterTest, CovarianceAndStateAreToldWhenTheyChange) {
-  MapPoint& p = sim_.add_point(unmapped());
+  const MapPoint& p = sim_.add_point(unmapped());
+  const auto spread = [&](double factor) { sim_.edit.move_point(p, p.position, factor * p.covariance); };
   write();
-  p.covariance *= 1.3;
+  spread(1.3);
   EXPECT_THAT(write().updated, IsEmpty());
-  p.covariance *= 1.3;
+  spread(1.3);
   EXPECT_EQ(write().updated.size(), 1U);
-  p.covariance /= 1.6;
+  spread(1 / 1.6);
   EXPECT_EQ(write().updated.size(), 1U);
-  sim_.map.set_state(p, PointState::kDynamic);
+  sim_.set_moving(p);
   const MapPatch patch = write();
   ASSERT_EQ(patch.updated.size(), 1U);
   EXPECT_EQ(patch.updated[0].state, PointState::kDynamic);
 }
 
 TEST_F(PatchWriterTest, ATrackThatChangesItsPointIsToldAsAnUpdate) {
-  MapPoint& a = sim_.add_point(unmapped());
-  MapPoint& b = sim_.map.create_point(sim_.id, a.position, a.covariance, sim_.set.id, 0);
+  const MapPoint& a = sim_.add_point(unmapped());
+  const MapPoint& b = sim_.create(a.position);
   write();
-  sim_.map.fuse(b.id, a.id);
+  sim_.edit.fuse(b.id, a.id, Why::kOneCorner);
   const MapPatch patch = write();
   ASSERT_EQ(patch.updated.size(), 1U);
   EXPECT_EQ(patch.updated[0].point, b.id);
@@ -141,7 +156,7 @@ TEST_F(PatchWriterTest, ASnapshotOnRequestAndForAnotherMap) {
   EXPECT_TRUE(asked.snapshot);
   EXPECT_EQ(asked.sequence, 2U) << "the sequence goes on";
   EXPECT_EQ(asked.updated.size(), all);
-  camera().map = sim_.map.new_map();
+  sim_.place(kCam, sim_.edit.new_map(Why::kStartedAlone, 1), sim_.truth(kCam, sim_.set.id));
   EXPECT_TRUE(write().snapshot);
   EXPECT_FALSE(write().snapshot);
 }
@@ -172,7 +187,7 @@ TEST_F(PatchWriterTest, AMoveOfTheMapIsToldOnce) {
   sim_.add_points();
   write();
   const Similarity3 move{2.0, so3_exp({0, 1, 0}), {1, 2, 3}};
-  sim_.map.transform(sim_.id, move);
+  sim_.edit.transform(sim_.id, move, Why::kScaleKnown);
   const MapPatch patch = write();
   EXPECT_EQ(patch.epoch, sim_.map.epoch());
   EXPECT_THAT(patch.new_from_old, test::SimilarityNear(move, 1e-7, 1e-9, 1e-12));
@@ -194,17 +209,19 @@ TEST_F(PatchWriterTest, AsksForPatchesOfTracksThatLasted) {
 TEST_F(PatchWriterTest, ThePatchOfAMappedTrackIsKeptAndOthersRefreshed) {
   for (int i = 0; i < 5; ++i) next(true);
   EXPECT_THAT(write().patch_requests, IsEmpty());
-  const MapPoint& p = sim_.add_point(unmapped());
+  const MapPoint& p = sim_.add_point(in_view_for(100));
   const TrackId mapped = track_of(p);
   for (int i = 0; i < 60; ++i) next();
   std::vector<TrackId> asked;
-  for (int i = 0; i < 40; ++i) {
-    for (const TrackId id : write().patch_requests) {
-      asked.push_back(id);
-      camera().tracks.at(id).patch_set = sim_.set.id;  // as if it had been answered
-      camera().tracks.at(id).patch = PatchGrey{};
-    }
+  for (int i = 0; i < 30; ++i) {
+    const std::vector<TrackId> wanted = write().patch_requests;
+    asked.insert(asked.end(), wanted.begin(), wanted.end());
+    CameraFrame& cf = sim_.look().frames[0];
+    cf.patches = sim_.trackers[0].cut(cf.frame, wanted);
+    sim_.take();
+    sim_.place_truly();
   }
+  ASSERT_TRUE(camera().tracks.contains(mapped));
   EXPECT_EQ(std::count(asked.begin(), asked.end(), mapped), 0);
   std::sort(asked.begin(), asked.end());
   EXPECT_EQ(std::adjacent_find(asked.begin(), asked.end()), asked.end()) << "each once";

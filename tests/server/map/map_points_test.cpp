@@ -2,61 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <tuple>
-
-#include "server/map/map.h"
-#include "tests/support/matchers.h"
+#include "server/map/edit.h"
+#include "tests/support/map_checks.h"
 #include "tests/support/sim_map.h"
 
 // What happens to points: bindings, key observations, fusion.
 namespace coslam {
 namespace {
 
+using test::expect_consistent;
+using test::observed;
+
 constexpr CameraId kCam0(0), kCam1(1);
-
-bool observed(const MapPoint& p, SetId set, CameraId camera, TrackId track) {
-  return std::any_of(p.key_observations.begin(), p.key_observations.end(),
-                     [&](const KeyObservation& o) { return o.set == set && o.camera == camera && o.track == track; });
-}
-
-bool sorted(const MapPoint& p) {
-  return std::is_sorted(p.key_observations.begin(), p.key_observations.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.set, a.camera, a.track) < std::tie(b.set, b.camera, b.track);
-  });
-}
-
-bool unique(const MapPoint& p) {
-  return std::adjacent_find(p.key_observations.begin(), p.key_observations.end(), [](const auto& a, const auto& b) {
-           return std::tie(a.set, a.camera, a.track) == std::tie(b.set, b.camera, b.track);
-         }) == p.key_observations.end();
-}
-
-// Bindings are told twice, by the track and by the point, and what moves by the point and by the map; they must agree.
-void expect_consistent(const Map& map) {
-  std::vector<const MapPoint*> moving;
-  for (const auto& [id, p] : map.points()) {
-    if (p.state == PointState::kDynamic) moving.push_back(&p);
-  }
-  EXPECT_EQ(map.moving_points(), moving);
-  for (const auto& [id, p] : map.points()) {
-    EXPECT_EQ(id, p.id);
-    EXPECT_TRUE(sorted(p) && unique(p)) << id.value;
-    for (const BoundTrack& b : p.bound) {
-      const auto at = map.camera(b.camera).tracks.find(b.track);
-      ASSERT_NE(at, map.camera(b.camera).tracks.end());
-      EXPECT_EQ(at->second.point, id);
-    }
-  }
-  for (const MapCamera& c : map.cameras()) {
-    for (const auto& [id, t] : c.tracks) {
-      if (t.point == PointId()) continue;
-      const MapPoint* p = map.find(t.point);
-      ASSERT_NE(p, nullptr);
-      EXPECT_EQ(std::count(p->bound.begin(), p->bound.end(), BoundTrack{c.id, id}), 1);
-    }
-  }
-}
 
 class MapPointsTest : public testing::Test {
  protected:
@@ -64,8 +21,9 @@ class MapPointsTest : public testing::Test {
     sim_.advance(3, true);
     while (!sim_.all_follow(shared_)) ++shared_;
   }
-  Map& map() { return sim_.map; }
-  ServerTrack& track(CameraId camera) { return *sim_.track_of(camera, shared_); }
+  const Map& map() { return sim_.map; }
+  MapEdit& edit() { return sim_.edit; }
+  const ServerTrack& track(CameraId camera) { return *sim_.track_of(camera, shared_); }
 
   const test::SimWorld world_{{}};
   test::SimMap sim_;
@@ -73,8 +31,8 @@ class MapPointsTest : public testing::Test {
 };
 
 TEST_F(MapPointsTest, BindTellsBothSidesAndTakesPatchAndKeyObservations) {
-  map().add_key_frame(SetId(1));
-  MapPoint& p = sim_.add_point(shared_);
+  edit().add_key_frame(SetId(1));
+  const MapPoint& p = sim_.add_point(shared_);
   expect_consistent(map());
   EXPECT_EQ(p.bound.size(), 2U);
   EXPECT_EQ(p.key_observations.size(), 2U);
@@ -85,14 +43,14 @@ TEST_F(MapPointsTest, BindTellsBothSidesAndTakesPatchAndKeyObservations) {
 }
 
 TEST_F(MapPointsTest, ATrackIsBoundOnce) {
-  MapPoint& p = sim_.add_point(shared_);
-  EXPECT_DEATH(map().bind(p, kCam0, track(kCam0)), "bound once");
+  const MapPoint& p = sim_.add_point(shared_);
+  EXPECT_DEATH(sim_.bind(p, kCam0, track(kCam0)), "bound once");
 }
 
 TEST_F(MapPointsTest, DistrustedObservationsAreNotTaken) {
-  map().add_key_frame(SetId(0));
-  map().add_key_frame(SetId(2));
-  track(kCam0).distrusted_before = 1;
+  edit().add_key_frame(SetId(0));
+  edit().add_key_frame(SetId(2));
+  edit().distrust_before(track(kCam0), SetId(1));
   const MapPoint& p = sim_.add_point(shared_);
   EXPECT_FALSE(observed(p, SetId(0), kCam0, track(kCam0).id));
   EXPECT_TRUE(observed(p, SetId(2), kCam0, track(kCam0).id));
@@ -104,53 +62,54 @@ TEST_F(MapPointsTest, TheMapKnowsWhatMoves) {
   std::vector<PointId> ids;
   for (const auto& [id, p] : map().points()) ids.push_back(id);
   ASSERT_GT(ids.size(), 4U);
-  for (std::size_t i = 0; i < 4; ++i) map().set_state(*map().find(ids[i]), PointState::kDynamic);
+  for (std::size_t i = 0; i < 4; ++i) sim_.set_moving(*map().find(ids[i]));
   expect_consistent(map());
-  map().set_state(*map().find(ids[0]), PointState::kStatic);
-  map().remove_point(ids[1]);
-  map().fuse(ids[2], ids[3]);
+  edit().stop_moving(*map().find(ids[0]), 2);
+  edit().remove_point(*map().find(ids[1]), Why::kNoOnePlace);
+  edit().fuse(ids[2], ids[3], Why::kOneMover);
   expect_consistent(map());
   ASSERT_EQ(map().moving_points().size(), 1U);
   EXPECT_EQ(map().moving_points()[0]->id, ids[2]);
 }
 
 TEST_F(MapPointsTest, UnbindKeepsObservationsUnlessForgotten) {
-  map().add_key_frame(SetId(1));
-  MapPoint& p = sim_.add_point(shared_);
-  map().unbind(kCam0, track(kCam0));
+  edit().add_key_frame(SetId(1));
+  const MapPoint& p = sim_.add_point(shared_);
+  edit().unbind(kCam0, track(kCam0), Why::kOutsideGate);
   EXPECT_EQ(track(kCam0).point, PointId());
   EXPECT_TRUE(observed(p, SetId(1), kCam0, track(kCam0).id));
-  map().unbind_and_forget(kCam1, track(kCam1));
+  edit().unbind(kCam1, track(kCam1), Why::kOutsideGate);
+  edit().drop_observation(p, SetId(1), kCam1, track(kCam1).id);
   EXPECT_FALSE(observed(p, SetId(1), kCam1, track(kCam1).id));
   EXPECT_TRUE(p.bound.empty());
   expect_consistent(map());
 }
 
 TEST_F(MapPointsTest, BindingAgainTakesNoObservationTwice) {
-  map().add_key_frame(SetId(0));
-  map().add_key_frame(SetId(1));
-  MapPoint& p = sim_.add_point(shared_);
+  edit().add_key_frame(SetId(0));
+  edit().add_key_frame(SetId(1));
+  const MapPoint& p = sim_.add_point(shared_);
   const std::size_t before = p.key_observations.size();
-  map().unbind(kCam0, track(kCam0));
-  map().bind(p, kCam0, track(kCam0));
+  edit().unbind(kCam0, track(kCam0), Why::kOutsideGate);
+  sim_.bind(p, kCam0, track(kCam0));
   EXPECT_EQ(p.key_observations.size(), before);
   expect_consistent(map());
 }
 
 TEST_F(MapPointsTest, AnEndedTrackLeavesItsPoint) {
-  MapPoint& p = sim_.add_point(shared_);
+  const MapPoint& p = sim_.add_point(shared_);
   FrameSet set = sim_.set;
   set.id = SetId(3);
   std::erase_if(set.frames[0].frame.tracks, [&](const TrackObservation& o) { return o.track == track(kCam0).id; });
-  map().ingest(set);
+  edit().ingest(set);
   EXPECT_EQ(p.bound, std::vector<BoundTrack>({{kCam1, track(kCam1).id}}));
   expect_consistent(map());
 }
 
 TEST_F(MapPointsTest, RemoveFreesTheTracks) {
-  const PointId id = sim_.add_point(shared_).id;
-  map().remove_point(id);
-  map().remove_point(id);  // nothing happens
+  const MapPoint& p = sim_.add_point(shared_);
+  const PointId id = p.id;
+  edit().remove_point(p, Why::kTooFewViews);
   EXPECT_EQ(map().find(id), nullptr);
   EXPECT_EQ(track(kCam0).point, PointId());
   EXPECT_EQ(track(kCam1).point, PointId());
@@ -158,13 +117,13 @@ TEST_F(MapPointsTest, RemoveFreesTheTracks) {
 }
 
 TEST_F(MapPointsTest, AKeyFrameTakesObservationsOfBoundTracks) {
-  MapPoint& p = sim_.add_point(shared_);
+  const MapPoint& p = sim_.add_point(shared_);
   EXPECT_FALSE(map().is_key_frame(SetId(2)));
-  map().add_key_frame(SetId(2));
-  map().add_key_frame(SetId(1));  // an earlier one, later
+  edit().add_key_frame(SetId(2));
+  edit().add_key_frame(SetId(1));  // an earlier one, later
   EXPECT_TRUE(map().is_key_frame(SetId(1)) && map().is_key_frame(SetId(2)));
   EXPECT_EQ(p.key_observations.size(), 4U);
-  map().add_key_frame(SetId(2));  // again
+  edit().add_key_frame(SetId(2));  // again
   EXPECT_EQ(p.key_observations.size(), 4U);
   EXPECT_EQ(map().key_frames().size(), 2U);
   expect_consistent(map());
@@ -176,40 +135,42 @@ TEST_F(MapPointsTest, AKeyFrameTakesObservationsOfBoundTracks) {
 }
 
 TEST_F(MapPointsTest, AKeyFrameSkipsTracksThatFailTheGate) {
-  MapPoint& p = sim_.add_point(shared_);
-  track(kCam0).gate_failures = 1;
-  map().add_key_frame(SetId(2));
+  const MapPoint& p = sim_.add_point(shared_);
+  edit().miss_gate(kCam0, track(kCam0), 3);
+  edit().add_key_frame(SetId(2));
   EXPECT_FALSE(observed(p, SetId(2), kCam0, track(kCam0).id));
   EXPECT_TRUE(observed(p, SetId(2), kCam1, track(kCam1).id));
 }
 
 TEST_F(MapPointsTest, FuseMovesEverythingToTheOneThatStays) {
-  map().add_key_frame(SetId(1));
-  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
-  MapPoint& a = map().create_point(sim_.id, world_.position(shared_), unit, SetId(1), 10);
-  MapPoint& b = map().create_point(sim_.id, world_.position(shared_), unit, SetId(0), 5);
-  map().bind(a, kCam0, track(kCam0));
-  map().bind(b, kCam1, track(kCam1));
+  edit().add_key_frame(SetId(1));
+  const MapPoint& b = sim_.create(world_.position(shared_));
+  sim_.bind(b, kCam1, track(kCam1));
+  const TimeNs first_ns = sim_.set.t_ns;
+  sim_.advance();
+  const MapPoint& a = sim_.create(world_.position(shared_));
+  sim_.bind(a, kCam0, track(kCam0));
   const PointId gone = b.id;
-  map().fuse(a.id, gone);
+  edit().fuse(a.id, gone, Why::kOneCorner);
   EXPECT_EQ(map().find(gone), nullptr);
   EXPECT_EQ(track(kCam1).point, a.id);
   EXPECT_EQ(a.bound.size(), 2U);
   EXPECT_EQ(a.key_observations.size(), 2U);
   EXPECT_EQ(a.patches.size(), 2U);
-  EXPECT_EQ(a.first_ns, 5);
+  EXPECT_EQ(a.first_ns, first_ns);
+  EXPECT_EQ(a.last_ns, sim_.set.t_ns);
   expect_consistent(map());
-  map().fuse(a.id, a.id);  // nothing happens
+  edit().fuse(a.id, a.id, Why::kOneCorner);  // nothing happens
   EXPECT_NE(map().find(a.id), nullptr);
 }
 
 TEST_F(MapPointsTest, FuseTakesNoObservationTwice) {
-  map().add_key_frame(SetId(1));
-  MapPoint& a = sim_.add_point(shared_);
-  map().unbind(kCam0, track(kCam0));
-  MapPoint& b = map().create_point(sim_.id, a.position, a.covariance, SetId(2), 0);
-  map().bind(b, kCam0, track(kCam0));  // both hold the track's observation now
-  map().fuse(a.id, b.id);
+  edit().add_key_frame(SetId(1));
+  const MapPoint& a = sim_.add_point(shared_);
+  edit().unbind(kCam0, track(kCam0), Why::kOutsideGate);
+  const MapPoint& b = sim_.create(a.position);
+  sim_.bind(b, kCam0, track(kCam0));  // both hold the track's observation now
+  edit().fuse(a.id, b.id, Why::kOneCorner);
   EXPECT_EQ(a.key_observations.size(), 2U);
   expect_consistent(map());
 }
@@ -220,9 +181,9 @@ TEST_F(MapPointsTest, BindingsStayConsistentOverARun) {
   for (int i = 0; i < 60; ++i) {
     sim.advance(1, true);
     sim.add_points();
-    if (i % 5 == 0) sim.map.add_key_frame(sim.set.id);
-    if (i % 7 == 0) sim.map.remove_point(sim.map.points().begin()->first);
-    if (i == 40) sim.map.restart_camera(kCam1, RunId(55), test::sim_camera());
+    if (i % 5 == 0) sim.edit.add_key_frame(sim.set.id);
+    if (i % 7 == 0) sim.edit.remove_point(sim.map.points().begin()->second, Why::kUndetermined);
+    if (i == 40) sim.edit.restart_camera(kCam1, RunId(55), test::sim_camera());
   }
   EXPECT_GT(sim.map.points().size(), 200U);
   expect_consistent(sim.map);

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/map/map.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "server/map/edit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
@@ -30,13 +29,20 @@ FrameSet set_of(std::uint32_t set, const std::vector<std::uint32_t>& tracks, Cam
   return {SetId(set), test::kPeriodNs * set, {cf}};
 }
 
+CameraModel wide(int width_px) {
+  CameraModel model = test::sim_camera();
+  model.width_px = width_px;
+  return model;
+}
+
 class MapTest : public testing::Test {
  protected:
-  MapTest() : map_(MapConfig{}) {
-    map_.add_camera("left", RunId(1), test::sim_camera());
-    map_.add_camera("right", RunId(2), test::sim_camera());
+  MapTest() {
+    edit_.add_camera("left", RunId(1), test::sim_camera());
+    edit_.add_camera("right", RunId(2), test::sim_camera());
   }
-  Map map_;
+  MapEdit edit_{MapConfig{}};
+  const Map& map_ = edit_.map();
 };
 
 TEST_F(MapTest, NumbersCamerasInOrder) {
@@ -47,8 +53,8 @@ TEST_F(MapTest, NumbersCamerasInOrder) {
 }
 
 TEST_F(MapTest, TracksStartGoOnAndEnd) {
-  map_.ingest(set_of(0, {1, 2}));
-  map_.ingest(set_of(1, {2, 3}));
+  edit_.ingest(set_of(0, {1, 2}));
+  edit_.ingest(set_of(1, {2, 3}));
   const MapCamera& c = map_.camera(kCam0);
   ASSERT_EQ(c.tracks.size(), 2U);
   EXPECT_EQ(c.tracks.at(TrackId(2)).seen.size(), 2U);
@@ -62,9 +68,9 @@ TEST_F(MapTest, TracksStartGoOnAndEnd) {
 }
 
 TEST_F(MapTest, ACameraThatIsNotInASetKeepsItsTracks) {
-  map_.ingest(set_of(0, {1}, kCam0));
-  map_.ingest(set_of(1, {5}, kCam1));
-  map_.ingest(set_of(2, {1}, kCam0));
+  edit_.ingest(set_of(0, {1}, kCam0));
+  edit_.ingest(set_of(1, {5}, kCam1));
+  edit_.ingest(set_of(2, {1}, kCam0));
   EXPECT_EQ(map_.camera(kCam0).tracks.at(TrackId(1)).seen.size(), 2U);
   EXPECT_EQ(map_.camera(kCam0).frame_at(SetId(1)), nullptr);
   ASSERT_NE(map_.camera(kCam0).frame_at(SetId(2)), nullptr);
@@ -76,7 +82,7 @@ TEST_F(MapTest, PatchesGoToTheirTracks) {
   FrameSet set = set_of(0, {1, 2});
   set.frames[0].patches = PatchReply{"left", RunId(1), FrameId(0), {{TrackId(2), {}}, {TrackId(9), {}}}};
   set.frames[0].patches->patches[0].grey.fill(7);
-  map_.ingest(set);
+  edit_.ingest(set);
   const MapCamera& c = map_.camera(kCam0);
   EXPECT_FALSE(c.tracks.at(TrackId(1)).patch);
   ASSERT_TRUE(c.tracks.at(TrackId(2)).patch);
@@ -85,7 +91,7 @@ TEST_F(MapTest, PatchesGoToTheirTracks) {
 }
 
 TEST_F(MapTest, ObservationsOfALongTrackAreBounded) {
-  for (std::uint32_t i = 0; i < 3000; ++i) map_.ingest(set_of(i, {1}));
+  for (std::uint32_t i = 0; i < 3000; ++i) edit_.ingest(set_of(i, {1}));
   const auto& seen = map_.camera(kCam0).tracks.at(TrackId(1)).seen;
   EXPECT_LE(seen.size(), 300U);
   EXPECT_GE(seen.size(), 128U);
@@ -97,70 +103,81 @@ TEST_F(MapTest, ObservationsOfALongTrackAreBounded) {
 }
 
 TEST_F(MapTest, RestartDropsTracksAndKeepsPoses) {
-  map_.ingest(set_of(0, {1, 2}));
-  MapCamera& c = map_.camera(kCam0);
-  const MapId id = map_.new_map();
-  c.map = c.frames.back().map = id;
-  MapPoint& p = map_.create_point(id, {0, 0, 5}, Eigen::Matrix3d::Identity(), SetId(0), 0);
-  map_.bind(p, kCam0, c.tracks.at(TrackId(1)));
-  map_.restart_camera(kCam0, RunId(77), test::sim_camera());
+  edit_.ingest(set_of(0, {1, 2}));
+  const MapCamera& c = map_.camera(kCam0);
+  const MapId id = edit_.new_map(Why::kStartedAlone, 1);
+  edit_.place(c, SetId(0), id, Rigid3(), Why::kStartedAlone);
+  const MapPoint& p =
+      edit_.create_point(id, {0, 0, 5}, Eigen::Matrix3d::Identity(), PointPhase::kStatic, Why::kStartOfMap);
+  edit_.bind(p, kCam0, c.tracks.at(TrackId(1)), Why::kMadeFromIt);
+  edit_.restart_camera(kCam0, RunId(77), test::sim_camera());
   EXPECT_EQ(c.run, RunId(77));
   EXPECT_TRUE(c.tracks.empty());
   EXPECT_TRUE(p.bound.empty());
   EXPECT_EQ(c.map, MapId());
   ASSERT_EQ(c.frames.size(), 1U);
   EXPECT_TRUE(c.frames[0].valid());
-  map_.ingest(set_of(1, {1}));  // the new run numbers its tracks anew
+  edit_.ingest(set_of(1, {1}));  // the new run numbers its tracks anew
   EXPECT_EQ(c.tracks.at(TrackId(1)).seen.size(), 1U);
   EXPECT_EQ(c.tracks.at(TrackId(1)).point, PointId());
 }
 
 TEST_F(MapTest, ViewsAreThoseWithAPoseInTheMapAndSpread) {
-  const MapId id = map_.new_map(), other = map_.new_map();
-  MapCamera& c = map_.camera(kCam0);
+  const MapId id = edit_.new_map(Why::kStartedAlone, 1), other = edit_.new_map(Why::kStartedAlone, 1);
+  const MapCamera& c = map_.camera(kCam0);
   for (std::uint32_t i = 0; i < 30; ++i) {
-    map_.ingest(set_of(i, {1}));
-    c.map = id;
+    edit_.ingest(set_of(i, {1}));
     if (i == 3) continue;  // no pose
-    c.frames.back().map = i == 4 ? other : id;
-    c.frames.back().cam_from_world = test::looking({0.1 * i, 0, 0});
+    edit_.place(c, SetId(i), i == 4 ? other : id, test::looking({0.1 * i, 0, 0}), Why::kStartedAlone);
   }
-  ServerTrack& track = c.tracks.at(TrackId(1));
+  const ServerTrack& track = c.tracks.at(TrackId(1));
   const std::vector<View> all = map_.views_of(c, track, 100);
   EXPECT_EQ(all.size(), 28U);
   const std::vector<View> few = map_.views_of(c, track, 5);
   ASSERT_EQ(few.size(), 5U);
   EXPECT_THAT(few.front().undistorted_px, VectorNear(Eigen::Vector2d(1, 0), 1e-9));
   EXPECT_THAT(few.back().undistorted_px, VectorNear(Eigen::Vector2d(1, 29), 1e-9));
-  track.distrusted_before = 10;
+  edit_.distrust_before(track, SetId(10));
   EXPECT_EQ(map_.views_of(c, track, 100).size(), 20U);
 }
 
 TEST_F(MapTest, GateIsGenerousButBounded) {
-  MapCamera& c = map_.camera(kCam0);
-  c.sigma_px = 0.1;
+  const MapCamera& c = map_.camera(kCam0);
+  edit_.set_sigma(c, 0.1);
   EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 1.0);
-  c.sigma_px = 0.8;
+  edit_.set_sigma(c, 0.8);
   EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 2.0);
-  c.sigma_px = 10;
+  edit_.set_sigma(c, 10);
   EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 3.0);
-  c.model.width_px = 1280;
+  edit_.restart_camera(kCam0, RunId(3), wide(1280));
   EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 6.0);
+}
+
+// Images so small that the largest believed noise is below the least gate.
+TEST_F(MapTest, TheBoundOfTheGateWinsInASmallImage) {
+  const MapCamera& c = map_.camera(kCam0);
+  edit_.restart_camera(kCam0, RunId(3), wide(160));
+  for (const double sigma_px : {0.1, 0.2, 0.5, 10.0}) {
+    edit_.set_sigma(c, sigma_px);
+    EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 0.75) << sigma_px;
+  }
+  edit_.restart_camera(kCam0, RunId(4), wide(213));
+  edit_.set_sigma(c, 0.2);
+  EXPECT_DOUBLE_EQ(map_.gate_sigma_px(c), 3.0 * 213 / 640);
 }
 
 // Two maps with one camera and one point each, as truth has them.
 class TwoMaps : public MapTest {
  protected:
-  TwoMaps() : first_(map_.new_map()), second_(map_.new_map()) {
+  TwoMaps() : first_(edit_.new_map(Why::kStartedAlone, 1)), second_(edit_.new_map(Why::kStartedAlone, 1)) {
     for (const CameraId id : {kCam0, kCam1}) {
-      FrameSet set = set_of(id.value, {1}, id);
-      map_.ingest(set);
-      MapCamera& c = map_.camera(id);
-      c.map = c.frames.back().map = id == kCam0 ? first_ : second_;
-      c.frames.back().cam_from_world = pose_;
-      MapPoint& p =
-          map_.create_point(c.map, {1, 0, 5}, Eigen::Vector3d(1, 2, 3).asDiagonal(), SetId(id.value), set.t_ns);
-      map_.bind(p, id, c.tracks.at(TrackId(1)));
+      const FrameSet set = set_of(id.value, {1}, id);
+      edit_.ingest(set);
+      const MapCamera& c = map_.camera(id);
+      edit_.place(c, set.id, id == kCam0 ? first_ : second_, pose_, Why::kStartedAlone);
+      const MapPoint& p = edit_.create_point(c.map, {1, 0, 5}, Eigen::Vector3d(1, 2, 3).asDiagonal(),
+                                             PointPhase::kStatic, Why::kStartOfMap);
+      edit_.bind(p, id, c.tracks.at(TrackId(1)), Why::kMadeFromIt);
     }
   }
   const MapPoint& point_of(CameraId id) const { return *map_.find(map_.camera(id).tracks.at(TrackId(1)).point); }
@@ -171,7 +188,7 @@ class TwoMaps : public MapTest {
 
 TEST_F(TwoMaps, TransformMovesOneMapAndSaysSo) {
   const MapEpoch before = map_.epoch();
-  map_.transform(second_, move_);
+  edit_.transform(second_, move_, Why::kScaleKnown);
   EXPECT_GT(map_.epoch(), before);
   EXPECT_THAT(point_of(kCam0).position, VectorNear(Eigen::Vector3d(1, 0, 5), 1e-12));
   EXPECT_THAT(point_of(kCam1).position, VectorNear(move_ * Eigen::Vector3d(1, 0, 5), 1e-12));
@@ -180,13 +197,13 @@ TEST_F(TwoMaps, TransformMovesOneMapAndSaysSo) {
   EXPECT_THAT(map_.camera(kCam1).frames.back().cam_from_world, PoseNear(transform_world(pose_, move_), 1e-7, 1e-12));
   EXPECT_THAT(map_.camera(kCam0).moved, SimilarityNear(Similarity3(), 1e-9, 1e-12, 1e-12));
   EXPECT_THAT(map_.camera(kCam1).moved, SimilarityNear(move_, 1e-7, 1e-12, 1e-12));
-  map_.transform(second_, move_);
+  edit_.transform(second_, move_, Why::kScaleKnown);
   EXPECT_THAT(map_.camera(kCam1).moved, SimilarityNear(move_ * move_, 1e-7, 1e-9, 1e-12));
 }
 
 TEST_F(TwoMaps, MergeMakesOneMap) {
   const MapEpoch before = map_.epoch();
-  map_.merge(second_, first_, move_);
+  edit_.merge(second_, first_, move_);
   EXPECT_GT(map_.epoch(), before);
   EXPECT_EQ(point_of(kCam1).map, first_);
   EXPECT_EQ(map_.camera(kCam1).map, first_);

@@ -24,22 +24,20 @@ TEST(Classify, OneCameraGivesBackWhatStandsStill) {
   ASSERT_NE(on_wall, nullptr);
   const Eigen::Vector3d place = on_wall->position, eye = sim.truth(kCam0, sim.set.id).center();
   const int world_point = sim.world_point(*on_wall);
-  sim.map.remove_point(on_wall->id);
-  MapPoint& p = sim.map.create_point(sim.id, eye + 0.6 * (place - eye), 1e-3 * Eigen::Matrix3d::Identity(), sim.set.id,
-                                     sim.set.t_ns);
-  sim.map.set_state(p, PointState::kDynamic);
+  sim.edit.remove_point(*on_wall, Why::kNoOnePlace);
+  const MapPoint& p = sim.create(eye + 0.6 * (place - eye), 0.03, PointPhase::kMoving);
   const PointId id = p.id;
-  ServerTrack* track = sim.track_of(kCam0, world_point);
-  bind_moving(sim.map, p, kCam0, *track, Eigen::Vector2f::Zero());
+  const ServerTrack* track = sim.track_of(kCam0, world_point);
+  sim.edit.bind_moving(p, kCam0, *track, Eigen::Vector2f::Zero(), Why::kLooksLikeIt);
   const ClassifyConfig config;
   for (int i = 0; i < 2 * config.still_frames + 2; ++i) {
     sim.advance(1, true);
     track = sim.track_of(kCam0, world_point);
     ASSERT_NE(track, nullptr);
-    classify(sim.map, sim.set, config);
+    classify(sim.edit, sim.set, config);
   }
   EXPECT_NE(track->point, id);
-  EXPECT_FALSE(track->moving);
+  EXPECT_FALSE(track->moves());
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ class ClockTest : public testing::Test {
       for (int p = 0; p < world_.size(); ++p) {
         if (world_.moves(p)) bind(p);
       }
-      clocks_->step(sim_.map, sim_.set);
+      clocks_->step(sim_.edit, sim_.set);
     }
   }
   double offset_s(CameraId camera) const { return clocks_->offset(camera).offset_s; }
@@ -38,15 +38,15 @@ class ClockTest : public testing::Test {
  private:
   void bind(int world_point) {
     const auto at = points_.find(world_point);
-    MapPoint* p = at == points_.end() ? nullptr : sim_.map.find(at->second);
+    const MapPoint* p = at == points_.end() ? nullptr : sim_.map.find(at->second);
     if (p == nullptr) {
-      p = &sim_.add_point(world_point);
-      sim_.map.set_state(*p, PointState::kDynamic);
-      points_[world_point] = p->id;
+      const MapPoint& made = sim_.add_point(world_point, 0.01, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+      points_[world_point] = made.id;
+      return;
     }
     for (const CameraId c : {kFirst, kSecond, kThird}) {
-      ServerTrack* t = sim_.track_of(c, world_point);
-      if (t != nullptr && t->point == PointId()) bind_moving(sim_.map, *p, c, *t, Eigen::Vector2f::Zero());
+      const ServerTrack* t = sim_.track_of(c, world_point);
+      if (t != nullptr && !t->bound()) sim_.edit.bind_moving(*p, c, *t, Eigen::Vector2f::Zero(), Why::kLooksLikeIt);
     }
   }
 

@@ -26,11 +26,9 @@ class FuseTest : public testing::Test {
     }
   }
   void map_alone(int world_point, CameraId camera, const Eigen::Vector3d& off_m) {
-    MapPoint& p = sim_.map.create_point(sim_.id, world_.position(world_point) + off_m,
-                                        1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, sim_.set.t_ns);
-    sim_.map.bind(p, camera, *sim_.track_of(camera, world_point));
+    sim_.bind(sim_.create(world_.position(world_point) + off_m), camera, *sim_.track_of(camera, world_point));
   }
-  FuseReport fuse() { return fuse_points(sim_.map, sim_.set, config_); }
+  FuseReport fuse() { return fuse_points(sim_.edit, sim_.set, config_); }
   PointId point_of(CameraId camera, int world_point) { return sim_.track_of(camera, world_point)->point; }
 
   const FuseConfig config_;
@@ -62,43 +60,55 @@ TEST_F(FuseTest, MakesOneOfTwoAndNothingElse) {
 TEST_F(FuseTest, WhatACameraSawAtOnceStaysTwo) {
   const int p = twice_.front();
   // A second track of the first camera on the second's point: it sees both.
-  MapPoint& other = *sim_.map.find(point_of(kCam1, p));
-  ServerTrack& neighbour = *sim_.track_of(kCam0, twice_[1]);
-  sim_.map.unbind(kCam0, neighbour);
-  sim_.map.bind(other, kCam0, neighbour);
+  const MapPoint& other = *sim_.map.find(point_of(kCam1, p));
+  const ServerTrack& neighbour = *sim_.track_of(kCam0, twice_[1]);
+  sim_.edit.unbind(kCam0, neighbour, Why::kOutsideGate);
+  sim_.bind(other, kCam0, neighbour);
   fuse();
   EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
 }
 
 TEST_F(FuseTest, SeenApartAtAnEarlierKeyFrameCountsToo) {
   const int p = twice_.front();
-  const TrackPoint& seen = sim_.track_of(kCam0, p)->seen.front();
-  for (const CameraId camera : {kCam0, kCam1}) {
-    sim_.map.find(point_of(camera, p))
-        ->key_observations.push_back({seen.set, kCam0, TrackId(900 + camera.value), seen.undistorted_px});
-  }
+  constexpr TrackId kSecond(9999);  // of the first camera, at the same place
+  sim_.look(true);
+  sim_.set.frames[0].frame.tracks.push_back({kSecond, sim_.seen(kCam0, p)->undistorted_px});
+  sim_.take();
+  sim_.place_truly();
+  sim_.bind(*sim_.map.find(point_of(kCam1, p)), kCam0, sim_.map.camera(kCam0).tracks.at(kSecond));
+  sim_.edit.add_key_frame(sim_.set.id);
+  sim_.advance(1, true);
+  ASSERT_FALSE(sim_.map.camera(kCam0).tracks.contains(kSecond)) << "it has ended";
   fuse();
   EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
 }
 
 TEST_F(FuseTest, AnotherLookIsRefused) {
   const int p = twice_.front();
-  sim_.track_of(kCam0, p)->patch = world_.patch(twice_[1]);
-  for (PointPatch& patch : sim_.map.find(point_of(kCam0, p))->patches) patch.pixels = world_.patch(twice_[1]);
+  sim_.edit.remove_point(*sim_.map.find(point_of(kCam0, p)), Why::kTooFewViews);
+  sim_.look(true);
+  sim_.patch_of(kCam0, p)->grey = world_.patch(twice_[1]);
+  sim_.take();
+  sim_.place_truly();
+  map_alone(p, kCam0, {0.004, 0, 0.01});
   fuse();
   EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
 }
 
 TEST_F(FuseTest, OnePositionMustExplainThePastOfBoth) {
   const int p = twice_.front();
-  sim_.track_of(kCam1, p)->seen[3].undistorted_px += Eigen::Vector2f(0, 15);
+  sim_.look(true);
+  sim_.seen(kCam1, p)->undistorted_px += Eigen::Vector2f(0, 15);
+  sim_.take();
+  sim_.place_truly();
+  sim_.advance(1, true);
   fuse();
   EXPECT_NE(point_of(kCam0, p), point_of(kCam1, p));
 }
 
 TEST_F(FuseTest, OnlyStaticPointsOfTheSameMap) {
-  for (auto& [id, p] : sim_.map.points()) {
-    if (p.bound.front().camera == kCam1) sim_.map.set_state(p, PointState::kUncertain);
+  for (const auto& [id, p] : sim_.map.points()) {
+    if (p.bound.front().camera == kCam1) sim_.set_moving(p);
   }
   EXPECT_EQ(fuse().candidates, 0);
 }

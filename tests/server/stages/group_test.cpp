@@ -28,8 +28,8 @@ class GroupTest : public testing::Test {
   void share(std::initializer_list<int> cameras, int count) {
     for (int i = 0; i < count; ++i) {
       while (sim_.track_of(cam(0), next_) == nullptr) ++next_;
-      MapPoint& p = sim_.map.create_point(sim_.id, world_.position(next_), Eigen::Matrix3d::Identity(), sim_.set.id, 0);
-      for (const int c : cameras) sim_.map.bind(p, cam(c), *sim_.track_of(cam(c), next_));
+      const MapPoint& p = sim_.create(world_.position(next_), 1);
+      for (const int c : cameras) sim_.bind(p, cam(c), *sim_.track_of(cam(c), next_));
       ++next_;
     }
   }
@@ -82,7 +82,7 @@ TEST_F(GroupTest, GroupsAreConnectedComponents) {
 
 TEST_F(GroupTest, ACameraWithoutAMapIsInNoGroup) {
   share({0, 1}, 2);
-  sim_.map.camera(cam(2)).map = MapId();
+  sim_.edit.leave_map(sim_.map.camera(cam(2)));
   for (const auto& group : graph().groups) EXPECT_EQ(std::count(group.begin(), group.end(), cam(2)), 0);
 }
 
@@ -114,7 +114,7 @@ class GroupingTest : public GroupTest {
   // So many shared points for some sets; when the two became (or ceased to be) one group, in sets from 0, else -1.
   int run(int shared, int sets) {
     while (!made_.empty()) {
-      sim_.map.remove_point(made_.back());
+      sim_.edit.remove_point(*sim_.map.find(made_.back()), Why::kUndetermined);
       made_.pop_back();
     }
     int when = -1;
@@ -122,9 +122,8 @@ class GroupingTest : public GroupTest {
       sim_.advance();
       for (int p = 0; static_cast<int>(made_.size()) < shared; ++p) {
         if (sim_.track_of(cam(0), p) == nullptr || sim_.track_of(cam(1), p) == nullptr) continue;
-        MapPoint& made =
-            sim_.map.create_point(sim_.id, world_.position(p), Eigen::Matrix3d::Identity(), sim_.set.id, 0);
-        for (const int c : {0, 1}) sim_.map.bind(made, cam(c), *sim_.track_of(cam(c), p));
+        const MapPoint& made = sim_.create(world_.position(p), 1);
+        for (const int c : {0, 1}) sim_.bind(made, cam(c), *sim_.track_of(cam(c), p));
         made_.push_back(made.id);
       }
       const bool now = grouping_.step(sim_.map, sim_.set).groups[0].size() == 2;
@@ -163,11 +162,9 @@ class OverlappingGroupTest : public GroupTest {
  protected:
   void see_apart() {
     for (const int c : {0, 1}) {
-      for (auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
-        if (t.point != PointId()) continue;
-        MapPoint& p = sim_.map.create_point(sim_.id, world_.position(sim_.world_point(cam(c), id)),
-                                            1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, 0);
-        sim_.map.bind(p, cam(c), t);
+      for (const auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
+        if (t.bound()) continue;
+        sim_.bind(sim_.create(world_.position(sim_.world_point(cam(c), id))), cam(c), t);
       }
     }
   }
@@ -204,7 +201,7 @@ TEST_F(OverlappingGroupTest, AnOverlapKeepsThem) {
   ASSERT_TRUE(together_after(40));
   std::vector<PointId> shared;
   for (const auto& [id, p] : sim_.map.points()) shared.push_back(id);
-  for (const PointId id : shared) sim_.map.remove_point(id);
+  for (const PointId id : shared) sim_.edit.remove_point(*sim_.map.find(id), Why::kUndetermined);
   see_apart();
   EXPECT_TRUE(together_after(60));
 }

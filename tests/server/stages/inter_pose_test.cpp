@@ -22,21 +22,19 @@ class InterPoseTest : public testing::Test {
     sim_.advance(6, true);
     sim_.add_points(0.003);
     for (int p = 0; p < world_.size(); ++p) {
-      if (!world_.moves(p)) continue;
-      MapPoint& point = sim_.add_point(p);
-      sim_.map.set_state(point, PointState::kDynamic);
+      if (world_.moves(p)) sim_.add_point(p, 0.01, Eigen::Vector3d::Zero(), PointPhase::kMoving);
     }
     sim_.ingest();
     sim_.place_truly(CameraId(0));
     sim_.place_truly(CameraId(1));
     int kept = 0;
-    for (auto& [id, t] : sim_.map.camera(kPoor).tracks) {
+    for (const auto& [id, t] : sim_.map.camera(kPoor).tracks) {
       const MapPoint* p = sim_.map.find(t.point);
-      if (p != nullptr && p->state == PointState::kStatic && ++kept > 3) sim_.map.unbind(kPoor, t);
+      if (p != nullptr && p->proven() && ++kept > 3) sim_.edit.unbind(kPoor, t, Why::kOutsideGate);
     }
   }
   InterPoseReport run(const InterPoseConfig& config = {}) {
-    return inter_pose(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), config);
+    return inter_pose(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config);
   }
   const FramePose& frame() { return sim_.map.camera(kPoor).frames.back(); }
 
@@ -63,11 +61,9 @@ TEST_F(InterPoseTest, FindsTheCameraThatHasNoStaticPoints) {
 
 TEST_F(InterPoseTest, NotWhenStaticPointsAreEnough) {
   sim_.advance(1);
-  for (auto& [id, p] : sim_.map.points()) {
-    if (p.state == PointState::kDynamic) sim_.map.set_state(p, PointState::kFalse);
-  }
+  for (const MapPoint* p : sim_.map.moving_points()) sim_.edit.remove_point(*p, Why::kNoOnePlace);
   for (const auto& [id, t] : sim_.map.camera(kPoor).tracks) {
-    if (t.point == PointId() && !world_.moves(sim_.world_point(kPoor, id))) sim_.add_point(sim_.world_point(kPoor, id));
+    if (!t.bound() && !world_.moves(sim_.world_point(kPoor, id))) sim_.add_point(sim_.world_point(kPoor, id));
   }
   EXPECT_EQ(run().calls, 0);
 }

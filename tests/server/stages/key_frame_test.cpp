@@ -22,7 +22,7 @@ class KeyFrameTest : public testing::Test {
     sim_.advance();
     return decide();
   }
-  bool decide() { return decide_key_frame(sim_.map, sim_.set, config_); }
+  bool decide() { return decide_key_frame(sim_.edit, sim_.set, config_); }
 
   const KeyFrameConfig config_;
   const test::SimWorld world_{{}};
@@ -32,7 +32,7 @@ class KeyFrameTest : public testing::Test {
 TEST_F(KeyFrameTest, TheFirstWithPoints) {
   test::SimMap empty(world_, test::paths_side_by_side(1));
   empty.advance();
-  EXPECT_FALSE(decide_key_frame(empty.map, empty.set, config_));
+  EXPECT_FALSE(decide_key_frame(empty.edit, empty.set, config_));
   EXPECT_TRUE(decide());
   EXPECT_TRUE(sim_.map.is_key_frame(sim_.set.id));
 }
@@ -55,20 +55,19 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
 TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
   decide();
   for (int i = 0; i < config_.min_sets; ++i) ASSERT_FALSE(step()) << i;
-  MapCamera& c = sim_.map.camera(CameraId(1));
+  const MapCamera& c = sim_.map.camera(CameraId(1));
   int bound = 0, freed = 0;
-  for (auto& [id, t] : c.tracks) bound += t.point != PointId();
-  for (auto& [id, t] : c.tracks) {
-    if (t.point == PointId() || freed >= 0.2 * bound) continue;
-    sim_.map.unbind(c.id, t);
-    ++freed;
-  }
+  for (const auto& [id, t] : c.tracks) bound += t.bound();
+  const auto free = [&](double share) {
+    for (const auto& [id, t] : c.tracks) {
+      if (!t.bound() || freed >= share * bound) continue;
+      sim_.edit.unbind(c.id, t, Why::kOutsideGate);
+      ++freed;
+    }
+  };
+  free(0.2);
   EXPECT_FALSE(step()) << "a fifth";
-  for (auto& [id, t] : c.tracks) {
-    if (t.point == PointId() || freed >= 0.4 * bound) continue;
-    sim_.map.unbind(c.id, t);
-    ++freed;
-  }
+  free(0.4);
   EXPECT_TRUE(step()) << "two fifths";
 }
 
@@ -85,18 +84,18 @@ TEST_F(HoveringKeyFrames, OneIsEnough) {
 
 TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
   const CullConfig config;
-  const auto make = [&](std::uint32_t views) {
-    MapPoint& p = sim_.map.create_point(sim_.id, {0, 0, 5}, Eigen::Matrix3d::Identity(), sim_.set.id, 0);
-    p.views = views;
+  const auto make = [&](int views) {
+    const MapPoint& p = sim_.create({0, 0, 5}, 1);
+    for (int i = 0; i < views; ++i) sim_.edit.see(p);
     return p.id;
   };
   const PointId poor = make(3), good = make(12);
   const PointId bound_poor = sim_.map.points().begin()->first;
   ASSERT_FALSE(sim_.map.find(bound_poor)->bound.empty());
   for (int i = 0; i < config.probation_sets - 1; ++i) sim_.advance();
-  EXPECT_EQ(cull(sim_.map, sim_.set, config).removed, 0);
+  EXPECT_EQ(cull(sim_.edit, sim_.set, config).removed, 0);
   sim_.advance();
-  const int removed = cull(sim_.map, sim_.set, config).removed;
+  const int removed = cull(sim_.edit, sim_.set, config).removed;
   EXPECT_GE(removed, 1);
   EXPECT_EQ(sim_.map.find(poor), nullptr);
   EXPECT_NE(sim_.map.find(good), nullptr);
@@ -104,16 +103,19 @@ TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
   EXPECT_TRUE(bound == nullptr || !bound->bound.empty());
 }
 
-TEST_F(KeyFrameTest, CullKeepsFewPatchesTheFirstAndTheNewest) {
-  MapPoint& p = sim_.map.points().begin()->second;
-  for (std::uint8_t i = 0; i < 50; ++i) {
-    p.patches.push_back({CameraId(0), SetId(0), {}});
-    p.patches.back().pixels.fill(i);
+TEST_F(HoveringKeyFrames, CullKeepsFewPatchesTheFirstAndTheNewest) {
+  const MapPoint& p = sim_.map.points().begin()->second;
+  const BoundTrack seen = p.bound.front();
+  const auto first = sim_.set.id.value + 1;
+  for (int i = 0; i < 50; ++i) {
+    sim_.advance(1, true);
+    sim_.edit.give_patch(p, seen.camera, sim_.map.track(seen));
   }
-  cull(sim_.map, sim_.set, {});
+  ASSERT_EQ(p.patches.size(), 50U);
+  cull(sim_.edit, sim_.set, {});
   EXPECT_LE(p.patches.size(), 8U);
-  EXPECT_EQ(p.patches.front().pixels[0], 0);
-  EXPECT_EQ(p.patches.back().pixels[0], 49);
+  EXPECT_EQ(p.patches.front().set, SetId(first));
+  EXPECT_EQ(p.patches.back().set, sim_.set.id);
 }
 
 }  // namespace

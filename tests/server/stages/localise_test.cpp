@@ -21,19 +21,23 @@ class LocaliseTest : public testing::Test {
     sim_.advance(2);
     sim_.add_points(0.01);
   }
-  MapCamera& camera(CameraId id) { return sim_.map.camera(id); }
+  const MapCamera& camera(CameraId id) { return sim_.map.camera(id); }
   const FramePose& pose(CameraId id) { return camera(id).frames.back(); }
   LocaliseReport step() {
     sim_.ingest();
-    const LocaliseReport report = localise(sim_.map, sim_.set, config_);
+    const LocaliseReport report = localise(sim_.edit, sim_.set, config_);
     sim_.add_points(0.01);
     return report;
   }
   // Every point of a camera at the place of another.
   void shuffle_points() {
-    MapPoint* last = nullptr;
-    for (auto& [id, p] : sim_.map.points()) {
-      if (last != nullptr) std::swap(last->position, p.position);
+    const MapPoint* last = nullptr;
+    for (const auto& [id, p] : sim_.map.points()) {
+      if (last != nullptr) {
+        const Eigen::Vector3d between = p.position - last->position;
+        sim_.shift(*last, between);
+        sim_.shift(p, -between);
+      }
       last = &p;
     }
   }
@@ -70,7 +74,7 @@ TEST_F(LocaliseWithOutliers, FollowsTruth) {
 }
 
 TEST_F(LocaliseTest, LeavesCamerasWithoutAMapAlone) {
-  camera(kCam1).map = MapId();
+  sim_.edit.leave_map(camera(kCam1));
   const LocaliseReport report = step();
   EXPECT_EQ(report.tracked, 1);
   EXPECT_EQ(report.lost, 0);
@@ -79,25 +83,26 @@ TEST_F(LocaliseTest, LeavesCamerasWithoutAMapAlone) {
 
 TEST_F(LocaliseTest, StartsAtTheAgentsPoseWhenItIsOfThisEpoch) {
   // The server's last pose is far off; what the agent says is right, but for the newest map only.
-  camera(kCam0).frames.back().cam_from_world = test::looking({3, 1, 3}, 2.5);
-  camera(kCam0).frames[0].map = MapId();
+  for (const FramePose& f : camera(kCam0).frames) {
+    sim_.edit.adjust_pose(camera(kCam0), f, test::looking({3, 1, 3}, 2.5));
+  }
   FrameSet set = sim_.ingest();
   set.frames[0].frame.pose_state = PoseState::kTracked;
   set.frames[0].frame.cam_from_world = sim_.truth(kCam0, set.id);
   set.frames[0].frame.epoch = MapEpoch(sim_.map.epoch().value + 1);
-  EXPECT_EQ(localise(sim_.map, set, config_).lost, 1) << "another epoch";
+  EXPECT_EQ(localise(sim_.edit, set, config_).lost, 1) << "another epoch";
   set.frames[0].frame.epoch = sim_.map.epoch();
-  EXPECT_EQ(localise(sim_.map, set, config_).tracked, 2);
+  EXPECT_EQ(localise(sim_.edit, set, config_).tracked, 2);
   EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 0.003, 0.015));
 }
 
 TEST_F(LocaliseTest, AnAgentsPoseOfAnOldEpochIsNotUsed) {
-  sim_.map.raise_epoch();
+  sim_.edit.raise_epoch();
   FrameSet set = sim_.ingest();
   set.frames[0].frame.pose_state = PoseState::kTracked;
   set.frames[0].frame.cam_from_world = test::looking({3, 1, 3}, 2.5);
   set.frames[0].frame.epoch = MapEpoch(0);
-  EXPECT_EQ(localise(sim_.map, set, config_).tracked, 2);
+  EXPECT_EQ(localise(sim_.edit, set, config_).tracked, 2);
   EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 0.003, 0.015));
 }
 
@@ -110,20 +115,20 @@ TEST_F(LocaliseTest, NoPoseRatherThanAWrongOne) {
 }
 
 TEST_F(LocaliseTest, FewPointsGiveNoPose) {
-  while (sim_.map.points().size() > 8) sim_.map.remove_point(sim_.map.points().begin()->first);
+  while (sim_.map.points().size() > 8) sim_.edit.remove_point(sim_.map.points().begin()->second, Why::kUndetermined);
   sim_.ingest();
-  EXPECT_EQ(localise(sim_.map, sim_.set, config_).lost, 2);
+  EXPECT_EQ(localise(sim_.edit, sim_.set, config_).lost, 2);
 }
 
 TEST_F(LocaliseTest, LeavesItsMapAfterSoManySets) {
   shuffle_points();
   for (int i = 0; i < config_.lost_after_sets; ++i) {
     sim_.ingest();
-    localise(sim_.map, sim_.set, config_);
+    localise(sim_.edit, sim_.set, config_);
     ASSERT_EQ(camera(kCam0).map, sim_.id) << i;
   }
   sim_.ingest();
-  localise(sim_.map, sim_.set, config_);
+  localise(sim_.edit, sim_.set, config_);
   EXPECT_EQ(camera(kCam0).map, MapId());
   for (const auto& [id, t] : camera(kCam0).tracks) EXPECT_EQ(t.point, PointId());
   for (const auto& [id, p] : sim_.map.points()) EXPECT_TRUE(p.bound.empty());
@@ -133,10 +138,10 @@ TEST_F(LocaliseTest, ComesBackWhenThePointsFitAgain) {
   shuffle_points();
   for (int i = 0; i < 5; ++i) {
     sim_.ingest();
-    localise(sim_.map, sim_.set, config_);
+    localise(sim_.edit, sim_.set, config_);
   }
-  for (auto& [id, p] : sim_.map.points()) {
-    if (!p.bound.empty()) p.position = world_.position(sim_.world_point(p));
+  for (const auto& [id, p] : sim_.map.points()) {
+    if (!p.bound.empty()) sim_.shift(p, world_.position(sim_.world_point(p)) - p.position);
   }
   EXPECT_EQ(step().tracked, 2);
   EXPECT_EQ(camera(kCam0).lost_sets, 0);
@@ -145,10 +150,10 @@ TEST_F(LocaliseTest, ComesBackWhenThePointsFitAgain) {
 
 TEST_F(LocaliseTest, StandsOnStaticPointsOnly) {
   int i = 0;
-  for (auto& [id, p] : sim_.map.points()) {
+  for (const auto& [id, p] : sim_.map.points()) {
     if (++i % 2 == 0) continue;
-    sim_.map.set_state(p, PointState::kDynamic);
-    p.position += Eigen::Vector3d(0.5, 0, 0);  // they all walk the same way
+    sim_.set_moving(p);
+    sim_.shift(p, {0.5, 0, 0});  // they all walk the same way
   }
   EXPECT_EQ(step().tracked, 2);
   EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, sim_.set.id), 0.004, 0.02));
@@ -157,8 +162,8 @@ TEST_F(LocaliseTest, StandsOnStaticPointsOnly) {
 TEST_F(LocaliseTest, APastPoseFromTheTracksThatLive) {
   for (int i = 0; i < 5; ++i) sim_.ingest();
   const SetId past(4);
-  EXPECT_FALSE(localise_past(sim_.map, camera(kCam0), SetId(77), sim_.truth(kCam0, past), config_)) << "no such set";
-  ASSERT_TRUE(localise_past(sim_.map, camera(kCam0), past, sim_.truth(kCam0, sim_.set.id), config_));
+  EXPECT_FALSE(localise_past(sim_.edit, camera(kCam0), SetId(77), sim_.truth(kCam0, past), config_)) << "no such set";
+  ASSERT_TRUE(localise_past(sim_.edit, camera(kCam0), past, sim_.truth(kCam0, sim_.set.id), config_));
   const FramePose& f = *camera(kCam0).frame_at(past);
   EXPECT_EQ(f.map, sim_.id);
   EXPECT_THAT(f.cam_from_world, PoseNear(sim_.truth(kCam0, past), 0.003, 0.015));

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "tests/support/matchers.h"
@@ -26,7 +29,7 @@ class MapInterTest : public testing::Test {
     }
   }
   MapInterReport step(const MapInterConfig& config = {}) {
-    return map_inter(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), config);
+    return map_inter(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config);
   }
   std::vector<const MapPoint*> created() const {
     std::vector<const MapPoint*> out;
@@ -50,7 +53,7 @@ TEST_F(MapInterTest, MapsWhatBothSee) {
   std::vector<double> values;
   for (const MapPoint* p : created()) {
     ASSERT_EQ(p->bound.size(), 2U);
-    EXPECT_EQ(p->state, PointState::kStatic);
+    EXPECT_TRUE(p->rests());
     EXPECT_EQ(sim_.world_point(p->bound[0].camera, p->bound[0].track),
               sim_.world_point(p->bound[1].camera, p->bound[1].track));
     const Eigen::Vector3d error = p->position - world_.position(sim_.world_point(*p));
@@ -66,19 +69,29 @@ TEST_F(MapInterTest, NothingIsLeftForTheSecondTime) {
 }
 
 TEST_F(MapInterTest, NothingWithoutPatches) {
-  for (auto& [id, t] : sim_.map.camera(kCam1).tracks) t.patch.reset();
-  EXPECT_EQ(step().compared, 0);
+  test::SimMap blind(world_, test::paths_side_by_side(2));
+  for (int i = 0; i < 10; ++i) {
+    blind.look(true);
+    blind.set.frames[1].patches.reset();
+    blind.take();
+    blind.place_truly();
+  }
+  for (const auto& [id, p] : sim_.map.points()) blind.add_point(sim_.world_point(p));
+  const ViewGraph graph = view_graph(blind.map, blind.set);
+  ASSERT_EQ(graph.edges.size(), 1U);
+  EXPECT_EQ(map_inter(blind.edit, blind.set, graph, {}).compared, 0);
 }
 
 TEST_F(MapInterTest, NothingWithoutAnEdge) {
-  for (auto& [id, t] : sim_.map.camera(kCam1).tracks) {
-    if (t.point != PointId()) sim_.map.unbind(kCam1, t);
+  for (const auto& [id, t] : sim_.map.camera(kCam1).tracks) {
+    if (t.bound()) sim_.edit.unbind(kCam1, t, Why::kOutsideGate);
   }
   EXPECT_EQ(step().compared, 0);
 }
 
 TEST_F(MapInterTest, NothingWithoutAPose) {
-  sim_.map.camera(kCam1).frames.back().map = MapId();
+  sim_.ingest(true);
+  sim_.place_truly(kCam0);
   EXPECT_EQ(step().created, 0);
 }
 
@@ -96,85 +109,111 @@ TEST_F(MapInterWithTraffic, StaticPointsOnly) {
   EXPECT_EQ(moving, 0);
 }
 
-// One candidate on each side: the same patch on the same epipolar line, as if the thing were `depth_m` away.
+// One candidate on each side: the same patch on the same epipolar line, as if the thing were somewhere else. The run
+// is repeated with that pair alone having patches, and with what a test changes of it.
 class Lookalike : public MapInterTest {
  protected:
   Lookalike() {
-    for (int p = 0; p < world_.size() && a_ == nullptr; ++p) {
-      if (!sim_.all_follow(p) || sim_.track_of(kCam0, p)->point != PointId() || !near_a_seed(p)) continue;
-      a_ = sim_.track_of(kCam0, p);
-      b_ = sim_.track_of(kCam1, p);
-    }
-    for (const CameraId c : {kCam0, kCam1}) {
-      for (auto& [id, t] : sim_.map.camera(c).tracks) {
-        if (&t != a_ && &t != b_) t.patch.reset();
-      }
-    }
+    while (!sim_.all_follow(thing_) || track(kCam0).bound() || !near_a_seed()) ++thing_;
   }
-  bool near_a_seed(int p) {
+  const ServerTrack& track(CameraId camera) { return *sim_.track_of(camera, thing_); }
+  bool near_a_seed() {
     for (const auto& [id, t] : sim_.map.camera(kCam0).tracks) {
-      if (t.point == PointId()) continue;
-      const auto apart = t.seen.back().undistorted_px - sim_.track_of(kCam0, p)->seen.back().undistorted_px;
+      if (!t.bound()) continue;
+      const auto apart = t.seen.back().undistorted_px - track(kCam0).seen.back().undistorted_px;
       if (apart.norm() < 50) return true;
     }
     return false;
   }
-  // Puts the second track where it would see a thing on the first track's newest ray, at this depth, all along.
+  // Puts both tracks where they would see a thing on the first track's newest ray, at this depth, all along.
   void pretend(double depth_m) {
     const CameraModel camera = test::sim_camera();
-    const Rigid3 first = sim_.truth(kCam0, sim_.set.id);
-    const Eigen::Vector2d n = camera.normalized_from_pixel(a_->seen.back().undistorted_px.cast<double>());
-    const Eigen::Vector3d thing = first.inverse() * (depth_m * n.homogeneous());
-    for (TrackPoint& s : a_->seen) s.undistorted_px = camera.project(sim_.truth(kCam0, s.set) * thing).cast<float>();
-    for (TrackPoint& s : b_->seen) s.undistorted_px = camera.project(sim_.truth(kCam1, s.set) * thing).cast<float>();
+    const Eigen::Vector2d n = camera.normalized_from_pixel(track(kCam0).seen.back().undistorted_px.cast<double>());
+    place_ = sim_.truth(kCam0, sim_.set.id).inverse() * (depth_m * n.homogeneous());
   }
-  ServerTrack* a_ = nullptr;
-  ServerTrack* b_ = nullptr;
+  MapInterReport match(const MapInterConfig& config = {}) {
+    again_.emplace(world_, test::paths_side_by_side(2));
+    for (int i = 0; i <= static_cast<int>(sim_.set.id.value); ++i) {
+      again_->look(true);
+      for (const CameraId c : {kCam0, kCam1}) {
+        std::erase_if(again_->set.frames[c.value].patches->patches,
+                      [&](const ImagePatch& p) { return p.track != track(c).id; });
+        if (!place_) continue;
+        const Eigen::Vector2d px = test::sim_camera().project(again_->truth(c, again_->set.id) * *place_);
+        again_->seen(c, thing_)->undistorted_px = px.cast<float>();
+      }
+      change(i);
+      again_->take();
+      again_->place_truly();
+    }
+    for (const auto& [id, p] : sim_.map.points()) again_->add_point(sim_.world_point(p));
+    return map_inter(again_->edit, again_->set, view_graph(again_->map, again_->set), config);
+  }
+
+  int thing_ = 0;
+  std::optional<Eigen::Vector3d> place_;
+  std::function<void(int set)> change = [](int) {};
+  std::optional<test::SimMap> again_;
 };
 
 TEST_F(Lookalike, OfTheDisparityAroundIsMatched) {
-  const MapInterReport report = step();
+  const MapInterReport report = match();
   EXPECT_EQ(report.matched, 1);
   EXPECT_EQ(report.created, 1);
 }
 
 TEST_F(Lookalike, OfAnotherDisparityIsRefused) {
   pretend(1.2);  // 417 px of disparity against 60 to 170 of the room
-  EXPECT_EQ(step().compared, 0);
-  const MapInterReport report = step({.disparity_gate = 100});
+  EXPECT_EQ(match().compared, 0);
+  const MapInterReport report = match({.disparity_gate = 100});
   EXPECT_EQ(report.matched, 1) << "it is the disparity alone that refuses it";
   EXPECT_EQ(report.created, 1);
 }
 
 TEST_F(Lookalike, OffTheEpipolarLineIsRefused) {
-  b_->seen.back().undistorted_px += Eigen::Vector2f(0, 12);
-  EXPECT_EQ(step().compared, 0);
+  change = [&](int set) {
+    if (set == 9) again_->seen(kCam1, thing_)->undistorted_px += Eigen::Vector2f(0, 12);
+  };
+  EXPECT_EQ(match().compared, 0);
 }
 
 TEST_F(Lookalike, OfAnotherPatchIsRefused) {
-  b_->patch = world_.patch(0);
-  a_->patch = world_.patch(1);
-  const MapInterReport report = step();
+  change = [&](int) {
+    again_->patch_of(kCam0, thing_)->grey = world_.patch(1);
+    again_->patch_of(kCam1, thing_)->grey = world_.patch(0);
+  };
+  const MapInterReport report = match();
   EXPECT_EQ(report.compared, 1);
   EXPECT_EQ(report.matched, 0);
 }
 
 TEST_F(Lookalike, ThatWalkedInThePastIsRefused) {
-  b_->seen[4].undistorted_px += Eigen::Vector2f(15, 0);
-  const MapInterReport report = step();
+  change = [&](int set) {
+    if (set == 4) again_->seen(kCam1, thing_)->undistorted_px += Eigen::Vector2f(15, 0);
+  };
+  const MapInterReport report = match();
   EXPECT_EQ(report.matched, 1);
   EXPECT_EQ(report.created, 0);
 }
 
 TEST_F(Lookalike, TwoThatLookAlikeAreAmbiguous) {
   // A second track of the second camera, a little along the line, with the same patch.
-  for (auto& [id, t] : sim_.map.camera(kCam1).tracks) {
-    if (&t == b_ || t.point != PointId()) continue;
-    t.patch = b_->patch;
-    t.seen.back().undistorted_px = b_->seen.back().undistorted_px + Eigen::Vector2f(8, 0);
-    break;
-  }
-  EXPECT_EQ(step().matched, 0);
+  const TrackId second = [&] {
+    for (const auto& [id, t] : sim_.map.camera(kCam1).tracks) {
+      if (id != track(kCam1).id && !t.bound()) return id;
+    }
+    return TrackId();
+  }();
+  change = [&](int) {
+    CameraFrame& cf = again_->set.frames[kCam1.value];
+    const auto at = std::ranges::find(cf.frame.tracks, second, &TrackObservation::track);
+    if (at == cf.frame.tracks.end()) return;
+    at->undistorted_px = again_->seen(kCam1, thing_)->undistorted_px + Eigen::Vector2f(8, 0);
+    cf.patches->patches.push_back({second, again_->patch_of(kCam1, thing_)->grey});
+  };
+  const MapInterReport report = match();
+  EXPECT_EQ(report.compared, 2);
+  EXPECT_EQ(report.matched, 0);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct OneCamera {
     int created = 0;
     for (int i = 0; i < sets; ++i) {
       sim.advance();
-      created += map_intra(sim.map, sim.set, config).created;
+      created += map_intra(sim.edit, sim.set, config).created;
     }
     return created;
   }
@@ -39,7 +39,7 @@ TEST(MapIntra, PointsAreWhereTheyShouldBe) {
   EXPECT_GT(run.step(90), 60);
   std::vector<double> values;
   for (const auto& [id, p] : run.sim.map.points()) {
-    EXPECT_EQ(p.state, PointState::kStatic);
+    EXPECT_TRUE(p.rests());
     EXPECT_EQ(p.map, run.sim.id);
     const int point = run.sim.world_point(p);
     if (point < 0) continue;  // its track ended, and nobody knows what it was
@@ -94,7 +94,7 @@ TEST(MapIntra, NothingFromTracksThatJump) {
   for (int i = 0; i < 60; ++i) {
     run.step(1);
     for (const auto& [id, t] : run.sim.map.camera(CameraId(0)).tracks) {
-      if (t.point == PointId() || run.sim.map.find(t.point)->created != run.sim.set.id) continue;
+      if (!t.bound() || run.sim.map.find(t.point)->created != run.sim.set.id) continue;
       for (const TrackPoint& s : t.seen) {  // the gate holds in every frame
         const Eigen::Vector3d x = run.sim.truth(CameraId(0), s.set) * run.sim.map.find(t.point)->position;
         EXPECT_LT((test::sim_camera().project(x) - s.undistorted_px.cast<double>()).norm(), 2.01);
@@ -141,7 +141,7 @@ TEST(MapIntra, FramesWithoutAPoseDoNotCount) {
   for (int i = 0; i < 30; ++i) {
     run.sim.ingest();
     if (i % 5 == 0) run.sim.place_truly();
-    EXPECT_EQ(map_intra(run.sim.map, run.sim.set, run.config).created, 0) << "fewer than 8 views with a pose";
+    EXPECT_EQ(map_intra(run.sim.edit, run.sim.set, run.config).created, 0) << "fewer than 8 views with a pose";
   }
 }
 

@@ -21,13 +21,13 @@ class MapMovingTest : public testing::Test {
       if (!world_.moves(p) && sim_.all_follow(p)) sim_.add_point(p);
     }
   }
-  MapInterReport step() { return map_moving(sim_.map, sim_.set, view_graph(sim_.map, sim_.set), {}); }
+  MapInterReport step() { return map_moving(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), {}); }
   // What the first camera believes of its free tracks; the number of them that stand still.
   int believe(bool moving) {
     int still = 0;
-    for (auto& [id, t] : sim_.map.camera(kCam0).tracks) {
-      if (t.point != PointId()) continue;
-      t.moving = moving;
+    for (const auto& [id, t] : sim_.map.camera(kCam0).tracks) {
+      if (t.bound()) continue;
+      sim_.edit.set_motion(kCam0, t, moving ? TrackMotion::kMoving : TrackMotion::kResting);
       still += !world_.moves(sim_.world_point(kCam0, id));
     }
     return still;

@@ -24,7 +24,7 @@ class MeetTest : public testing::Test {
  protected:
   explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
-  MeetReport step() { return meetings_.step(sim_.map, sim_.set, view_graph(sim_.map, sim_.set)); }
+  MeetReport step() { return meetings_.step(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set)); }
 
   MeetConfig config_;
   Meetings meetings_{config_};
@@ -52,7 +52,7 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
       sim->ingest(false, wanted);
       sim->place_truly();
       sim->add_points();
-      wanted = !meetings.step(sim->map, sim->set, {}).requests.empty();
+      wanted = !meetings.step(sim->edit, sim->set, {}).requests.empty();
       *asked += wanted;
     }
   }
@@ -94,12 +94,12 @@ TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
   sim.ingest(false, true);
   sim.place_truly();
   sim.add_points();
-  meetings_.step(sim.map, sim.set, {});
-  sim.map.add_camera("stranger", RunId(9), test::sim_camera());
+  meetings_.step(sim.edit, sim.set, {});
+  sim.edit.add_camera("stranger", RunId(9), test::sim_camera());
   FrameSet set{SetId(1), test::kPeriodNs, {{cam(2), stranger.observe(FrameId(0), test::kPeriodNs), {}, {}}}};
   set.frames[0].descriptors = stranger.describe(set.frames[0].frame);
-  sim.map.ingest(set);
-  EXPECT_EQ(meetings_.step(sim.map, set, {}).placed, 0);
+  sim.edit.ingest(set);
+  EXPECT_EQ(meetings_.step(sim.edit, set, {}).placed, 0);
   EXPECT_EQ(sim.map.camera(cam(2)).map, MapId());
 }
 
@@ -110,19 +110,14 @@ class MergeTest : public MeetTest {
     for (int i = 0; i < 40; ++i) {
       sim_.ingest(false, i == 0);
       for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
-      MapCamera& c = sim_.map.camera(cam(2));
-      c.map = c.frames.back().map = own_;
-      c.frames.back().cam_from_world = transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_);
+      sim_.place(cam(2), own_, transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_));
       if (i > 0) continue;
       for (int p = 0; p < world_.size(); ++p) {
         if (sim_.track_of(cam(0), p) != nullptr || sim_.track_of(cam(1), p) != nullptr) sim_.add_point(p);
-        ServerTrack* t = sim_.track_of(cam(2), p);
-        if (t == nullptr) continue;
-        const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
-        MapPoint& own = sim_.map.create_point(own_, own_from_world_ * world_.position(p), covariance, sim_.set.id, 0);
-        sim_.map.bind(own, cam(2), *t);
+        const ServerTrack* t = sim_.track_of(cam(2), p);
+        if (t != nullptr) sim_.bind(sim_.create(own_, own_from_world_ * world_.position(p)), cam(2), *t);
       }
-      sim_.map.add_key_frame(sim_.set.id);
+      sim_.edit.add_key_frame(sim_.set.id);
       step();
     }
   }
@@ -130,16 +125,14 @@ class MergeTest : public MeetTest {
   MeetReport see() {
     sim_.ingest(false, true);
     for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
-    MapCamera& c = sim_.map.camera(cam(2));
-    c.frames.back().map = own_;
-    c.frames.back().cam_from_world = transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_);
+    sim_.place(cam(2), own_, transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_));
     return step();
   }
   int meet() {
     EXPECT_EQ(see().merged, 0) << "it has to be confirmed";
     return see().merged;
   }
-  const MapId own_ = sim_.map.new_map();
+  const MapId own_ = sim_.edit.new_map(Why::kStartedAlone, 1);
   const Similarity3 own_from_world_{2.5, so3_exp({0.1, 0.8, -0.2}), {5, -2, 1}};
 };
 
@@ -199,18 +192,14 @@ class LoopTest : public testing::Test {
   }
   void step(bool descriptors) {
     sim_.ingest(false, descriptors);
-    sim_.place_truly();
     const int now = static_cast<int>(sim_.set.id.value);
-    FramePose& f = sim_.map.camera(cam(0)).frames.back();
-    f.cam_from_world = transform_world(f.cam_from_world, drift(now));
-    for (auto& [id, t] : sim_.map.camera(cam(0)).tracks) {
-      if (t.point != PointId()) continue;
-      const Eigen::Vector3d at = drift(now) * world_.position(sim_.world_point(cam(0), id));
-      sim_.map.bind(sim_.map.create_point(sim_.id, at, 1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, sim_.set.t_ns),
-                    cam(0), t);
+    sim_.place(cam(0), transform_world(sim_.truth(cam(0), sim_.set.id), drift(now)));
+    for (const auto& [id, t] : sim_.map.camera(cam(0)).tracks) {
+      if (t.bound()) continue;
+      sim_.bind(sim_.create(drift(now) * world_.position(sim_.world_point(cam(0), id))), cam(0), t);
     }
-    if (now % 10 == 0) sim_.map.add_key_frame(sim_.set.id);
-    report_ = meetings_.step(sim_.map, sim_.set, view_graph(sim_.map, sim_.set));
+    if (now % 10 == 0) sim_.edit.add_key_frame(sim_.set.id);
+    report_ = meetings_.step(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set));
   }
   void go_around() {
     bool wanted = true;
@@ -298,19 +287,17 @@ class DriftTest : public MeetTest {
     std::normal_distribution<double> noise(0, scatter_m + 1e-12);
     for (int i = 0; i < sets && totals_.closed == 0; ++i) {
       sim_.ingest(false, true);
-      sim_.place_truly();
-      FramePose& f = sim_.map.camera(cam(1)).frames.back();
-      f.cam_from_world = transform_world(f.cam_from_world, off_);
+      sim_.place_truly(cam(0));
+      sim_.place(cam(1), transform_world(sim_.truth(cam(1), sim_.set.id), off_));
       for (int c = 0; c < 2; ++c) {
-        for (auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
-          if (t.point != PointId()) continue;
+        for (const auto& [id, t] : sim_.map.camera(cam(c)).tracks) {
+          if (t.bound()) continue;
           Eigen::Vector3d at = world_.position(sim_.world_point(cam(c), id));
           if (c == 1) at = off_ * at + Eigen::Vector3d(noise(random), noise(random), noise(random));
-          sim_.map.bind(sim_.map.create_point(sim_.id, at, 1e-4 * Eigen::Matrix3d::Identity(), sim_.set.id, 0), cam(c),
-                        t);
+          sim_.bind(sim_.create(at), cam(c), t);
         }
       }
-      sim_.map.add_key_frame(sim_.set.id);
+      sim_.edit.add_key_frame(sim_.set.id);
       thin_descriptors();
       const MeetReport r = step();
       totals_.closed += r.closed;

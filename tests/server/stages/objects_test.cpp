@@ -298,10 +298,7 @@ class ObjectsOfAMap : public testing::Test {
   ObjectsOfAMap() : sim_(world_, test::paths_side_by_side(2), {.noise_px = 0.1, .max_tracks = 400}) {
     sim_.advance(20);
     for (int i = 300; i < world_.size(); ++i) {
-      if (!sim_.all_follow(i)) continue;
-      MapPoint& p = sim_.add_point(i, 0.02);
-      p.position = world_.position(i, sim_.set.t_ns);
-      sim_.map.set_state(p, PointState::kDynamic);
+      if (sim_.all_follow(i)) sim_.add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
     }
   }
 
@@ -324,7 +321,7 @@ TEST_F(ObjectsOfAMap, PathsFollowTheMapWhenItIsMoved) {
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion before = finder_.objects()[0].motion;
   const Similarity3 moved{2, Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY())), {1, 2, 3}};
-  sim_.map.transform(sim_.id, moved);
+  sim_.edit.transform(sim_.id, moved, Why::kScaleKnown);
   finder_.step(sim_.map, sim_.set, {});
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion& after = finder_.objects()[0].motion;

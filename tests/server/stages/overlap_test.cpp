@@ -18,10 +18,8 @@ class OverlapTest : public testing::Test {
     test::SimMap sim(world_, {test::still_path(first), test::still_path(second)});
     sim.advance();
     for (int c = 0; c < 2; ++c) {
-      for (auto& [id, t] : sim.map.camera(cam(c)).tracks) {
-        MapPoint& p = sim.map.create_point(sim.id, world_.position(sim.world_point(cam(c), id)),
-                                           1e-4 * Eigen::Matrix3d::Identity(), sim.set.id, 0);
-        sim.map.bind(p, cam(c), t);
+      for (const auto& [id, t] : sim.map.camera(cam(c)).tracks) {
+        sim.bind(sim.create(world_.position(sim.world_point(cam(c), id))), cam(c), t);
       }
     }
     change(sim);
@@ -47,9 +45,9 @@ TEST_F(OverlapTest, TurnedAwayLessAndThenNothing) {
 class HiddenOverlapTest : public OverlapTest {
   void change(test::SimMap& sim) override {
     const Eigen::Vector3d center = sim.truth(cam(1), sim.set.id).center();
-    for (auto& [id, t] : sim.map.camera(cam(1)).tracks) {
-      MapPoint& p = *sim.map.find(t.point);
-      p.position = center + 0.3 * (p.position - center);
+    for (const auto& [id, t] : sim.map.camera(cam(1)).tracks) {
+      const MapPoint& p = *sim.map.find(t.point);
+      sim.shift(p, -0.7 * (p.position - center));
     }
   }
 };
@@ -59,7 +57,9 @@ TEST_F(HiddenOverlapTest, NearerThingsHideTheRest) {
 }
 
 class OtherMapOverlapTest : public OverlapTest {
-  void change(test::SimMap& sim) override { sim.map.camera(cam(1)).frames.back().map = sim.map.new_map(); }
+  void change(test::SimMap& sim) override {
+    sim.place(cam(1), sim.edit.new_map(Why::kStartedAlone, 1), sim.truth(cam(1), sim.set.id));
+  }
 };
 
 TEST_F(OtherMapOverlapTest, NothingIsKnownOfOtherMaps) {

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "server/map/edit.h"
 #include "tests/support/sim_world.h"
 
 namespace coslam {
@@ -128,10 +129,10 @@ TEST(Warped, MovesTheContent) {
 // One point that was seen from 4 m, and the picture of a sign around it: a bright bar from the point to the right.
 class FitPatchTest : public testing::Test {
  protected:
-  FitPatchTest() : map_({}) {
-    const CameraId id = map_.add_camera("a", RunId(1), test::sim_camera());
-    MapCamera& camera = map_.camera(id);
-    camera.frames.push_back({SetId(0), FrameId(0), 0, MapId(1), test::looking({0, 0, 0})});
+  FitPatchTest() {
+    const CameraId id = edit_.add_camera("a", RunId(1), test::sim_camera());
+    edit_.ingest({SetId(0), 0, {{id, {}, {}, {}}}});
+    edit_.place(map_.camera(id), SetId(0), MapId(1), test::looking({0, 0, 0}), Why::kStartedAlone);
     point_.map = MapId(1);
     point_.position = {0, 0, 4};
     point_.patches.push_back({id, SetId(0), sign(0, 1)});
@@ -150,7 +151,8 @@ class FitPatchTest : public testing::Test {
   std::optional<PatchFit> fit(const Rigid3& pose, const PatchGrey& patch) {
     return fit_patch(map_, point_, map_.cameras().front(), pose, patch);
   }
-  Map map_;
+  MapEdit edit_{MapConfig{}};
+  const Map& map_ = edit_.map();
   MapPoint point_;
 };
 

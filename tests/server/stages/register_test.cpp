@@ -22,20 +22,17 @@ class RegisterTest : public testing::Test {
   RegisterTest() : sim_(world_, test::paths_side_by_side(2)) {
     sim_.advance(6, true);
     for (int point = 0; point < world_.size(); ++point) {
-      ServerTrack* t = sim_.track_of(kCam0, point);
-      if (t == nullptr) continue;
-      MapPoint& p = sim_.map.create_point(sim_.id, world_.position(point), 1e-4 * Eigen::Matrix3d::Identity(),
-                                          sim_.set.id, sim_.set.t_ns);
-      sim_.map.bind(p, kCam0, *t);
+      const ServerTrack* t = sim_.track_of(kCam0, point);
+      if (t != nullptr) sim_.bind(sim_.create(world_.position(point)), kCam0, *t);
     }
     for (shared_ = 0; sim_.track_of(kCam0, shared_) == nullptr || sim_.track_of(kCam1, shared_) == nullptr;) ++shared_;
   }
   RegisterReport step(bool patches = true) {
     sim_.advance(1, patches);
-    return register_tracks(sim_.map, sim_.set, config_);
+    return register_tracks(sim_.edit, sim_.set, config_);
   }
-  ServerTrack& track() { return *sim_.track_of(kCam1, shared_); }
-  MapPoint& point() { return *sim_.map.find(sim_.track_of(kCam0, shared_)->point); }
+  const ServerTrack& track() { return *sim_.track_of(kCam1, shared_); }
+  const MapPoint& point() { return *sim_.map.find(sim_.track_of(kCam0, shared_)->point); }
   int wrongly_bound() {
     int wrong = 0;
     for (const auto& [id, p] : sim_.map.points()) {
@@ -68,7 +65,7 @@ TEST_F(RegisterTest, APointThatIsFoundAgainGetsItsNewTrack) {
   int registered = 0;
   for (int i = 0; i < 40; ++i) {
     sim.advance(1, true);
-    registered += register_tracks(sim.map, sim.set, config_).registered;
+    registered += register_tracks(sim.edit, sim.set, config_).registered;
   }
   EXPECT_GT(registered, 100);
   for (const auto& [id, p] : sim.map.points()) {
@@ -81,9 +78,11 @@ TEST_F(RegisterTest, APointThatIsFoundAgainGetsItsNewTrack) {
 }
 
 TEST_F(RegisterTest, AWrongPatchIsRefused) {
-  sim_.advance(1, true);
-  track().patch = world_.patch(shared_ + 1);
-  register_tracks(sim_.map, sim_.set, config_);
+  sim_.look(true);
+  sim_.patch_of(kCam1, shared_)->grey = world_.patch(shared_ + 1);
+  sim_.take();
+  sim_.place_truly();
+  register_tracks(sim_.edit, sim_.set, config_);
   EXPECT_EQ(track().point, PointId());
   EXPECT_EQ(point().bound.size(), 1U);
   EXPECT_NE(step().registered, 0);
@@ -91,28 +90,41 @@ TEST_F(RegisterTest, AWrongPatchIsRefused) {
 }
 
 TEST_F(RegisterTest, WithoutAPatchATrackWaits) {
-  for (auto& [id, t] : sim_.map.camera(kCam1).tracks) t.patch.reset();
-  EXPECT_EQ(step(false).registered, 0);
+  test::SimMap sim(world_, test::paths_side_by_side(2));
+  for (int i = 0; i < 6; ++i) {
+    sim.look(true);
+    sim.set.frames[1].patches.reset();
+    sim.take();
+    sim.place_truly();
+  }
+  ASSERT_NE(sim.track_of(kCam0, shared_), nullptr);
+  sim.bind(sim.create(world_.position(shared_)), kCam0, *sim.track_of(kCam0, shared_));
+  sim.advance(1, false);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).registered, 0);
+  sim.advance(1, true);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).registered, 1);
 }
 
 TEST_F(RegisterTest, YoungTracksWait) {
   test::SimMap sim(world_, test::paths_side_by_side(1));
   sim.advance(1, true);
-  for (int p = 0; p < 50; ++p)
-    sim.map.create_point(sim.id, world_.position(p), 1e-4 * Eigen::Matrix3d::Identity(), {}, 0);
+  for (int p = 0; p < 50; ++p) sim.create(world_.position(p));
   for (int i = 2; i < config_.min_track_frames; ++i) {
     sim.advance(1, true);
-    EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 0);
+    EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 0);
   }
 }
 
 TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
+  sim_.look(true);
+  sim_.seen(kCam1, shared_)->undistorted_px += Eigen::Vector2f(20, 0);
+  sim_.take();
+  sim_.place_truly();
   sim_.advance(1, true);
-  track().seen[3].undistorted_px += Eigen::Vector2f(20, 0);
-  register_tracks(sim_.map, sim_.set, config_);
+  register_tracks(sim_.edit, sim_.set, config_);
   EXPECT_EQ(track().point, PointId());
-  track().distrusted_before = track().seen[4].set.value;  // that past is known to be wrong
-  register_tracks(sim_.map, sim_.set, config_);
+  sim_.edit.distrust_before(track(), sim_.set.id);  // that past is known to be wrong
+  register_tracks(sim_.edit, sim_.set, config_);
   EXPECT_EQ(track().point, point().id);
 }
 
@@ -121,24 +133,23 @@ TEST_F(RegisterTest, InactivePointsTakeNoPart) {
   sim.advance(5, true);
   int seen = 0;
   while (sim.track_of(kCam0, seen) == nullptr) ++seen;
-  MapPoint& p = sim.map.create_point(sim.id, world_.position(seen), 1e-4 * Eigen::Matrix3d::Identity(), sim.set.id, 0);
+  const MapPoint& p = sim.create(world_.position(seen));
   sim.advance(5, true);
-  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 1);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 1);
   sim.advance(1, true);
-  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 0);
-  p.last_seen = sim.set.id;
-  EXPECT_EQ(register_tracks(sim.map, sim.set, config_).candidates, 1);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 0);
+  sim.edit.keep_recent(p);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 1);
 }
 
 TEST_F(RegisterTest, OnlyStaticPointsAreOffered) {
-  for (auto& [id, p] : sim_.map.points()) sim_.map.set_state(p, PointState::kDynamic);
+  for (const auto& [id, p] : sim_.map.points()) sim_.set_moving(p);
   EXPECT_EQ(step().candidates, 0);
 }
 
 TEST_F(RegisterTest, TheSecondViewMakesThePointBetter) {
-  for (auto& [id, p] : sim_.map.points()) {
-    p.position += Eigen::Vector3d(0.01, -0.01, 0.06);
-    p.covariance = 2e-3 * Eigen::Matrix3d::Identity();
+  for (const auto& [id, p] : sim_.map.points()) {
+    sim_.edit.move_point(p, p.position + Eigen::Vector3d(0.01, -0.01, 0.06), 2e-3 * Eigen::Matrix3d::Identity());
   }
   ASSERT_GT(step().registered, 30);
   std::vector<double> errors, before, values;
@@ -153,18 +164,18 @@ TEST_F(RegisterTest, TheSecondViewMakesThePointBetter) {
 }
 
 TEST_F(RegisterTest, RetriangulateLeavesWhatIsNotDetermined) {
-  MapPoint& p = point();  // seen by one camera, which hardly moved
+  const MapPoint& p = point();  // seen by one camera, which hardly moved
   const Eigen::Vector3d before = p.position;
-  while (p.bound.size() > 1) p.bound.pop_back();
-  EXPECT_FALSE(retriangulate(sim_.map, p));
+  ASSERT_EQ(p.bound.size(), 1U);
+  EXPECT_FALSE(retriangulate(sim_.edit, p));
   EXPECT_EQ(p.position, before);
 }
 
 TEST_F(RegisterTest, RetriangulateUsesBothCameras) {
-  sim_.map.bind(point(), kCam1, track());
-  MapPoint& p = point();
-  p.position += Eigen::Vector3d(0.2, 0.2, -0.3);
-  ASSERT_TRUE(retriangulate(sim_.map, p));
+  sim_.bind(point(), kCam1, track());
+  const MapPoint& p = point();
+  sim_.shift(p, {0.2, 0.2, -0.3});
+  ASSERT_TRUE(retriangulate(sim_.edit, p));
   const Eigen::Vector3d error = p.position - world_.position(shared_);
   EXPECT_LT(error.norm(), 0.15);
   EXPECT_LT(test::nees(error, p.covariance), 12);

@@ -20,6 +20,14 @@ using test::VectorNear;
 constexpr CameraId kCam0(0), kCam1(1);
 const CameraModel kCamera = test::sim_camera();
 
+// A point after the filter took one more view of it.
+MapPoint updated(MapPoint p, const Rigid3& cam_from_world, const Eigen::Vector2d& undistorted_px, double sigma_px) {
+  const PointEstimate now = kalman_update(p, kCamera, cam_from_world, undistorted_px, sigma_px);
+  p.position = now.position;
+  p.covariance = now.covariance;
+  return p;
+}
+
 MapPoint point_at(const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
   MapPoint p;
   p.id = PointId(1);
@@ -56,7 +64,7 @@ TEST(KalmanUpdate, IsTheBatchLeastSquaresOfPriorAndObservations) {
     Eigen::Matrix<double, 2, 3> j;
     ASSERT_TRUE(project_world(kCamera, pose, truth, &px, &j));
     const Eigen::Vector2d seen = px + kSigma_px * Eigen::Vector2d(normal(random), normal(random));
-    kalman_update(p, kCamera, pose, seen, kSigma_px);
+    p = updated(p, pose, seen, kSigma_px);
     information += j.transpose() * j / (kSigma_px * kSigma_px);
     weighted += j.transpose() * (seen - px + j * truth) / (kSigma_px * kSigma_px);
   }
@@ -68,7 +76,7 @@ TEST(KalmanUpdate, IsTheBatchLeastSquaresOfPriorAndObservations) {
 
 TEST(KalmanUpdate, CovarianceStaysSymmetricPositiveDefinite) {
   MapPoint p = point_at({0.4, -0.2, 5}, 100 * Eigen::Matrix3d::Identity());
-  for (int i = 0; i < 100000; ++i) kalman_update(p, kCamera, looking({0.5 * (i % 3), 0, 0}), {353, 223}, 0.01);
+  for (int i = 0; i < 100000; ++i) p = updated(p, looking({0.5 * (i % 3), 0, 0}), {353, 223}, 0.01);
   EXPECT_LT((p.covariance - p.covariance.transpose()).norm(), 1e-6 * p.covariance.norm());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(p.covariance);
   EXPECT_GT(eigen.eigenvalues().minCoeff(), 0);
@@ -76,8 +84,7 @@ TEST(KalmanUpdate, CovarianceStaysSymmetricPositiveDefinite) {
 }
 
 TEST(KalmanUpdate, BehindTheCameraNothingHappens) {
-  MapPoint p = point_at({0, 0, 5}, Eigen::Matrix3d::Identity());
-  kalman_update(p, kCamera, looking({0, 0, 10}), {320, 240}, 1);
+  const MapPoint p = updated(point_at({0, 0, 5}, Eigen::Matrix3d::Identity()), looking({0, 0, 10}), {320, 240}, 1);
   EXPECT_EQ(p.position, Eigen::Vector3d(0, 0, 5));
   EXPECT_EQ(p.covariance, Eigen::Matrix3d::Identity());
 }
@@ -90,16 +97,16 @@ class VerifyTest : public testing::Test {
   }
   VerifyReport step() {
     sim_.advance();
-    return verify(sim_.map, sim_.set, config_);
+    return verify(sim_.edit, sim_.set, config_);
   }
   // A map point with tracks in both cameras.
-  MapPoint& shared_point() {
-    for (auto& [id, p] : sim_.map.points()) {
+  const MapPoint& shared_point() const {
+    for (const auto& [id, p] : sim_.map.points()) {
       if (p.bound.size() == 2) return p;
     }
     return sim_.map.points().begin()->second;
   }
-  ServerTrack& track(CameraId camera, const BoundTrack& b) { return sim_.map.camera(camera).tracks.at(b.track); }
+  const ServerTrack& track(CameraId camera, const BoundTrack& b) { return sim_.map.camera(camera).tracks.at(b.track); }
 
   const VerifyConfig config_;
   const test::SimWorld world_{{}};
@@ -125,8 +132,8 @@ TEST_F(VerifyTest, TruePointsStayInside) {
 }
 
 TEST_F(VerifyTest, APointThatIsElsewhereFailsEverywhere) {
-  MapPoint& p = shared_point();
-  p.position += Eigen::Vector3d(0.4, 0, 0);
+  const MapPoint& p = shared_point();
+  sim_.shift(p, {0.4, 0, 0});
   const std::vector<BoundTrack> bound = p.bound;
   for (int i = 1; i < config_.failures; ++i) {
     EXPECT_GE(step().outside, 2);
@@ -141,7 +148,7 @@ TEST_F(VerifyTest, APointThatIsElsewhereFailsEverywhere) {
 }
 
 TEST_F(VerifyTest, ASlidTrackIsUnboundAndTheOthersStay) {
-  MapPoint& p = shared_point();
+  const MapPoint& p = shared_point();
   const BoundTrack slid = p.bound[0], honest = p.bound[1];
   ASSERT_EQ(slid.camera, kCam0);
   sim_.trackers[0].slide(slid.track, {4, -2});
@@ -154,10 +161,11 @@ TEST_F(VerifyTest, ASlidTrackIsUnboundAndTheOthersStay) {
 TEST_F(VerifyTest, OneBadStepIsForgiven) {
   const MapPoint& p = shared_point();
   const BoundTrack b = p.bound[0];
-  sim_.ingest();
+  sim_.look();
+  sim_.seen(kCam0, sim_.world_point(p))->undistorted_px += Eigen::Vector2f(25, 0);
+  sim_.take();
   sim_.place_truly();
-  track(kCam0, b).seen.back().undistorted_px += Eigen::Vector2f(25, 0);
-  verify(sim_.map, sim_.set, config_);
+  verify(sim_.edit, sim_.set, config_);
   EXPECT_EQ(track(kCam0, b).gate_failures, 1);
   step();
   EXPECT_EQ(track(kCam0, b).gate_failures, 0);
@@ -169,16 +177,15 @@ TEST_F(VerifyTest, AFrameWithoutAPoseJudgesNothing) {
   sim_.place_truly(kCam1);
   const MapPoint& p = shared_point();
   const std::uint32_t views = p.views;
-  verify(sim_.map, sim_.set, config_);
+  verify(sim_.edit, sim_.set, config_);
   EXPECT_EQ(p.views, views + 1) << "by the other camera only";
 }
 
 TEST_F(VerifyTest, UpdatesBringAPointCloser) {
   std::vector<double> before, after;
   const auto error = [&](const MapPoint& p) { return (p.position - world_.position(sim_.world_point(p))).norm(); };
-  for (auto& [id, p] : sim_.map.points()) {
-    p.position += Eigen::Vector3d(0.01, -0.01, 0.03);
-    p.covariance = 1e-3 * Eigen::Matrix3d::Identity();
+  for (const auto& [id, p] : sim_.map.points()) {
+    sim_.edit.move_point(p, p.position + Eigen::Vector3d(0.01, -0.01, 0.03), 1e-3 * Eigen::Matrix3d::Identity());
     before.push_back(error(p));
   }
   for (int i = 0; i < 90; ++i) step();
