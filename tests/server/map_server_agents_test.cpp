@@ -287,14 +287,14 @@ TEST(AgentsApart, MetresStayMetres) {
   const std::vector<test::CameraPath> paths{aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)};
   constexpr TimeNs kJoinNs = 140 * test::kPeriodNs;
   const double baseline_m = (paths[0](to_seconds(kJoinNs)).center() - paths[1](to_seconds(kJoinNs)).center()).norm();
-  SimRun run(world, {.baseline_m = baseline_m});
+  SimRun run(world, test::known_baseline(baseline_m));
   expect_metres_stay(run, paths);
 }
 
 // The same, with a tag that only those two see.
 TEST(AgentsApart, MetresFromATagStayMetres) {
   const SimWorld world({.points = 900});
-  SimRun run(world, {.tags = {.side_m = 0.4}});
+  SimRun run(world, test::known_tags(0.4));
   run.hang(TagId(1), test::tag_corners({2.3, 0, 3.2}, 0.4));
   expect_metres_stay(run, {aside(0.5, 1e9), aside(1.0, 1e9), aside(-1, 5)});
 }
@@ -302,7 +302,7 @@ TEST(AgentsApart, MetresFromATagStayMetres) {
 // Each of two maps has a tag of its own: both are metric, and so is what becomes of them.
 TEST(AgentsApart, TwoMapsInMetres) {
   const SimWorld world({.points = 900});
-  SimRun run(world, {.tags = {.side_m = 0.4}});
+  SimRun run(world, test::known_tags(0.4));
   run.hang(TagId(1), test::tag_corners({2.3, 0, 3.2}, 0.4));
   run.hang(TagId(2), test::tag_corners({-2.3, 0, 3.2}, 0.4));
   run.add_agent(aside(-1, 2));

@@ -128,7 +128,7 @@ TEST_P(MovingWorld, PathsKeepTheirIdAndAreManySamplesLong) {
 
 TEST_P(MovingWorld, SwitchedOffEverythingIsStatic) {
   MapServerConfig config;
-  config.classify.enabled = false;
+  config.of<ClassifyConfig>().enabled = false;
   SimRun run(world_, config, tracking_);
   add_agents(run);
   run.step(100);
@@ -143,7 +143,7 @@ struct Collected {
 };
 
 TEST_P(MovingWorld, BodiesAreObjects) {
-  SimRun run(world_, {.baseline_m = 1.204}, tracking_);
+  SimRun run(world_, test::known_baseline(1.204), tracking_);
   add_agents(run);
   run.step(60);
   Collected all;

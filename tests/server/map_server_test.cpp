@@ -180,7 +180,7 @@ TEST(MapServer, AKnownBaselineGivesMetres) {
   const SimWorld world({});
   const auto paths = test::paths_side_by_side(2);
   const double baseline_m = (paths[0](0).center() - paths[1](0).center()).norm();
-  SimRun run(world, {.baseline_m = baseline_m});
+  SimRun run(world, test::known_baseline(baseline_m));
   for (const auto& path : paths) run.add_agent(path);
   run.step(90);
   EXPECT_TRUE(run.server().scale_known());
@@ -194,7 +194,7 @@ TEST(MapServer, AKnownBaselineGivesMetres) {
 
 TEST(MapServer, ATagGivesMetresToASingleCamera) {
   const SimWorld world({});
-  SimRun run(world, {.tags = {.side_m = 0.4}});
+  SimRun run(world, test::known_tags(0.4));
   run.hang(TagId(5), test::tag_corners({0.5, -0.3, 3.5}, 0.4));
   run.add_agent(test::paths_side_by_side(2)[0]);
   int known = 0;
@@ -216,7 +216,7 @@ TEST(MapServer, ATagGivesMetresToASingleCamera) {
 TEST(MapServer, TagsThatDisagreeGiveNone) {
   const SimWorld world({});
   const auto warning = [&](const auto& hang) {
-    SimRun run(world, {.tags = {.side_m = 0.4}});
+    SimRun run(world, test::known_tags(0.4));
     hang(run);
     run.add_agent(test::paths_side_by_side(2)[0]);
     run.step(120);

@@ -55,7 +55,7 @@ TEST(MovingStream, APlannerHearsOfTheObjects) {
   const auto paths = test::paths_side_by_side(3);
   std::vector<Camera> cameras;
   ServerLoopConfig config;
-  config.server.map.baseline_m = (paths[0](0).center() - paths[1](0).center()).norm();
+  config.server.map.of<ScaleConfig>().baseline_m = (paths[0](0).center() - paths[1](0).center()).norm();
   for (std::size_t c = 0; c < paths.size(); ++c) {
     const std::string name = "cam" + std::to_string(c);
     test::SimAgent agent(world, paths[c], {}, name, RunId(100 + c));

@@ -10,7 +10,6 @@
 namespace coslam::test {
 namespace {
 
-constexpr std::uint32_t kRefineDueSets = 3;
 
 AgentConfig agent_config(const TrackingConfig& tracking) {
   AgentConfig config;
@@ -37,7 +36,9 @@ CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
 }
 
 SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
-    : world_(world), tracking_(tracking), server_config_(server), server_(RunId(7), server) {}
+    : world_(world), tracking_(tracking), server_config_(server), server_(RunId(7), server) {
+  refiner_.emplace(false);
+}
 
 CameraId SimRun::add_agent(const CameraPath& path, TimeNs clock_behind_ns) {
   Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size()), .clock_behind_ns = clock_behind_ns};
@@ -71,7 +72,7 @@ void SimRun::restart(CameraId camera) {
 
 void SimRun::restart_server() {
   server_ = MapServer(RunId(server_.run().value + 1), server_config_);
-  job_.reset();
+  refiner_.emplace(false);
   for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());
 }
 
@@ -89,17 +90,15 @@ void SimRun::step(int sets) {
       slots_[set.frames[k].camera.value].agent->give(last_patches_[k]);
     }
     if (auto job = server_.take_refine_job()) {
-      job_ = std::move(job);
-      job_due_ = set.id.value + kRefineDueSets;
+      refiner_->start(std::move(*job), set.id);
     }
   }
 }
 
 void SimRun::exchange_refinement() {
-  if (!job_ || next_set_ - 1 < job_due_) return;
-  BundleResult result = solve_refine(*job_);
-  server_.give_refined(std::move(*job_), std::move(result));
-  job_.reset();
+  if (auto solved = refiner_->take_due(SetId(next_set_ - 1), true)) {
+    server_.give_refined(std::move(solved->job), std::move(solved->result), solved->took);
+  }
 }
 
 int SimRun::world_point(const MapPoint& point) const {

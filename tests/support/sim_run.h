@@ -12,6 +12,7 @@
 
 #include "agent/agent.h"
 #include "server/map_server.h"
+#include "server/refiner.h"
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 
@@ -51,6 +52,20 @@ struct PathError {
   double scale = 0;    // truth over map
   Similarity3 truth_from_map;
 };
+
+// The first two cameras start so far apart.
+inline MapServerConfig known_baseline(double baseline_m) {
+  MapServerConfig config;
+  config.of<ScaleConfig>().baseline_m = baseline_m;
+  return config;
+}
+
+// Printed tags are so large.
+inline MapServerConfig known_tags(double side_m) {
+  MapServerConfig config;
+  config.of<ScaleConfig>().tags.side_m = side_m;
+  return config;
+}
 
 // Agents and a map server in lock-step in one process, with the bundle adjustment taken in a fixed number of frame sets
 // after its plan, as the server's loop does. Deterministic.
@@ -103,8 +118,7 @@ class SimRun {
   std::vector<Slot> slots_;
   std::multimap<TagId, std::array<Eigen::Vector3d, 4>> tags_;
   std::uint32_t next_set_ = 0;
-  std::optional<RefineJob> job_;
-  std::uint32_t job_due_ = 0;
+  std::optional<Refiner> refiner_;
   std::vector<MapPatch> last_patches_;
 };
 

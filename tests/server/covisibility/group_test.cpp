@@ -126,7 +126,7 @@ class GroupingTest : public GroupTest {
         for (const int c : {0, 1}) sim_.bind(made, cam(c), *sim_.track_of(cam(c), p));
         made_.push_back(made.id);
       }
-      const bool now = grouping_.step(sim_.map, sim_.set).groups[0].size() == 2;
+      const bool now = grouping_.run(sim_.map, sim_.set).groups[0].size() == 2;
       if (now != together_) when = i;
       together_ = now;
     }
@@ -172,7 +172,7 @@ class OverlappingGroupTest : public GroupTest {
     bool together = false;
     for (int i = 0; i < sets; ++i) {
       sim_.advance();
-      together = grouping_.step(sim_.map, sim_.set).groups[0].size() == 2;
+      together = grouping_.run(sim_.map, sim_.set).groups[0].size() == 2;
     }
     return together;
   }

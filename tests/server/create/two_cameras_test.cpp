@@ -79,14 +79,14 @@ TEST_F(MapInterTest, NothingWithoutPatches) {
   for (const auto& [id, p] : sim_.map.points()) blind.add_point(sim_.world_point(p));
   const ViewGraph graph = view_graph(blind.map, blind.set);
   ASSERT_EQ(graph.edges.size(), 1U);
-  EXPECT_EQ(map_inter(blind.edit, blind.set, graph, {}).compared, 0);
+  EXPECT_EQ(map_inter(blind.edit, blind.set, graph, {}).pairs.compared, 0);
 }
 
 TEST_F(MapInterTest, NothingWithoutAnEdge) {
   for (const auto& [id, t] : sim_.map.camera(kCam1).tracks) {
     if (t.bound()) sim_.edit.unbind(kCam1, t, Why::kOutsideGate);
   }
-  EXPECT_EQ(step().compared, 0);
+  EXPECT_EQ(step().pairs.compared, 0);
 }
 
 TEST_F(MapInterTest, NothingWithoutAPose) {
@@ -158,15 +158,15 @@ class Lookalike : public MapInterTest {
 
 TEST_F(Lookalike, OfTheDisparityAroundIsMatched) {
   const MapInterReport report = match();
-  EXPECT_EQ(report.matched, 1);
+  EXPECT_EQ(report.pairs.matched, 1);
   EXPECT_EQ(report.created, 1);
 }
 
 TEST_F(Lookalike, OfAnotherDisparityIsRefused) {
   pretend(1.2);  // 417 px of disparity against 60 to 170 of the room
-  EXPECT_EQ(match().compared, 0);
-  const MapInterReport report = match({.disparity_gate = 100});
-  EXPECT_EQ(report.matched, 1) << "it is the disparity alone that refuses it";
+  EXPECT_EQ(match().pairs.compared, 0);
+  const MapInterReport report = match({.match = {.disparity_gate = 100}});
+  EXPECT_EQ(report.pairs.matched, 1) << "it is the disparity alone that refuses it";
   EXPECT_EQ(report.created, 1);
 }
 
@@ -174,7 +174,7 @@ TEST_F(Lookalike, OffTheEpipolarLineIsRefused) {
   change = [&](int set) {
     if (set == 9) again_->seen(kCam1, thing_)->undistorted_px += Eigen::Vector2f(0, 12);
   };
-  EXPECT_EQ(match().compared, 0);
+  EXPECT_EQ(match().pairs.compared, 0);
 }
 
 TEST_F(Lookalike, OfAnotherPatchIsRefused) {
@@ -183,8 +183,8 @@ TEST_F(Lookalike, OfAnotherPatchIsRefused) {
     again_->patch_of(kCam1, thing_)->grey = world_.patch(0);
   };
   const MapInterReport report = match();
-  EXPECT_EQ(report.compared, 1);
-  EXPECT_EQ(report.matched, 0);
+  EXPECT_EQ(report.pairs.compared, 1);
+  EXPECT_EQ(report.pairs.matched, 0);
 }
 
 TEST_F(Lookalike, ThatWalkedInThePastIsRefused) {
@@ -192,7 +192,7 @@ TEST_F(Lookalike, ThatWalkedInThePastIsRefused) {
     if (set == 4) again_->seen(kCam1, thing_)->undistorted_px += Eigen::Vector2f(15, 0);
   };
   const MapInterReport report = match();
-  EXPECT_EQ(report.matched, 1);
+  EXPECT_EQ(report.pairs.matched, 1);
   EXPECT_EQ(report.created, 0);
 }
 
@@ -212,8 +212,8 @@ TEST_F(Lookalike, TwoThatLookAlikeAreAmbiguous) {
     cf.patches->patches.push_back({second, again_->patch_of(kCam1, thing_)->grey});
   };
   const MapInterReport report = match();
-  EXPECT_EQ(report.compared, 2);
-  EXPECT_EQ(report.matched, 0);
+  EXPECT_EQ(report.pairs.compared, 2);
+  EXPECT_EQ(report.pairs.matched, 0);
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ TEST(Objects, UncertainPointsAndThoseOfOtherMapsStayOut) {
   points.push_back(steady(6, {0, 0.1, 0}, 0.5));
   points.push_back(steady(7, {0, 0.1, 0}, 0.1));
   points.back().map = MapId(2);
-  ObjectFinder finder({});
+  ObjectFinder finder(ObjectsConfig{});
   EXPECT_EQ(finder.step(points, points[0].path.back().t_ns).objects, 1);
   EXPECT_THAT(finder.objects().at(0).members,
               testing::ElementsAre(PointId(1), PointId(2), PointId(3), PointId(4), PointId(5)));
@@ -304,11 +304,11 @@ class ObjectsOfAMap : public testing::Test {
 
   const test::SimWorld world_{{.points = 300, .moving_points = 25}};
   test::SimMap sim_;
-  ObjectFinder finder_{{}};
+  ObjectFinder finder_{ObjectsConfig{}};
 };
 
 TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
-  const ObjectsReport r = finder_.step(sim_.map, sim_.set, {sim_.id});
+  const ObjectsReport r = finder_.run(sim_.map, sim_.set, {.in_metres = {sim_.id}});
   EXPECT_GT(r.points, 8);
   ASSERT_EQ(r.objects, 1);
   const TimeNs now_ns = sim_.set.t_ns;
@@ -317,12 +317,12 @@ TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
 }
 
 TEST_F(ObjectsOfAMap, PathsFollowTheMapWhenItIsMoved) {
-  finder_.step(sim_.map, sim_.set, {sim_.id});
+  finder_.run(sim_.map, sim_.set, {.in_metres = {sim_.id}});
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion before = finder_.objects()[0].motion;
   const Similarity3 moved{2, Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY())), {1, 2, 3}};
   sim_.edit.transform(sim_.id, moved, Why::kScaleKnown);
-  finder_.step(sim_.map, sim_.set, {});
+  finder_.run(sim_.map, sim_.set, {});
   ASSERT_EQ(finder_.objects().size(), 1U);
   const BodyMotion& after = finder_.objects()[0].motion;
   EXPECT_LT((after.centroid - moved * before.centroid).norm(), 1e-6);

@@ -19,8 +19,8 @@ class StartTest : public testing::Test {
   explicit StartTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
   StartReport step(bool descriptors) {
     sim_.ingest(false, descriptors);
-    localise(sim_.edit, sim_.set, config_.localise);
-    return start(sim_.edit, sim_.set, config_);
+    localise(sim_.edit, sim_.set, {});
+    return start(sim_.edit, sim_.set, config_, {}, {});
   }
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
 
@@ -55,7 +55,7 @@ TEST_F(StartTest, SaysWhyNot) {
   test::SimMap blind(
       world_, {test::still_path(test::looking({-3, 0, 4}, -1.2)), test::still_path(test::looking({3, 0, 4}, 1.2))});
   blind.ingest(false, true);
-  const StartReport report = start(blind.edit, blind.set, config_);
+  const StartReport report = start(blind.edit, blind.set, config_, {}, {});
   EXPECT_EQ(report.started, 0);
   EXPECT_FALSE(report.reason.empty());
 }
@@ -87,7 +87,7 @@ TEST_F(StartAlone, NotWhileItHovers) {
   test::SimMap hovering(world_, {test::still_path(test::looking({0, 0, 0}))});
   for (int i = 0; i < 60; ++i) {
     hovering.ingest();
-    ASSERT_EQ(start(hovering.edit, hovering.set, config_).started, 0);
+    ASSERT_EQ(start(hovering.edit, hovering.set, config_, {}, {}).started, 0);
   }
 }
 
@@ -96,7 +96,7 @@ TEST_F(StartAlone, NotFromAPureTurn) {
     test::SimMap turning(world_, {[=](double t_s) { return test::looking({0, 0, 0}, rad_s * t_s - 0.3); }});
     for (int i = 0; i < 60; ++i) {
       turning.ingest();
-      ASSERT_EQ(start(turning.edit, turning.set, config_).started, 0) << rad_s << ' ' << i;
+      ASSERT_EQ(start(turning.edit, turning.set, config_, {}, {}).started, 0) << rad_s << ' ' << i;
     }
   }
 }

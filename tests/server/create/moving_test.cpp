@@ -21,7 +21,7 @@ class MapMovingTest : public testing::Test {
       if (!world_.moves(p) && sim_.all_follow(p)) sim_.add_point(p);
     }
   }
-  MapInterReport step() { return map_moving(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), {}); }
+  MapMovingReport step() { return map_moving(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), {}, {}); }
   // What the first camera believes of its free tracks; the number of them that stand still.
   int believe(bool moving) {
     int still = 0;
@@ -40,13 +40,13 @@ class MapMovingTest : public testing::Test {
 
 TEST_F(MapMovingTest, NothingThatNobodySeesMove) {
   believe(false);
-  EXPECT_EQ(step().moving, 0);
+  EXPECT_EQ(step().joined, 0);
 }
 
 // One camera knows that they move, to the other they look like things at rest farther or nearer.
 TEST_F(MapMovingTest, WhatOneCameraSeesMoveIsJoinedIfItMoves) {
   ASSERT_GT(believe(true), 20);
-  EXPECT_GE(step().moving, 10);
+  EXPECT_GE(step().joined, 10);
   EXPECT_GE(sim_.map.moving_points().size(), 10U);
   for (const MapPoint* p : sim_.map.moving_points()) EXPECT_TRUE(world_.moves(sim_.world_point(*p)));
   EXPECT_EQ(sim_.map.points().size(), kSeeds + sim_.map.moving_points().size()) << "nothing else is made";

@@ -97,7 +97,7 @@ class VerifyTest : public testing::Test {
   }
   VerifyReport step() {
     sim_.advance();
-    return verify(sim_.edit, sim_.set, config_);
+    return verify(sim_.edit, sim_.set, config_, false);
   }
   // A map point with tracks in both cameras.
   const MapPoint& shared_point() const {
@@ -165,7 +165,7 @@ TEST_F(VerifyTest, OneBadStepIsForgiven) {
   sim_.seen(kCam0, sim_.world_point(p))->undistorted_px += Eigen::Vector2f(25, 0);
   sim_.take();
   sim_.place_truly();
-  verify(sim_.edit, sim_.set, config_);
+  verify(sim_.edit, sim_.set, config_, false);
   EXPECT_EQ(track(kCam0, b).gate_failures, 1);
   step();
   EXPECT_EQ(track(kCam0, b).gate_failures, 0);
@@ -177,7 +177,7 @@ TEST_F(VerifyTest, AFrameWithoutAPoseJudgesNothing) {
   sim_.place_truly(kCam1);
   const MapPoint& p = shared_point();
   const std::uint32_t views = p.views;
-  verify(sim_.edit, sim_.set, config_);
+  verify(sim_.edit, sim_.set, config_, false);
   EXPECT_EQ(p.views, views + 1) << "by the other camera only";
 }
 

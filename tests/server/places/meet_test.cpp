@@ -24,7 +24,7 @@ class MeetTest : public testing::Test {
  protected:
   explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
-  MeetReport step() { return meetings_.step(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set)); }
+  MeetReport step() { return meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}); }
 
   MeetConfig config_;
   Meetings meetings_{config_};
@@ -52,7 +52,7 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
       sim->ingest(false, wanted);
       sim->place_truly();
       sim->add_points();
-      wanted = !meetings.step(sim->edit, sim->set, {}).requests.empty();
+      wanted = !meetings.run(sim->edit, sim->set, {ViewGraph()}, {}).requests.empty();
       *asked += wanted;
     }
   }
@@ -94,12 +94,12 @@ TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
   sim.ingest(false, true);
   sim.place_truly();
   sim.add_points();
-  meetings_.step(sim.edit, sim.set, {});
+  meetings_.run(sim.edit, sim.set, {ViewGraph()}, {});
   sim.edit.add_camera("stranger", RunId(9), test::sim_camera());
   FrameSet set{SetId(1), test::kPeriodNs, {{cam(2), stranger.observe(FrameId(0), test::kPeriodNs), {}, {}}}};
   set.frames[0].descriptors = stranger.describe(set.frames[0].frame);
   sim.edit.ingest(set);
-  EXPECT_EQ(meetings_.step(sim.edit, set, {}).placed, 0);
+  EXPECT_EQ(meetings_.run(sim.edit, set, {ViewGraph()}, {}).placed, 0);
   EXPECT_EQ(sim.map.camera(cam(2)).map, MapId());
 }
 
@@ -199,7 +199,7 @@ class LoopTest : public testing::Test {
       sim_.bind(sim_.create(drift(now) * world_.position(sim_.world_point(cam(0), id))), cam(0), t);
     }
     if (now % 10 == 0) sim_.edit.add_key_frame(sim_.set.id);
-    report_ = meetings_.step(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set));
+    report_ = meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {});
   }
   void go_around() {
     bool wanted = true;
