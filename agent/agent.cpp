@@ -5,73 +5,67 @@
 #include <algorithm>
 #include <utility>
 
-#include "agent/track/descriptors.h"
+#include "agent/track/klt_feature_tracker.h"
 
 namespace coslam {
 namespace {
 
-constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that track
-constexpr float kNearPx = 4.0F;  // the strongest SIFT feature this close to a track tells what is there
-constexpr double kSiftBorderPx = 14;
 constexpr int kShedAfterFrames = 20;
 constexpr int kShedPerFrame = 15;
 
-std::vector<Eigen::Vector2f> places_of(const std::vector<Track>& tracks) {
-  std::vector<Eigen::Vector2f> out;
-  for (const Track& t : tracks) out.push_back(t.raw_px);
-  return out;
-}
-
 }  // namespace
 
-Agent::Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config)
+std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config) {
+  return klt_feature_tracker(camera, config.tracker, config.tags.family);
+}
+
+Agent::Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,
+             std::unique_ptr<FeatureTracker> tracker)
     : name_(std::move(name)),
       run_(run),
       camera_(camera),
       config_(config),
       pixel_scale_(pixel_scale(camera)),
-      tracker_(config.tracker),
+      tracker_(std::move(tracker)),
       pose_(camera, config.pose),
-      map_(run) {
-  if (config.tags.family != kNoTags) tag_finder_.emplace(camera, config.tags.family);
-}
+      map_(run) {}
 
 void Agent::track(const Image& image) {
   {
     const auto timer = times_.measure("track");
-    image_ = image;
-    tracker_.step(image.grey);
+    frame_ = image.frame;
+    capture_ns_ = image.capture_ns;
+    tracker_->step(image);
     // Features that an answer to a descriptor request added had time to start the map; the link is made for max_tracks.
-    if (++since_described_ > kShedAfterFrames) tracker_.thin(kShedPerFrame);
-    observe(tracker_.live());
+    if (++since_described_ > kShedAfterFrames) tracker_->thin(kShedPerFrame);
+    observe();
   }
   look_for_tags();
 }
 
 void Agent::look_for_tags() {
   tags_.clear();
-  if (!tag_finder_) return;
-  if (tags_sought_ns_ && image_.capture_ns < *tags_sought_ns_ + to_ns(config_.tags.period_s)) return;
+  if (config_.tags.family == kNoTags) return;
+  if (tags_sought_ns_ && capture_ns_ < *tags_sought_ns_ + to_ns(config_.tags.period_s)) return;
   const auto timer = times_.measure("tags");
-  tags_sought_ns_ = image_.capture_ns;
-  for (const FoundTag& found : tag_finder_->find(image_.grey)) {
-    if (tags_.size() == kMaxTags) break;
-    TagObservation& o = tags_.emplace_back();
-    o.tag = found.tag;
-    std::ranges::transform(found.undistorted_px, o.undistorted_px.begin(),
-                           [this](const Eigen::Vector2d& px) { return quantised_px(px, pixel_scale_); });
+  tags_sought_ns_ = capture_ns_;
+  tags_ = tracker_->tags();
+  if (tags_.size() > kMaxTags) tags_.resize(kMaxTags);
+}
+
+void Agent::observe() {
+  observations_.clear();
+  for (const Track& t : tracker_->live()) {
+    if (observations_.size() == kMaxTracks) break;  // the oldest go, which are known
+    const auto px = camera_.undistorted_from_raw(t.raw_px.cast<double>());
+    if (px) observations_.push_back({t.id, quantised_px(*px, pixel_scale_)});
   }
 }
 
-void Agent::observe(const std::vector<Track>& tracks) {
-  tracks_.clear();
-  observations_.clear();
-  for (const Track& t : tracks) {
-    const auto px = camera_.undistorted_from_raw(t.raw_px.cast<double>());
-    if (!px) continue;
-    tracks_.push_back(t);
-    observations_.push_back({t.id, quantised_px(*px, pixel_scale_)});
-  }
+std::vector<TrackId> Agent::observed() const {
+  std::vector<TrackId> ids;
+  for (const TrackObservation& o : observations_) ids.push_back(o.track);
+  return ids;
 }
 
 AgentOutput Agent::finish(std::span<const MapPatch> patches) {
@@ -83,7 +77,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches) {
   }
   {
     const auto timer = times_.measure("pose");
-    pose_.step(image_.frame, observations_, map_);
+    pose_.step(frame_, observations_, map_);
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   const auto timer = times_.measure("answer");
@@ -109,47 +103,49 @@ void Agent::take(const MapPatch& patch) {
   descriptors_wanted_ = std::max(descriptors_wanted_, effect.descriptor_request);
 }
 
+// How many tracks an answer to a descriptor request may start. Without a place the agent is asked again and again: all
+// answers together add no more than the features of one, and no more than a frame may carry.
+int Agent::room_for_described() const {
+  const int most = std::min(config_.tracker.max_tracks + config_.descriptor_features, static_cast<int>(kMaxTracks));
+  return std::max(0, most - static_cast<int>(tracker_->live().size()));
+}
+
 std::optional<DescriptorReply> Agent::describe_image() {
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
   if (wanted == DescriptorRequest::kNone) return std::nullopt;
   const bool everywhere = wanted == DescriptorRequest::kEverywhere;
   if (everywhere) since_described_ = 0;
-  const DescribedFeatures features =
-      everywhere ? describe(image_.grey, config_.descriptor_features, kSiftBorderPx)
-                 : describe_near(image_.grey, places_of(tracks_), kNearPx, config_.place_features, kSiftBorderPx);
-  const std::vector<TrackId> ids = tracker_.add(features.raw_px, everywhere ? kSamePx : kNearPx);
-  observe(tracker_.live());
-  std::map<TrackId, std::size_t> feature_of;  // the first of several at one track
-  for (std::size_t i = 0; i < ids.size(); ++i) feature_of.emplace(ids[i], i);
-  DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = image_.frame};
-  for (const TrackObservation& o : observations_) {
-    const auto at = feature_of.find(o.track);
-    if (at == feature_of.end()) continue;
-    reply.tracks.push_back(o.track);
-    const auto begin = features.descriptors.begin() + static_cast<std::ptrdiff_t>(at->second * kDescriptorBytes);
+  const int room = room_for_described();
+  const DescribedTracks described = everywhere ? tracker_->describe_strongest(config_.descriptor_features, room)
+                                               : tracker_->describe_at(observed(), config_.place_features, room);
+  observe();
+  const std::vector<TrackId> ids = observed();
+  DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};
+  for (std::size_t i = 0; i < described.tracks.size(); ++i) {
+    if (!std::ranges::binary_search(ids, described.tracks[i])) continue;
+    reply.tracks.push_back(described.tracks[i]);
+    const auto begin = described.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
     reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return reply;
 }
 
 std::optional<PatchReply> Agent::cut_patches() {
-  if (patch_requests_.empty()) return std::nullopt;
-  PatchReply reply{.agent = name_, .agent_run = run_, .frame = image_.frame};
-  const cv::Mat small = shrink_for_patches(image_.grey);
-  for (const Track& t : tracks_) {
-    if (patch_requests_.contains(t.id)) reply.patches.push_back(cut_patch(small, t));
+  std::vector<TrackId> wanted;
+  for (const TrackObservation& o : observations_) {
+    if (patch_requests_.contains(o.track)) wanted.push_back(o.track);
   }
   patch_requests_.clear();
-  if (reply.patches.empty()) return std::nullopt;
-  return reply;
+  if (wanted.empty()) return std::nullopt;
+  return PatchReply{.agent = name_, .agent_run = run_, .frame = frame_, .patches = tracker_->patches(wanted)};
 }
 
 TrackFrame Agent::make_frame() const {
   TrackFrame f;
   f.agent = name_;
   f.agent_run = run_;
-  f.frame = image_.frame;
-  f.capture_ns = image_.capture_ns;
+  f.frame = frame_;
+  f.capture_ns = capture_ns_;
   f.pose_state = pose_.state();
   f.server_run = map_.server_run();
   f.epoch = map_.epoch();

@@ -2,15 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "agent/capture/source.h"
 #include "agent/correct/local_map.h"
 #include "agent/pose/pose_tracker.h"
+#include "agent/track/feature_tracker.h"
+#include "agent/track/image.h"
 #include "agent/track/tags.h"
 #include "agent/track/tracker.h"
 #include "common/base/metrics.h"
@@ -34,42 +36,49 @@ struct AgentOutput {
   std::optional<DescriptorReply> descriptors;
 };
 
-// One camera's agent: images in, tracks and pose out. Pure: no thread, no clock, no network. One step is
-// track(image), which does not depend on the map and so runs while the server still thinks, then finish(patches).
+// The tracker that agents use: the one place that says which.
+std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config);
+
+// One camera's agent: images in, tracks and pose out. Pure: no thread, no clock, no network, and no pixels: those are
+// the tracker's. One step is track(image), which does not depend on the map and so runs while the server still thinks,
+// then finish(patches).
 class Agent {
  public:
-  Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config);
+  Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,
+        std::unique_ptr<FeatureTracker> tracker);
 
   void track(const Image& image);
   AgentOutput finish(std::span<const MapPatch> patches);
 
   PoseState pose_state() const { return pose_.state(); }
-  RunId server_run() const { return map_.server_run(); }
+  const PoseResult& pose() const { return pose_.result(); }  // of the newest step
+  const LocalMap& local_map() const { return map_; }
   const StageTimes& times() const { return times_; }
   std::uint32_t tracked_frames() const { return tracked_frames_; }
   std::size_t tracks() const { return observations_.size(); }
 
  private:
   void take(const MapPatch& patch);
-  void observe(const std::vector<Track>& tracks);
+  void observe();
   void look_for_tags();
   std::optional<DescriptorReply> describe_image();
   std::optional<PatchReply> cut_patches();
   TrackFrame make_frame() const;
+  std::vector<TrackId> observed() const;
+  int room_for_described() const;
 
   std::string name_;
   RunId run_;
   CameraModel camera_;
   AgentConfig config_;
   double pixel_scale_;
-  Tracker tracker_;
-  std::optional<TagFinder> tag_finder_;
+  std::unique_ptr<FeatureTracker> tracker_;
   PoseTracker pose_;
   LocalMap map_;
 
-  Image image_;
-  std::vector<Track> tracks_;  // with an undistorted place, as observations_
-  std::vector<TrackObservation> observations_;
+  FrameId frame_;
+  TimeNs capture_ns_ = 0;
+  std::vector<TrackObservation> observations_;  // live tracks that have an undistorted place
   std::vector<TagObservation> tags_;
   std::optional<TimeNs> tags_sought_ns_;
   std::set<TrackId> patch_requests_;

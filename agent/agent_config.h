@@ -7,9 +7,12 @@
 // The keys of agent.yaml below `agent`, with unit and bounds (see common/config/config.h).
 namespace coslam {
 
+// A frame has room for the tracks and as many again, which an answer to a descriptor request may add.
+inline constexpr int kMostTracks = kMaxTracks / 2, kMostDescribed = kMaxTracks - kMaxTracks / 2;
+
 template <class V>
 void describe(V& v, TrackerConfig& c) {
-  v.field("max_tracks", c.max_tracks, {20, 4000}, "features followed at once");
+  v.field("max_tracks", c.max_tracks, {20, kMostTracks}, "features followed at once");
   v.field("levels", c.levels, {1, 8}, "pyramid levels, the full image included");
   v.field("min_distance_px", c.min_distance_px, {2, 200}, "of a new corner to any live track, at 640 px image width");
   v.field("forward_backward_px", c.forward_backward_px, {0.05, 10}, "largest return error of a track");
@@ -36,8 +39,10 @@ void describe(V& v, AgentConfig& c) {
   v.section("tracker", c.tracker);
   v.section("pose", c.pose);
   v.section("tags", c.tags);
-  v.field("descriptor_features", c.descriptor_features, {50, 5000}, "most in an answer to a descriptor request");
-  v.field("place_features", c.place_features, {10, 4000}, "at most, when only those at tracks are to be described");
+  v.field("descriptor_features", c.descriptor_features, {50, kMostDescribed},
+          "most in an answer to a descriptor request");
+  v.field("place_features", c.place_features, {10, kMostDescribed},
+          "at most, when only those at tracks are to be described");
 }
 
 }  // namespace coslam

@@ -16,7 +16,15 @@ constexpr auto kStatusPeriod = std::chrono::seconds(1);
 }  // namespace
 
 AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config)
-    : link_(link), feed_(std::move(feed)), hello_(hello), agent_(hello.agent, hello.agent_run, hello.camera, config) {}
+    : AgentLoop(link, std::move(feed), hello, config, make_feature_tracker(hello.camera, config)) {}
+
+AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config,
+                     std::unique_ptr<FeatureTracker> tracker, Clock now)
+    : link_(link),
+      feed_(std::move(feed)),
+      hello_(hello),
+      agent_(hello.agent, hello.agent_run, hello.camera, config, std::move(tracker)),
+      now_(std::move(now)) {}
 
 bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::optional<Image> image = feed_->next(stop);
@@ -28,8 +36,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   AgentOutput out = agent_.finish(patches);
   last_sent_ = out.frame.frame;
   link_.send(std::move(out.frame), out.patches, out.descriptors);
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
+  const auto now = now_();
+  if (!last_status_ || now - *last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
     last_status_ = now;
     last_pose_state_ = agent_.pose_state();
     throw_if_refused();
@@ -42,7 +50,7 @@ std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) 
   if (hello_.pacing == Pacing::kLive) return link_.take_patches();
   std::vector<MapPatch> patches;
   if (!last_sent_) return patches;
-  const auto give_up = std::chrono::steady_clock::now() + kServerPatience;
+  const auto give_up = now_() + kServerPatience;
   while (!stop) {
     std::optional<MapPatch> patch = link_.wait_patch(*last_sent_, std::chrono::milliseconds(200));
     if (patch) {
@@ -53,7 +61,7 @@ std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) 
     }
     if (server_stops()) return patches;
     throw_if_refused();
-    if (std::chrono::steady_clock::now() > give_up && !link_.server_alive()) {
+    if (now_() > give_up && !link_.server_alive()) {
       throw UserError("the map server no longer answers; a replay at full speed cannot go on without it");
     }
   }
@@ -77,7 +85,6 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.agent_run = hello_.agent_run;
   s.state = state;
   s.pose_state = agent_.pose_state();
-  s.last_frame = last_sent_.value_or(FrameId());
   s.frames = frames_;
   s.dropped = feed_->dropped();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,12 @@ namespace coslam {
 // meanwhile).
 class AgentLoop {
  public:
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config);
+  // The same with another tracker and another clock.
+  AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config,
+            std::unique_ptr<FeatureTracker> tracker, Clock now = std::chrono::steady_clock::now);
 
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
   // UserError when the server is gone in lock-step or turned this agent away.
@@ -39,9 +45,10 @@ class AgentLoop {
   std::unique_ptr<Feed> feed_;
   Hello hello_;
   Agent agent_;
+  Clock now_;
   std::optional<FrameId> last_sent_;
   std::uint32_t frames_ = 0;
-  std::chrono::steady_clock::time_point last_status_{};
+  std::optional<std::chrono::steady_clock::time_point> last_status_;
   PoseState last_pose_state_ = PoseState::kNone;
 };
 

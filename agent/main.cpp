@@ -97,47 +97,72 @@ void run(AgentOptions& o) {
   }
 }
 
-int main_of(int argc, char** argv) {
-  CLI::App app("Camera agent: tracks features in one camera and localises it; see docs/configuration.md");
+struct Arguments {
   std::string file;
   std::vector<std::string> sets;
   std::string id, source, calibration, rate;
   std::optional<int> domain;
   std::optional<double> start_s, duration_s, rate_hz;
   std::vector<std::pair<double, double>> covered;
-  bool loopback = false;
-  app.add_option("--config", file, "agent.yaml")->type_name("FILE");
-  app.add_option("--id", id, "name of this agent")->type_name("NAME");
-  app.add_option("--source", source, "images")->type_name("URI");
-  app.add_option("--calibration", calibration, "camera calibration")->type_name("FILE");
-  app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
-  app.add_option("--rate", rate, "speed of replay: a factor, or max")->type_name("R");
-  app.add_option("--start", start_s, "offset into the source, seconds")->type_name("S");
-  app.add_option("--duration", duration_s, "length to play, seconds")->type_name("S");
-  app.add_option("--covered", covered, "black images from one time to another, seconds; may be repeated")
+  bool loopback = false, print = false;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("--config", a.file, "agent.yaml")->type_name("FILE");
+  app.add_option("--id", a.id, "name of this agent")->type_name("NAME");
+  app.add_option("--source", a.source, "images")->type_name("URI");
+  app.add_option("--calibration", a.calibration, "camera calibration")->type_name("FILE");
+  app.add_option("--domain", a.domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
+  app.add_option("--rate", a.rate, "speed of replay: a factor, or max")->type_name("R");
+  app.add_option("--start", a.start_s, "offset into the source, seconds")->type_name("S")->check(CLI::Range(0.0, 1e9));
+  app.add_option("--duration", a.duration_s, "length to play, seconds")->type_name("S");
+  app.add_option("--covered", a.covered, "black images from one time to another, seconds; may be repeated")
       ->type_name("FROM TO");
-  app.add_option("--fps", rate_hz, "nominal frame rate")->type_name("HZ");
-  app.add_flag("--loopback", loopback, "talk on this machine only");
-  app.add_option("--set", sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")
+  app.add_option("--fps", a.rate_hz, "nominal frame rate")->type_name("HZ")->check(CLI::Range(0.01, 1000.0));
+  app.add_flag("--loopback", a.loopback, "talk on this machine only");
+  app.add_option("--set", a.sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")
       ->type_name("KEY=VALUE");
+  app.add_flag("--print-config", a.print,
+               "only print all keys with values, bounds and meaning, as a file for --config");
+}
+
+AgentOptions options_of(const Arguments& a) {
+  AgentOptions o;
+  if (a.loopback) o.wire = loopback_config(0);
+  if (!a.file.empty()) config::load(o, a.file);
+  for (const std::string& s : a.sets) config::apply_set(o, s);
+  if (!a.id.empty()) o.id = a.id;
+  if (!a.source.empty()) o.source = a.source;
+  if (!a.calibration.empty()) o.calibration = a.calibration;
+  if (!a.rate.empty()) o.rate = a.rate;
+  if (a.domain) o.wire.domain = *a.domain;
+  if (a.start_s) o.play.start_s = *a.start_s;
+  if (a.duration_s) o.play.duration_s = *a.duration_s;
+  for (const auto& [from_s, to_s] : a.covered) o.play.covered.push_back({from_s, to_s});
+  if (a.rate_hz) o.play.rate_hz = *a.rate_hz;
+  return o;
+}
+
+void print_config(const AgentOptions& options) {
+  std::cout << "# All keys of coslam-agent; --config FILE reads them back.\n"
+            << config::dump_yaml(options) << std::flush;
+  if (!std::cout) throw UserError("the configuration cannot be written to standard output");
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app("Camera agent: tracks features in one camera and localises it; see docs/configuration.md");
+  Arguments arguments;
+  add_options(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  AgentOptions o;
-  if (loopback) o.wire = loopback_config(0);
-  if (!file.empty()) config::load(o, file);
-  for (const std::string& s : sets) config::apply_set(o, s);
-  if (!id.empty()) o.id = id;
-  if (!source.empty()) o.source = source;
-  if (!calibration.empty()) o.calibration = calibration;
-  if (!rate.empty()) o.rate = rate;
-  if (domain) o.wire.domain = *domain;
-  if (start_s) o.play.start_s = *start_s;
-  if (duration_s) o.play.duration_s = *duration_s;
-  for (const auto& [from_s, to_s] : covered) o.play.covered.push_back({from_s, to_s});
-  if (rate_hz) o.play.rate_hz = *rate_hz;
+  AgentOptions o = options_of(arguments);
+  if (arguments.print) {
+    print_config(o);
+    return 0;
+  }
   init_log(o.id);
   run(o);
   return 0;

@@ -20,7 +20,14 @@ GEOMETRY = [*BASE, "common/geometry"]
 MODEL = [*GEOMETRY, "common/model"]
 FILES = [*MODEL, "common/config", "common/dataset"]
 AGENT_CORE = ["agent/track", "agent/pose", "agent/correct"]
-SERVER_CORE = ["server/sync", "server/map", "server/solve", "server/stages", "server/correct"]
+# The server's estimator, each room with what is below it.
+SERVER_MAP = ["server/map", "server/pipeline"]
+SERVER_COVISIBILITY = [*SERVER_MAP, "server/covisibility", "server/solve"]
+SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, "server/associate"]
+SERVER_PLACES = [*SERVER_ASSOCIATE, "server/pose", "server/places"]
+SERVER_ADJUST = [*SERVER_PLACES, "server/adjust"]
+SERVER_MOTION = [*SERVER_ADJUST, "server/motion"]
+SERVER_CORE = [*SERVER_MOTION, "server/create", "server/sync", "server/correct"]
 MAY_INCLUDE = {
     "common/base": [],
     "common/geometry": BASE,
@@ -29,22 +36,28 @@ MAY_INCLUDE = {
     "common/flow": BASE,
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
-    "common/scene": FILES,
-    "agent/capture": FILES,
+    "agent/capture": [*FILES, "agent/track"],
     "agent/track": [*MODEL, *AGENT_CORE],
     "agent/pose": [*MODEL, *AGENT_CORE],
     "agent/correct": [*MODEL, *AGENT_CORE],
     "agent/link": [*MODEL, *AGENT_CORE, "common/flow", "common/wire"],
     "agent": ["common", "agent"],
-    "server/sync": [*MODEL, *SERVER_CORE],
-    "server/map": [*MODEL, *SERVER_CORE],
-    "server/solve": [*MODEL, *SERVER_CORE],
-    "server/stages": [*MODEL, *SERVER_CORE],
+    "server/sync": [*MODEL, "server/map"],
+    "server/map": MODEL,
+    "server/pipeline": [*MODEL, *SERVER_MAP],
+    "server/solve": MODEL,
+    "server/covisibility": [*MODEL, *SERVER_COVISIBILITY],
+    "server/associate": [*MODEL, *SERVER_ASSOCIATE],
+    "server/pose": [*MODEL, *SERVER_COVISIBILITY],
+    "server/places": [*MODEL, *SERVER_PLACES],
+    "server/adjust": [*MODEL, *SERVER_ADJUST],
+    "server/motion": [*MODEL, *SERVER_MOTION],
+    "server/create": [*MODEL, *SERVER_ADJUST],
     "server/correct": [*MODEL, *SERVER_CORE],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*FILES, *SERVER_CORE],
-    "server/view": [*FILES, *SERVER_CORE, "common/flow"],
     "server": ["common", "server"],
+    "deploy/scene": FILES,
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],
     "idl": [],
@@ -64,10 +77,10 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
     "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
-    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent", "common/scene", "common/dataset", "deploy/tools", "tests", "server/solve"]),
+    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent", "common/dataset", "deploy/scene", "deploy/tools", "tests", "server/solve"]),
     "solver": (r"ceres/|suitesparse/|(cholmod|amd|camd|colamd|ccolamd|umfpack|klu|SuiteSparse).*\.h(pp)?$",
                ["server/solve", "tests/server/solve", "tests/benchmark"]),
-    "ray caster": (r"embree\d?/", ["common/scene"]),
+    "ray caster": (r"embree\d?/", ["deploy/scene"]),
     "window": (r"opencv2?/highgui|gtk/|Qt|GL/|GLFW/|X11/", []),
 }
 # The library patterns whose folders are these alone, not those below them.
@@ -80,6 +93,7 @@ EXCEPTIONS = {
     ("server/link/inline_link.cpp", "agent/link/inbox.h"): "the same",
     ("server/link/admission.cpp", "idl/coslam.h"): "bounds of the wire contract",
     ("common/base/time.h", "chrono"): "durations only",
+    ("server/pipeline/pipeline.h", "common/base/metrics.h"): "the one place where stages are timed",
     ("server/store/result_store.h", "server/map_server.h"): "what a result is made of",
     ("common/base/log.h", "chrono"): "one log line a second; the core does not include it",
     ("common/base/log.cpp", "spdlog/spdlog.h"): "the one place that knows the logging library",

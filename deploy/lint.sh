@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/lint.sh [--format | --tidy] [--base REF | --all] [--fix] [--jobs N]
+# deploy/lint.sh [--format | --tidy] [--base REF | --all] [--again] [--fix] [--jobs N]
 #
 # Checks the C++ files: the layout of all of them with clang-format, and those that changed with clang-tidy. Both are
 # version 14, because other versions lay out and warn differently. Without --format or --tidy it does both.
@@ -9,6 +9,7 @@
 #   --tidy       only clang-tidy
 #   --base REF   clang-tidy takes what differs from here (default: where this branch left origin/main or main)
 #   --all        clang-tidy takes every file
+#   --again      also those that were clean before and have not changed since, with all that they include
 #   --fix        lays the files out instead of complaining
 #   --jobs N     clang-tidy processes at a time (default 2)
 set -euo pipefail
@@ -21,12 +22,14 @@ base=
 all=no
 fix=no
 jobs=2
+again=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --format) tidy=no ;;
     --tidy) format=no ;;
     --base) need_value "$1" $# && base=$2 && shift ;;
     --all) all=yes ;;
+    --again) again=(--again) ;;
     --fix) fix=yes ;;
     --jobs) need_value "$1" $# && jobs=$2 && shift ;;
     -h | --help) show_help && exit 0 ;;
@@ -100,16 +103,8 @@ check_tidy() {
     ninja -C "$directory" "${generated[@]}" >/dev/null || die "the headers of idl/ could not be made: see above"
   fi
 
-  # One process a file; each one's complaints are printed in one piece, and a file that is not built is left out.
-  # shellcheck disable=SC2016
-  printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$jobs" bash -c '
-    grep -qF "\"file\": \"$2/$3\"" "$1/compile_commands.json" || { printf "  not built, left out: %s\n" "$3"; exit 0; }
-    if report=$("$0" --quiet -p "$1" "$2/$3" 2>/dev/null); then
-      printf "  clean: %s\n" "$3"
-    else
-      printf "%s\n" "${report:-clang-tidy itself failed on $3}" | sed "s|^$2/||"
-      exit 1
-    fi' "$clang_tidy" "$directory" "$root" || die "clang-tidy found something: see above"
+  python3 deploy/tidy_files.py --build "$directory" --clang-tidy "$clang_tidy" --jobs "$jobs" "${again[@]}" "${files[@]}" ||
+    die "clang-tidy found something: see above"
 }
 
 [[ $format == no ]] || check_format

@@ -57,12 +57,18 @@ class Announcer {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+void print_config(const ServerOptions& options) {
+  std::cout << "# All keys of coslam-server; --config FILE reads them back.\n"
+            << config::dump_yaml(options) << std::flush;
+  if (!std::cout) throw UserError("the configuration cannot be written to standard output");
+}
+
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
   std::string file, out;
   std::optional<int> domain;
   std::vector<std::string> sets;
-  bool loopback = false, progress = false;
+  bool loopback = false, progress = false, print = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--out", out, "RESULT folder")->type_name("DIR");
@@ -70,6 +76,7 @@ int main_of(int argc, char** argv) {
   app.add_flag("--report-progress", progress,
                "for programs: 'ready', 'started' and 'progress DONE' on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
+  app.add_flag("--print-config", print, "only print all keys with values, bounds and meaning, as a file for --config");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -81,6 +88,10 @@ int main_of(int argc, char** argv) {
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
   if (domain) o.wire.domain = *domain;
+  if (print) {
+    print_config(o);
+    return 0;
+  }
 
   const RunId run = draw_run_id();
   const auto link = open_server_link(o.wire, run);

@@ -4,16 +4,13 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "common/flow/worker.h"
 #include "server/link/server_link.h"
+#include "server/refiner.h"
 #include "server/server_config.h"
 #include "server/store/result_store.h"
 
@@ -30,24 +27,26 @@ struct ServerLoopConfig {
 // The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
 class ServerLoop {
  public:
+  // Different names, in the life of a server: each keeps a camera in the map and a path in the result when it has left.
+  static constexpr std::size_t kMostAgents = 1000;
+
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
-  ~ServerLoop();
+  ~ServerLoop() = default;
   ServerLoop(const ServerLoop&) = delete;
   ServerLoop& operator=(const ServerLoop&) = delete;
 
   // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done:
   // all expected agents have ended and their frames are used.
   bool poll(std::chrono::milliseconds timeout);
-  // Adjusts the whole run, writes the result, tells the agents that the server stops. effective: the configuration for
-  // the report.
-  void finish(const nlohmann::ordered_json& effective);
+  // Adjusts the whole run, writes the result, tells the agents that the server stops. configuration: the one in
+  // effect, for the report.
+  void finish(const nlohmann::ordered_json& configuration);
 
   bool started() const { return started_; }
   const MapServer& map_server() const { return server_; }
   const nlohmann::ordered_json& report() const { return report_; }
 
  private:
-  class Refiner;
   struct Agent {
     CameraId camera;
     RunId run;
@@ -59,22 +58,22 @@ class ServerLoop {
   void on_hello(const Hello& hello);
   void on_frame(const JoinedFrame& joined);
   void on_status(const AgentStatus& status);
+  void on_silent(const std::string& name, RunId run);
   void on_gone(const std::string& name, RunId run);
   void admit(const Hello& hello);
   void start_if_complete();
   void run_set(const FrameSet& set);
-  void exchange_refinement(SetId now);
-  void give_refined(bool wait);
+  Agent* find(const std::string& name, RunId run);  // null: no such run now
+  void end(Agent& agent);
+  void give_refined(std::optional<RefineSolution> solution);
   void send_status();
-  void make_report(const nlohmann::ordered_json& effective);
-  bool lockstep() const { return lockstep_; }
 
   ServerLink& link_;
   ServerLoopConfig config_;
   MapServer server_;
   FrameSetSync sync_;
   std::optional<ResultStore> store_;
-  std::unique_ptr<Refiner> refiner_;
+  Refiner refiner_;
   std::map<std::string, Hello> waiting_;  // before the start
   std::map<std::string, Agent> agents_;
   bool started_ = false, stopping_ = false, lockstep_ = false;

@@ -3,21 +3,14 @@
 #pragma once
 
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/base/ids.h"
+#include "agent/track/image.h"
 #include "common/base/time.h"
 
 namespace coslam {
-
-struct Image {
-  FrameId frame;
-  TimeNs capture_ns = 0;  // played time for files: source time minus start_s
-  cv::Mat grey;           // CV_8UC1
-};
 
 // What a source yields next. A frame that cannot be read is counted and skipped, never the end of the source.
 class ImageSource {

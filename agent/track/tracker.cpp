@@ -265,7 +265,7 @@ const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
 
 const std::vector<Track>& Tracker::live() const { return state_->tracks; }
 
-std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, float same_px) {
+std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, float same_px, int most_new) {
   std::vector<TrackId> ids;
   for (const Eigen::Vector2f& px : raw_px) {
     const auto same = std::find_if(state_->tracks.begin(), state_->tracks.end(),
@@ -274,7 +274,7 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
       ids.push_back(same->id);
       continue;
     }
-    ids.push_back(state_->start(px));
+    ids.push_back(most_new-- > 0 ? state_->start(px) : TrackId());
   }
   return ids;
 }

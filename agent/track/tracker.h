@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "agent/track/feature_tracker.h"
 #include "common/base/ids.h"
 #include "common/model/track_frame.h"
 
@@ -19,13 +21,6 @@ struct TrackerConfig {
   double min_zncc = 0.75;            // of a track's window with the one in the previous image, and with its first
   double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
   double border_px = 8;              // tracks end this close to the image border
-};
-
-// A live feature, raw pixels.
-struct Track {
-  TrackId id;
-  Eigen::Vector2f raw_px = Eigen::Vector2f::Zero();
-  std::uint32_t age_frames = 0;  // 0 in the image where it was found
 };
 
 // Shi-Tomasi corners followed by pyramidal KLT with a gain and offset per window, checked forward and backward and
@@ -46,8 +41,9 @@ class Tracker {
   const std::vector<Track>& live() const;
 
   // Starts tracks at these places of the newest image, beyond max_tracks if need be. Returns the id for each: that of a
-  // live track where one is closer than `same_px`.
-  std::vector<TrackId> add(const std::vector<Eigen::Vector2f>& raw_px, float same_px);
+  // live track where one is closer than `same_px`; none where one would have to start after `most_new` have been.
+  std::vector<TrackId> add(const std::vector<Eigen::Vector2f>& raw_px, float same_px,
+                           int most_new = std::numeric_limits<int>::max());
 
   // Ends tracks where they stand closest, newest first, until at most max_tracks are left or `at_most` were ended.
   void thin(int at_most);

@@ -3,6 +3,7 @@
 #include "common/base/text.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -67,6 +68,11 @@ std::optional<double> parse_double(std::string_view text) {
   return value;
 }
 
+std::string format_double(double value) {
+  std::array<char, 32> text{};  // 24 at most
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -104,8 +110,9 @@ std::string nearest_of(std::string_view word, const std::vector<std::string>& kn
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, (word.size() + 1) / 3) + 1;
   for (const std::string& candidate : known) {
-    const bool one_begins_the_other = word.size() >= 3 && (candidate.starts_with(word) || word.starts_with(candidate));
-    const std::size_t distance = one_begins_the_other ? 1 : edit_distance(word, candidate);
+    const bool part = word.size() >= 3 && (candidate.starts_with(word) || word.starts_with(candidate) ||
+                                           candidate.ends_with(word) || word.ends_with(candidate));
+    const std::size_t distance = part ? 1 : edit_distance(word, candidate);
     if (distance >= best_distance) continue;
     best_distance = distance;
     best = candidate;

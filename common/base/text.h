@@ -20,13 +20,15 @@ std::vector<std::string_view> split_csv(std::string_view line);
 
 // The whole text as one number; empty for anything else, infinities and NaN included.
 std::optional<double> parse_double(std::string_view text);
+// The shortest text that reads back as the same number.
+std::string format_double(double value);
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
 // Decimal seconds, kept exact to the nanosecond (a double would lose 100 ns on a UTC stamp).
 std::optional<TimeNs> parse_seconds(std::string_view text);
 std::string format_seconds(TimeNs t_ns);  // 9 decimals
 
-// The known word closest to `word` by edit distance, or one that it begins; empty when none is near.
+// The known word closest to `word` by edit distance, or one that it begins or ends; empty when none is near.
 std::string nearest_of(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace coslam

@@ -3,31 +3,75 @@
 #include "common/config/config.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/config/unknown_key.h"
 #include "common/config/yaml_value.h"
 
 namespace coslam::config {
 namespace {
 
+// A number as short as it can be read back exactly.
 std::string short_number(double v) {
   char text[32];
-  std::snprintf(text, sizeof text, "%g", v);
-  return text;
+  const auto [end, error] = std::to_chars(text, text + sizeof text, v, std::chars_format::general);
+  return {text, end};
 }
 
 std::string range_text(const Bounds<double>& bounds) {
   return short_number(bounds.min) + " to " + short_number(bounds.max);
 }
 
+std::string whole_range_text(const Bounds<double>& bounds) {
+  return std::to_string(std::llround(bounds.min)) + " to " + std::to_string(std::llround(bounds.max));
+}
+
 std::string list_text(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
+}
+
+// In double quotes, so that no text is taken for a number, a list or a comment.
+std::string in_quotes(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') result += '\\';
+    if (code < 0x20 || code == 0x7f) {
+      char escaped[8];
+      std::snprintf(escaped, sizeof escaped, "\\x%02X", code);
+      result += escaped;
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string yaml_text(int v) { return std::to_string(v); }
+std::string yaml_text(double v) { return short_number(v); }
+std::string yaml_text(bool v) { return v ? "true" : "false"; }
+std::string yaml_text(const std::string& v) { return in_quotes(v); }
+std::string yaml_text(const std::vector<std::string>& v) {
+  std::string text;
+  for (const std::string& word : v) text += (text.empty() ? "" : ", ") + in_quotes(word);
+  return "[" + text + "]";
+}
+
+// Dotted, down to the first thing that is no section.
+std::string first_key_below(const YamlValue& section) {
+  if (!section.is_map() || section.keys().empty()) return "";
+  const std::string key = section.keys().front();
+  const auto value = section.find(key);
+  const std::string below = value ? first_key_below(*value) : "";
+  return below.empty() ? key : key + "." + below;
 }
 
 // First step of a dotted path.
@@ -79,6 +123,12 @@ void Fields::add(Field field) {
   fields_.push_back(std::move(field));
 }
 
+Fields::Words Fields::paths() const {
+  Words paths;
+  for (const Field& field : fields_) paths.push_back(field.path);
+  return paths;
+}
+
 void Fields::load(const std::filesystem::path& file) const { read_section(YamlValue::load(file), ""); }
 
 void Fields::read_section(const YamlValue& section, const std::string& prefix) const {
@@ -88,7 +138,10 @@ void Fields::read_section(const YamlValue& section, const std::string& prefix) c
     const std::string key(head_of(std::string_view(field.path).substr(prefix.size())));
     if (known.empty() || known.back() != key) known.push_back(key);
   }
-  section.allow_only(known);
+  section.allow_only(known, [&](const std::string& key) {
+    const auto value = section.find(key);
+    return unknown_file_key_reason(prefix, key, value ? first_key_below(*value) : "", paths());
+  });
   for (const std::string& key : known) {
     const auto value = section.find(key);
     if (!value) continue;
@@ -119,7 +172,7 @@ std::string Fields::problem_of_text(const Field& field, std::string_view text) {
   if (auto* const* number = std::get_if<int*>(&field.value)) {
     const auto parsed = parse_integer(text);
     if (!parsed) return quoted + " is not a whole number";
-    if (!in_bounds(static_cast<double>(*parsed))) return quoted + " is outside " + range_text(field.bounds);
+    if (!in_bounds(static_cast<double>(*parsed))) return quoted + " is outside " + whole_range_text(field.bounds);
     **number = static_cast<int>(*parsed);
   } else if (auto* const* real = std::get_if<double*>(&field.value)) {
     const auto parsed = parse_double(text);
@@ -146,15 +199,13 @@ void Fields::apply_set(std::string_view assignment) const {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) throw UsageError(shown + "key=value is expected");
   const std::string_view key = trimmed(assignment.substr(0, equals));
-  Words known;
   for (const Field& field : fields_) {
-    known.push_back(field.path);
     if (field.path != key) continue;
     const std::string problem = problem_of_text(field, trimmed(assignment.substr(equals + 1)));
     if (!problem.empty()) throw UsageError(shown + problem);
     return;
   }
-  throw UsageError(shown + unknown_key_reason(key, known));
+  throw UsageError(shown + unknown_set_reason(std::string(key), paths()));
 }
 
 nlohmann::ordered_json Fields::json() const {
@@ -182,13 +233,13 @@ std::string Fields::yaml() const {
     for (std::size_t i = shared; i < steps.size(); ++i) text += std::string(2 * i, ' ') + std::string(steps[i]) + ":\n";
     section = parent;
 
-    // A JSON value is a YAML value.
-    const std::string value = std::visit([](const auto* v) { return nlohmann::json(*v).dump(); }, field.value);
-    const bool number = std::holds_alternative<int*>(field.value) || std::holds_alternative<double*>(field.value);
+    const std::string value = std::visit([](const auto* v) { return yaml_text(*v); }, field.value);
     text +=
         std::string(2 * steps.size(), ' ') + field.path.substr(dot == std::string::npos ? 0 : dot + 1) + ": " + value;
-    text += "  # " + field.comment;
-    if (number) text += " (" + range_text(field.bounds) + ")";
+    text += "  #";
+    if (!field.comment.empty()) text += " " + field.comment;
+    if (std::holds_alternative<int*>(field.value)) text += " (" + whole_range_text(field.bounds) + ")";
+    if (std::holds_alternative<double*>(field.value)) text += " (" + range_text(field.bounds) + ")";
     if (!field.allowed.empty()) text += " (" + list_text(field.allowed) + ")";
     text += "\n";
   }

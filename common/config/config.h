@@ -69,6 +69,7 @@ class Fields {
   };
 
   void add(Field field);
+  Words paths() const;
   void read_section(const YamlValue& section, const std::string& prefix) const;
   static void read_value(const Field& field, const YamlValue& value);
   static std::string problem_of_text(const Field& field, std::string_view text);
@@ -103,7 +104,8 @@ nlohmann::ordered_json dump_json(Config config) {
   return fields_of(config).json();
 }
 
-// The same as a commented file that load() accepts.
+// The same as a file with comments that load() reads back to the same values: each key with its sentence and what it
+// may be.
 template <class Config>
 std::string dump_yaml(Config config) {
   return fields_of(config).yaml();

@@ -64,12 +64,16 @@ std::vector<std::string> YamlValue::keys() const {
 }
 
 void YamlValue::allow_only(const std::vector<std::string>& known) const {
+  allow_only(known, [&](const std::string& key) { return unknown_key_reason(key, known); });
+}
+
+void YamlValue::allow_only(const std::vector<std::string>& known, const ReasonOf& unknown) const {
   require_map();
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     const YamlValue place = child(entry.first, path_.empty() ? key : "." + key);
-    if (std::find(known.begin(), known.end(), key) == known.end()) place.fail(unknown_key_reason(key, known));
+    if (std::find(known.begin(), known.end(), key) == known.end()) place.fail(unknown(key));
     if (!seen.insert(key).second) place.fail("the key stands twice");
   }
 }

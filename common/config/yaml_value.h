@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +33,9 @@ class YamlValue {
   std::vector<std::string> keys() const;
   // Throws for a key that is not among `known` (naming the nearest) and for one that stands twice.
   void allow_only(const std::vector<std::string>& known) const;
+  // The same with a reason of the caller's own for an unknown key.
+  using ReasonOf = std::function<std::string(const std::string& key)>;
+  void allow_only(const std::vector<std::string>& known, const ReasonOf& unknown) const;
 
   std::vector<YamlValue> items() const;  // of a sequence
 

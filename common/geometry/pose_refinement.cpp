@@ -94,6 +94,26 @@ System build(const std::vector<Residual>& residuals, double sigma_px, std::vecto
   return s;
 }
 
+// What follows from the last step: covariance, or why there is none.
+void conclude(const System& s, double sigma, PoseResult* out) {
+  PoseResult& result = *out;
+  result.sigma_px = sigma;
+  result.inliers = s.inliers;
+  if (s.inliers < kMinPoints) {
+    result.status = PoseStatus::kTooFewInliers;
+    return;
+  }
+  // Scaled to a unit diagonal, so that the test does not depend on the units of angle and length.
+  const Vector6d scale = s.a.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Matrix6d> ldlt(scale.asDiagonal() * s.a * scale.asDiagonal());
+  if (!scale.allFinite() || ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kMinPivot)) {
+    result.status = PoseStatus::kDegenerate;
+    return;
+  }
+  result.covariance = scale.asDiagonal() * ldlt.solve(Matrix6d::Identity()) * scale.asDiagonal();
+  result.status = result.covariance.allFinite() ? PoseStatus::kOk : PoseStatus::kDegenerate;
+}
+
 }  // namespace
 
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
@@ -143,21 +163,7 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
     s = build(residuals, sigma, &result.is_inlier);
   }
 
-  result.sigma_px = sigma;
-  result.inliers = s.inliers;
-  if (s.inliers < kMinPoints) {
-    result.status = PoseStatus::kTooFewInliers;
-    return result;
-  }
-  // Scaled to a unit diagonal, so that the test does not depend on the units of angle and length.
-  const Vector6d scale = s.a.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Matrix6d> ldlt(scale.asDiagonal() * s.a * scale.asDiagonal());
-  if (!scale.allFinite() || ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kMinPivot)) {
-    result.status = PoseStatus::kDegenerate;
-    return result;
-  }
-  result.covariance = scale.asDiagonal() * ldlt.solve(Matrix6d::Identity()) * scale.asDiagonal();
-  result.status = result.covariance.allFinite() ? PoseStatus::kOk : PoseStatus::kDegenerate;
+  conclude(s, sigma, &result);
   return result;
 }
 

@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 3;
+constexpr std::uint16_t kProtocolVersion = 4;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {
@@ -40,7 +40,6 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  FrameId last_frame;         // newest frame sent
   std::uint32_t frames = 0;   // images read
   std::uint32_t dropped = 0;  // images skipped for lack of time
   std::uint32_t tracks = 0;
@@ -63,8 +62,8 @@ struct ServerStatus {
   TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
-  std::vector<std::string> agents;
-  std::vector<Refusal> refused;  // by run, since the agent that holds the name must not take it for itself
+  std::vector<std::string> agents;  // the first 64 reach the others: name those that are here first
+  std::vector<Refusal> refused;     // by run, since the agent that holds the name must not take it for itself
 };
 
 // Why the server turned this run away; empty when it did not.

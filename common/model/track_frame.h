@@ -33,7 +33,9 @@ struct TagObservation {
   std::array<Eigen::Vector2f, 4> undistorted_px;  // on the grid of quantised_px()
   friend bool operator==(const TagObservation&, const TagObservation&) = default;
 };
-constexpr std::size_t kMaxTags = 16;  // of one image
+// What one frame may carry.
+constexpr std::size_t kMaxTracks = 2048;
+constexpr std::size_t kMaxTags = 16;
 
 enum class PoseState : std::uint8_t {
   kNone,     // not placed in the map yet

@@ -2,17 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
-#include "common/model/map_patch.h"
-#include "common/model/moving_state.h"
-#include "common/model/session.h"
-#include "common/model/track_frame.h"
 #include "common/wire/counters.h"
-#include "idl/coslam.h"
+#include "common/wire/messages.h"
 
 // Between the values of common/model and those of idl/coslam.idl. Pure functions. decode(encode(x)) == x bit for bit
 // when x is what the model says it is (coordinates on the grid, ids ascending, sizes within the bounds of the IDL;
@@ -56,10 +53,12 @@ Decoded<ServerStatus> decode(const idl::ServerStatus& message);
 // 1 to 32 letters, digits, '_', '-', '.', not starting with '.': names of agents are also names of files.
 bool valid_agent_name(std::string_view name);
 
-// Size of the serialized sample, encapsulation header included.
-template <class Message>
-std::size_t sample_bytes(const Message& message) {
-  return Message::getCdrSerializedSize(message) + 4;
+template <class... Types>
+constexpr bool each_has_a_decoder(const std::tuple<Types...>&) {
+  return (std::is_same_v<decltype(decode(std::declval<const typename Types::Message&>())),
+                         Decoded<typename Types::Value>> &&
+          ...);
 }
+static_assert(each_has_a_decoder(kMessageTypes), "a type of message lacks its codec");
 
 }  // namespace coslam

@@ -21,9 +21,10 @@ Problem check_sentence(std::string_view text) {
   return good ? std::nullopt : Problem(Rejection::kBadText);
 }
 
-std::string join(const std::vector<std::string>& items, char end) {
+// Each name is followed by a space. Those beyond the bound are left out: others say how many come in a server's life.
+std::string pack_names(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& item : items) text += item + end;
+  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), idl::MAX_AGENTS); ++i) text += names[i] + ' ';
   return text;
 }
 
@@ -31,7 +32,7 @@ std::string join(const std::vector<std::string>& items, char end) {
 std::vector<std::string> split(const std::string& text, char end) {
   std::vector<std::string> items;
   std::size_t begin = 0;
-  for (std::size_t at; (at = text.find(end, begin)) != std::string::npos; begin = at + 1) {
+  for (std::size_t at = 0; (at = text.find(end, begin)) != std::string::npos; begin = at + 1) {
     items.push_back(text.substr(begin, at - begin));
   }
   return items;
@@ -123,7 +124,6 @@ idl::AgentStatus encode(const AgentStatus& s) {
   COSLAM_CHECK(s.report_json.size() <= idl::MAX_REPORT_BYTES, "the report of an agent is too long");
   idl::AgentStatus m;
   m.agent_run(s.agent_run.value);
-  m.last_frame(s.last_frame.value);
   m.frames(s.frames);
   m.dropped(s.dropped);
   m.tracks(s.tracks);
@@ -145,7 +145,6 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   if (problem) return *problem;
   s.state = static_cast<AgentState>(m.state());
   s.pose_state = static_cast<PoseState>(m.pose_state());
-  s.last_frame = FrameId(m.last_frame());
   s.frames = m.frames();
   s.dropped = m.dropped();
   s.tracks = m.tracks();
@@ -155,7 +154,6 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
 }
 
 idl::ServerStatus encode(const ServerStatus& s) {
-  COSLAM_CHECK(s.agents.size() <= idl::MAX_AGENTS, "more agents than a status may name");
   COSLAM_CHECK(s.refused.size() <= idl::MAX_REFUSALS, "more refusals than a status may carry");
   idl::ServerStatus m;
   m.protocol(s.protocol);
@@ -170,7 +168,7 @@ idl::ServerStatus encode(const ServerStatus& s) {
     m.refused().push_back(r.agent_run.value);
     reasons += r.reason.substr(0, kMaxSentence) + '\n';
   }
-  m.agents(join(s.agents, ' '));
+  m.agents(pack_names(s.agents));
   m.reasons(reasons);
   return m;
 }

@@ -77,6 +77,7 @@ Problem unpack_tracks(const idl::TrackFrame& m, std::vector<TrackObservation>& t
   return std::nullopt;
 }
 
+static_assert(idl::MAX_TRACKS == kMaxTracks);
 constexpr std::size_t kTagBytes = 18;
 static_assert(idl::MAX_TAG_BYTES == kTagBytes * kMaxTags);
 

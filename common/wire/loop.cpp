@@ -69,14 +69,47 @@ class PresenceNotes : public dds::DataReaderListener {
   std::vector<std::pair<WriterId, Presence>> notes_;
 };
 
-// A reader of one topic, whatever its type.
+// A reader of one topic.
 class Source {
  public:
-  Source(dds::GuardCondition& wake, Loop::OnPresence on_presence)
-      : notes_(wake), on_presence_(std::move(on_presence)) {}
-  virtual ~Source() = default;
+  Source(Participant::Impl& participant, std::size_t topic, dds::GuardCondition& wake,
+         std::unique_ptr<Loop::Inlet> inlet, Loop::OnPresence on_presence, const std::string& partition)
+      : participant_(participant),
+        topic_(topic),
+        inlet_(std::move(inlet)),
+        notes_(wake),
+        on_presence_(std::move(on_presence)) {
+    dds::SubscriberQos qos;
+    if (!partition.empty()) qos.partition().push_back(partition.c_str());
+    subscriber_ = participant_.participant->create_subscriber(qos);
+    COSLAM_CHECK(subscriber_ != nullptr, "a subscriber needs nothing that could be missing");
+    dds::StatusMask mask = dds::StatusMask::liveliness_changed();
+    mask << dds::StatusMask::subscription_matched() << dds::StatusMask::requested_incompatible_qos();
+    reader_ = subscriber_->create_datareader(participant_.topic(topic), reader_qos(kTopics[topic], participant_.config),
+                                             &notes_, mask);
+    COSLAM_CHECK(reader_ != nullptr, "the QoS of every topic is tested");
+    // Any other status would stay unread, keep the condition triggered and make the loop spin.
+    reader_->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
+  }
 
-  virtual void take_samples() = 0;
+  ~Source() {
+    subscriber_->delete_datareader(reader_);
+    participant_.participant->delete_subscriber(subscriber_);
+  }
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+
+  void take_samples() {
+    dds::SampleInfo info;
+    while (reader_->take_next_sample(inlet_->place(), &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      const std::uint64_t bytes = participant_.cost(inlet_->bytes());
+      auto& counts = participant_.counts[topic_];
+      counts.received.fetch_add(1, std::memory_order_relaxed);
+      counts.received_bytes.fetch_add(bytes, std::memory_order_relaxed);
+      inlet_->hand_on({id_of(info.publication_handle), bytes});
+    }
+  }
 
   // Two steps, so that the samples which came before a note can be handed on between them.
   void take_notes() { taken_ = notes_.take(); }
@@ -88,54 +121,15 @@ class Source {
 
   dds::StatusCondition& condition() { return reader_->get_statuscondition(); }
 
- protected:
+ private:
+  Participant::Impl& participant_;
+  const std::size_t topic_;
+  std::unique_ptr<Loop::Inlet> inlet_;
   PresenceNotes notes_;
   std::vector<std::pair<WriterId, Presence>> taken_;
   Loop::OnPresence on_presence_;
-  dds::DataReader* reader_ = nullptr;
-};
-
-template <class Message>
-class TypedSource : public Source {
- public:
-  TypedSource(Participant::Impl& participant, dds::GuardCondition& wake, Loop::OnSample<Message> on_sample,
-              Loop::OnPresence on_presence, const std::string& partition)
-      : Source(wake, std::move(on_presence)), participant_(participant), on_sample_(std::move(on_sample)) {
-    dds::SubscriberQos qos;
-    if (!partition.empty()) qos.partition().push_back(partition.c_str());
-    subscriber_ = participant_.participant->create_subscriber(qos);
-    COSLAM_CHECK(subscriber_ != nullptr, "a subscriber needs nothing that could be missing");
-    dds::StatusMask mask = dds::StatusMask::liveliness_changed();
-    mask << dds::StatusMask::subscription_matched() << dds::StatusMask::requested_incompatible_qos();
-    reader_ = subscriber_->create_datareader(participant_.topic<Message>(),
-                                             reader_qos(kTopicOf<Message>, participant_.config), &notes_, mask);
-    COSLAM_CHECK(reader_ != nullptr, "the QoS of every topic is tested");
-    // Any other status would stay unread, keep the condition triggered and make the loop spin.
-    reader_->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
-  }
-
-  ~TypedSource() override {
-    subscriber_->delete_datareader(reader_);
-    participant_.participant->delete_subscriber(subscriber_);
-  }
-
-  void take_samples() override {
-    dds::SampleInfo info;
-    while (reader_->take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
-      const std::uint64_t bytes = participant_.cost(Message::getCdrSerializedSize(message_) + 4);
-      auto& counts = participant_.counts_of(kTopicOf<Message>);
-      counts.received.fetch_add(1, std::memory_order_relaxed);
-      counts.received_bytes.fetch_add(bytes, std::memory_order_relaxed);
-      on_sample_(message_, {id_of(info.publication_handle), bytes});
-    }
-  }
-
- private:
-  Participant::Impl& participant_;
-  Loop::OnSample<Message> on_sample_;
   dds::Subscriber* subscriber_ = nullptr;
-  Message message_;
+  dds::DataReader* reader_ = nullptr;
 };
 
 }  // namespace
@@ -150,7 +144,7 @@ struct Loop::Impl {
   std::vector<std::unique_ptr<Source>> sources;
   std::optional<Worker> worker;
 
-  void run(std::stop_token stop) {
+  void run(const std::stop_token& stop) {
     const std::stop_callback wake_up(stop, [this] { wake.set_trigger_value(true); });
     const Duration_t timeout(1e-3L * static_cast<long double>(tick.count()));
     auto next_tick = std::chrono::steady_clock::now() + tick;
@@ -176,25 +170,16 @@ Loop::Loop(Participant& participant, std::string name, std::chrono::milliseconds
 
 Loop::~Loop() = default;
 
-template <class Message>
-void Loop::read(OnSample<Message> on_sample, OnPresence on_presence, const std::string& partition) {
-  auto source = std::make_unique<TypedSource<Message>>(impl_->participant, impl_->wake, std::move(on_sample),
-                                                       std::move(on_presence), partition);
+void Loop::read_topic(std::size_t topic, std::unique_ptr<Inlet> inlet, OnPresence on_presence,
+                      const std::string& partition) {
+  auto source = std::make_unique<Source>(impl_->participant, topic, impl_->wake, std::move(inlet),
+                                         std::move(on_presence), partition);
   impl_->wait_set.attach_condition(source->condition());
   impl_->sources.push_back(std::move(source));
 }
 
 void Loop::start() {
-  impl_->worker.emplace(impl_->name, [impl = impl_.get()](std::stop_token stop) { impl->run(stop); });
+  impl_->worker.emplace(impl_->name, [impl = impl_.get()](const std::stop_token& stop) { impl->run(stop); });
 }
-
-template void Loop::read(OnSample<idl::Hello>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::TrackFrame>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::PatchReply>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::DescriptorReply>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::AgentStatus>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::MapPatch>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::MovingState>, OnPresence, const std::string&);
-template void Loop::read(OnSample<idl::ServerStatus>, OnPresence, const std::string&);
 
 }  // namespace coslam

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/wire/participant.h"
 
@@ -44,14 +45,41 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  // Before start().
+  // Before start(). The topics of one loop are read in this order.
   template <class Message>
-  void read(OnSample<Message> on_sample, OnPresence on_presence = {}, const std::string& partition = {});
+  void read(OnSample<Message> on_sample, const OnPresence& on_presence = {}, const std::string& partition = {}) {
+    read_topic(topic_index<Message>(), std::make_unique<TypedInlet<Message>>(std::move(on_sample)), on_presence,
+               partition);
+  }
   void start();
 
+  // A place for one sample of a topic's type, and what is done with it.
+  class Inlet {
+   public:
+    virtual ~Inlet() = default;
+    virtual void* place() = 0;
+    virtual std::size_t bytes() const = 0;  // serialized, of what lies there
+    virtual void hand_on(const Sample& sample) = 0;
+  };
   struct Impl;
 
  private:
+  template <class Message>
+  class TypedInlet : public Inlet {
+   public:
+    explicit TypedInlet(OnSample<Message> on_sample) : on_sample_(std::move(on_sample)) {}
+    void* place() override { return &message_; }
+    std::size_t bytes() const override { return sample_bytes(message_); }
+    void hand_on(const Sample& sample) override { on_sample_(message_, sample); }
+
+   private:
+    OnSample<Message> on_sample_;
+    Message message_;
+  };
+
+  void read_topic(std::size_t topic, std::unique_ptr<Inlet> inlet, OnPresence on_presence,
+                  const std::string& partition);
+
   std::unique_ptr<Impl> impl_;
 };
 

@@ -16,11 +16,13 @@
 #include <cinttypes>
 #include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
 #include <filesystem>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/wire/middleware_log.h"
+#include "idl/coslamPubSubTypes.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // The middleware deletes a reader's statistics through a base without virtual destructor; nothing of ours does.
@@ -60,11 +62,12 @@ bool is_ipv4(const std::string& text) {
 
 void require_addresses(const WireConfig& c) {
   const std::vector<std::string> mine = local_addresses();
-  for (const std::string& address : c.interfaces) {
-    if (std::ranges::find(mine, address) != mine.end()) continue;
+  const auto foreign = std::ranges::find_if(
+      c.interfaces, [&](const std::string& address) { return std::ranges::find(mine, address) == mine.end(); });
+  if (foreign != c.interfaces.end()) {
     std::string known;
-    for (const std::string& a : mine) known += (known.empty() ? "" : ", ") + a;
-    throw UserError("network interface '" + address + "' is not an IPv4 address of this machine (it has " + known +
+    for (const std::string& a : mine) known.append(known.empty() ? "" : ", ").append(a);
+    throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " + known +
                     ")");
   }
   for (const std::string& peer : c.peers) {
@@ -120,7 +123,51 @@ void turn_off_intraprocess() {
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
 }
 
+// The generated serialiser, safe against strangers: it catches one kind of exception of its decoder only, and the
+// others would end the process from a thread of the middleware.
+template <class Generated>
+struct Guarded : Generated {
+  explicit Guarded(RejectionCounts& counts) : rejections(counts) {}
+
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    try {
+      if (Generated::deserialize(payload, data)) return true;
+    } catch (const std::exception&) {
+    }
+    rejections.add(Rejection::kMalformed);
+    return false;
+  }
+
+  RejectionCounts& rejections;
+};
+
+// The serialiser of a place in kTopics.
+using MakeSerialiser = dds::TopicDataType* (*)(RejectionCounts&);
+
+template <class Serialiser>
+dds::TopicDataType* make_guarded(RejectionCounts& rejections) {
+  return new Guarded<Serialiser>(rejections);
+}
+
+template <class... Types>
+constexpr std::array<MakeSerialiser, kTopicCount> makers_of(const std::tuple<Types...>&) {
+  return {&make_guarded<typename Types::Serialiser>...};
+}
+
+constexpr auto kMakeSerialiser = makers_of(kMessageTypes);
+
 }  // namespace
+
+dds::Topic* Participant::Impl::topic(std::size_t index) {
+  const std::lock_guard lock(topics_mutex);
+  const char* name = kTopics[index].name;
+  if (dds::TopicDescription* known = participant->lookup_topicdescription(name)) {
+    return static_cast<dds::Topic*>(known);
+  }
+  const dds::TypeSupport type(kMakeSerialiser[index](rejections));
+  type.register_type(participant);
+  return participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+}
 
 WireConfig loopback_config(int domain) {
   WireConfig config;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/wire/counters.h"
-#include "common/wire/topics.h"
+#include "common/wire/messages.h"
 #include "common/wire/wire_config.h"
 
 namespace coslam {
@@ -49,25 +49,39 @@ class Participant {
   std::unique_ptr<Impl> impl_;
 };
 
-// Sends one type of message, on its topic with its QoS. Thread-safe. `partition`, when given, is seen by readers of the
-// same partition only.
-template <class Message>
-class Writer {
+// Sends on one topic of kTopics, with its QoS; Writer below says what. Thread-safe.
+class TopicWriter {
  public:
-  explicit Writer(Participant& participant, const std::string& partition = {});
-  // Topics that keep the newest sample for late joiners: waits up to half a second until the readers here have it.
-  ~Writer();
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
+  TopicWriter(Participant& participant, std::size_t topic, const std::string& partition);
+  // Topics that keep the newest sample for late joiners: waits up to two seconds until the readers here have it.
+  ~TopicWriter();
+  TopicWriter(const TopicWriter&) = delete;
+  TopicWriter& operator=(const TopicWriter&) = delete;
 
-  // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
-  std::uint64_t write(const Message& message);
-  void assert_alive();  // a sign of life, for topics that have one
-  int readers() const;  // matched now
+  // message: of the topic's type.
+  std::uint64_t write(const void* message, std::size_t sample_bytes);
+  void assert_alive();
+  int readers() const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+// Sends one type of message, on its topic. `partition`, when given, is seen by readers of the same partition only.
+template <class Message>
+class Writer {
+ public:
+  explicit Writer(Participant& participant, const std::string& partition = {})
+      : writer_(participant, topic_index<Message>(), partition) {}
+
+  // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
+  std::uint64_t write(const Message& message) { return writer_.write(&message, sample_bytes(message)); }
+  void assert_alive() { writer_.assert_alive(); }    // a sign of life, for topics that have one
+  int readers() const { return writer_.readers(); }  // matched now
+
+ private:
+  TopicWriter writer_;
 };
 
 }  // namespace coslam

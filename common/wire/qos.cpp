@@ -7,7 +7,6 @@
 #include <fastdds/rtps/flowcontrol/FlowControllerDescriptor.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -23,22 +22,10 @@ using eprosima::fastrtps::rtps::Locator_t;
 
 constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
+// How soon a reader learns that it missed the last sample; later where samples take their time.
+constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr std::uint32_t kSecureMessageBytes = 8192;
-
-// Order of enum Topic. Map patches are not kept for late joiners: an agent that missed some asks for a snapshot. Their
-// depth is about 8 s at 30 Hz; an agent that far behind needs the snapshot anyway.
-constexpr std::array<Profile, kTopicCount> kProfiles = {{
-    // reliable late writer reader heartbeat paced life
-    {true, true, 1, 4, 0.2, false, true},        // hello: its writer's liveliness is the agent's sign of life
-    {false, false, 4, 8, 0.2, false, false},     // tracks: the newest frame matters, a lost one is not missed
-    {true, false, 16, 16, 0.5, true, false},     // patches: must arrive, must not crowd out the tracks
-    {true, false, 4, 4, 0.5, true, false},       // descriptors: likewise, 100 kB each
-    {true, true, 1, 2, 0.2, false, false},       // agent status: the newest state
-    {true, false, 256, 256, 0.2, false, false},  // map: every patch, in order
-    {false, false, 1, 1, 0.2, false, false},     // moving: the newest state
-    {true, true, 1, 4, 0.2, false, true},        // server status: the newest state, and the server's sign of life
-}};
 
 Duration_t duration(double seconds) { return Duration_t(static_cast<long double>(seconds)); }
 
@@ -104,10 +91,10 @@ void set_security(const WireConfig& c, dds::DomainParticipantQos& qos) {
 
 // What writers and readers of a topic must agree on, and what the defaults get wrong for both.
 template <class Qos>
-void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
-  qos.reliability().kind = profile.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+void set_common(const Topic& topic, const WireConfig& c, Qos& qos) {
+  qos.reliability().kind = topic.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = duration(0.05);
-  qos.durability().kind = profile.late_joiners ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  qos.durability().kind = topic.late_joiners ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   // The default is 10 instances: the 11th agent would be invisible, without any event. 0 = unlimited; all three must be
   // 0 together. Memory stays bounded by depth and the number of keys.
@@ -119,7 +106,7 @@ void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   // Shared memory fails silently between users and containers, and leaves files behind when a process is killed.
   qos.data_sharing().off();
-  if (profile.sign_of_life) {
+  if (topic.sign_of_life) {
     // The other kinds do not work in 2.9: any living participant counts as a sign of life of all.
     qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
     qos.liveliness().lease_duration = duration(c.silent_after_s);
@@ -127,8 +114,6 @@ void set_common(const Profile& profile, const WireConfig& c, Qos& qos) {
 }
 
 }  // namespace
-
-const Profile& profile_of(Topic topic) { return kProfiles[static_cast<std::size_t>(topic)]; }
 
 dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name) {
   dds::DomainParticipantQos qos;
@@ -147,24 +132,22 @@ dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string
   return qos;
 }
 
-dds::DataWriterQos writer_qos(Topic topic, const WireConfig& c) {
-  const Profile& profile = profile_of(topic);
+dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c) {
   dds::DataWriterQos qos;
-  set_common(profile, c, qos);
-  qos.history().depth = profile.writer_depth;
+  set_common(topic, c, qos);
+  qos.history().depth = topic.writer_depth;
   // The caller of write() never waits for the network.
   qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
-  if (profile.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(profile.heartbeat_s);
-  if (profile.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
+  if (topic.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(topic.paced ? kPacedHeartbeat_s : kHeartbeat_s);
+  if (topic.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
   return qos;
 }
 
-dds::DataReaderQos reader_qos(Topic topic, const WireConfig& c) {
-  const Profile& profile = profile_of(topic);
+dds::DataReaderQos reader_qos(const Topic& topic, const WireConfig& c) {
   dds::DataReaderQos qos;
-  set_common(profile, c, qos);
-  qos.history().depth = profile.reader_depth;
+  set_common(topic, c, qos);
+  qos.history().depth = topic.reader_depth;
   return qos;
 }
 

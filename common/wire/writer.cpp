@@ -22,68 +22,52 @@ class IncompatibleQos : public dds::DataWriterListener {
 
 }  // namespace
 
-template <class Message>
-struct Writer<Message>::Impl {
+struct TopicWriter::Impl {
   Participant::Impl& participant;
+  std::size_t topic;
   dds::Publisher* publisher = nullptr;
   dds::DataWriter* writer = nullptr;
   IncompatibleQos listener;
 
-  explicit Impl(Participant::Impl& p) : participant(p) {}
+  Impl(Participant::Impl& p, std::size_t index) : participant(p), topic(index) {}
 };
 
-template <class Message>
-Writer<Message>::Writer(Participant& participant, const std::string& partition)
-    : impl_(std::make_unique<Impl>(participant.impl())) {
+TopicWriter::TopicWriter(Participant& participant, std::size_t topic, const std::string& partition)
+    : impl_(std::make_unique<Impl>(participant.impl(), topic)) {
   dds::PublisherQos qos;
   if (!partition.empty()) qos.partition().push_back(partition.c_str());
   Participant::Impl& p = impl_->participant;
   impl_->publisher = p.participant->create_publisher(qos);
   COSLAM_CHECK(impl_->publisher != nullptr, "a publisher needs nothing that could be missing");
   dds::StatusMask mask = dds::StatusMask::offered_incompatible_qos();
-  impl_->writer = impl_->publisher->create_datawriter(p.topic<Message>(), writer_qos(kTopicOf<Message>, p.config),
-                                                      &impl_->listener, mask);
+  impl_->writer =
+      impl_->publisher->create_datawriter(p.topic(topic), writer_qos(kTopics[topic], p.config), &impl_->listener, mask);
   COSLAM_CHECK(impl_->writer != nullptr, "the QoS of every topic is tested");
 }
 
-template <class Message>
-Writer<Message>::~Writer() {
-  const bool flush = profile_of(kTopicOf<Message>).late_joiners && readers() > 0;
+TopicWriter::~TopicWriter() {
+  const bool flush = kTopics[impl_->topic].late_joiners && readers() > 0;
   if (flush) impl_->writer->wait_for_acknowledgments(Duration_t(2.0L));
   impl_->publisher->delete_datawriter(impl_->writer);
   impl_->participant.participant->delete_publisher(impl_->publisher);
 }
 
-template <class Message>
-std::uint64_t Writer<Message>::write(const Message& message) {
+std::uint64_t TopicWriter::write(const void* message, std::size_t sample_bytes) {
   // write() takes a non-const pointer and does not touch what it points at.
-  if (!impl_->writer->write(const_cast<Message*>(&message))) return 0;
-  const std::uint64_t bytes = impl_->participant.cost(Message::getCdrSerializedSize(message) + 4);
-  auto& counts = impl_->participant.counts_of(kTopicOf<Message>);
+  if (!impl_->writer->write(const_cast<void*>(message))) return 0;
+  const std::uint64_t bytes = impl_->participant.cost(sample_bytes);
+  auto& counts = impl_->participant.counts[impl_->topic];
   counts.sent.fetch_add(1, std::memory_order_relaxed);
   counts.sent_bytes.fetch_add(bytes, std::memory_order_relaxed);
   return bytes;
 }
 
-template <class Message>
-void Writer<Message>::assert_alive() {
-  impl_->writer->assert_liveliness();
-}
+void TopicWriter::assert_alive() { impl_->writer->assert_liveliness(); }
 
-template <class Message>
-int Writer<Message>::readers() const {
+int TopicWriter::readers() const {
   dds::PublicationMatchedStatus status;
   impl_->writer->get_publication_matched_status(status);
   return status.current_count;
 }
-
-template class Writer<idl::Hello>;
-template class Writer<idl::TrackFrame>;
-template class Writer<idl::PatchReply>;
-template class Writer<idl::DescriptorReply>;
-template class Writer<idl::AgentStatus>;
-template class Writer<idl::MapPatch>;
-template class Writer<idl::MovingState>;
-template class Writer<idl::ServerStatus>;
 
 }  // namespace coslam

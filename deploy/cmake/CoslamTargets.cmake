@@ -12,6 +12,9 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 # Release keeps no asserts; the estimator's own checks are COSLAM_CHECK (common/base/check.h), always on.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+if(COSLAM_SANITIZE)
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1 -DNDEBUG")  # what the sanitizers add is hardly optimised: -O2 only builds longer
+endif()
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 find_program(COSLAM_CCACHE ccache)
 if(COSLAM_CCACHE)
@@ -26,7 +29,9 @@ if(COSLAM_WERROR)
   target_compile_options(coslam_options INTERFACE -Werror)
 endif()
 if(COSLAM_SANITIZE)
-  target_compile_options(coslam_options INTERFACE -fsanitize=${COSLAM_SANITIZE} -fno-omit-frame-pointer -g1)
+  # Undefined behaviour ends the test, not only prints a line.
+  target_compile_options(coslam_options INTERFACE -fsanitize=${COSLAM_SANITIZE} -fno-sanitize-recover=all
+                                                  -fno-omit-frame-pointer -g1)
   target_link_options(coslam_options INTERFACE -fsanitize=${COSLAM_SANITIZE})
 endif()
 
@@ -45,13 +50,23 @@ function(coslam_program name)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
 
-# coslam_test(NAME SOURCES x_test.cpp ... DEPS ...): one GoogleTest program, its cases found by CTest.
+# coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The
+# target unit_tests builds all programs with the label unit, and so on.
 function(coslam_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
   add_executable(${name} ${ARG_SOURCES})
+  foreach(label ${ARG_LABELS})
+    if(NOT TARGET ${label}_tests)
+      add_custom_target(${label}_tests)
+    endif()
+    add_dependencies(${label}_tests ${name})
+  endforeach()
   target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS} GTest::gtest_main GTest::gmock)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
   include(GoogleTest)

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/error.h"
-#include "common/scene/scene.h"
+#include "deploy/scene/scene.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/eval/evaluation.h"
 #include "deploy/tools/eval/report.h"

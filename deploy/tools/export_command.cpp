@@ -24,8 +24,6 @@ exporting::Files export_as(const std::string& format, const ResultFolder& result
   if (format == "euroc") return exporting::export_euroc(result, arguments.folder);
   if (format == "kitti") return exporting::export_kitti(result, arguments.folder);
   if (format == "ply") return exporting::export_ply(result, arguments.folder);
-  if (format == "rosbag2")
-    throw UserError("the export to rosbag2 is not available; tum, euroc and kitti hold the same poses");
   if (arguments.sequence.empty()) {
     throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
@@ -48,7 +46,7 @@ void add_export_command(CLI::App& app, Command& chosen) {
   command->add_option("RESULT", arguments->result, "folder written by a run")->required();
   command->add_option("--format", arguments->format, "form to write")
       ->required()
-      ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti", "rosbag2"}));
+      ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti"}));
   command->add_option("DIR", arguments->folder, "folder to write")->required();
   command->add_option("--sequence", arguments->sequence, "what was played; for colmap, which needs its cameras");
   command->callback([arguments, &chosen] { chosen = [arguments] { return export_result(*arguments); }; });

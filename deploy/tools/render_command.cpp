@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "common/scene/scene.h"
+#include "deploy/scene/scene.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/console.h"
 

@@ -11,6 +11,7 @@
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/base/text.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/result.h"
@@ -51,11 +52,16 @@ void check_sets(const std::vector<std::string>& sets) {
   for (const std::string& s : sets) config::apply_set(checked, s);
 }
 
-// Agents are to look for the tags of the sequence, and the server knows their size; --set goes before.
-void know_tags(const Sequence& sequence, std::vector<std::string>& sets) {
-  if (!sequence.tag_m) return;
-  const std::string side_m = nlohmann::json(*sequence.tag_m).dump();
-  sets.insert(sets.begin(), {"server.tag_m=" + side_m, "agent.tags.family=" + sequence.tag_family});
+// What the sequence knows of the scale: the distance of two cameras, or the side of tags, which the agents are to look
+// for. --set goes before.
+void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
+  std::vector<std::string> known;
+  if (sequence.baseline_m) known.push_back("server.baseline_m=" + format_double(*sequence.baseline_m));
+  if (sequence.tag_m) {
+    known.push_back("server.tag_m=" + format_double(*sequence.tag_m));
+    known.push_back("agent.tags.family=" + sequence.tag_family);
+  }
+  sets.insert(sets.begin(), known.begin(), known.end());
   check_sets(sets);
 }
 
@@ -110,8 +116,8 @@ int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
   check_sets(options.sets);
   options.sequence = sequence_argument(arguments.sequence);
-  know_tags(options.sequence, options.sets);
   select_agents(options.sequence, arguments.agents);
+  know_scale(options.sequence, options.sets);
   cover_lenses(options.sequence, arguments.covered);
   options.frame_sets = check_inputs(options.sequence);
   options.out = arguments.out;

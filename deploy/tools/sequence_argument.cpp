@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "common/base/error.h"
-#include "common/scene/scene.h"
+#include "deploy/scene/scene.h"
 #include "deploy/tools/console.h"
 
 namespace coslam {

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "common/model/moving_state.h"
 #include "server/map/map.h"
-#include "server/stages/objects.h"
+#include "server/motion/objects.h"
+#include "server/pipeline/stage.h"
 
 namespace coslam {
 
@@ -24,6 +26,21 @@ class MovingWriter {
  private:
   RunId server_run_;
   std::set<MapId> told_;  // in these something moved when last told
+};
+
+struct MovingStates {
+  std::vector<MovingState> all;
+};
+
+struct TellMoving {
+  static constexpr std::string_view kName = "moving";
+  using Config = NoConfig<TellMoving>;
+  Config config;
+  MovingStates run(const Map& map, const ServerRun& server, const ObjectsReport& objects, const ScaleReport& scale) {
+    if (!writer) writer.emplace(server.id);
+    return {writer->write(map, objects.list, scale.in_metres)};
+  }
+  std::optional<MovingWriter> writer = {};
 };
 
 }  // namespace coslam

@@ -20,6 +20,18 @@ struct PatchWriterConfig {
   int moving_patch_refresh_sets = 10;  // or while it moves
 };
 
+template <class V>
+void describe(V& v, PatchWriterConfig& c) {
+  v.field("moved_px", c.moved_px, {0, 100}, "a point is sent again when it moved so far in the agent's image");
+  v.field("covariance_ratio", c.covariance_ratio, {1, 1000}, "or its covariance changed by this factor");
+  v.field("patch_period_sets", c.patch_period, {1, 1000}, "between requests for image patches");
+  v.field("patches_per_request", c.patches_per_request, {0, 1000},
+          "image patches asked for at once, at most, of tracks that move and of others each");
+  v.field("patch_track_frames", c.patch_track_frames, {1, 1000}, "age at which a track is asked for its patch");
+  v.field("patch_refresh_sets", c.patch_refresh_sets, {1, 10000}, "after which an unmapped track is asked again");
+  v.field("moving_patch_refresh_sets", c.moving_patch_refresh_sets, {1, 10000}, "the same for tracks that move");
+}
+
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.
 class PatchWriter {
  public:

@@ -49,13 +49,9 @@ class DdsServerLink : public ServerLink {
         moving_writer_(participant_),
         loop_(participant_, "server-link", kTick, [this] { tick(); }) {
     status_.server_run = server_run;
-    // Frames first: what an agent says about its frames shall not overtake them.
-    read<idl::TrackFrame>();
-    read<idl::PatchReply>();
-    read<idl::DescriptorReply>();
-    read<idl::AgentStatus>();
-    loop_.read<idl::Hello>([this](const idl::Hello& m, const Sample& s) { receive_hello(m, s); },
-                           [this](const WriterId& w, Presence p) { presence(w, p); });
+    for_each_message_type([this]<class M, class S, class V>(const MessageType<M, S, V>&) {
+      if constexpr (topic_of<M>().way == Way::kUp) read<M>();
+    });
     loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample&) { look_for_rival(m); });
     loop_.start();
   }
@@ -105,9 +101,8 @@ class DdsServerLink : public ServerLink {
   }
 
   ServerLinkCounts counts() const override {
-    const QueueCounts queue = events_.counts();
     const std::lock_guard lock(mutex_);
-    return {queue.depth, queue.dropped, sessions_.late_replies(), resent_};
+    return {events_.counts().dropped, sessions_.late_replies(), resent_};
   }
 
   const RejectionCounts& rejections() const override { return participant_.rejections(); }
@@ -133,18 +128,17 @@ class DdsServerLink : public ServerLink {
   // On the loop's thread from here on, all under the mutex.
   template <class Message>
   void read() {
-    loop_.read<Message>([this](const Message& message, const Sample& sample) {
-      const std::lock_guard lock(mutex_);
-      sessions_.receive(message, sample.bytes, Clock::now());
-      after_change();
-    });
-  }
-
-  void receive_hello(const idl::Hello& message, const Sample& sample) {
-    const std::lock_guard lock(mutex_);
-    origins_[sample.writer] = RunId(message.agent_run());
-    sessions_.receive(message, sample.bytes, Clock::now());
-    after_change();
+    constexpr bool kSignOfLife = topic_of<Message>().sign_of_life;
+    Loop::OnPresence on_presence;
+    if (kSignOfLife) on_presence = [this](const WriterId& w, Presence p) { presence(w, p); };
+    loop_.read<Message>(
+        [this](const Message& message, const Sample& sample) {
+          const std::lock_guard lock(mutex_);
+          if (kSignOfLife) origins_[sample.writer] = RunId(message.agent_run());
+          sessions_.receive(message, sample.bytes, Clock::now());
+          after_change();
+        },
+        on_presence);
   }
 
   void presence(const WriterId& writer, Presence presence) {

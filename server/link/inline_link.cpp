@@ -83,7 +83,7 @@ class InlineServer : public ServerLink {
   }
 
   LinkBytes bytes(const std::string& agent) const override { return sessions.bytes(agent); }
-  ServerLinkCounts counts() const override { return {events.size(), 0, sessions.late_replies(), 0}; }
+  ServerLinkCounts counts() const override { return {0, sessions.late_replies(), 0}; }
   const RejectionCounts& rejections() const override { return rejection_counts; }
 
   template <class Message>

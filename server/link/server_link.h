@@ -40,9 +40,8 @@ struct AgentGone {
 // A Hello whose name is known but whose run is new means that the agent was restarted.
 using ServerEvent = std::variant<Hello, JoinedFrame, AgentStatus, AgentSilent, AgentGone>;
 
-// State of the link, for status and report.
+// What the link lost or did twice, for the report.
 struct ServerLinkCounts {
-  std::size_t queue_depth = 0;       // events waiting for next_event
   std::uint64_t dropped_frames = 0;  // live: events dropped because the map thread was late
   std::uint64_t late_replies = 0;    // replies that missed their frame
   std::uint64_t resent_patches = 0;  // lock-step: answers to a frame that came again

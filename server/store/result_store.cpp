@@ -3,7 +3,6 @@
 #include "server/store/result_store.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "common/base/error.h"
@@ -190,81 +189,6 @@ void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& 
   write_objects(paths);
   object_rows_.close();
   write_json(folder_.report(), report);
-}
-
-nlohmann::ordered_json times_report(const StageTimes& times) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::object();
-  for (const auto& [name, h] : times.stages()) {
-    out[name] = {{"p50", h.percentile_ms(50)},
-                 {"p95", h.percentile_ms(95)},
-                 {"p99", h.percentile_ms(99)},
-                 {"mean", h.mean_ms()},
-                 {"count", h.count()}};
-  }
-  return out;
-}
-
-nlohmann::ordered_json camera_report(const MapServer& server, CameraId id) {
-  const MapCamera& camera = server.map().camera(id);
-  nlohmann::ordered_json lost = nlohmann::ordered_json::array();
-  std::size_t tracked = 0;
-  const FramePose* lost_from = nullptr;
-  for (const FramePose& f : camera.frames) {
-    tracked += f.valid() ? 1 : 0;
-    if (!f.valid() && lost_from == nullptr) lost_from = &f;
-    if (f.valid() && lost_from != nullptr) {
-      lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(f.capture_ns)});
-      lost_from = nullptr;
-    }
-  }
-  if (lost_from != nullptr)
-    lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
-  const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
-  const ClockOffset clock = server.clock_offset(id);
-  return {{"frames", camera.frames.size()},
-          {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
-          {"sigma_px", camera.sigma_px},
-          {"clock_offset_ms", 1000 * clock.offset_s},
-          {"clock_sigma_ms", 1000 * clock.sigma_s},
-          {"clock_offset_used_ms", 1000 * to_seconds(camera.clock_offset_ns)},
-          {"lost_intervals", lost}};
-}
-
-namespace {
-
-nlohmann::ordered_json tags_report(const std::vector<MeasuredTag>& tags) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const MeasuredTag& t : tags) {
-    constexpr std::array<const char*, 4> kStates{"measured", "undetermined", "not in one place", "not square"};
-    out.push_back({{"tag", t.tag.value},
-                   {"state", kStates[static_cast<std::size_t>(t.size.status)]},
-                   {"views", t.size.views},
-                   {"side", t.size.side},
-                   {"sigma", t.size.sigma},
-                   {"error_px", t.size.error_px}});
-  }
-  return out;
-}
-
-}  // namespace
-
-nlohmann::ordered_json server_report(const MapServer& server) {
-  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
-  const MapId of = server.largest_map();
-  for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
-  nlohmann::ordered_json out;
-  out["ms"] = times_report(server.times());
-  out["points"] = by_state;
-  out["key_frames"] = server.map().key_frames().size();
-  out["merges"] = server.counts().merges;
-  out["maps"] = server.map_count();
-  out["inter_pose_calls"] = server.counts().inter_pose_calls;
-  out["refinements"] = server.counts().refinements;
-  out["scale_known"] = server.scale_known();
-  if (const auto tags = server.tags(); !tags.empty()) out["tags"] = tags_report(tags);
-  out["events"] = server.counts().events;
-  out["peak_memory_mib"] = peak_memory_mib();
-  return out;
 }
 
 }  // namespace coslam

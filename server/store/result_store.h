@@ -53,11 +53,4 @@ class ResultStore {
   std::vector<std::vector<CameraId>> last_groups_;
 };
 
-// Server side of report.json: counts, stage times, points by state.
-nlohmann::ordered_json server_report(const MapServer& server);
-// Of one agent as the server saw it: frames, tracked_percent, lost_intervals.
-nlohmann::ordered_json camera_report(const MapServer& server, CameraId camera);
-// {"stage": {"p50":, "p95":, "p99":, "mean":}}
-nlohmann::ordered_json times_report(const StageTimes& times);
-
 }  // namespace coslam

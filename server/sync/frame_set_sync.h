@@ -20,6 +20,13 @@ struct SyncConfig {
   int queue_frames = 90;           // waiting per agent at most; the oldest goes first
 };
 
+template <class V>
+void describe(V& v, SyncConfig& c) {
+  v.field("tolerance_frames", c.tolerance_frames, {0, 1}, "frames this close (of the period) belong to one instant");
+  v.field("deadline_s", c.deadline_s, {0, 10}, "live: how long a frame set waits for the last agent");
+  v.field("queue_frames", c.queue_frames, {1, 10000}, "waiting per agent at most");
+}
+
 // Gathers the frames of all agents into frame sets, in the order of capture time. Pure: the time comes as an argument.
 class FrameSetSync {
  public:

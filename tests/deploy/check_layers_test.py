@@ -34,7 +34,7 @@ class CheckLayers(unittest.TestCase):
 
     def test_core_is_pure(self) -> None:
         self.assert_breach("server/map/a.h", "#include <thread>", "threads")
-        self.assert_breach("server/stages/a.cpp", "#include <chrono>", "clock")
+        self.assert_breach("server/motion/a.cpp", "#include <chrono>", "clock")
         self.assert_breach("common/model/a.h", "#include <yaml-cpp/yaml.h>", "pure")
         self.assert_breach("agent/pose/a.h", '#include "common/base/metrics.h"', "clock")
         self.assert_breach("agent/track/a.cpp", "#include <opencv2/highgui.hpp>", "window")
@@ -43,9 +43,9 @@ class CheckLayers(unittest.TestCase):
     def test_libraries_stay_in_their_folders(self) -> None:
         self.assert_breach("server/link/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", "DDS")
         self.assert_breach("server/link/a.cpp", '#include "framePubSubTypes.h"', "DDS")
-        self.assert_breach("server/view/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
+        self.assert_breach("server/store/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
         self.assert_breach("agent/pose/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
-        self.assert_breach("server/stages/a.cpp", "#include <ceres/ceres.h>", "solver")
+        self.assert_breach("server/motion/a.cpp", "#include <ceres/ceres.h>", "solver")
         self.assert_breach("server/map/a.cpp", "#include <cholmod.h>", "solver")
         self.assert_clean("common/wire/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>")
         self.assert_clean("server/solve/a.cpp", "#include <ceres/ceres.h>")
@@ -63,15 +63,18 @@ class CheckLayers(unittest.TestCase):
         self.assert_breach("common/dataset/a.h", '#include "tests/support/b.h"', "layer")
         self.assert_breach("server/map/a.h", '#include "common/flow/queue.h"', "layer")
         self.assert_clean("deploy/tools/a.cpp", '#include "agent/agent.h"\n#include "server/server.h"')
+        self.assert_breach("server/a.cpp", '#include "deploy/scene/b.h"', "layer")
+        self.assert_breach("deploy/scene/a.h", '#include "server/map/b.h"', "layer")
+        self.assert_clean("deploy/tools/a.cpp", '#include "deploy/scene/b.h"')
         self.assert_clean("agent/link/a.cpp", '#include "common/wire/reader.h"\n#include "common/flow/queue.h"')
 
     def test_core_folders_form_no_ring(self) -> None:
         code, lines = check({
-            "server/map/a.h": '#include "server/sync/b.h"',
-            "server/sync/b.h": '#include "server/map/c.h"',
+            "agent/pose/a.h": '#include "agent/track/b.h"',
+            "agent/track/b.h": '#include "agent/pose/c.h"',
         })
         self.assertEqual(code, 1)
-        self.assertEqual(lines, ["server/map/a.h:2: cycle: server/map -> server/sync -> server/map"])
+        self.assertEqual(lines, ["agent/pose/a.h:2: cycle: agent/pose -> agent/track -> agent/pose"])
 
     def test_form_of_the_lines(self) -> None:
         self.assert_breach("common/model/a.h", '#include "b.h"', "form", common__model__b="")

@@ -25,6 +25,67 @@ for script in "$deploy"/*.sh; do
   [[ $(wc -l <<<"$message") -eq 1 && $message == *"--no-such-option"* ]] || fail "$name: no clear sentence: $message"
 done
 
+# What test.sh does, in a tree of stand-ins: each notes how it was called and fails if $failing says so.
+tree=$(mktemp -d)
+trap 'rm -rf -- "$tree"' EXIT
+mkdir -p "$tree/deploy" "$tree/bin" "$tree/build"
+cp "$deploy/test.sh" "$deploy/lib.sh" "$tree/deploy"
+for stand_in in deploy/setup.sh deploy/lint.sh deploy/build.sh bin/python3 bin/ctest; do
+  # shellcheck disable=SC2016
+  printf '#!/usr/bin/env bash\ncall="%s $*"\nprintf "%%s\\n" "$call" >>"$calls"\n[[ $call != ${failing:-none} ]]\n' \
+    "${stand_in##*/}" >"$tree/$stand_in"
+  chmod +x "$tree/$stand_in"
+done
+# calls_of FAILING OPTION...: what test.sh calls, in order; its own output is in $output, its exit code in $code.
+calls_of() {
+  local failing=$1
+  shift
+  code=0
+  : >"$tree/calls"
+  output=$(PATH=$tree/bin:$PATH calls=$tree/calls failing=$failing "$tree/deploy/test.sh" "$@" 2>&1) || code=$?
+  calls=$(sed "s|$tree|TREE|g" "$tree/calls")
+}
+# expect CODE CALLS WHAT: how test.sh ended and what it called.
+expect() { [[ "$code $calls" == "$1 $2" ]] || fail "test.sh $3 ends with $code, not $1, or calls not '$2' but '$calls': $output"; }
+# without PATTERN: its input but for these lines.
+without() { grep -v -- "$1"; }
+
+checks='setup.sh --lint
+lint.sh --format
+python3 TREE/deploy/check_layers.py'
+run='build.sh --preset release
+ctest --test-dir TREE/build --parallel 2 --output-on-failure --no-tests=error'
+more='build.sh --preset asan --target unit_tests
+ctest --preset asan --parallel 2 --no-tests=error
+build.sh --preset tsan --target threads_tests
+ctest --preset tsan --parallel 2 --no-tests=error
+lint.sh --tidy --all'
+full=$checks$'\n'$run$'\n'$more
+calls_of none
+expect 0 "$checks"$'\n'"$run" 'alone'
+calls_of none --werror --lint --base HEAD
+expect 0 "$checks"$'\nlint.sh --tidy --base HEAD\n'"${run/release/ci}" '--werror --lint --base HEAD'
+calls_of none --full
+expect 0 "$full" --full
+for part in format layers build tests asan tsan tidy; do
+  grep -qE "^$part +passed +[0-9]+ s$" <<<"$output" || fail "test.sh --full says nothing of the part $part: $output"
+done
+# Whatever fails, the other parts run, and the exit code says it; only what was not built is not tested.
+while IFS= read -r broken; do
+  calls_of "$broken" --full
+  case $broken in
+    *release) expect 1 "$(without '^ctest --test-dir' <<<"$full")" "with a broken $broken" ;;
+    build*) expect 1 "$(without "^ctest --preset ${broken:18:4}" <<<"$full")" "with a broken $broken" ;;
+    *) expect 1 "$full" "with a broken $broken" ;;
+  esac
+  [[ $(grep -c ' FAILED ' <<<"$output") -eq 1 ]] || fail "test.sh does not name the broken $broken: $output"
+done < <(sed "1d; s|TREE|$tree|" <<<"$full")
+for wrong in '--full --lint' '--full --base HEAD' --base; do
+  # shellcheck disable=SC2086
+  calls_of none $wrong
+  expect 2 '' "$wrong"
+done
+
 # Every package is listed once, and the whole list is read.
 listed=$(sed 's/#.*//; /^\[/d; /^ *$/d' "$deploy/packages.txt" | sort)
 [[ -z $(uniq -d <<<"$listed") ]] || fail "packages.txt lists a package twice"

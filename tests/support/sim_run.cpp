@@ -12,48 +12,28 @@ namespace {
 
 constexpr std::uint32_t kRefineDueSets = 3;
 
+AgentConfig agent_config(const TrackingConfig& tracking) {
+  AgentConfig config;
+  config.tracker.max_tracks = tracking.max_tracks;
+  config.tags.family = tag_families().back();  // whichever: the tracker knows what hangs where
+  return config;
+}
+
 }  // namespace
 
 SimAgent::SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name,
                    RunId run, TimeNs clock_behind_ns)
-    : tracker_(world, std::move(path), tracking, name, run), map_(run), pose_(sim_camera(), PoseTrackerConfig{}) {
-  tracker_.set_clock_behind(clock_behind_ns);
+    : SimAgent(std::make_unique<SimTracker>(world, std::move(path), tracking, name, run), agent_config(tracking)) {
+  tracker_->set_clock_behind(clock_behind_ns);
 }
 
-void SimAgent::take(const MapPatch& patch) {
-  const PatchEffect effect = map_.apply(patch);
-  if (effect.new_server) {
-    pose_.reset();
-    descriptors_wanted_ = true;
-    wanted_.clear();
-  }
-  if (!effect.accepted) return;
-  if (effect.rebase) pose_.rebase(*effect.rebase);
-  if (effect.placed) pose_.place(*effect.placed);
-  wanted_.insert(effect.patch_requests.begin(), effect.patch_requests.end());
-  descriptors_wanted_ |= effect.descriptor_request != DescriptorRequest::kNone;
-}
+SimAgent::SimAgent(std::unique_ptr<SimTracker> tracker, const AgentConfig& config)
+    : tracker_(tracker.get()), agent_(tracker_->name(), tracker_->run(), sim_camera(), config, std::move(tracker)) {}
 
 CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
-  for (const MapPatch& p : patches_) take(p);
-  patches_.clear();
-  CameraFrame out{camera, tracker_.observe(FrameId(next_frame_++), t_ns), {}, {}};
-  TrackFrame& f = out.frame;
-  map_.keep_only(f.tracks);
-  pose_.step(f.frame, f.tracks, map_);
-  f.pose_state = pose_.state();
-  f.server_run = map_.server_run();
-  f.epoch = map_.epoch();
-  f.cam_from_world = pose_.result().cam_from_world;
-  f.pose_covariance = pose_.result().covariance.cast<float>();
-  f.pose_inliers = static_cast<std::uint16_t>(pose_.result().inliers);
-  f.hull_fraction = static_cast<float>(pose_.inlier_hull_fraction());
-  f.applied_patch = map_.applied_sequence();
-  f.wants_snapshot = map_.wants_snapshot();
-  if (!wanted_.empty()) out.patches = tracker_.cut(f, {wanted_.begin(), wanted_.end()});
-  if (std::exchange(descriptors_wanted_, false)) out.descriptors = tracker_.describe(f);
-  wanted_.clear();
-  return out;
+  agent_.track({FrameId(next_frame_++), t_ns, {}});
+  AgentOutput out = agent_.finish(std::exchange(patches_, {}));
+  return {camera, std::move(out.frame), std::move(out.patches), std::move(out.descriptors)};
 }
 
 SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const TrackingConfig& tracking)
@@ -61,11 +41,16 @@ SimRun::SimRun(const SimWorld& world, const MapServerConfig& server, const Track
 
 CameraId SimRun::add_agent(const CameraPath& path, TimeNs clock_behind_ns) {
   Slot slot{.path = path, .name = "cam" + std::to_string(slots_.size()), .clock_behind_ns = clock_behind_ns};
-  slot.agent =
-      std::make_unique<SimAgent>(world_, path, tracking_, slot.name, RunId(100 + slots_.size()), clock_behind_ns);
+  slot.agent = make_agent(slot, RunId(100 + slots_.size()));
   const CameraId id = server_.admit(slot.agent->tracker().hello());
   slots_.push_back(std::move(slot));
   return id;
+}
+
+std::unique_ptr<SimAgent> SimRun::make_agent(const Slot& slot, RunId run) const {
+  auto agent = std::make_unique<SimAgent>(world_, slot.path, tracking_, slot.name, run, slot.clock_behind_ns);
+  for (const auto& [tag, corners] : tags_) agent->tracker().hang(tag, corners);
+  return agent;
 }
 
 void SimRun::stop(CameraId camera) {
@@ -79,7 +64,7 @@ void SimRun::resume(CameraId camera) { slots_[camera.value].running = true; }
 void SimRun::restart(CameraId camera) {
   Slot& s = slots_[camera.value];
   const RunId run(100 + camera.value + 1000U * static_cast<unsigned>(s.runs++));
-  s.agent = std::make_unique<SimAgent>(world_, s.path, tracking_, s.name, run, s.clock_behind_ns);
+  s.agent = make_agent(s, run);
   s.running = true;
   server_.admit(s.agent->tracker().hello());
 }
@@ -93,15 +78,10 @@ void SimRun::restart_server() {
 void SimRun::step(int sets) {
   for (int i = 0; i < sets; ++i) {
     FrameSet set{SetId(next_set_), kPeriodNs * next_set_, {}};
-    const bool tags = next_set_++ % 6 == 0;
+    ++next_set_;
     for (std::size_t c = 0; c < slots_.size(); ++c) {
       if (!slots_[c].running) continue;
       set.frames.push_back(slots_[c].agent->step(CameraId(static_cast<std::uint16_t>(c)), set.t_ns));
-      for (const auto& [tag, corners] : tags_) {
-        if (!tags) break;
-        if (const auto seen = slots_[c].agent->see(tag, corners, set.t_ns))
-          set.frames.back().frame.tags.push_back(*seen);
-      }
     }
     exchange_refinement();
     last_patches_ = server_.step(set);

@@ -3,23 +3,21 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "agent/correct/local_map.h"
-#include "agent/pose/pose_tracker.h"
+#include "agent/agent.h"
 #include "server/map_server.h"
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 
 namespace coslam::test {
 
-// An agent whose tracker is simulated; its local map, pose and answers are the product's.
+// The product's agent on a simulated tracker.
 class SimAgent {
  public:
   SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name, RunId run,
@@ -27,25 +25,20 @@ class SimAgent {
 
   // The next image, after the patches given since the last.
   CameraFrame step(CameraId camera, TimeNs t_ns);
-  std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns) {
-    return tracker_.see(tag, corners, t_ns);
-  }
   void give(MapPatch patch) { patches_.push_back(std::move(patch)); }
 
-  const SimTracker& tracker() const { return tracker_; }
-  const LocalMap& local_map() const { return map_; }
-  PoseState pose_state() const { return pose_.state(); }
-  const PoseResult& pose() const { return pose_.result(); }
+  SimTracker& tracker() { return *tracker_; }
+  const SimTracker& tracker() const { return *tracker_; }
+  const LocalMap& local_map() const { return agent_.local_map(); }
+  PoseState pose_state() const { return agent_.pose_state(); }
+  const PoseResult& pose() const { return agent_.pose(); }
 
  private:
-  void take(const MapPatch& patch);
+  SimAgent(std::unique_ptr<SimTracker> tracker, const AgentConfig& config);
 
-  SimTracker tracker_;
-  LocalMap map_;
-  PoseTracker pose_;
+  SimTracker* tracker_;  // the agent's
+  Agent agent_;
   std::vector<MapPatch> patches_;
-  std::set<TrackId> wanted_;
-  bool descriptors_wanted_ = true;
   std::uint32_t next_frame_ = 0;
 };
 
@@ -68,7 +61,7 @@ class SimRun {
   // Joins now. Cameras are numbered in this order.
   // clock_behind_ns: dates its images so much earlier than they are taken.
   CameraId add_agent(const CameraPath& path, TimeNs clock_behind_ns = 0);
-  // A printed tag: every sixth image shows it. The same one may hang in several places.
+  // A printed tag, for the agents that join from now on. The same one may hang in several places.
   void hang(TagId tag, const std::array<Eigen::Vector3d, 4>& corners) { tags_.emplace(tag, corners); }
   void stop(CameraId camera);   // ends like a process that was told to
   void stall(CameraId camera);  // no frames until it is started again; nobody is told
@@ -100,6 +93,7 @@ class SimRun {
     bool running = true;
     int runs = 1;
   };
+  std::unique_ptr<SimAgent> make_agent(const Slot& slot, RunId run) const;
   void exchange_refinement();
 
   const SimWorld& world_;

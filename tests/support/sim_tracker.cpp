@@ -16,15 +16,146 @@ SimTracker::SimTracker(const SimWorld& world, CameraPath path, const TrackingCon
       name_(std::move(name)),
       run_(run),
       camera_(sim_camera()),
+      pixel_scale_(pixel_scale(camera_)),
       random_(run.value),
       birth_after_(static_cast<std::size_t>(world.size()), 0) {}
 
-std::optional<Eigen::Vector2d> SimTracker::seen_at(const Rigid3& pose, int point, TimeNs t_ns) const {
-  const Eigen::Vector3d in_cam = pose * world_.position(point, t_ns + clock_behind_ns_);
+std::optional<Eigen::Vector2d> SimTracker::seen_at(int point) const {
+  const Eigen::Vector3d in_cam = pose_ * world_.position(point, t_ns_ + clock_behind_ns_);
   if (in_cam.z() < 0.3 || in_cam.z() > config_.max_depth_m) return std::nullopt;
   const Eigen::Vector2d px = camera_.project(in_cam);
   if (!camera_.contains_raw(px, config_.border_px)) return std::nullopt;
   return px;
+}
+
+bool SimTracker::may_start(int point) const {
+  return !track_of_.contains(point) && frame_.value >= birth_after_[static_cast<std::size_t>(point)];
+}
+
+void SimTracker::end(TrackId track) {
+  const int point = live_.at(track).point;
+  birth_after_[static_cast<std::size_t>(point)] = frame_.value + static_cast<std::uint32_t>(config_.rebirth_frames);
+  track_of_.erase(point);
+  live_.erase(track);
+}
+
+void SimTracker::start(int point, const Eigen::Vector2d& px) {
+  const TrackId id(next_track_++);
+  live_[id] = {point};
+  track_of_[point] = id;
+  point_of_[id] = point;
+  const Eigen::Vector2d noise = config_.noise_px * Eigen::Vector2d(gauss(), gauss());
+  tracks_.push_back({id, quantised_px(px + noise, pixel_scale_)});
+}
+
+void SimTracker::follow() {
+  const std::vector<Track> before = std::exchange(tracks_, {});
+  for (const Track& t : before) {
+    Live& l = live_.at(t.id);
+    const auto px = seen_at(l.point);
+    l.offset_px += l.slide_px;
+    if (!px || chance() < config_.ends) {
+      end(t.id);
+      continue;
+    }
+    Eigen::Vector2d seen = *px + l.offset_px + config_.noise_px * Eigen::Vector2d(gauss(), gauss());
+    if (chance() < config_.outliers) {
+      const double angle = 6.28 * chance(), off_px = 8 + 32 * chance();
+      seen += off_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    }
+    tracks_.push_back({t.id, quantised_px(seen, pixel_scale_), t.age_frames + 1});
+  }
+}
+
+const std::vector<Track>& SimTracker::step(const Image& image) {
+  frame_ = image.frame;
+  t_ns_ = image.capture_ns;
+  pose_ = truth(t_ns_);
+  follow();
+  for (int p = 0; p < world_.size() && static_cast<int>(live_.size()) < config_.max_tracks; ++p) {
+    if (!may_start(p)) continue;
+    if (const auto px = seen_at(p)) start(p, *px);
+  }
+  return tracks_;
+}
+
+void SimTracker::thin(int at_most) {
+  for (; at_most > 0 && static_cast<int>(tracks_.size()) > config_.max_tracks; --at_most) {
+    end(tracks_.back().id);
+    tracks_.pop_back();
+  }
+}
+
+std::vector<ImagePatch> SimTracker::patches(const std::vector<TrackId>& tracks) {
+  std::vector<ImagePatch> out;
+  for (const TrackId id : tracks) {
+    const auto at = live_.find(id);
+    if (at == live_.end()) continue;
+    ImagePatch& patch = out.emplace_back();
+    patch.track = id;
+    const Patch grey = world_.patch(at->second.point, camera_, pose_, t_ns_ + clock_behind_ns_);
+    for (std::size_t i = 0; i < grey.size(); ++i) {
+      patch.grey[i] = static_cast<std::uint8_t>(std::clamp(grey[i] + 8 * gauss(), 0.0, 255.0));
+    }
+    patch.grey = quantised_patch(patch.grey);
+  }
+  return out;
+}
+
+DescribedTracks SimTracker::described(std::vector<TrackId> tracks) {
+  std::ranges::sort(tracks);
+  DescribedTracks out;
+  out.tracks = std::move(tracks);
+  for (const TrackId id : out.tracks) {
+    for (const std::uint8_t byte : world_.descriptor(live_.at(id).point)) {
+      out.descriptors.push_back(
+          quantised_descriptor(static_cast<std::uint8_t>(std::clamp(byte + 6 * gauss(), 0.0, 255.0))));
+    }
+  }
+  return out;
+}
+
+DescribedTracks SimTracker::describe_strongest(int most, int most_new) {
+  std::vector<TrackId> tracks;
+  for (int p = 0; p < world_.size() && static_cast<int>(tracks.size()) < most; ++p) {
+    if (most_new > 0 && may_start(p)) {
+      if (const auto px = seen_at(p)) {
+        start(p, *px);
+        --most_new;
+      }
+    }
+    if (const auto at = track_of_.find(p); at != track_of_.end()) tracks.push_back(at->second);
+  }
+  return described(std::move(tracks));
+}
+
+DescribedTracks SimTracker::describe_at(const std::vector<TrackId>& wanted, int most, int /*most_new*/) {
+  std::vector<TrackId> tracks;
+  for (const auto& [point, track] : track_of_) {
+    if (static_cast<int>(tracks.size()) == most) break;
+    if (std::ranges::binary_search(wanted, track)) tracks.push_back(track);
+  }
+  return described(std::move(tracks));
+}
+
+std::optional<TagObservation> SimTracker::see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners) {
+  TagObservation out{tag, {}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d in_cam = pose_ * corners[k];
+    if (in_cam.z() < 0.1) return std::nullopt;
+    const Eigen::Vector2d px = camera_.project(in_cam) + config_.noise_px * Eigen::Vector2d(gauss(), gauss());
+    if (!camera_.contains_raw(px, config_.border_px)) return std::nullopt;
+    out.undistorted_px[k] = quantised_px(px, pixel_scale_);
+  }
+  return out;
+}
+
+std::vector<TagObservation> SimTracker::tags() {
+  std::vector<TagObservation> out;
+  for (const auto& [tag, corners] : tags_) {
+    if (const auto seen = see(tag, corners)) out.push_back(*seen);
+  }
+  return out;
 }
 
 TrackFrame SimTracker::observe(FrameId frame, TimeNs t_ns) {
@@ -33,80 +164,20 @@ TrackFrame SimTracker::observe(FrameId frame, TimeNs t_ns) {
   out.agent_run = run_;
   out.frame = frame;
   out.capture_ns = t_ns;
-  const Rigid3 pose = truth(t_ns);
-  const double scale = pixel_scale(camera_);
-  for (auto at = live_.begin(); at != live_.end();) {
-    Live& l = at->second;
-    const auto px = seen_at(pose, l.point, t_ns);
-    l.offset_px += l.slide_px;
-    if (!px || chance() < config_.ends) {
-      birth_after_[static_cast<std::size_t>(l.point)] =
-          frame.value + static_cast<std::uint32_t>(config_.rebirth_frames);
-      track_of_.erase(l.point);
-      at = live_.erase(at);
-      continue;
-    }
-    Eigen::Vector2d seen = *px + l.offset_px + config_.noise_px * Eigen::Vector2d(gauss(), gauss());
-    if (chance() < config_.outliers) {
-      const double angle = 6.28 * chance(), off_px = 8 + 32 * chance();
-      seen += off_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    }
-    out.tracks.push_back({at->first, quantised_px(seen, scale)});
-    ++at;
-  }
-  for (int p = 0; p < world_.size() && static_cast<int>(live_.size()) < config_.max_tracks; ++p) {
-    if (track_of_.contains(p) || frame.value < birth_after_[static_cast<std::size_t>(p)]) continue;
-    const auto px = seen_at(pose, p, t_ns);
-    if (!px) continue;
-    const TrackId id(next_track_++);
-    live_[id] = {p};
-    track_of_[p] = id;
-    point_of_[id] = p;
-    const Eigen::Vector2d noise = config_.noise_px * Eigen::Vector2d(gauss(), gauss());
-    out.tracks.push_back({id, quantised_px(*px + noise, scale)});
-  }
-  return out;
-}
-
-std::optional<TagObservation> SimTracker::see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns) {
-  TagObservation out{tag, {}};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Eigen::Vector3d in_cam = truth(t_ns) * corners[k];
-    if (in_cam.z() < 0.1) return std::nullopt;
-    const Eigen::Vector2d px = camera_.project(in_cam) + config_.noise_px * Eigen::Vector2d(gauss(), gauss());
-    if (!camera_.contains_raw(px, config_.border_px)) return std::nullopt;
-    out.undistorted_px[k] = quantised_px(px, pixel_scale(camera_));
-  }
+  for (const Track& t : step({frame, t_ns, {}})) out.tracks.push_back({t.id, t.raw_px});
   return out;
 }
 
 PatchReply SimTracker::cut(const TrackFrame& frame, const std::vector<TrackId>& wanted) {
-  PatchReply reply{name_, run_, frame.frame, {}};
-  for (const TrackId id : wanted) {
-    const auto at = live_.find(id);
-    if (at == live_.end()) continue;
-    ImagePatch& patch = reply.patches.emplace_back();
-    patch.track = id;
-    const Patch grey =
-        world_.patch(at->second.point, sim_camera(), truth(frame.capture_ns), frame.capture_ns + clock_behind_ns_);
-    for (std::size_t i = 0; i < grey.size(); ++i) {
-      patch.grey[i] = static_cast<std::uint8_t>(std::clamp(grey[i] + 8 * gauss(), 0.0, 255.0));
-    }
-    patch.grey = quantised_patch(patch.grey);
-  }
-  return reply;
+  return {name_, run_, frame.frame, patches(wanted)};
 }
 
 DescriptorReply SimTracker::describe(const TrackFrame& frame) {
-  DescriptorReply reply{name_, run_, frame.frame, {}, {}};
-  for (const TrackObservation& o : frame.tracks) {
-    reply.tracks.push_back(o.track);
-    for (const std::uint8_t byte : world_.descriptor(live_.at(o.track).point)) {
-      reply.descriptors.push_back(
-          quantised_descriptor(static_cast<std::uint8_t>(std::clamp(byte + 6 * gauss(), 0.0, 255.0))));
-    }
-  }
-  return reply;
+  std::vector<TrackId> all;
+  all.reserve(frame.tracks.size());
+  for (const TrackObservation& o : frame.tracks) all.push_back(o.track);
+  DescribedTracks d = described(std::move(all));
+  return {name_, run_, frame.frame, std::move(d.tracks), std::move(d.descriptors)};
 }
 
 Hello SimTracker::hello() const { return {name_, run_, kProtocolVersion, Pacing::kLockstep, 30, camera_}; }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "agent/track/feature_tracker.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 #include "tests/support/sim_world.h"
@@ -25,16 +26,27 @@ struct TrackingConfig {
   double max_depth_m = 30;  // nothing is seen beyond
 };
 
-// What the tracker of one agent run makes of the world: tracks, patches and descriptors, as they go over the wire.
-class SimTracker {
+// The tracker of one agent run: of an image its number and time count, what it shows is in the world. Points of low
+// number are the strongest features.
+class SimTracker final : public FeatureTracker {
  public:
   SimTracker(const SimWorld& world, CameraPath path, const TrackingConfig& config, std::string name, RunId run);
 
-  // The tracks of one image; the frame's pose stays kNone. Frames in order.
+  // Places are on the grid of quantised_px().
+  const std::vector<Track>& step(const Image& image) override;
+  const std::vector<Track>& live() const override { return tracks_; }
+  void thin(int at_most) override;
+  std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override;
+  DescribedTracks describe_strongest(int most, int most_new) override;
+  DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) override;
+  std::vector<TagObservation> tags() override;
+
+  // A printed tag, seen with the noise of the tracks when it is all in view. The same one may hang in several places.
+  void hang(TagId tag, const std::array<Eigen::Vector3d, 4>& corners) { tags_.emplace(tag, corners); }
+
+  // What an agent without a pose would send, for the tests of one part of the server. Frames in order; answers are
+  // about the newest.
   TrackFrame observe(FrameId frame, TimeNs t_ns);
-  // A printed tag in the image of that time, with the noise of the tracks; empty when it is not all in view.
-  std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners, TimeNs t_ns);
-  // Answers about the newest frame.
   PatchReply cut(const TrackFrame& frame, const std::vector<TrackId>& wanted);
   DescriptorReply describe(const TrackFrame& frame);
 
@@ -57,7 +69,13 @@ class SimTracker {
     int point;
     Eigen::Vector2d offset_px = Eigen::Vector2d::Zero(), slide_px = Eigen::Vector2d::Zero();
   };
-  std::optional<Eigen::Vector2d> seen_at(const Rigid3& pose, int point, TimeNs t_ns) const;
+  std::optional<Eigen::Vector2d> seen_at(int point) const;
+  bool may_start(int point) const;
+  void follow();
+  void start(int point, const Eigen::Vector2d& px);
+  void end(TrackId track);
+  DescribedTracks described(std::vector<TrackId> tracks);
+  std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners);
   double gauss() { return normal_(random_); }
   double chance() { return std::uniform_real_distribution<>(0, 1)(random_); }
 
@@ -68,9 +86,15 @@ class SimTracker {
   std::string name_;
   RunId run_;
   CameraModel camera_;
+  double pixel_scale_;
+  std::multimap<TagId, std::array<Eigen::Vector3d, 4>> tags_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
+  FrameId frame_;  // the newest image's
+  TimeNs t_ns_ = 0;
+  Rigid3 pose_;  // camera from world
   std::uint32_t next_track_ = 1;
+  std::vector<Track> tracks_;
   std::map<TrackId, Live> live_;
   std::map<int, TrackId> track_of_;
   std::map<TrackId, int> point_of_;

@@ -93,7 +93,6 @@ inline void expect_same(const AgentStatus& a, const AgentStatus& b) {
   EXPECT_EQ(a.agent_run, b.agent_run);
   EXPECT_EQ(a.state, b.state);
   EXPECT_EQ(a.pose_state, b.pose_state);
-  EXPECT_EQ(a.last_frame, b.last_frame);
   EXPECT_EQ(a.frames, b.frames);
   EXPECT_EQ(a.dropped, b.dropped);
   EXPECT_EQ(a.tracks, b.tracks);

@@ -101,7 +101,7 @@ class WireValues {
   }
 
   AgentStatus agent_status(const std::string& agent, RunId run, AgentState state = AgentState::kRunning) {
-    AgentStatus s{agent, run, state, PoseState::kTracked, FrameId(below(1000)), below(1000), below(10), 300, 8.5f, {}};
+    AgentStatus s{agent, run, state, PoseState::kTracked, below(1000), below(10), 300, 8.5f, {}};
     if (state == AgentState::kFinished) s.report_json = R"({"tracked_percent":99.5})";
     return s;
   }

@@ -149,7 +149,8 @@ TEST_F(Fault, LateAgentCatchesUp) {
   EXPECT_EQ(late.back().t_ns, load_tum(result_.trajectory("cam0")).back().t_ns);  // they end together
   Program eval("coslam", {"eval", result_.path().string(), scene_.sequence()});
   ASSERT_EQ(eval.exit_code(), 0) << eval.err();
-  EXPECT_LT(read_json(result_.evaluation())["ate_percent"].get<double>(), 2.0);
+  // 0.015 to 0.029 over seven textures of the scene.
+  EXPECT_LT(read_json(result_.evaluation())["ate_percent"].get<double>(), 0.085);
 }
 
 }  // namespace

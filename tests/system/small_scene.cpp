@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base/text.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/trajectory.h"
 
@@ -89,7 +90,7 @@ int image_of(int frame) {
 SmallScene::SmallScene(int cameras, int frames) {
   const cv::Mat texture = make_texture();
   save_calibration(calibration(), camera_model());
-  std::string yaml = "name: small\nrate_hz: 30\nscale: {baseline_m: " + std::to_string(kBaseline_m) + "}\nagents:\n";
+  std::string yaml = "name: small\nrate_hz: 30\nscale: {baseline_m: " + format_double(kBaseline_m) + "}\nagents:\n";
   for (int c = 0; c < cameras; ++c) {
     std::filesystem::create_directory(folder_ / name(c));
     for (int i = 0; i < std::min(frames, kImages); ++i) cv::imwrite(image(c, i), render(texture, pose_of(c, i)));

@@ -14,7 +14,7 @@ namespace coslam::test {
 class SmallScene {
  public:
   static constexpr double kRate_hz = 30;
-  static constexpr double kBaseline_m = 0.4;
+  static constexpr double kBaseline_m = 0.4000001;  // shows whether it arrives with all its digits
 
   // Longer than 30 frames: the cameras go back and forth.
   explicit SmallScene(int cameras = 2, int frames = 30);

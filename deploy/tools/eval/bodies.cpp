@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scene/scene.h"
+#include "deploy/scene/scene.h"
 #include "deploy/tools/eval/statistics.h"
 
 namespace coslam::eval {

@@ -11,7 +11,7 @@
 #include "common/dataset/result.h"
 #include "common/dataset/sequence.h"
 #include "common/dataset/trajectory.h"
-#include "common/scene/scene.h"
+#include "deploy/scene/scene.h"
 #include "deploy/tools/eval/bodies.h"
 #include "deploy/tools/eval/groups.h"
 #include "deploy/tools/eval/points.h"

@@ -19,6 +19,7 @@ class Child {
   Child(Child&& other) noexcept;
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
+  Child& operator=(Child&&) = delete;
   ~Child();
 
   const std::string& name() const { return name_; }

@@ -48,7 +48,6 @@ int run_inline(const RunOptions& options) {
   std::signal(SIGTERM, [](int) { stop_requested = true; });
   cv::setNumThreads(1);
   RunConfig config;
-  if (options.sequence.baseline_m) config.server.map.baseline_m = *options.sequence.baseline_m;
   for (const std::string& s : options.sets) config::apply_set(config, s);
 
   const RunId server_run(1);

@@ -6,13 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <thread>
 
 #include "common/base/error.h"
+#include "common/base/text.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/child.h"
 #include "deploy/tools/run/run.h"
@@ -21,13 +21,6 @@ namespace coslam {
 namespace {
 
 std::atomic<int> interrupts{0};
-
-// Reads back as the same double.
-std::string exact(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.17g", value);
-  return text.data();
-}
 
 std::string join(const std::vector<std::string>& words) {
   std::string out;
@@ -53,8 +46,6 @@ Child start_server(const RunOptions& options, int domain) {
                                    "--report-progress",
                                    "--set",
                                    "agents=" + join(names)};
-  if (options.sequence.baseline_m)
-    command.insert(command.end(), {"--set", "server.baseline_m=" + std::to_string(*options.sequence.baseline_m)});
   add_sets(options, "server.", &command);
   return Child("the map server", command);
 }
@@ -73,12 +64,12 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
                                    "--rate",
                                    options.rate,
                                    "--fps",
-                                   exact(options.sequence.rate_hz),
+                                   format_double(options.sequence.rate_hz),
                                    "--start",
-                                   exact(agent.start_s)};
-  if (agent.duration_s) command.insert(command.end(), {"--duration", exact(*agent.duration_s)});
+                                   format_double(agent.start_s)};
+  if (agent.duration_s) command.insert(command.end(), {"--duration", format_double(*agent.duration_s)});
   for (const TimeSpan& span : agent.covered) {
-    command.insert(command.end(), {"--covered", exact(span.from_s), exact(span.to_s)});
+    command.insert(command.end(), {"--covered", format_double(span.from_s), format_double(span.to_s)});
   }
   add_sets(options, "agent.", &command);
   return Child("agent " + agent.name, command);

@@ -16,7 +16,7 @@ struct RunOptions {
   Sequence sequence;  // the agents to run, in order
   std::filesystem::path out;
   std::string rate = "max";
-  std::vector<std::string> sets;  // key=value, checked
+  std::vector<std::string> sets;  // key=value, checked; the scale of the sequence among them
   int domain = -1;                // -1: one that depends on the process
   int frame_sets = 0;             // about how many there will be, for the progress bar
 };

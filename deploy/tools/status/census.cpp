@@ -48,7 +48,7 @@ const char* word_of(AgentState state) {
 
 }  // namespace
 
-void Census::add(const ServerStatus& status) { servers_[status.server_run] = status; }
+void Census::add(const ServerStatus& status, std::uint64_t, Instant) { servers_[status.server_run] = status; }
 
 void Census::add(const Hello& hello, std::uint64_t bytes, Instant now) {
   heard(hello.agent, hello.agent_run, bytes, now);

@@ -19,7 +19,8 @@ namespace coslam {
 // argument. Thread-compatible.
 class Census {
  public:
-  void add(const ServerStatus& status);
+  // A message of whatever type, and its bytes on the network.
+  void add(const ServerStatus& status, std::uint64_t bytes, Instant now);
   void add(const Hello& hello, std::uint64_t bytes, Instant now);
   void add(const AgentStatus& status, std::uint64_t bytes, Instant now);
   void add(const TrackFrame& frame, std::uint64_t bytes, Instant now);

@@ -24,26 +24,7 @@ class Listener {
  public:
   explicit Listener(const WireConfig& config)
       : participant_(config, "coslam-status"), loop_(participant_, "status", std::chrono::milliseconds(100), [] {}) {
-    read<idl::TrackFrame>();
-    read<idl::PatchReply>();
-    read<idl::DescriptorReply>();
-    read<idl::AgentStatus>();
-    read<idl::MapPatch>("run-*");
-    read<idl::MovingState>();
-    loop_.read<idl::Hello>(
-        [this](const idl::Hello& m, const Sample& s) {
-          origins_[s.writer] = RunId(m.agent_run());
-          take(m, s);
-        },
-        [this](const WriterId& w, Presence p) { presence(w, p); });
-    loop_.read<idl::ServerStatus>(
-        [this](const idl::ServerStatus& m, const Sample& s) {
-          origins_[s.writer] = RunId(m.server_run());
-          const std::lock_guard lock(mutex_);
-          if (auto status = decode(m)) census_.add(*status);
-          heard_.notify_all();
-        },
-        [this](const WriterId& w, Presence p) { presence(w, p); });
+    for_each_message_type([this]<class M, class S, class V>(const MessageType<M, S, V>&) { read<M>(); });
     loop_.start();
   }
 
@@ -61,17 +42,29 @@ class Listener {
 
  private:
   template <class Message>
-  void read(const std::string& partition = {}) {
-    loop_.read<Message>([this](const Message& m, const Sample& s) { take(m, s); }, {}, partition);
+  void read() {
+    constexpr Topic kTopic = topic_of<Message>();
+    Loop::OnPresence on_presence;
+    if (kTopic.sign_of_life) on_presence = [this](const WriterId& w, Presence p) { presence(w, p); };
+    loop_.read<Message>([this](const Message& m, const Sample& s) { take(m, s); }, on_presence,
+                        kTopic.by_run ? kAllRuns : "");
   }
 
   // On the loop's thread from here on.
   template <class Message>
   void take(const Message& message, const Sample& sample) {
+    auto value = decode(message);
+    if (!value) return;
+    note_origin(sample.writer, *value);
     const std::lock_guard lock(mutex_);
-    if (auto value = decode(message)) census_.add(*value, sample.bytes, Clock::now());
+    census_.add(*value, sample.bytes, Clock::now());
     heard_.notify_all();
   }
+
+  template <class Value>
+  void note_origin(const WriterId&, const Value&) {}  // gives no sign of life
+  void note_origin(const WriterId& writer, const Hello& hello) { origins_[writer] = hello.agent_run; }
+  void note_origin(const WriterId& writer, const ServerStatus& status) { origins_[writer] = status.server_run; }
 
   void presence(const WriterId& writer, Presence presence) {
     const auto origin = origins_.find(writer);

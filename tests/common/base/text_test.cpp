@@ -25,6 +25,10 @@ TEST(Text, FormatsWhatItParses) {
     EXPECT_EQ(parse_seconds(format_seconds(t)), t) << format_seconds(t);
   }
   EXPECT_EQ(format_seconds(50'000'000), "0.050000000");
+  for (const double v : {0.0, 0.1, 29.97, 0.4000001, 1.0 / 3, -2.5e-300, 1.7976931348623157e308}) {
+    EXPECT_EQ(parse_double(format_double(v)), v) << format_double(v);
+  }
+  EXPECT_EQ(format_double(0.1), "0.1");
 }
 
 TEST(Text, Splits) {
@@ -49,6 +53,7 @@ TEST(Text, FindsTheNearestWord) {
   EXPECT_EQ(nearest_of("max_track", known), "max_tracks");
   EXPECT_EQ(nearest_of("maxtracks", known), "max_tracks");
   EXPECT_EQ(nearest_of("rate", known), "rate_hz");
+  EXPECT_EQ(nearest_of("tracks", known), "max_tracks");
   EXPECT_EQ(nearest_of("rats", known), "");
   EXPECT_EQ(nearest_of("colour", known), "");
 }

@@ -91,6 +91,10 @@ TEST_F(Config, FileErrorsNameFileLineKeyPathAndReason) {
               HasSubstr("run.yaml:3: agent.tracker.max_track: unknown key, did you mean 'max_tracks'?"));
   EXPECT_THAT(load_error("agnet: {}\n"), HasSubstr("run.yaml:1: agnet: unknown key, did you mean 'agent'?"));
   EXPECT_THAT(load_error("zzz: 1\n"), HasSubstr("known are out rate peers agent"));
+  EXPECT_THAT(load_error("out: x\nmin_quality: 0.5\n"),
+              HasSubstr("run.yaml:2: min_quality: unknown key, did you mean 'agent.tracker.min_quality'?"));
+  EXPECT_THAT(load_error("agent.verbose: true\n"),
+              HasSubstr("agent.verbose: unknown key: in a file sections are nested"));
   EXPECT_THAT(load_error("agent: {tracker: {max_tracks: 5}}\n"),
               HasSubstr("agent.tracker.max_tracks: '5' is outside 20 to 4000"));
   EXPECT_THAT(load_error("agent: {tracker: {max_tracks: 50.5}}\n"), HasSubstr("'50.5' is not a whole number"));
@@ -108,11 +112,12 @@ TEST_F(Config, SetErrorsNameTheAssignment) {
               HasSubstr("--set agent.tracker.max_track=5: unknown key, did you mean 'agent.tracker.max_tracks'?"));
   EXPECT_THAT(set_error("agent.tracker.max_tracks"), HasSubstr("key=value is expected"));
   EXPECT_THAT(set_error("agent.tracker.max_tracks=99999999999"), HasSubstr("is outside 20 to 4000"));
-  EXPECT_THAT(set_error("agent.tracker=5"), HasSubstr("unknown key"));
+  EXPECT_THAT(set_error("agent.tracker=5"),
+              HasSubstr("--set agent.tracker=5: this is a section, its keys are max_tracks min_quality"));
+  EXPECT_THAT(set_error("agent.tracker.zzz=5"), HasSubstr("known in agent.tracker are max_tracks min_quality"));
 }
 
 TEST_F(Config, DumpsWhatIsInEffect) {
-  config_.out = "odd \"name\": #1";
   config_.peers = {"a", "b"};
   config_.agent.tracker.min_quality = 0.1;
   const auto json = config::dump_json(config_);
@@ -121,12 +126,85 @@ TEST_F(Config, DumpsWhatIsInEffect) {
   EXPECT_EQ(json["agent"]["verbose"], false);
   EXPECT_EQ(json["peers"].size(), 2u);
 
-  const std::string yaml = config::dump_yaml(config_);
-  EXPECT_THAT(yaml, HasSubstr("agent:\n  tracker:\n    max_tracks: 300  # features followed at once (20 to 4000)\n"));
-  EXPECT_THAT(yaml, HasSubstr("\n  verbose: false  # log more\n"));
-  RunConfig read;
-  config::load(read, folder_.write("dump.yaml", yaml));
-  EXPECT_EQ(read, config_);
+  EXPECT_EQ(config::dump_yaml(config_),
+            "out: \"result\"  # result folder\n"
+            "rate: \"max\"  # pacing (max, live)\n"
+            "peers: [\"a\", \"b\"]  # addresses\n"
+            "agent:\n"
+            "  tracker:\n"
+            "    max_tracks: 300  # features followed at once (20 to 4000)\n"
+            "    min_quality: 0.1  # of a corner, relative to the best (0 to 1)\n"
+            "  verbose: false  # log more\n");
+}
+
+TEST_F(Config, DumpReadsBackToTheSameTexts) {
+  const std::vector<std::string> texts = {"",
+                                          " ",
+                                          "1",
+                                          "1.0",
+                                          "true",
+                                          "null",
+                                          "~",
+                                          "no",
+                                          "a: b",
+                                          "a #b",
+                                          "- a",
+                                          "[a, b]",
+                                          "{a: b}",
+                                          "*a",
+                                          "&a",
+                                          "!a",
+                                          "%a",
+                                          "@a",
+                                          "'a'",
+                                          "\"a\"",
+                                          "a\\nb",
+                                          "\\",
+                                          "a\nb",
+                                          "a\tb\r",
+                                          "\x01\x7f",
+                                          "...",
+                                          "---",
+                                          "a,b",
+                                          "\xc3\xa9 \xe2\x82\xac",
+                                          "\xe9",
+                                          "v4l2:0",
+                                          "gst:a ! b name=\"c\"",
+                                          "key: \"value\" # not a comment"};
+  for (const std::string& text : texts) {
+    config_.out = text;
+    config_.peers = {text, "plain", text};
+    RunConfig read;
+    config::load(read, folder_.write("dump.yaml", config::dump_yaml(config_)));
+    EXPECT_EQ(read, config_) << text << "\n" << config::dump_yaml(config_);
+  }
+}
+
+TEST_F(Config, DumpReadsBackToTheSameNumbers) {
+  for (const double number : {0.0, 1.0, 0.1, 1e-5, 1.0 / 3, 0.1 + 0.2, 5e-324, 2.2250738585072014e-308, 0.02}) {
+    config_.agent.tracker.min_quality = number;
+    RunConfig read;
+    config::load(read, folder_.write("dump.yaml", config::dump_yaml(config_)));
+    EXPECT_EQ(read.agent.tracker.min_quality, number);
+  }
+  config_.agent.tracker.min_quality = 0.1 + 0.2;
+  EXPECT_THAT(config::dump_yaml(config_), HasSubstr("min_quality: 0.30000000000000004  #"));
+}
+
+struct WideConfig {
+  int count = 1234567;
+  double period_s = 1e9;
+};
+template <class V>
+void describe(V& v, WideConfig& c) {
+  v.field("count", c.count, {-1000000, 2147483647}, "");
+  v.field("period_s", c.period_s, {0.0123456789, 1e9}, "seconds");
+}
+
+TEST(ConfigDump, SaysBoundsInFull) {
+  const std::string yaml = config::dump_yaml(WideConfig());
+  EXPECT_THAT(yaml, HasSubstr("count: 1234567  # (-1000000 to 2147483647)\n"));
+  EXPECT_THAT(yaml, HasSubstr("period_s: 1e+09  # seconds (0.0123456789 to 1e+09)\n"));
 }
 
 struct TwiceConfig {

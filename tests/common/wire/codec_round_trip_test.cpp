@@ -97,6 +97,16 @@ TEST(CodecRoundTrip, Session) {
   expect_unharmed(status);
 }
 
+TEST(CodecRoundTrip, AStatusNamesAsManyAgentsAsFit) {
+  ServerStatus status = WireValues(5).server_status(RunId(4));
+  status.agents.clear();
+  for (int i = 0; i < 100; ++i) status.agents.push_back("cam" + std::to_string(i));
+  auto decoded = decode(encode(status));
+  ASSERT_TRUE(decoded);
+  status.agents.resize(idl::MAX_AGENTS);
+  expect_same(*decoded, status);
+}
+
 TEST(CodecRoundTrip, MapPatches) {
   WireValues values(6);
   for (const int points : {0, 1, 100, 2000}) {

@@ -149,7 +149,7 @@ TEST(Endpoint, PartitionsKeepPatchesApart) {
   ASSERT_TRUE(two.samples.wait_count(1));
   EXPECT_EQ(one.samples.values()[0].agent().to_string(), "one");
   EXPECT_EQ(two.samples.values()[0].agent().to_string(), "two");
-  EXPECT_EQ(one.participant().counts()[static_cast<std::size_t>(Topic::kMap)].received, 1u);
+  EXPECT_EQ(one.participant().counts()[topic_index<idl::MapPatch>()].received, 1u);
 }
 
 TEST(Endpoint, ValuesAreTheSameAfterTheNetwork) {
@@ -176,7 +176,7 @@ TEST(Endpoint, BothEndsCountTheSameBytes) {
   const std::uint64_t bytes = writer.write(status);
   EXPECT_EQ(bytes, link_bytes(sample_bytes(status), 1400));
   ASSERT_TRUE(server.samples.wait_count(1));
-  const auto at = static_cast<std::size_t>(Topic::kAgentStatus);
+  const auto at = topic_index<idl::AgentStatus>();
   EXPECT_EQ(agent.counts()[at].sent, 1u);
   EXPECT_EQ(agent.counts()[at].sent_bytes, bytes);
   EXPECT_EQ(server.participant().counts()[at].received_bytes, bytes);

@@ -72,9 +72,10 @@ TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
       factory->create_participant(static_cast<std::uint32_t>(domain.number()), participant_qos(config, "stranger"));
   const dds::TypeSupport type(new Forger());
   type.register_type(stranger);
-  dds::Topic* topic = stranger->create_topic(name_of(Topic::kTracks), type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  dds::Topic* topic =
+      stranger->create_topic(topic_of<idl::TrackFrame>().name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
   auto* writer = stranger->create_publisher(dds::PUBLISHER_QOS_DEFAULT)
-                     ->create_datawriter(topic, writer_qos(Topic::kTracks, config));
+                     ->create_datawriter(topic, writer_qos(topic_of<idl::TrackFrame>(), config));
 
   // Nonsense from the stranger, until a good frame has come through beside it.
   const idl::TrackFrame good = encode(test::WireValues(1).frame("cam0", RunId(1), 5), pixel_scale(test::vga_camera()));

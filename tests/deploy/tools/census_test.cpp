@@ -50,7 +50,7 @@ TEST(Census, WhoIsMissing) {
   server.started = true;
   server.agents = {"left", "middle"};
   server.refused = {{kRight, "the name is taken"}};
-  census.add(server);
+  census.add(server, 0, now);
   census.add(Hello{.agent = "right", .agent_run = kRight}, 0, now);
   census.set_alive(kLeft, false);
   const std::string text = census.text(now);

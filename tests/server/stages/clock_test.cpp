@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/clock.h"
+#include "server/motion/clock.h"
 
 #include <gtest/gtest.h>
 
-#include "server/stages/follow.h"
+#include "server/motion/follow.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {

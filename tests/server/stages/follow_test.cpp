@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/follow.h"
+#include "server/motion/follow.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "server/associate/patch_match.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {

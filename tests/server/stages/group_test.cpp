@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/group.h"
+#include "server/covisibility/group.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/key_frame.h"
+#include "server/adjust/key_frame.h"
 
 #include <gtest/gtest.h>
 
-#include "server/stages/cull.h"
+#include "server/associate/cull.h"
 #include "tests/support/sim_map.h"
 
 // Key frames, and what is thrown away.

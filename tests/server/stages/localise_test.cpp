@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/localise.h"
+#include "server/pose/localise.h"
 
 #include <gtest/gtest.h>
 

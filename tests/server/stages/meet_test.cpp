@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/meet.h"
+#include "server/places/meet.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/objects.h"
+#include "server/motion/objects.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-#include "common/scene/gait.h"
+#include "deploy/scene/gait.h"
 #include "tests/support/sim_map.h"
 
 // Moving points with the noise of two cameras that look along y, against the bodies that they are on.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/stages/overlap.h"
+#include "server/covisibility/overlap.h"
 
 #include <gtest/gtest.h>
 

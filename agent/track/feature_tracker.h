@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "agent/track/image.h"
+#include "common/base/ids.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+// A live feature, raw pixels.
+struct Track {
+  TrackId id;
+  Eigen::Vector2f raw_px = Eigen::Vector2f::Zero();
+  std::uint32_t age_frames = 0;  // 0 in the image where it was found
+};
+
+// Features of one image that have a descriptor, each at a live track.
+struct DescribedTracks {
+  std::vector<TrackId> tracks;            // ascending
+  std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each, as quantised_descriptor() leaves them
+};
+
+// Everything that an agent learns from its images: the seam between the estimator and whoever looks at pixels. Each
+// call takes and gives a whole batch and is about the newest image, that of the last step(), which the tracker keeps
+// (on whatever device it works). Places are raw pixels of that image. The same calls give the same answers.
+// Thread-compatible.
+class FeatureTracker {
+ public:
+  virtual ~FeatureTracker() = default;
+
+  // Follows all tracks into `image` (constant size) and starts new ones where there is room. Returns live().
+  virtual const std::vector<Track>& step(const Image& image) = 0;
+
+  // The live tracks, ascending id. An id is never used again, and one started later is higher. Valid until the next
+  // call that is not const.
+  virtual const std::vector<Track>& live() const = 0;
+
+  // Ends tracks, those that are missed least first, until there are no more than step() would fill up to or `at_most`
+  // were ended.
+  virtual void thin(int at_most) = 0;
+
+  // What the image looks like around these tracks (ascending), for those of them that are live, in their order.
+  virtual std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) = 0;
+
+  // Descriptors of the `most` strongest features of the image. One at no track starts a track, beyond what step() would
+  // fill up to if need be; the weaker ones are left out once `most_new` were started.
+  virtual DescribedTracks describe_strongest(int most, int most_new) = 0;
+
+  // The same of those features alone that lie at these tracks (ascending).
+  virtual DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) = 0;
+
+  // Printed tags, ascending, as they go over the wire. Empty when none are looked for.
+  virtual std::vector<TagObservation> tags() = 0;
+};
+
+}  // namespace coslam

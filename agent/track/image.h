@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "common/base/ids.h"
+#include "common/base/time.h"
+
+namespace coslam {
+
+struct Image {
+  FrameId frame;
+  TimeNs capture_ns = 0;  // played time for files: source time minus start_s
+  cv::Mat grey;           // CV_8UC1
+};
+
+}  // namespace coslam

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/track/klt_feature_tracker.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "agent/track/descriptors.h"
+#include "agent/track/tags.h"
+
+namespace coslam {
+namespace {
+
+constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that track
+constexpr float kNearPx = 4.0F;  // the strongest SIFT feature this close to a track tells what is there
+constexpr double kSiftBorderPx = 14;
+
+class KltFeatureTracker final : public FeatureTracker {
+ public:
+  KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family)
+      : pixel_scale_(pixel_scale(camera)), tracker_(config) {
+    if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
+  }
+
+  const std::vector<Track>& step(const Image& image) override {
+    grey_ = image.grey;
+    return tracker_.step(grey_);
+  }
+  const std::vector<Track>& live() const override { return tracker_.live(); }
+  void thin(int at_most) override { tracker_.thin(at_most); }
+
+  std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override {
+    const std::vector<Track> wanted = live_among(tracks);
+    if (wanted.empty()) return {};
+    const cv::Mat small = shrink_for_patches(grey_);
+    std::vector<ImagePatch> out;
+    out.reserve(wanted.size());
+    for (const Track& t : wanted) out.push_back(cut_patch(small, t));
+    return out;
+  }
+
+  DescribedTracks describe_strongest(int most, int most_new) override {
+    return at_tracks(describe(grey_, most, kSiftBorderPx), kSamePx, most_new);
+  }
+
+  DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) override {
+    std::vector<Eigen::Vector2f> places;
+    for (const Track& t : live_among(tracks)) places.push_back(t.raw_px);
+    return at_tracks(describe_near(grey_, places, kNearPx, most, kSiftBorderPx), kNearPx, most_new);
+  }
+
+  std::vector<TagObservation> tags() override {
+    std::vector<TagObservation> out;
+    if (!tag_finder_) return out;
+    for (const FoundTag& found : tag_finder_->find(grey_)) {
+      TagObservation& o = out.emplace_back();
+      o.tag = found.tag;
+      std::ranges::transform(found.undistorted_px, o.undistorted_px.begin(),
+                             [this](const Eigen::Vector2d& px) { return quantised_px(px, pixel_scale_); });
+    }
+    return out;
+  }
+
+ private:
+  std::vector<Track> live_among(const std::vector<TrackId>& ids) const {
+    std::vector<Track> out;
+    for (const Track& t : tracker_.live()) {
+      if (std::ranges::binary_search(ids, t.id)) out.push_back(t);
+    }
+    return out;
+  }
+
+  // Gives each feature its track: the live one closer than same_px, or a new one.
+  DescribedTracks at_tracks(const DescribedFeatures& features, float same_px, int most_new) {
+    const std::vector<TrackId> ids = tracker_.add(features.raw_px, same_px, most_new);
+    std::map<TrackId, std::size_t> feature_of;  // the first, and strongest, of several at one track
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (ids[i] != TrackId()) feature_of.emplace(ids[i], i);
+    }
+    DescribedTracks out;
+    for (const auto& [track, feature] : feature_of) {
+      out.tracks.push_back(track);
+      const auto begin = features.descriptors.begin() + static_cast<std::ptrdiff_t>(feature * kDescriptorBytes);
+      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
+    }
+    return out;
+  }
+
+  double pixel_scale_;
+  Tracker tracker_;
+  std::optional<TagFinder> tag_finder_;
+  cv::Mat grey_;  // of the newest image
+};
+
+}  // namespace
+
+std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
+                                                    const std::string& tag_family) {
+  return std::make_unique<KltFeatureTracker>(camera, config, tag_family);
+}
+
+}  // namespace coslam

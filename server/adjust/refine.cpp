@@ -1,0 +1,315 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/adjust/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <unordered_map>
+
+#include "server/associate/register.h"
+#include "server/solve/point_uncertainty.h"
+
+namespace coslam {
+namespace {
+
+struct PoseHash {
+  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
+    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
+  }
+};
+using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
+
+const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera) {
+  const FramePose* f = map.camera(camera).frame_at(set);
+  return f == nullptr || f->map != of || f->joint ? nullptr : f;
+}
+
+int poses_to_adjust(const Map& map, MapId of, SetId set) {
+  return static_cast<int>(std::ranges::count_if(
+      map.cameras(), [&](const MapCamera& c) { return pose_to_adjust(map, of, set, c.id) != nullptr; }));
+}
+
+// Ascending.
+std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const auto& keys = map.key_frames();
+  if (keys.size() < 2) return {};
+  std::vector<SetId> out;
+  if (extent == RefineExtent::kWindow) {
+    const std::size_t window = std::min(keys.size(), static_cast<std::size_t>(config.window));
+    for (std::size_t k = keys.size() - window; k < keys.size(); ++k) out.push_back(keys[k].set);
+    return out;
+  }
+  int poses = 0;
+  for (const KeyFrame& k : keys) {
+    const int n = poses_to_adjust(map, of, k.set);
+    poses += n;
+    if (n > 0) out.push_back(k.set);
+  }
+  if (extent == RefineExtent::kWhole || poses <= config.outline_poses) return out;
+  // Evenly, the first and the newest among them; neighbours have to see the same points.
+  constexpr int kMostApart = 3;
+  const int apart = std::min(kMostApart, (poses + config.outline_poses - 1) / config.outline_poses);
+  const std::size_t all = out.size(), some = std::max<std::size_t>(2, all / static_cast<std::size_t>(apart));
+  for (std::size_t i = 0; i < some; ++i) out[i] = out[i * (all - 1) / (some - 1)];
+  out.resize(some);
+  return out;
+}
+
+// Older poses that see the window's points, the most connected first.
+std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, SetId first, int most) {
+  PoseIndex shared;  // points
+  for (const MapPoint* point : map.points_observed_since(first)) {
+    const MapPoint& p = *point;
+    if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
+    for (const KeyObservation& o : p.key_observations) {
+      if (o.set < first) ++shared[{o.set, o.camera}];
+    }
+  }
+  std::vector<std::pair<int, std::pair<SetId, CameraId>>> order;
+  for (const auto& [key, n] : shared) order.emplace_back(-n, key);
+  std::sort(order.begin(), order.end());
+  std::vector<std::pair<SetId, CameraId>> out;
+  for (const auto& [n, key] : order) {
+    if (static_cast<int>(out.size()) < most && -n >= 8) out.push_back(key);
+  }
+  return out;
+}
+
+void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
+  const FramePose* f = pose_to_adjust(map, of, set, camera);
+  if (f == nullptr) return;
+  (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
+  job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
+  job->poses.push_back({set, camera});
+}
+
+void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
+  for (const MapPoint* candidate : map.points_observed_since(first)) {
+    const MapPoint& p = *candidate;
+    if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
+    if (p.key_observations.back().set < first) continue;
+    const auto usable =
+        std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {
+          return index.contains({o.set, o.camera});
+        });
+    if (usable < 2) continue;
+    const int point = static_cast<int>(job->points.size());
+    job->points.push_back(p.id);
+    job->problem.points.push_back(p.position);
+    for (const KeyObservation& o : p.key_observations) {
+      const auto at = index.find({o.set, o.camera});
+      if (at == index.end()) continue;
+      job->problem.observations.push_back(
+          {at->second, point, o.undistorted_px.cast<double>(), std::max(0.5, map.camera(o.camera).sigma_px)});
+      job->observations.push_back({o.set, o.track});
+    }
+  }
+}
+
+// Views of a point by one track repeat what is wrong with it, its drift on the surface above all: together they are
+// worth two, as in Map::covariance_of(). counts: whether the i-th observation is one.
+std::vector<double> worth_of_observations(const RefineJob& job, auto&& counts) {
+  std::map<std::tuple<int, CameraId, TrackId>, int> views;
+  const auto key = [&](std::size_t i) {
+    const auto& o = job.problem.observations[i];
+    return std::tuple(o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track);
+  };
+  for (std::size_t i = 0; i < job.observations.size(); ++i) views[key(i)] += counts(i) ? 1 : 0;
+  std::vector<double> worth;
+  worth.reserve(job.observations.size());
+  for (std::size_t i = 0; i < job.observations.size(); ++i) worth.push_back(2.0 / std::max(2, views[key(i)]));
+  return worth;
+}
+
+void weigh_observations(RefineJob* job) {
+  const std::vector<double> worth = worth_of_observations(*job, [](std::size_t) { return true; });
+  for (std::size_t i = 0; i < worth.size(); ++i) job->problem.observations[i].weight = worth[i];
+}
+
+// With no history to hold the window: one pose stays, and the distance to the farthest other is restored afterwards.
+void float_free(RefineJob* job) {
+  job->floating = true;
+  job->problem.poses[0].fixed = true;
+  double farthest = 0;
+  for (std::size_t i = 1; i < job->problem.poses.size(); ++i) {
+    const double d =
+        (job->problem.poses[i].cam_from_world.center() - job->problem.poses[0].cam_from_world.center()).norm();
+    if (d <= farthest) continue;
+    farthest = d;
+    job->baseline_end = static_cast<int>(i);
+  }
+}
+
+// How one camera's world changes at its key frames: old_from_new on the right of cam_from_world.
+struct Change {
+  SetId set;
+  Rigid3 old_from_new;
+};
+
+Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
+  const auto after =
+      std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
+  if (after == changes.end()) return frame.cam_from_world * changes.back().old_from_new;
+  Rigid3 by_after = frame.cam_from_world * after->old_from_new;
+  if (after == changes.begin() || after->set == frame.set) return by_after;
+  const Change& before = *(after - 1);
+  const double s = static_cast<double>(frame.set.value - before.set.value) / (after->set.value - before.set.value);
+  return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
+}
+
+// All relative poses of neighbours in time change equally little between two key frames: the closed form of the soft
+// constraints (14) along one camera's path with its key frames fixed.
+void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, const std::vector<Change>& changes) {
+  if (changes.empty()) return;
+  const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), changes.front().set,
+                                      [](const FramePose& f, SetId set) { return f.set < set; });
+  bool any = false;
+  for (auto f = first; f != camera.frames.end(); ++f) {
+    if (f->map != job.map) continue;
+    any = true;
+    edit.adjust_pose(camera, *f, carried(*f, changes));
+  }
+  if (!any || camera.map != job.map) return;
+  const Rigid3 new_from_old = changes.back().old_from_new.inverse();
+  edit.carry_agent(camera, {1.0, new_from_old.rotation, new_from_old.translation});
+}
+
+void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const Map& map = edit.map();
+  std::vector<std::vector<Change>> changes(map.cameras().size());
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    const Rigid3& before = job.problem.poses[i].cam_from_world;
+    changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
+  }
+  // Frames between the newest key frame that stays and the first that moves lead from the one to the other.
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
+  const auto& keys = map.key_frames();
+  const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
+                                   [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
+  for (const MapCamera& c : map.cameras()) {
+    auto& list = changes[c.id.value];
+    if (!list.empty() && at != keys.begin() && at != keys.end()) list.push_back({std::prev(at)->set, Rigid3()});
+    std::sort(list.begin(), list.end(), [](const Change& a, const Change& b) { return a.set < b.set; });
+    carry_frames(edit, c, job, list);
+  }
+}
+
+void drop_outliers(MapEdit& edit, const RefineJob& job, const BundleResult& result, RefineReport* report) {
+  for (std::size_t i = 0; i < job.observations.size(); ++i) {
+    if (result.is_inlier[i]) continue;
+    ++report->outliers;
+    const auto& o = job.problem.observations[i];
+    const MapPoint* p = edit.map().find(job.points[static_cast<std::size_t>(o.point)]);
+    if (p == nullptr) continue;
+    edit.drop_observation(*p, job.observations[i].set, job.poses[static_cast<std::size_t>(o.pose)].camera,
+                          job.observations[i].track);
+  }
+}
+
+// From where it was last seen.
+double distance_of(const Map& map, const MapPoint& p) {
+  const KeyObservation& last = p.key_observations.back();
+  const FramePose* f = map.camera(last.camera).frame_at(last.set);
+  return f == nullptr ? 0 : (p.position - f->cam_from_world.center()).norm();
+}
+
+// Takes its solution; one that is not known to better than its distance goes.
+void move_point(MapEdit& edit, const MapPoint& p, const Eigen::Vector3d& position) {
+  const Map& map = edit.map();
+  if (p.key_observations.size() < 2) {
+    edit.remove_point(p, Why::kTooFewViews, {static_cast<double>(p.key_observations.size()), 0});
+    return;
+  }
+  edit.move_point(p, position);
+  const double sigma = std::sqrt(p.covariance.trace()), distance = distance_of(map, p);
+  if (!(sigma < distance)) edit.remove_point(p, Why::kUndetermined, {sigma, distance});
+}
+
+void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const Map& map = edit.map();
+  const std::set<PointId> solved(job.points.begin(), job.points.end());
+  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
+                        return a.set < b.set;
+                      })->set;
+  for (const MapPoint* p : map.points_seen_since(first)) {
+    if (p->map == job.map && !solved.contains(p->id)) retriangulate(edit, *p);
+  }
+  for (std::size_t i = 0; i < job.points.size(); ++i) {
+    const MapPoint* p = map.find(job.points[i]);
+    if (p != nullptr && p->map == job.map) move_point(edit, *p, result.points[i]);
+  }
+}
+
+}  // namespace
+
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const std::vector<SetId> keys = key_frames_to_adjust(map, of, extent, config);
+  if (keys.empty()) return std::nullopt;
+  RefineJob job;
+  job.epoch = map.epoch();
+  job.map = of;
+  job.extent = extent;
+  job.config.max_iterations = extent == RefineExtent::kWindow ? config.max_iterations : config.final_iterations;
+  if (extent == RefineExtent::kWindow) job.config.function_tolerance = 1e-4;  // the next window goes on from there
+  for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
+  PoseIndex index;
+  for (const SetId key : keys) {
+    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
+  }
+  if (job.poses.size() < 2) return std::nullopt;
+  const std::size_t free_poses = job.poses.size();
+  if (extent == RefineExtent::kWindow) {
+    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), config.most_fixed)) {
+      add_pose(map, of, set, camera, true, &job, &index);
+    }
+  }
+  add_points(map, of, keys.front(), index, &job);
+  if (job.points.size() < 20) return std::nullopt;
+  if (extent != RefineExtent::kWindow) weigh_observations(&job);
+  if (job.poses.size() < free_poses + 2) float_free(&job);
+  return job;
+}
+
+BundleResult solve_refine(const RefineJob& job) {
+  BundleResult result = solve_bundle(job.problem, job.config);
+  if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
+  return result;
+}
+
+std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result) {
+  constexpr std::size_t kMostPoses = 200;
+  BundleProblem solved = job.problem;
+  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
+    solved.poses[i].cam_from_world = result.poses[i];
+    solved.poses[i].fixed = solved.poses[i].fixed && !job.floating;
+  }
+  solved.points = result.points;
+  const std::vector<double> worth = worth_of_observations(job, [&](std::size_t i) { return result.is_inlier[i]; });
+  for (std::size_t i = 0; i < solved.observations.size(); ++i) {
+    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(solved.observations[i].pose)].camera);
+    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
+  }
+  return pose_share_of_points(solved, result.is_inlier, kMostPoses);
+}
+
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  RefineReport report{.poses = static_cast<int>(job.poses.size()),
+                      .points = static_cast<int>(job.points.size()),
+                      .observations = static_cast<int>(job.observations.size()),
+                      .sigma_px = result.sigma_px};
+  if (!result.usable || job.epoch != edit.map().epoch()) return report;
+  drop_outliers(edit, job, result, &report);
+  move_frames(edit, job, result);
+  move_points(edit, job, result);
+  edit.raise_epoch();
+  edit.note_moved(job.map, Why::kAdjusted, {static_cast<double>(report.poses), static_cast<double>(report.points)});
+  report.applied = true;
+  return report;
+}
+
+}  // namespace coslam

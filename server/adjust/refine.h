@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/map/edit.h"
+#include "server/solve/bundle.h"
+
+namespace coslam {
+
+// Which key frames of a map are adjusted: the newest; some of all, which tells how the parts of the map lie to each
+// other and takes seconds where all take minutes; or all.
+enum class RefineExtent : std::uint8_t { kWindow, kOutline, kWhole };
+
+struct RefineConfig {
+  bool enabled = true;
+  int window = 8;           // K: newest key frames whose poses are free
+  int most_fixed = 24;      // older poses that hold them
+  int outline_poses = 400;  // of an outline; more where every third key frame has more
+  int max_iterations = 10;
+  int final_iterations = 40;  // over the whole run, at its end
+};
+
+template <class V>
+void describe(V& v, RefineConfig& c) {
+  v.field("enabled", c.enabled, "bundle adjustment");
+  v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
+  v.field("most_fixed", c.most_fixed, {0, 1000}, "older poses that hold them");
+  v.field("max_iterations", c.max_iterations, {1, 200}, "of one bundle adjustment");
+  v.field("final_iterations", c.final_iterations, {1, 1000}, "over the whole run, at its end");
+}
+
+// A bundle adjustment over a copy of part of the map, solved anywhere, applied by the map's owner.
+struct RefineJob {
+  BundleProblem problem;
+  struct PoseKey {
+    SetId set;
+    CameraId camera;
+  };
+  std::vector<PoseKey> poses;   // as problem.poses
+  std::vector<PointId> points;  // as problem.points
+  struct ObservationKey {
+    SetId set;
+    TrackId track;
+  };
+  std::vector<ObservationKey> observations;  // as problem.observations
+  MapEpoch epoch;                            // of the map it was cut from
+  MapId map;
+  RefineExtent extent = RefineExtent::kWindow;
+  bool floating = false;  // no pose was fixed but one: restore the scale after solving
+  int anchor = 0, baseline_end = 0;
+  BundleConfig config;
+};
+
+struct RefineReport {
+  bool applied = false;
+  int poses = 0, points = 0, observations = 0, outliers = 0;
+  double sigma_px = 0;
+};
+
+// Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
+BundleResult solve_refine(const RefineJob& job);
+// What the uncertain poses of a solution add to the covariances of its points (point_uncertainty.h), in the order of
+// job.points. Each track counts for two views, as in Map::covariance_of().
+std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result);
+// Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
+// epoch (the map was merged meanwhile) is dropped.
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+
+}  // namespace coslam

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/adjust/scale.h"
+
+namespace coslam {
+
+ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {
+  if (config.baseline_m > 0) {
+    scale_by_baseline(edit);
+    return by_baseline();
+  }
+  return config.tags.side_m > 0 ? by_tags(tags_.step(edit, set, met.merged > 0)) : ScaleReport{};
+}
+
+// The poses that tell the scale are known better now.
+ScaleReport Scale::finish(MapEdit& edit) {
+  if (config.baseline_m <= 0) return by_tags(tags_.finish(edit));
+  scaled_ = MapId();
+  scale_by_baseline(edit);
+  return by_baseline();
+}
+
+ScaleReport Scale::by_baseline() const {
+  ScaleReport report;
+  if (scaled_ != MapId()) report.in_metres = {scaled_};
+  return report;
+}
+
+ScaleReport Scale::by_tags(const TagScaleReport& r) const {
+  return {.in_metres = tags_.in_metres(), .measured = r.measured, .scaled = r.scaled, .doubts = r.doubts};
+}
+
+// The first instant at which the first two cameras have a pose in the same map tells its scale; again when that map
+// became part of another, whose scale is its own.
+void Scale::scale_by_baseline(MapEdit& edit) {
+  const Map& map = edit.map();
+  if (map.cameras().size() < 2) return;
+  const MapCamera &a = map.cameras()[0], &b = map.cameras()[1];
+  if (scaled_ != MapId() && a.frame_at(scaled_at_)->map == scaled_) return;
+  for (const FramePose& fa : a.frames) {
+    const FramePose* fb = b.frame_at(fa.set);
+    if (!fa.valid() || fb == nullptr || fb->map != fa.map) continue;
+    const double length = (fa.cam_from_world.center() - fb->cam_from_world.center()).norm();
+    if (length <= 0) return;
+    scaled_ = fa.map;
+    scaled_at_ = fa.set;
+    edit.transform(fa.map, {config.baseline_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()},
+                   Why::kScaleKnown);
+    return;
+  }
+}
+
+}  // namespace coslam

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/adjust/tag_scale.h"
+#include "server/map/edit.h"
+#include "server/places/meet.h"
+
+namespace coslam {
+
+struct ScaleConfig {
+  double baseline_m = 0;  // known distance of the first two cameras at the start; 0 = unknown, tags may tell the scale
+  TagScaleConfig tags;
+};
+
+template <class V>
+void describe(V& v, ScaleConfig& c) {
+  describe(v, c.tags);
+}
+
+struct ScaleReport {
+  std::set<MapId> in_metres;        // maps whose lengths are metres
+  int measured = 0, scaled = 0;     // tags, and maps by them
+  std::vector<std::string> doubts;  // what the user should know of, a sentence each, each once
+
+  void count(auto&& add) const {
+    add("tags_measured", measured);
+    add("scaled_by_tags", scaled);
+  }
+};
+
+// Images alone tell no length. Metres come from a known baseline, or else from printed tags.
+class Scale {
+ public:
+  static constexpr std::string_view kName = "tags";
+  using Config = ScaleConfig;
+  explicit Scale(const ScaleConfig& of) : config(of), tags_(of.tags) {}
+  ScaleConfig config;
+
+  ScaleReport run(MapEdit& edit, const FrameSet& set, const MeetReport& met);
+  // By the final poses.
+  ScaleReport finish(MapEdit& edit);
+  const TagScale& tags() const { return tags_; }
+
+ private:
+  void scale_by_baseline(MapEdit& edit);
+  ScaleReport by_baseline() const;
+  ScaleReport by_tags(const TagScaleReport& r) const;
+
+  TagScale tags_;
+  MapId scaled_;     // the one that the baseline gave its scale; 0 = none
+  SetId scaled_at_;  // the instant of the known baseline
+};
+
+}  // namespace coslam

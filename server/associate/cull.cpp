@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/associate/cull.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::size_t kMostPatches = 6;
+
+}  // namespace
+
+CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config) {
+  CullReport report;
+  edit.thin_patches(kMostPatches);
+  const std::set<PointId> loose = edit.map().loose_points();
+  for (const PointId id : loose) {
+    const MapPoint& p = *edit.map().find(id);
+    if (p.created.value + static_cast<std::uint32_t>(config.probation_sets) > set.id.value) continue;
+    if (p.views < static_cast<std::uint32_t>(config.min_views)) {
+      edit.remove_point(p, Why::kSeenTooLittle,
+                        {static_cast<double>(p.views), static_cast<double>(set.id.value - p.created.value)});
+      ++report.removed;
+    } else {
+      edit.is_not_loose(id);
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/associate/fuse.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "server/associate/patch_match.h"
+#include "server/associate/track_grid.h"
+
+namespace coslam {
+namespace {
+
+struct Candidate {
+  double d2;
+  PointId first, second;  // the second is bound to the track
+  CameraId camera;
+  const ServerTrack* track;
+};
+
+void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points, FuseReport* report,
+             std::vector<Candidate>* out) {
+  const Rigid3& pose = camera.frames.back().cam_from_world;
+  const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
+  TrackGrid grid;
+  std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of the tracks in the grid
+  for (const auto& [id, t] : camera.tracks) {
+    const MapPoint* p = map.find(t.point);
+    if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) continue;
+    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
+    if (!window) continue;
+    covariances[id] = window->covariance;
+    grid.add(&t);
+  }
+  for (const MapPoint* p : points) {
+    if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
+    if (!window) continue;
+    Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
+    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
+      const Eigen::Matrix2d s =
+          window->covariance + covariances.at(t->id) + gate_px * gate_px * Eigen::Matrix2d::Identity();
+      const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
+      const double d2 = r.dot(s.inverse() * r);
+      if (d2 < best.d2) best = {d2, p->id, t->point, camera.id, t};
+    });
+    if (best.track == nullptr) continue;
+    ++report->candidates;
+    out->push_back(best);
+  }
+}
+
+// Seen at once by one camera, so they are two things.
+bool seen_apart(const MapPoint& p, const MapPoint& q) {
+  for (const BoundTrack& b : p.bound) {
+    if (seen_by(q, b.camera)) return true;
+  }
+  auto a = p.key_observations.begin(), b = q.key_observations.begin();
+  while (a != p.key_observations.end() && b != q.key_observations.end()) {
+    const auto ka = std::tie(a->set, a->camera), kb = std::tie(b->set, b->camera);
+    if (ka == kb) return true;
+    ka < kb ? ++a : ++b;
+  }
+  return false;
+}
+
+void add_views(const Map& map, const MapPoint& p, std::size_t check_back, std::vector<View>* views) {
+  for (const View& v : map.key_views_of(p)) views->push_back(v);
+  for (const BoundTrack& b : p.bound) {
+    const MapCamera& c = map.camera(b.camera);
+    const std::vector<View> all = map.views_of(c, c.tracks.at(b.track), check_back);
+    views->insert(views->end(), all.begin(), all.end());
+  }
+}
+
+// The one position of both, if it explains all their views.
+std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double most_px,
+                                              std::size_t check_back) {
+  std::vector<View> views;
+  add_views(map, p, check_back, &views);
+  add_views(map, q, check_back, &views);
+  const TriangulationResult t = triangulate(views, 1.0, 0.0);
+  if (t.status != TriangulationStatus::kOk || t.max_error_px > most_px) return std::nullopt;
+  return t.position;
+}
+
+}  // namespace
+
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& config) {
+  const Map& map = edit.map();
+  FuseReport report;
+  std::vector<Candidate> candidates;
+  const std::vector<const MapPoint*> points = recent_static_points(map);
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
+  for (const Candidate& c : candidates) {
+    const MapPoint *p = map.find(c.first), *q = map.find(c.second);
+    if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) continue;
+    const MapCamera& camera = map.camera(c.camera);
+    const auto cut_at = camera.frame_at(c.track->patch_set);
+    if (cut_at == nullptr || cut_at->map != p->map) continue;
+    const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
+    if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
+    // The worst of many views: half as much again as the gate of one.
+    const double most_px = 1.5 * map.config().theta * map.gate_sigma_px(camera);
+    const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));
+    if (!position) continue;
+    if (p->id > q->id) std::swap(p, q);
+    edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});
+    edit.move_point(*p, *position);
+    ++report.fused;
+  }
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/associate/gate.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace coslam {
+
+std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                                     const Eigen::Vector2d& undistorted_px, double sigma_px) {
+  Eigen::Vector2d px;
+  Eigen::Matrix<double, 2, 3> j;
+  if (!project_world(camera, cam_from_world, point.position, &px, &j)) return std::nullopt;
+  const Eigen::Matrix2d s = j * point.covariance * j.transpose() + sigma_px * sigma_px * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d r = undistorted_px - px;
+  return r.dot(s.inverse() * r);
+}
+
+PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                            const Eigen::Vector2d& undistorted_px, double sigma_px) {
+  Eigen::Vector2d px;
+  Eigen::Matrix<double, 2, 3> j;
+  if (!project_world(camera, cam_from_world, point.position, &px, &j)) return {point.position, point.covariance};
+  const Eigen::Matrix2d noise = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d s = j * point.covariance * j.transpose() + noise;
+  const Eigen::Matrix<double, 3, 2> gain = point.covariance * j.transpose() * s.inverse();
+  const Eigen::Matrix3d keep = Eigen::Matrix3d::Identity() - gain * j;
+  PointEstimate now{point.position, point.covariance};
+  now.position += gain * (undistorted_px - px);
+  now.covariance = keep * now.covariance * keep.transpose() + gain * noise * gain.transpose();
+  return now;
+}
+
+namespace {
+
+// True when the camera looks at the point from a new enough direction; remembers it then.
+bool turned(MapEdit& edit, const MapPoint& point, const MapCamera& camera, double angle_rad) {
+  const auto& rays = point.updated_from;
+  const bool first = rays.size() <= camera.id.value || rays[camera.id.value].squaredNorm() == 0;
+  const Eigen::Vector3d ray = (point.position - camera.frames.back().cam_from_world.center()).normalized();
+  if (!first && rays[camera.id.value].dot(ray) > std::cos(angle_rad)) return false;
+  edit.note_ray(point, camera.id, ray);
+  return !first;
+}
+
+// Several cameras see sooner that a point moves than one, whose own motion may explain it.
+bool stood_still(const MapPoint& p, const VerifyConfig& config) {
+  const auto tracks = static_cast<std::uint32_t>(p.bound.size());
+  const auto frames = static_cast<std::uint32_t>(config.prove_views);
+  return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);
+}
+
+bool elsewhere_for_others(const Map& map, const MapPoint& point, CameraId camera) {
+  return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) {
+    return b.camera != camera && map.camera(b.camera).tracks.at(b.track).gate_failures > 0;
+  });
+}
+
+void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
+          const VerifyConfig& config, VerifyReport* report) {
+  ++report->inside;
+  edit.pass_gate(track);
+  edit.see(point);
+  if (stood_still(point, config)) edit.prove(point);
+  if (track.patch_set == set.id) edit.give_patch(point, camera.id, track);
+  if (!point.proven() || !turned(edit, point, camera, config.update_turn_rad)) return;
+  const PointEstimate now =
+      kalman_update(point, camera.model, camera.frames.back().cam_from_world,
+                    track.seen.back().undistorted_px.cast<double>(), edit.map().covariance_sigma_px(camera));
+  edit.move_point(point, now.position, now.covariance);
+  ++report->updated;
+}
+
+// Squared Mahalanobis distance; empty for a point behind the camera.
+void miss(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
+          std::optional<double> distance2, const VerifyConfig& config, bool leave_moved, VerifyReport* report) {
+  ++report->outside;
+  const double sigmas = distance2 ? std::sqrt(*distance2) : std::nan("");
+  const int failures = edit.miss_gate(camera.id, track, sigmas);
+  if (failures < config.failures) return;
+  if (leave_moved && elsewhere_for_others(edit.map(), point, camera.id)) return;
+  edit.distrust_before(track, set.id);
+  edit.unbind(camera.id, track, Why::kOutsideGate, {static_cast<double>(failures), sigmas});
+  ++report->unbound;
+}
+
+}  // namespace
+
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config, bool leave_moved) {
+  VerifyReport report;
+  const Map& map = edit.map();
+  const double theta2 = map.config().theta * map.config().theta;
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    const FramePose& frame = camera.frames.back();
+    if (!frame.valid()) continue;
+    const double gate_px = map.gate_sigma_px(camera);
+    int proven = 0;
+    for (const auto& [id, track] : camera.tracks) {
+      const MapPoint* point = map.find(track.point);
+      if (point == nullptr || !point->rests()) continue;
+      const Eigen::Vector2d px = track.seen.back().undistorted_px.cast<double>();
+      const auto d2 = gate_distance2(*point, camera.model, frame.cam_from_world, px, gate_px);
+      if (d2 && *d2 <= theta2) {
+        pass(edit, set, camera, track, *point, config, &report);
+        proven += point->proven();
+      } else {
+        miss(edit, set, camera, track, *point, d2, config, leave_moved, &report);
+      }
+    }
+    edit.set_sparse(camera, proven < config.sparse_points);
+  }
+  return report;
+}
+
+}  // namespace coslam

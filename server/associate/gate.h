@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map/edit.h"
+
+namespace coslam {
+
+struct VerifyConfig {
+  int failures = 3;               // gate failures in succession that unbind a track
+  int prove_views = 20;           // frames inside the gate that prove a point of one camera; of several: half
+  int sparse_points = 60;         // a camera that sees fewer proven points relies on the others too
+  double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
+};
+
+template <class V>
+void describe(V& v, VerifyConfig& c) {
+  v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
+  v.field("prove_views", c.prove_views, {1, 1000}, "frames inside the gate that prove a point of one camera");
+  v.field("sparse_points", c.sparse_points, {0, 1000}, "a camera with fewer proven points relies on the others too");
+  v.field("update_turn_rad", c.update_turn_rad, {0, 1},
+          "turn of the viewing ray between two filter updates of a point");
+}
+
+struct VerifyReport {
+  int inside = 0, outside = 0, unbound = 0, updated = 0;
+
+  void count(auto&& add) const {
+    add("gate_inside", inside);
+    add("gate_outside", outside);
+    add("unbound", unbound);
+    add("filter_updates", updated);
+  }
+};
+
+// Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
+// r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
+// correlated in time, and the point is proven. A patch that came
+// now becomes the point's. Outside for several sets: the track no longer follows the point.
+// leave_moved: points that several cameras see elsewhere are left as they are, for whoever judges what moves.
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config, bool leave_moved);
+
+struct PointEstimate {
+  Eigen::Vector3d position;
+  Eigen::Matrix3d covariance;
+};
+
+// Kalman update (5)-(7) in Joseph form; sigma_px of one coordinate of the observation.
+PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                            const Eigen::Vector2d& undistorted_px, double sigma_px);
+
+// Squared Mahalanobis distance (8) of an observation; empty when the point is not in front of the camera.
+std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
+                                     const Eigen::Vector2d& undistorted_px, double sigma_px);
+
+// leave_moved: whether somebody judges what moves.
+template <class MotionConfig>
+struct GateStage {
+  static constexpr std::string_view kName = "verify";
+  using Config = VerifyConfig;
+  Config config;
+  VerifyReport run(MapEdit& edit, const FrameSet& set, const MotionConfig& motion) const {
+    return verify(edit, set, config, motion.enabled);
+  }
+};
+
+}  // namespace coslam

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map/edit.h"
+
+namespace coslam {
+
+struct RegisterConfig {
+  double zncc_min = 0.7;
+  int check_back = 60;       // frames of the track in which the gate must hold
+  int min_track_frames = 4;  // younger tracks wait
+};
+
+template <class V>
+void describe(V& v, RegisterConfig& c) {
+  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
+  v.field("check_back", c.check_back, {1, 1000}, "frames of the track in which the gate must hold");
+  v.field("min_track_frames", c.min_track_frames, {1, 1000}, "younger tracks wait");
+}
+
+struct RegisterReport {
+  int candidates = 0, registered = 0;
+
+  void count(auto&& add) const {
+    add("register_candidates", candidates);
+    add("registered", registered);
+  }
+};
+
+// Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
+// theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
+// widest views.
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const RegisterConfig& config);
+
+// Position and covariance of a point from all its key views and the newest view of each bound track.
+// False when its views do not determine it (it then stays as it is).
+bool retriangulate(MapEdit& edit, const MapPoint& point);
+
+struct Register {
+  static constexpr std::string_view kName = "register";
+  using Config = RegisterConfig;
+  Config config;
+  RegisterReport run(MapEdit& edit, const FrameSet& set) const { return register_tracks(edit, set, config); }
+};
+
+}  // namespace coslam

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/create/moving.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "server/associate/pair_match.h"
+#include "server/associate/patch_match.h"
+#include "server/associate/track_grid.h"
+#include "server/map/sighting.h"
+
+namespace coslam {
+namespace {
+
+// Tracks of what moves or may move, at the instant of the set: those without a point, and those of moving points that
+// the other camera does not see yet.
+std::vector<Feature> moving(const Map& map, const MapCamera& camera, CameraId other) {
+  std::vector<Feature> out;
+  for (const auto& [id, t] : camera.tracks) {
+    if (!t.patch) continue;
+    const MapPoint* p = map.find(t.point);
+    if (p != nullptr && (!p->moves() || seen_by(*p, other))) continue;
+    const auto view = view_at(camera, t, t.seen.size() - 1, map.now_ns());
+    if (view) out.push_back({&t, view->undistorted_px - t.offset_px.cast<double>()});
+  }
+  return out;
+}
+
+// Where the two tracks were one place, at the instant of the first one's i-th observation; empty when they were not.
+std::optional<TriangulationResult> meeting(const Map& map, const PairView& view, const ServerTrack& a, std::size_t i,
+                                           const ServerTrack& b, std::size_t j, double min_parallax_rad) {
+  const FramePose* f = view.first->frame_at(a.seen[i].set);
+  if (f == nullptr) return std::nullopt;
+  const TimeNs t_ns = view.first->taken_ns(*f);
+  const auto va = view_at(*view.first, a, i, t_ns), vb = view_at(*view.second, b, j, t_ns);
+  if (!va || !vb) return std::nullopt;
+  return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}}, min_parallax_rad);
+}
+
+// The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
+// epipolar line does not keep up while the thing moves. Where that was at the first of them.
+std::optional<Eigen::Vector3d> together_back(const Map& map, const PairView& view, const ServerTrack& a,
+                                             const ServerTrack& b, int least, int most) {
+  int checked = 0;
+  std::optional<Eigen::Vector3d> oldest;
+  for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
+    const SetId at = a.seen[i].set;
+    const auto other = b.index_at(at);
+    if (!other) continue;
+    if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
+    const auto met = meeting(map, view, a, i, b, *other, 0);
+    if (!met) return std::nullopt;
+    oldest = met->position;
+    ++checked;
+  }
+  return checked >= least ? oldest : std::nullopt;
+}
+
+// The camera's track is no longer at what its thing left.
+bool left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world, const Feature& f,
+          const Eigen::Vector3d& place) {
+  Eigen::Vector2d px;
+  if (!project_world(camera.model, cam_from_world, place, &px)) return true;
+  return (f.px + f.track->offset_px.cast<double>() - px).norm() > map.config().theta * map.gate_sigma_px(camera);
+}
+
+// The path of a new moving point begins when its two tracks first met, not when that was found out.
+void record_past(MapEdit& edit, const PairView& view, PointId point, const ServerTrack& a, const ServerTrack& b) {
+  std::vector<MotionSample> past;
+  for (std::size_t i = a.seen.size() - 1, j = b.seen.size() - 1; i-- > 0 && j-- > 0;) {
+    if (a.seen[i].set != b.seen[j].set || !meeting(edit.map(), view, a, i, b, j, kMovingParallax_rad)) break;
+    const TimeNs t_ns = view.first->taken_ns(*view.first->frame_at(a.seen[i].set));
+    past.push_back({a.seen[i].set, t_ns, {sighting(*view.first, a, i), sighting(*view.second, b, j)}});
+  }
+  for (auto s = past.rbegin(); s != past.rend(); ++s) edit.record_motion(point, std::move(*s));
+}
+
+// Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
+// lines, and things are compact.
+bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d& position) {
+  constexpr double kBeside = 0.12;     // of the image width
+  constexpr double kMostDepth = 0.12;  // of the depth
+  Eigen::Vector2d px;
+  if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
+  const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
+  int alike = 0, others = 0;
+  for (const MapPoint* p : map.moving_points()) {
+    if (p->map != view.first->map || p->last_seen.value + 2 < map.now().value) continue;
+    Eigen::Vector2d other_px;
+    if (!project_world(view.first->model, view.first_pose, p->position, &other_px)) continue;
+    if ((other_px - px).norm() > radius_px) continue;
+    (std::abs((view.first_pose * p->position).z() - depth) < kMostDepth * depth ? alike : others) += 1;
+  }
+  return alike >= others;
+}
+
+// How the patches of two tracks match if the two are one place; the shift is in pixels of the second image.
+std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, const Feature& b) {
+  const auto seen = [](const MapCamera& c, const Rigid3& pose, const Feature& f) {
+    return View{&c.model, pose, f.px + f.track->offset_px.cast<double>()};
+  };
+  const std::array<View, 2> views{seen(*view.first, view.first_pose, a), seen(*view.second, view.second_pose, b)};
+  const TriangulationResult place = triangulate(views, view.first->sigma_px, 0);
+  if (place.status != TriangulationStatus::kOk) return std::nullopt;
+  const auto alike = made_alike({view.first, view.first_pose, &*a.track->patch},
+                                {view.second, view.second_pose, &*b.track->patch}, place.position);
+  auto peak = alike ? peak_in(alike->first, alike->second) : std::nullopt;
+  if (peak) peak->shift_px = alike->second_by_view * peak->shift_px;
+  return peak;
+}
+
+// Where two matched tracks, each with its offset, are one thing that moves; empty when they are not.
+std::optional<TriangulationResult> one_mover(const Map& map, const PairView& view, const Feature& a, const Feature& b,
+                                             const PairMatchConfig& match, const MapMovingConfig& config) {
+  const ServerTrack &in_a = *a.track, &in_b = *b.track;
+  const auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, match.min_parallax_rad);
+  if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
+  const double distance = (now->position - view.first_pose.center()).norm();
+  if (std::sqrt(now->covariance.trace()) > match.max_relative_sigma * distance) return std::nullopt;
+  if (!beside_in_depth(map, view, now->position)) return std::nullopt;
+  const auto before = together_back(map, view, in_a, in_b, config.check_back / 2, config.check_back);
+  if (!before) return std::nullopt;
+  // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
+  const bool both_move = in_a.moves() && in_b.moves();
+  if (!both_move &&
+      !(left(map, *view.first, view.first_pose, a, *before) && left(map, *view.second, view.second_pose, b, *before)))
+    return std::nullopt;
+  return now;
+}
+
+bool fuse_movers(MapEdit& edit, const MapPoint& p, const MapPoint& q) {
+  if (std::ranges::any_of(p.bound, [&](const BoundTrack& bound) { return seen_by(q, bound.camera); })) return false;
+  edit.fuse(p.id, q.id, Why::kOneMover);
+  return true;
+}
+
+// What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
+bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const PairMatchConfig& match,
+                 const MapMovingConfig& config) {
+  const Map& map = edit.map();
+  const MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
+  const auto peak = peak_if_one(view, a, b);
+  if (!peak) return false;
+  if (p != nullptr && q != nullptr) return one_mover(map, view, a, b, match, config) && fuse_movers(edit, *p, *q);
+  // The free one of the two is brought to where the other one's point is.
+  const bool free_b = q == nullptr;
+  const Eigen::Vector2f shift = peak->shift_px.cast<float>();
+  ServerTrack shifted = free_b ? *b.track : *a.track;
+  shifted.offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
+  const Feature in_a = free_b ? a : Feature{&shifted, a.px}, in_b = free_b ? Feature{&shifted, b.px} : b;
+  const auto now = one_mover(map, view, in_a, in_b, match, config);
+  if (!now) return false;
+  const MapPoint* point = free_b ? p : q;
+  if (point == nullptr) {
+    const double distance = (now->position - view.first_pose.center()).norm();
+    point = &edit.create_point(view.first->map, now->position, now->covariance, PointPhase::kMoving,
+                               Why::kMetWhileMoving, {2, std::sqrt(now->covariance.trace()) / distance});
+    edit.bind_moving(*point, view.first->id, *a.track, Eigen::Vector2f::Zero(), Why::kMadeFromIt);
+    record_past(edit, view, point->id, *in_a.track, *in_b.track);
+  }
+  const Feature& free = free_b ? b : a;
+  edit.bind_moving(*point, (free_b ? view.second : view.first)->id, *free.track, shifted.offset_px, Why::kLooksLikeIt,
+                   {peak->zncc, 0});
+  return true;
+}
+
+}  // namespace
+
+MapMovingReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const PairMatchConfig& match,
+                           const MapMovingConfig& config) {
+  const Map& map = edit.map();
+  MapMovingReport report;
+  for (const ViewEdge& edge : graph.edges) {
+    if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
+    const auto first_pose = map.camera(edge.first).pose_at(set.id, set.t_ns),
+               second_pose = map.camera(edge.second).pose_at(set.id, set.t_ns);
+    const std::vector<Feature> first = moving(map, map.camera(edge.first), edge.second),
+                               second = moving(map, map.camera(edge.second), edge.first);
+    // Of two that become one point, at least one is seen to move.
+    const auto moves = [](const Feature& f) { return f.track->moves(); };
+    if (std::none_of(first.begin(), first.end(), moves) && std::none_of(second.begin(), second.end(), moves)) continue;
+    const PairView view = make_pair_view(map, edge, *first_pose, *second_pose);
+    const auto either_moves = [](const Feature& a, const Feature& b) { return a.track->moves() || b.track->moves(); };
+    const auto as_one = [&](const Feature& a, const Feature& b) {
+      const auto peak = peak_if_one(view, a, b);
+      return peak ? peak->zncc : -1;
+    };
+    report.joined += best_pairs(
+        view, first, second, band_px_of(map, view) + kMostShift_px, match, either_moves, as_one, &report.pairs,
+        [&](const Feature& a, const Feature& b) { return join_moving(edit, view, a, b, match, config); });
+  }
+  return report;
+}
+
+}  // namespace coslam

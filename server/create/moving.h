@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/associate/pair_match.h"
+#include "server/covisibility/group.h"
+#include "server/create/two_cameras.h"
+#include "server/map/edit.h"
+
+namespace coslam {
+
+struct MapMovingConfig {
+  int period = 2;       // frame sets between runs
+  int check_back = 10;  // instants at which two tracks of a moving thing must have met
+};
+
+template <class V>
+void describe(V& v, MapMovingConfig& c) {
+  v.field("period", c.period, {1, 1000}, "frame sets between runs");
+  v.field("check_back", c.check_back, {2, 1000}, "instants at which two tracks of a moving thing must have met");
+}
+
+struct MapMovingReport {
+  PairMatchCounts pairs;
+  int joined = 0;  // pairs of tracks
+
+  void count(auto&& add) const { add("joined_moving", joined); }
+};
+
+// Tracks of moving things, matched in the same way between any two cameras that see the same, and joined when they were
+// at one place at each of the last instants; where that was is triangulated from one instant alone. One of the two
+// cameras may not have found out by itself that its track moves: then that place must have moved, in both images.
+MapMovingReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const PairMatchConfig& match,
+                           const MapMovingConfig& config);
+
+struct MapMoving {
+  static constexpr std::string_view kName = "map_moving";
+  using Config = MapMovingConfig;
+  Config config;
+  bool due(SetId now) const { return now.value % static_cast<std::uint32_t>(config.period) == 0; }
+  MapMovingReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& inter) const {
+    return map_moving(edit, set, graph, inter.match, config);
+  }
+};
+
+}  // namespace coslam

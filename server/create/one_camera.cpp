@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/create/one_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace coslam {
+namespace {
+
+constexpr std::uint32_t kRetrySets = 4;
+
+// Cheap bound before anything is solved: angle between the rays of the first and the newest view.
+double ray_angle(const std::vector<View>& views) {
+  const double c = world_ray(views.front()).dot(world_ray(views.back()));
+  return std::acos(std::clamp(c, -1.0, 1.0));
+}
+
+bool gate_in_every_view(const std::vector<View>& views, const TriangulationResult& t, double gate_px, double theta) {
+  for (const View& v : views) {
+    Eigen::Vector2d px;
+    if (!project_world(*v.camera, v.cam_from_world, t.position, &px)) return false;
+    if ((px - v.undistorted_px).squaredNorm() > theta * theta * gate_px * gate_px) return false;
+  }
+  return true;
+}
+
+// The track becomes a point, when its views determine one.
+bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapIntraConfig& config,
+               MapIntraReport* report) {
+  const Map& map = edit.map();
+  // A track that left a point before may do so because it moves: it has to prove itself for longer.
+  const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
+  if (static_cast<int>(track.seen.size()) < least) return false;
+  const std::vector<View> all = map.views_of(camera, track, 1000);
+  if (static_cast<int>(all.size()) < least) return false;
+  edit.map_not_before(track, SetId(map.now().value + kRetrySets));
+  const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
+  const double parallax = mature ? config.min_parallax_rad : config.early_parallax_rad;
+  if (ray_angle(all) < parallax) return false;
+  ++report->tried;
+  const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
+  if (t.status != TriangulationStatus::kOk) return false;
+  if (!gate_in_every_view(all, t, map.gate_sigma_px(camera), map.config().theta)) return false;
+  const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
+  const double sigma = std::sqrt(covariance.trace()),
+               distance = (t.position - camera.frames.back().cam_from_world.center()).norm();
+  if (sigma > config.max_relative_sigma * distance) return false;
+  const MapPoint& p =
+      edit.create_point(camera.map, t.position, covariance, mature ? PointPhase::kStatic : PointPhase::kTrial,
+                        Why::kOneCamerasMotion, {static_cast<double>(all.size()), sigma / distance});
+  edit.bind(p, camera.id, track, Why::kMadeFromIt);
+  return true;
+}
+
+}  // namespace
+
+MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const MapIntraConfig& config) {
+  MapIntraReport report;
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = edit.map().camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    for (const auto& [id, track] : camera.tracks) {
+      if (!track.free_and_resting() || set.id.value < track.mapping_after) continue;
+      report.created += try_track(edit, camera, track, config, &report) ? 1 : 0;
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam

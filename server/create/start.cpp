@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/create/start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
+#include "server/adjust/refine.h"
+#include "server/associate/register.h"
+
+namespace coslam {
+namespace {
+
+// Features of one camera at this set, in track order.
+struct TrackFeatures {
+  FeatureImage image;
+  std::vector<TrackId> tracks;
+};
+
+TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
+  TrackFeatures out;
+  const MapCamera& camera = map.camera(cf.camera);
+  out.image.camera = camera.model;
+  if (!cf.descriptors) return out;
+  for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
+    const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
+    if (at == camera.tracks.end()) continue;
+    out.tracks.push_back(at->first);
+    out.image.undistorted_px.emplace_back(at->second.seen.back().undistorted_px.cast<double>());
+    const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+    out.image.descriptors.insert(out.image.descriptors.end(), begin, begin + kDescriptorBytes);
+  }
+  return out;
+}
+
+const MapPoint& add_start_point(MapEdit& edit, MapId id, const Eigen::Vector3d& position,
+                                const std::vector<View>& views) {
+  return edit.create_point(id, position, triangulation_covariance(views, position, 1.5), PointPhase::kStatic,
+                           Why::kStartOfMap, {static_cast<double>(views.size()), 0});
+}
+
+void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
+                const std::vector<TrackFeatures>& features, const StartResult& result) {
+  const auto camera_of = [&](int image) -> const MapCamera& {
+    return edit.map().camera(cameras[static_cast<std::size_t>(image)]);
+  };
+  for (const StartResult::Point& p : result.points) {
+    std::vector<View> views;
+    for (const auto& [image, feature] : p.seen) {
+      const auto i = static_cast<std::size_t>(image), f = static_cast<std::size_t>(feature);
+      views.push_back({&camera_of(image).model, *result.cam_from_world[i], features[i].image.undistorted_px[f]});
+    }
+    const MapPoint& point = add_start_point(edit, id, p.position, views);
+    for (const auto& [image, feature] : p.seen) {
+      const TrackId id_of = features[static_cast<std::size_t>(image)].tracks[static_cast<std::size_t>(feature)];
+      const ServerTrack& track = camera_of(image).tracks.at(id_of);
+      if (!track.bound()) edit.bind(point, camera_of(image).id, track, Why::kMadeFromIt);
+    }
+  }
+}
+
+// All unplaced cameras with descriptors at once.
+void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
+                    StartReport* report) {
+  const Map& map = edit.map();
+  std::vector<TrackFeatures> features;
+  std::vector<CameraId> cameras;
+  for (const CameraFrame& cf : set.frames) {
+    if (map.camera(cf.camera).map != MapId() || !cf.descriptors) continue;
+    features.push_back(features_of(map, cf));
+    cameras.push_back(cf.camera);
+  }
+  if (cameras.size() < 2) return;
+  std::vector<FeatureImage> images;
+  images.reserve(features.size());
+  for (const TrackFeatures& f : features) images.push_back(f.image);
+  const StartResult result = start_map(images, config.pair);
+  if (!result.ok) {
+    report->reason = result.reason;
+    return;
+  }
+  const auto together = static_cast<double>(cameras.size());
+  const MapId id = edit.new_map(Why::kStartedTogether, together);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!result.cam_from_world[i]) continue;
+    edit.place(map.camera(cameras[i]), set.id, id, *result.cam_from_world[i], Why::kStartedTogether, {together, 0});
+  }
+  add_points(edit, id, cameras, features, result);
+  edit.add_key_frame(set.id);
+  for (const CameraId c : cameras) {
+    if (map.camera(c).map == id) localise_backwards(edit, map.camera(c), set.id, localise);
+  }
+  edit.put_on_trial(id, Why::kMapIsNew);
+  edit.raise_epoch();
+  ++report->started;
+}
+
+// Tracks that the camera has now and had at an earlier set.
+struct Common {
+  SetId set;
+  std::vector<TrackId> tracks;
+  FeatureImage then, now;
+  std::vector<FeatureMatch> matches;
+  double median_flow_px = 0;
+};
+
+Common common_tracks(const MapCamera& camera, SetId then) {
+  Common c;
+  c.set = then;
+  c.then.camera = c.now.camera = camera.model;
+  std::vector<double> flow;
+  for (const auto& [id, t] : camera.tracks) {
+    const auto at = t.index_at(then);
+    if (!at) continue;
+    const int i = static_cast<int>(c.tracks.size());
+    c.tracks.push_back(id);
+    c.then.undistorted_px.emplace_back(t.seen[*at].undistorted_px.cast<double>());
+    c.now.undistorted_px.emplace_back(t.seen.back().undistorted_px.cast<double>());
+    c.matches.push_back({i, i, 0});
+    flow.push_back((c.then.undistorted_px.back() - c.now.undistorted_px.back()).norm());
+  }
+  c.median_flow_px = upper_median(flow);
+  return c;
+}
+
+// The oldest set of which enough tracks are left.
+std::optional<Common> widest_common(const MapCamera& camera) {
+  const std::size_t enough = std::max<std::size_t>(60, camera.tracks.size() * 2 / 5);
+  if (camera.tracks.size() < enough) return std::nullopt;
+  std::vector<SetId> begins;
+  for (const auto& [id, t] : camera.tracks) begins.push_back(t.seen.front().set);
+  std::sort(begins.begin(), begins.end());
+  const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), begins[enough - 1],
+                                      [](const FramePose& f, SetId set) { return f.set < set; });
+  const auto oldest = std::find_if(first, camera.frames.end(), [](const FramePose& f) { return !f.valid(); });
+  if (oldest == camera.frames.end() || oldest->set == camera.frames.back().set) return std::nullopt;
+  return common_tracks(camera, oldest->set);
+}
+
+// Its newest frames, more than so many, are without a pose.
+bool without_map_for(const MapCamera& camera, int sets) {
+  const auto n = static_cast<std::size_t>(sets) + 1;
+  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
+                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
+}
+
+// Two views of one camera at different times.
+void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
+                 const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
+  const std::optional<Common> common = widest_common(camera);
+  if (!common || common->median_flow_px < config.min_flow_px * camera.model.width_px / 640.0) return;
+  const StartResult result = start_from_matches(common->then, common->now, common->matches, config.pair);
+  if (!result.ok) {
+    report->reason = result.reason;
+    return;
+  }
+  const double over = set.id.value - common->set.value;
+  const MapId id = edit.new_map(Why::kStartedAlone, over);
+  edit.place(camera, common->set, id, *result.cam_from_world[0], Why::kStartedAlone, {over, 0});
+  edit.set_pose(camera, set.id, *result.cam_from_world[1]);
+  for (const StartResult::Point& p : result.points) {
+    const auto i = static_cast<std::size_t>(p.seen.front().second);
+    const std::vector<View> views{{&camera.model, *result.cam_from_world[0], common->then.undistorted_px[i]},
+                                  {&camera.model, *result.cam_from_world[1], common->now.undistorted_px[i]}};
+    edit.bind(add_start_point(edit, id, p.position, views), camera.id, camera.tracks.at(common->tracks[i]),
+              Why::kMadeFromIt);
+  }
+  localise_backwards(edit, camera, set.id, localise);
+  localise_backwards(edit, camera, common->set, localise);
+  // Two views leave depth and direction weakly known; the ones between settle it.
+  constexpr std::uint32_t kSteps = 6;
+  for (std::uint32_t i = 0; i <= kSteps; ++i) {
+    edit.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
+  }
+  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, refine)) {
+    apply_refine(edit, *job, solve_refine(*job));
+  }
+  edit.put_on_trial(id, Why::kMapIsNew);
+  edit.raise_epoch();
+  ++report->started;
+}
+
+}  // namespace
+
+StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
+                  const RefineConfig& refine) {
+  StartReport report;
+  start_together(edit, set, config, localise, &report);
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = edit.map().camera(cf.camera);
+    if (camera.map == MapId() && without_map_for(camera, config.alone_after_sets) && set.id.value % 3 == 0) {
+      start_alone(edit, camera, set, config, localise, refine, &report);
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam

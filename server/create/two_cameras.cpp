@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/create/two_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/associate/pair_match.h"
+#include "server/associate/patch_match.h"
+
+namespace coslam {
+namespace {
+
+std::vector<Feature> unmapped(const MapCamera& camera) {
+  std::vector<Feature> out;
+  for (const auto& [id, t] : camera.tracks) {
+    if (t.free_and_resting() && t.patch) out.push_back({&t, t.seen.back().undistorted_px.cast<double>()});
+  }
+  return out;
+}
+
+bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px,
+               int frames) {
+  int checked = 0;
+  for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
+    if (track.seen[i].set.value < track.distrusted_before) break;
+    const FramePose* f = camera.frame_at(track.seen[i].set);
+    if (f == nullptr || f->map != camera.map) continue;
+    Eigen::Vector2d px;
+    if (!project_world(camera.model, f->cam_from_world, position, &px)) return false;
+    if ((px - track.seen[i].undistorted_px.cast<double>()).norm() > most_px) return false;
+    ++checked;
+  }
+  return checked > 0;
+}
+
+bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const MapInterConfig& config) {
+  const Map& map = edit.map();
+  if (!same_centre(*a.track->patch, *b.track->patch)) return false;
+  std::vector<View> views = map.views_of(*view.first, *a.track, 6);
+  const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
+  if (views.empty() || other.empty()) return false;
+  views.insert(views.end(), other.begin(), other.end());
+  const double sigma_px = std::max(view.first->sigma_px, view.second->sigma_px);
+  const TriangulationResult t = triangulate(views, sigma_px, config.match.min_parallax_rad);
+  if (t.status != TriangulationStatus::kOk) return false;
+  const double theta = map.config().theta;
+  if (!fits_back(*view.first, *a.track, t.position, theta * map.gate_sigma_px(*view.first), config.check_back))
+    return false;
+  if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back))
+    return false;
+  const double distance = (t.position - view.first_pose.center()).norm();
+  const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{view.first, a.track}, {view.second, b.track}});
+  const double sigma = std::sqrt(covariance.trace());
+  if (sigma > config.match.max_relative_sigma * distance) return false;
+  const MapPoint& p = edit.create_point(view.first->map, t.position, covariance, PointPhase::kStatic,
+                                        Why::kTwoCamerasNow, {2, sigma / distance});
+  edit.bind(p, view.first->id, *a.track, Why::kMadeFromIt);
+  edit.bind(p, view.second->id, *b.track, Why::kMadeFromIt);
+  return true;
+}
+
+}  // namespace
+
+MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+  const Map& map = edit.map();
+  MapInterReport report;
+  for (const ViewEdge& edge : graph.tree) {
+    if (!has_pose_now(map.camera(edge.first), set) || !has_pose_now(map.camera(edge.second), set)) continue;
+    const MapCamera &first = map.camera(edge.first), &second = map.camera(edge.second);
+    const PairView view =
+        make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);
+    report.created += best_pairs(
+        view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config.match,
+        [](const Feature&, const Feature&) { return true; },
+        [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report.pairs,
+        [&](const Feature& a, const Feature& b) { return try_point(edit, view, a, b, config); });
+  }
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/adjust/adjustment.h"
+#include "server/adjust/scale.h"
+#include "server/associate/cull.h"
+#include "server/associate/fuse.h"
+#include "server/associate/gate.h"
+#include "server/associate/register.h"
+#include "server/correct/correct.h"
+#include "server/correct/moving_writer.h"
+#include "server/covisibility/group.h"
+#include "server/create/moving.h"
+#include "server/create/one_camera.h"
+#include "server/create/start.h"
+#include "server/create/two_cameras.h"
+#include "server/motion/classify.h"
+#include "server/motion/clock.h"
+#include "server/motion/objects.h"
+#include "server/pipeline/pipeline.h"
+#include "server/places/meet.h"
+#include "server/pose/inter_pose.h"
+#include "server/pose/localise.h"
+
+namespace coslam {
+
+// What a frame set goes through, in this order.
+using MapPipeline = Pipeline<   //
+    TakeAdjustment,             // the solution of the last bundle adjustment
+    Localise,                   // each camera's pose, on the points bound to its tracks
+    InterPose,                  // where static points run out: the cameras of a group together
+    Start,                      // maps, by several cameras at once or by one alone
+    Meetings,                   // places known again: cameras put into maps, maps joined, loops closed
+    GateStage<ClassifyConfig>,  // every observation against its prediction; filter
+    Classify,                   // what moves, and where that is now
+    ClockFinder,                // offsets of the agents' clocks, from what moves
+    Register,                   // tracks without a point against known points
+    MapIntra,                   // new points from one camera's motion
+    Grouping,                   // view graph of this set, groups
+    MapInter,                   // new points from two cameras at once
+    MapMoving,                  // new moving points
+    Fuse,                       // points that two cameras made of one corner
+    Cull,                       // points that turned out to be false
+    Scale,                      // metres, where something tells them
+    ObjectFinder,               // which moving points move as one
+    TellMoving,                 // what moves, for others
+    PlanAdjustment,             // key frames, and what is to be adjusted
+    Correct>;                   // what each agent is told
+
+struct MapServerConfig {
+  MapConfig map;
+  MapPipeline::Configs stages;
+
+  // Of one stage, e.g. of<LocaliseConfig>().
+  template <class Config>
+  Config& of() {
+    return std::get<Config>(stages);
+  }
+};
+
+template <class V>
+void describe(V& v, MapServerConfig& c) {
+  v.field("sigma_px", c.map.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
+  v.field("theta", c.map.theta, {0.5, 10}, "Mahalanobis gate");
+  v.field("active_frames", c.map.active_frames, {1, 100000},
+          "N_rec: points seen in so many last sets take part in registration");
+  v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
+          "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
+  v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},
+          "side of the black square of every printed tag; 0 = unknown; agents look for them, see agent.tags");
+  MapPipeline::describe_all(v, c.stages);
+}
+
+}  // namespace coslam

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/close_loop.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "server/associate/register.h"
+#include "server/solve/path_graph.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kMinShared = 10;         // points, for two cameras of one key frame to hold each other
+constexpr double kReunionWeight = 10;  // of an earlier one, in steps of one frame
+
+// The frames of one map as nodes, camera by camera in order of time.
+class Nodes {
+ public:
+  Nodes(const Map& map, MapId of) {
+    for (const MapCamera& c : map.cameras()) {
+      for (const FramePose& f : c.frames) {
+        if (f.map != of) continue;
+        index_[{c.id, f.set}] = static_cast<int>(keys.size());
+        keys.emplace_back(c.id, f.set);
+      }
+    }
+  }
+  std::optional<int> find(CameraId camera, SetId set) const {
+    const auto at = index_.find({camera, set});
+    return at == index_.end() ? std::nullopt : std::optional(at->second);
+  }
+  std::vector<std::pair<CameraId, SetId>> keys;
+
+ private:
+  std::map<std::pair<CameraId, SetId>, int> index_;
+};
+
+void add_nodes(const Map& map, const Nodes& nodes, PathGraph* graph) {
+  SetId first = nodes.keys.front().second;
+  for (const auto& [camera, set] : nodes.keys) first = std::min(first, set);
+  for (const auto& [camera, set] : nodes.keys) {
+    graph->nodes.push_back({map.camera(camera).frame_at(set)->cam_from_world, set == first});
+  }
+}
+
+void link_successive_frames(const Nodes& nodes, PathGraph* graph) {
+  for (std::size_t i = 1; i < nodes.keys.size(); ++i) {
+    const auto& [camera, set] = nodes.keys[i];
+    const auto& [camera_before, set_before] = nodes.keys[i - 1];
+    if (camera != camera_before) continue;
+    graph->links.push_back({static_cast<int>(i - 1), static_cast<int>(i), 1.0 / (set.value - set_before.value)});
+  }
+}
+
+// Cameras that saw the same points at a key frame.
+void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
+  std::map<std::tuple<SetId, CameraId, CameraId>, int> shared;
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of) continue;
+    for (std::size_t i = 0; i < p.key_observations.size(); ++i) {
+      const KeyObservation& a = p.key_observations[i];
+      for (std::size_t j = i + 1; j < p.key_observations.size() && p.key_observations[j].set == a.set; ++j) {
+        if (p.key_observations[j].camera != a.camera) ++shared[{a.set, a.camera, p.key_observations[j].camera}];
+      }
+    }
+  }
+  for (const auto& [key, n] : shared) {
+    const auto& [set, first, second] = key;
+    const auto a = nodes.find(first, set), b = nodes.find(second, set);
+    if (n >= kMinShared && a && b) graph->links.push_back({*a, *b, 1.0});
+  }
+}
+
+void link_reunions(const std::vector<Reunion>& earlier, const Nodes& nodes, PathGraph* graph) {
+  for (const Reunion& r : earlier) {
+    const auto a = nodes.find(r.camera, r.set), b = nodes.find(r.to_camera, r.to_set);
+    if (a && b) graph->links.push_back({*a, *b, kReunionWeight});
+  }
+}
+
+bool tie(const Nodes& nodes, const Reunion& reunion, const std::vector<CameraId>& together, PathGraph* graph) {
+  const auto here = nodes.find(reunion.camera, reunion.set), there = nodes.find(reunion.to_camera, reunion.to_set);
+  if (!here || !there || graph->nodes[static_cast<std::size_t>(*here)].fixed) return false;
+  graph->ties.push_back({*here, *there, reunion.camera_from_to, reunion.scale});
+  const Rigid3& pose = graph->nodes[static_cast<std::size_t>(*here)].cam_from_world;
+  for (const CameraId c : together) {
+    const auto with = nodes.find(c, reunion.set);
+    if (!with || c == reunion.camera || *with == *there || graph->nodes[static_cast<std::size_t>(*with)].fixed)
+      continue;
+    graph->ties.push_back(
+        {*with, *here, graph->nodes[static_cast<std::size_t>(*with)].cam_from_world * pose.inverse(), 1});
+  }
+  return true;
+}
+
+// A point goes with the frame that saw it last.
+std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& p) {
+  for (std::size_t i = p.key_observations.size(); i-- > 0;) {
+    if (const auto node = nodes.find(p.key_observations[i].camera, p.key_observations[i].set)) return node;
+  }
+  for (const BoundTrack& b : p.bound) {
+    if (const auto node = nodes.find(b.camera, map.camera(b.camera).frames.back().set)) return node;
+  }
+  return std::nullopt;
+}
+
+void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solution) {
+  const Map& map = edit.map();
+  std::map<CameraId, Similarity3> last;
+  for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
+    const auto& [camera, set] = nodes.keys[i];
+    const MapCamera& c = map.camera(camera);
+    edit.adjust_pose(c, *c.frame_at(set), solution.nodes[i].cam_from_world);
+    last[camera] = solution.nodes[i].new_from_old;
+  }
+  for (const auto& [camera, new_from_old] : last) {
+    if (map.camera(camera).map == of) edit.carry_agent(map.camera(camera), new_from_old);
+  }
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of) continue;
+    if (const auto node = frame_of(map, nodes, p)) {
+      edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
+      retriangulate(edit, p);
+    }
+  }
+  edit.raise_epoch();
+}
+
+}  // namespace
+
+bool close_loop(MapEdit& edit, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
+                const std::vector<CameraId>& together) {
+  const Map& map = edit.map();
+  const Nodes nodes(map, of);
+  PathGraph graph;
+  if (nodes.keys.empty()) return false;
+  add_nodes(map, nodes, &graph);
+  if (!tie(nodes, reunion, together, &graph)) return false;
+  link_successive_frames(nodes, &graph);
+  link_neighbours(map, of, nodes, &graph);
+  link_reunions(earlier, nodes, &graph);
+  const PathSolution solution = solve_path_graph(graph);
+  if (!solution.ok) return false;
+  apply(edit, of, nodes, solution);
+  edit.note_moved(of, Why::kLoopClosed, {reunion.scale, 0});
+  return true;
+}
+
+}  // namespace coslam

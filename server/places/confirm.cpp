@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/confirm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace coslam {
+namespace {
+
+constexpr std::uint32_t kPendingSets = 60;  // within which a claim is to be confirmed
+
+std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
+  std::vector<const MapPoint*> out;
+  for (const PointId id : ids) {
+    const MapPoint* p = map.find(id);
+    if (p != nullptr && p->map == of) out.push_back(p);
+  }
+  return out;
+}
+
+// Whether the camera is where this says that it is.
+bool agree(const MapCamera& camera, const Recognition& seen, const Similarity3& said, const Similarity3& now) {
+  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
+  const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, said);
+  return expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
+         (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
+         std::abs(std::log(said.scale / now.scale)) < kScale;
+}
+
+}  // namespace
+
+// The camera's, and that of the place.
+std::pair<Claims::Part, Claims::Part> Claims::parts(const Map& map, const MapCamera& camera, const Recognition& seen,
+                                                    const ViewGraph& graph) {
+  if (camera.map != seen.map) return {{camera.map, std::nullopt}, {seen.map, std::nullopt}};
+  const CameraId own = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
+  const bool past = own == other || !map.is_recent(seen.key_set);
+  return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
+}
+
+bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+                       const ViewGraph& graph) {
+  const auto [own, other] = parts(map, camera, seen, graph);
+  const bool forward = own < other;
+  const Claim claim = forward ? Claim{own, other} : Claim{other, own};
+  const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
+  std::set<PointId> evidence;
+  for (const auto& [track, point] : seen.matches) evidence.insert(point);
+  const auto at = pending_.find(claim);
+  if (at != pending_.end() && at->second.since.value + kPendingSets > map.now().value) {
+    Pending& p = at->second;
+    const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
+    if (agree(camera, seen, said, in_from_own)) {
+      p.evidence.merge(evidence);
+      p.cameras.insert({camera.id, seen.key_camera});
+      if (p.since == map.now()) return false;  // of the same instant
+      p.second_from_first = second_from_first;
+      if (!seen.expected && !has_relief(points_in(map, seen.map, p.evidence), seen.median_depth)) return false;
+      pending_.erase(at);
+      return true;
+    }
+  }
+  pending_[claim] = {second_from_first, map.now(), seen.expected, std::move(evidence), {camera.id, seen.key_camera}};
+  return false;
+}
+
+Claims::Waiting Claims::waiting(const Map& map, CameraId camera) const {
+  Waiting most = Waiting::kNothing;
+  for (const auto& [claim, p] : pending_) {
+    if (!p.cameras.contains(camera) || p.since.value + kPendingSets <= map.now().value) continue;
+    most = std::max(most, p.expected ? Waiting::kExpected : Waiting::kAnywhere);
+  }
+  return most;
+}
+
+}  // namespace coslam

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "server/covisibility/group.h"
+#include "server/map/map.h"
+#include "server/places/recognise.h"
+
+namespace coslam {
+
+// What one image said of how two maps, or two parts of one, lie to each other. Before anything moves another image of
+// another instant has to say the same, and both together have to see more than one plane: two rooms may have the same
+// poster. Not so a place near where it was expected anyway.
+class Claims {
+ public:
+  // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
+  // True once, when it is confirmed.
+  bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+                 const ViewGraph& graph);
+  // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
+  enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
+  Waiting waiting(const Map& map, CameraId camera) const;
+  void clear() { pending_.clear(); }
+
+ private:
+  // All cameras of a map; or of one map those of the group with this first camera; or its past.
+  struct Part {
+    MapId map;
+    std::optional<CameraId> first;
+    friend auto operator<=>(const Part&, const Part&) = default;
+  };
+  struct Claim {
+    Part first, second;  // first < second
+    friend auto operator<=>(const Claim&, const Claim&) = default;
+  };
+  struct Pending {
+    Similarity3 second_from_first;
+    SetId since;
+    bool expected = false;
+    std::set<PointId> evidence;
+    std::set<CameraId> cameras;  // that saw it or were seen
+  };
+  static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const Recognition& seen,
+                                     const ViewGraph& graph);
+
+  std::map<Claim, Pending> pending_;
+};
+
+}  // namespace coslam

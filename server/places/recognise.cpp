@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/recognise.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
+#include "server/associate/track_grid.h"
+#include "server/solve/root_sift.h"
+#include "server/solve/start.h"
+
+namespace coslam {
+namespace {
+
+// Points behind the features of some key images, with the looks that they had in the best of these.
+struct KnownPoints {
+  std::vector<PointId> ids;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<int> images;  // index among the asked
+  std::vector<std::uint8_t> descriptors;
+};
+
+KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyImage*>& asked) {
+  KnownPoints out;
+  std::vector<SetId> sets;
+  for (const KeyImage* image : asked) sets.push_back(image->set);
+  for (const MapPoint* point : map.points_observed_at(sets)) {
+    const MapPoint& p = *point;
+    if (p.map != of || !p.rests()) continue;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const auto key = std::pair(asked[i]->set, asked[i]->camera);
+      const auto at =
+          std::lower_bound(p.key_observations.begin(), p.key_observations.end(), key,
+                           [](const KeyObservation& o, const auto& want) { return std::pair(o.set, o.camera) < want; });
+      if (at == p.key_observations.end() || std::pair(at->set, at->camera) != key) continue;
+      const auto& tracks = asked[i]->tracks;
+      const auto track = std::lower_bound(tracks.begin(), tracks.end(), at->track);
+      if (track == tracks.end() || *track != at->track) continue;
+      out.ids.push_back(p.id);
+      out.positions.push_back(p.position);
+      out.images.push_back(static_cast<int>(i));
+      const auto begin = asked[i]->descriptors.begin() + (track - tracks.begin()) * kDescriptorBytes;
+      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
+      break;
+    }
+  }
+  return out;
+}
+
+// What matched of some known points.
+struct Matched {
+  std::vector<TrackId> tracks;
+  std::vector<int> known;  // index
+};
+
+struct Agreement {
+  double sigma_px;  // of a match, at 640 px image width
+  int min_inliers;
+  double min_hull;  // of the image
+};
+
+// The pose that most of the matches agree on.
+std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector<const KeyImage*>& asked, MapId in,
+                                  const KnownPoints& known, const Matched& matched, const Agreement& wanted) {
+  const MapCamera& camera = map.camera(id);
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Vector2d> pixels;
+  for (std::size_t i = 0; i < matched.tracks.size(); ++i) {
+    positions.push_back(known.positions[static_cast<std::size_t>(matched.known[i])]);
+    pixels.emplace_back(camera.tracks.at(matched.tracks[i]).seen.back().undistorted_px.cast<double>());
+  }
+  const PlaceResult placed = place_camera(camera.model, positions, pixels, wanted.sigma_px, wanted.min_inliers);
+  if (!placed.ok) return std::nullopt;
+  Recognition out{.map = in, .cam_from_world = placed.cam_from_world};
+  std::vector<Eigen::Vector2d> spread;
+  std::vector<double> depths;
+  std::vector<int> by_image(asked.size(), 0);
+  for (const int inlier : placed.inliers) {
+    const auto i = static_cast<std::size_t>(inlier);
+    const auto k = static_cast<std::size_t>(matched.known[i]);
+    out.matches.emplace_back(matched.tracks[i], known.ids[k]);
+    spread.push_back(pixels[i]);
+    depths.push_back((placed.cam_from_world * positions[i]).z());
+    ++by_image[static_cast<std::size_t>(known.images[k])];
+  }
+  if (hull_fraction(spread, camera.model) < wanted.min_hull) return std::nullopt;
+  const auto best = static_cast<std::size_t>(std::max_element(by_image.begin(), by_image.end()) - by_image.begin());
+  out.key_camera = asked[best]->camera;
+  out.key_set = asked[best]->set;
+  out.median_depth = upper_median(depths);
+  return out;
+}
+
+Matched match_anywhere(const MapCamera& camera, const DescriptorReply& reply, const KnownPoints& known) {
+  Matched out;
+  for (const FeatureMatch& m : match_descriptors(reply.descriptors, known.descriptors)) {
+    const TrackId track = reply.tracks[static_cast<std::size_t>(m.first)];
+    if (!camera.tracks.contains(track)) continue;
+    out.tracks.push_back(track);
+    out.known.push_back(m.second);
+  }
+  return out;
+}
+
+struct NearMatches : Matched {
+  std::vector<double> off_px;  // from where the point should appear
+};
+
+// Known points and features that look most like each other among those near where the camera's pose puts the points.
+NearMatches match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
+                       const KnownPoints& known) {
+  constexpr double kSearch = 0.03;  // of the image width
+  constexpr float kRatio = 0.8F;    // of the second best distance
+  struct Best {
+    std::size_t other = 0;
+    float first = 2, second = 2;  // squared distances
+    double off_px = 0;
+    void offer(std::size_t index, float d2, double px) {
+      if (d2 < first) {
+        second = first;
+        first = d2;
+        other = index;
+        off_px = px;
+      } else {
+        second = std::min(second, d2);
+      }
+    }
+    bool distinct() const { return first < kRatio * kRatio * second; }
+  };
+  const Descriptors features = root_sift(reply.descriptors), points = root_sift(known.descriptors);
+  std::vector<Eigen::Vector2d> pixels;
+  for (const TrackId id : reply.tracks) {
+    const auto at = camera.tracks.find(id);
+    pixels.emplace_back(Eigen::Vector2d::Constant(std::nan("")));
+    if (at != camera.tracks.end()) pixels.back() = at->second.seen.back().undistorted_px.cast<double>();
+  }
+  std::vector<Best> of_point(known.ids.size()), of_feature(pixels.size());
+  for (std::size_t p = 0; p < known.ids.size(); ++p) {
+    Eigen::Vector2d px;
+    if (seen_by(*map.find(known.ids[p]), camera.id)) continue;
+    if (!project_world(camera.model, camera.frames.back().cam_from_world, known.positions[p], &px)) continue;
+    for (std::size_t f = 0; f < pixels.size(); ++f) {
+      const double off_px = (pixels[f] - px).norm();
+      if (!(off_px < kSearch * camera.model.width_px)) continue;
+      const float d2 = 2 - 2 * points.row(static_cast<Eigen::Index>(p)).dot(features.row(static_cast<Eigen::Index>(f)));
+      of_point[p].offer(f, d2, off_px);
+      of_feature[f].offer(p, d2, off_px);
+    }
+  }
+  NearMatches out;
+  for (std::size_t p = 0; p < known.ids.size(); ++p) {
+    const Best& best = of_point[p];
+    constexpr float kMost = 0.5F;  // squared: where nothing else is near, there is no second best to compare with
+    if (best.first > kMost || !best.distinct() || !of_feature[best.other].distinct()) continue;
+    if (of_feature[best.other].other != p) continue;
+    out.tracks.push_back(reply.tracks[best.other]);
+    out.known.push_back(static_cast<int>(p));
+    out.off_px.push_back(best.off_px);
+  }
+  return out;
+}
+
+}  // namespace
+
+void PlaceMemory::add(MapEdit& edit, const CameraFrame& frame) {
+  if (!frame.descriptors || frame.descriptors->tracks.empty()) return;
+  const SetId set = edit.map().camera(frame.camera).frames.back().set;
+  edit.add_key_image(set, frame.camera);
+  index_.add(frame.descriptors->descriptors);
+  images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
+}
+
+ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
+                                         SetId since, double gate_px) const {
+  const MapCamera& camera = map.camera(frame.camera);
+  if (!frame.descriptors || !camera.frames.back().valid()) return {};
+  std::vector<const KeyImage*> asked;
+  for (const CameraId c : cameras) {
+    const auto newest =
+        std::find_if(images_.rbegin(), images_.rend(), [&](const KeyImage& i) { return i.camera == c; });
+    if (newest != images_.rend() && newest->set >= since) asked.push_back(&*newest);
+  }
+  if (asked.empty()) return {};
+  const KnownPoints known = known_points(map, camera.map, asked);
+  const NearMatches near = match_near(map, camera, *frame.descriptors, known);
+  ExpectedPlace out;
+  for (std::size_t i = 0; i < near.tracks.size(); ++i) {
+    if (near.off_px[i] > gate_px) continue;
+    out.there.emplace_back(near.tracks[i], known.ids[static_cast<std::size_t>(near.known[i])]);
+  }
+  if (static_cast<int>(out.there.size()) >= config_.min_expected && 2 * out.there.size() >= near.tracks.size()) {
+    return out;
+  }
+  out.there.clear();
+  // Few have to do, so they have to agree well: chance matches lie anywhere in what was searched.
+  out.beside = locate(map, camera.id, asked, camera.map, known, near, {0.75, config_.min_beside, 0});
+  if (out.beside && 2 * out.beside->matches.size() < near.tracks.size()) out.beside.reset();
+  if (out.beside) out.beside->expected = true;
+  return out;
+}
+
+std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
+                                             const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
+  if (!frame.descriptors) return std::nullopt;
+  const std::vector<int> votes = index_.votes(frame.descriptors->descriptors);
+  std::vector<std::pair<int, const KeyImage*>> order;
+  for (std::size_t i = 0; i < images_.size(); ++i) {
+    const FramePose* f = map.camera(images_[i].camera).frame_at(images_[i].set);
+    if (votes[i] < config_.min_votes || !f->valid() || !may_ask(images_[i], f->map)) continue;
+    order.emplace_back(votes[i], &images_[i]);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  // The best image names the map; others of it lend their points.
+  std::vector<const KeyImage*> asked;
+  MapId in;
+  for (const auto& [n, image] : order) {
+    const MapId of = map.camera(image->camera).frame_at(image->set)->map;
+    if (in == MapId()) in = of;
+    if (of == in && static_cast<int>(asked.size()) < config_.images) asked.push_back(image);
+  }
+  if (asked.empty()) return std::nullopt;
+  const KnownPoints known = known_points(map, in, asked);
+  const Matched matched = match_anywhere(map.camera(frame.camera), *frame.descriptors, known);
+  return locate(map, frame.camera, asked, in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
+}
+
+bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {
+  constexpr double kFlat = 0.03;      // of the distance
+  constexpr double kSigmas = 3;       // of a point along the plane's normal
+  constexpr double kOffShare = 0.05;  // of the points: more than are mismatched
+  constexpr std::size_t kLeastOff = 6;
+  constexpr int kTries = 100;
+  if (points.size() < 4) return false;
+  std::mt19937 random(1);
+  std::size_t least_off = points.size();
+  for (int i = 0; i < kTries; ++i) {
+    const auto any = [&] { return points[random() % points.size()]->position; };
+    const Eigen::Vector3d a = any(), b = any(), c = any();
+    const Eigen::Vector3d n = (b - a).cross(c - a);
+    if (n.norm() < 1e-9 * median_depth * median_depth) continue;
+    const Eigen::Vector3d normal = n.normalized();
+    const auto off = static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const MapPoint* p) {
+      const double sigma = std::sqrt(std::max(0.0, normal.dot(p->covariance * normal)));
+      return std::abs(normal.dot(p->position - a)) > std::max(kFlat * median_depth, kSigmas * sigma);
+    }));
+    least_off = std::min(least_off, off);
+  }
+  return least_off >= kLeastOff && static_cast<double>(least_off) >= kOffShare * static_cast<double>(points.size());
+}
+
+}  // namespace coslam

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/pose/inter_pose.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/triangulation.h"
+#include "server/map/sighting.h"
+#include "server/solve/inter_pose.h"
+
+namespace coslam {
+namespace {
+
+struct Member {
+  const CameraFrame* frame;
+  const MapCamera* camera;
+  std::vector<PointObservation> statics;
+  int moving = 0;
+};
+
+Member look_at(const Map& map, const CameraFrame& cf) {
+  Member m{&cf, &map.camera(cf.camera), {}, 0};
+  for (const auto& [id, track] : m.camera->tracks) {
+    const MapPoint* p = map.find(track.point);
+    if (p == nullptr || p->map != m.camera->map) continue;
+    if (p->moves()) ++m.moving;
+    if (!p->proven() && !(p->rests() && m.camera->sparse)) continue;
+    if (track.gate_failures > 0) continue;
+    m.statics.push_back({p->position, p->covariance, track.seen.back().undistorted_px.cast<double>()});
+  }
+  return m;
+}
+
+bool weak(const Member& m, const InterPoseConfig& config) {
+  if (!m.camera->frames.back().valid() || m.moving > static_cast<int>(m.statics.size())) return true;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const PointObservation& o : m.statics) pixels.push_back(o.undistorted_px);
+  return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
+}
+
+// The newest observation of a moving point as the camera would have made it from this pose of its newest frame had it
+// taken the image at the instant of the set. What the point's own motion since the frame before says; that of the
+// camera is left out.
+Eigen::Vector2d at_instant(const Map& map, const MapCamera& c, const ServerTrack& t, const MapPoint& p,
+                           const Rigid3& pose) {
+  const Sighting seen = sighting(c, t, t.seen.size() - 1);
+  Eigen::Vector2d px = seen.undistorted_px.cast<double>();
+  if (c.frames.size() < 2) return px;
+  const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
+  const TimeNs later_ns = map.now_ns() - c.taken_ns(now), period_ns = now.capture_ns - before.capture_ns;
+  Eigen::Vector2d now_px, before_px;
+  if (later_ns == 0 || std::abs(later_ns) > period_ns || before.map != p.map || seen.step_px.isZero() ||
+      !project_world(c.model, pose, p.position, &now_px) ||
+      !project_world(c.model, before.cam_from_world, p.position, &before_px))
+    return px;
+  const Eigen::Vector2d own_px = seen.step_px.cast<double>() - (now_px - before_px);
+  return px + static_cast<double>(later_ns) / static_cast<double>(period_ns) * own_px;
+}
+
+// Moving points that at least two of the members see now.
+std::vector<InterPoseProblem::MovingPoint> shared_moving(const Map& map, const std::vector<Member>& members,
+                                                         const std::vector<Rigid3>& poses) {
+  std::map<CameraId, int> index;
+  for (std::size_t i = 0; i < members.size(); ++i) index[members[i].camera->id] = static_cast<int>(i);
+  std::vector<InterPoseProblem::MovingPoint> out;
+  for (const MapPoint* moving : map.moving_points()) {
+    const MapPoint& p = *moving;
+    InterPoseProblem::MovingPoint m{p.position, {}};
+    std::vector<View> views;
+    for (const BoundTrack& b : p.bound) {
+      const auto at = index.find(b.camera);
+      if (at == index.end()) continue;
+      const MapCamera& c = map.camera(b.camera);
+      const ServerTrack& t = c.tracks.at(b.track);
+      const Rigid3& pose = poses[static_cast<std::size_t>(at->second)];
+      const Eigen::Vector2d px = at_instant(map, c, t, p, pose);
+      m.seen.emplace_back(at->second, px);
+      views.push_back({&c.model, pose, px});
+    }
+    if (m.seen.size() < 2) continue;
+    const TriangulationResult t = triangulate(views, 1.0, 0.0);
+    if (t.status == TriangulationStatus::kOk) m.position = t.position;
+    out.push_back(std::move(m));
+  }
+  return out;
+}
+
+// Moving points that a camera shares with others.
+int shares(const InterPoseProblem& problem, int camera) {
+  return static_cast<int>(std::count_if(problem.moving.begin(), problem.moving.end(), [&](const auto& m) {
+    return std::any_of(m.seen.begin(), m.seen.end(), [&](const auto& seen) { return seen.first == camera; });
+  }));
+}
+
+void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
+  const Map& map = edit.map();
+  InterPoseProblem problem;
+  std::vector<Rigid3> poses;
+  for (Member& m : members) {
+    const FramePose& f = m.camera->frames.back();
+    poses.push_back(f.valid() ? f.cam_from_world : start_pose(map, *m.camera, m.frame->frame));
+    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(0.3, m.camera->sigma_px), m.statics});
+  }
+  problem.moving = shared_moving(map, members, poses);
+  if (static_cast<int>(problem.moving.size()) < config.min_moving) return;
+  ++report->calls;
+  const InterPoseResult result = solve_inter_pose(problem, config.max_iterations);
+  if (!result.ok) return;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (result.cameras[i].inliers < config.min_inliers) continue;
+    report->rescued += !members[i].camera->frames.back().valid();
+    ++report->posed;
+    const bool joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
+    edit.set_joint_pose(*members[i].camera, result.cameras[i].cam_from_world, joint);
+  }
+}
+
+}  // namespace
+
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config) {
+  const Map& map = edit.map();
+  InterPoseReport report;
+  if (!config.enabled) return report;
+  for (const auto& group : graph.groups) {
+    std::vector<Member> members;
+    for (const CameraFrame& cf : set.frames) {
+      const bool in = std::find(group.begin(), group.end(), cf.camera) != group.end();
+      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf));
+    }
+    if (members.size() < 2) continue;
+    const bool same_map = std::all_of(members.begin(), members.end(),
+                                      [&](const Member& m) { return m.camera->map == members[0].camera->map; });
+    if (!same_map) continue;
+    if (std::none_of(members.begin(), members.end(), [&](const Member& m) { return weak(m, config); })) continue;
+    solve_group(edit, std::move(members), config, &report);
+  }
+  return report;
+}
+
+}  // namespace coslam

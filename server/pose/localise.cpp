@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/pose/localise.h"
+
+#include <algorithm>
+
+#include "common/geometry/pose_refinement.h"
+
+namespace coslam {
+namespace {
+
+std::vector<PointObservation> bound_observations(const Map& map, const MapCamera& camera, SetId set,
+                                                 bool on_trial_too) {
+  std::vector<PointObservation> observations;
+  for (const auto& [id, track] : camera.tracks) {
+    if (!track.bound() || set.value < track.distrusted_before) continue;
+    const MapPoint* p = map.find(track.point);
+    if (!p->proven() && !(p->rests() && on_trial_too)) continue;
+    const auto i = track.index_at(set);
+    if (i) observations.push_back({p->position, p->covariance, track.seen[*i].undistorted_px.cast<double>()});
+  }
+  return observations;
+}
+
+bool good(const PoseResult& r, std::size_t observations, const LocaliseConfig& config) {
+  return r.status == PoseStatus::kOk && r.inliers >= config.min_inliers &&
+         r.inliers >= config.min_inlier_ratio * static_cast<double>(observations);
+}
+
+}  // namespace
+
+Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
+  if (frame.pose_state == PoseState::kTracked && frame.epoch == map.epoch()) return frame.cam_from_world;
+  const std::size_t n = camera.frames.size();
+  const FramePose* last = nullptr;
+  const FramePose* before = nullptr;
+  for (std::size_t i = n - 1; i-- > 0 && before == nullptr;) {
+    if (camera.frames[i].map != camera.map) continue;
+    (last == nullptr ? last : before) = &camera.frames[i];
+  }
+  if (last == nullptr) return Rigid3();
+  const std::uint32_t now = camera.frames.back().set.value;
+  if (before == nullptr || last->set.value + 1 != now || before->set.value + 2 != now) return last->cam_from_world;
+  return last->cam_from_world * before->cam_from_world.inverse() * last->cam_from_world;
+}
+
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config) {
+  const Map& map = edit.map();
+  LocaliseReport report;
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (camera.map == MapId()) continue;
+    auto observations = bound_observations(map, camera, set.id, camera.sparse);
+    const Rigid3 start = start_pose(map, camera, cf.frame);
+    PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
+    if (!good(r, observations.size(), config) && !camera.sparse) {
+      edit.set_sparse(camera, true);  // better on points that may move than not at all
+      observations = bound_observations(map, camera, set.id, true);
+      r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
+    }
+    if (good(r, observations.size(), config)) {
+      edit.set_pose(camera, set.id, r.cam_from_world);
+      edit.measure_sigma(camera, r.sigma_px);
+      ++report.tracked;
+    } else {
+      ++report.lost;
+      if (edit.lose_pose(camera, observations.size(), r.inliers) > config.lost_after_sets) edit.leave_map(camera);
+    }
+  }
+  return report;
+}
+
+bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+                   const LocaliseConfig& config) {
+  const Map& map = edit.map();
+  if (camera.frame_at(set) == nullptr) return false;
+  const auto observations = bound_observations(map, camera, set, true);
+  const PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
+  if (!good(r, observations.size(), config)) return false;
+  edit.set_pose(camera, set, r.cam_from_world);
+  return true;
+}
+
+void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config) {
+  const FramePose* known = camera.frame_at(from);
+  Rigid3 pose = known->cam_from_world;
+  for (std::size_t i = camera.frames.size(); i-- > 0;) {
+    const FramePose& f = camera.frames[i];
+    if (f.set >= from) continue;
+    if (f.valid()) break;
+    if (!localise_past(edit, camera, f.set, pose, config)) break;
+    pose = f.cam_from_world;
+  }
+}
+
+}  // namespace coslam

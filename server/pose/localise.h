@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/map/edit.h"
+
+namespace coslam {
+
+struct LocaliseConfig {
+  int min_inliers = 12;
+  double min_inlier_ratio = 0.3;
+  int lost_after_sets = 15;  // without a pose for so long: the camera leaves its map
+};
+
+template <class V>
+void describe(V& v, LocaliseConfig& c) {
+  v.field("min_inliers", c.min_inliers, {6, 1000}, "static points that agree with a pose; fewer: lost");
+  v.field("min_inlier_ratio", c.min_inlier_ratio, {0, 1}, "of the static points seen; fewer: lost");
+  v.field("lost_after_sets", c.lost_after_sets, {1, 10000}, "without a pose for so long, a camera leaves its map");
+}
+
+struct LocaliseReport {
+  int tracked = 0;
+  int lost = 0;
+
+  void count(auto&& add) const {
+    add("tracked", tracked);
+    add("lost", lost);
+  }
+};
+
+// Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
+// and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
+// was.
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config);
+
+// Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
+// now, else the motion so far.
+Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame);
+
+// Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
+bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+                   const LocaliseConfig& config);
+
+// The same back from a known pose, until there is one or none is found.
+void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config);
+
+struct Localise {
+  static constexpr std::string_view kName = "localise";
+  using Config = LocaliseConfig;
+  Config config;
+  LocaliseReport run(MapEdit& edit, const FrameSet& set) const { return localise(edit, set, config); }
+};
+
+}  // namespace coslam

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/report.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "common/dataset/result.h"
+
+namespace coslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// {"stage": {"p50":, "p95":, "p99":, "mean":, "count":}}
+Json times_report(const StageTimes& times) {
+  Json out = Json::object();
+  for (const auto& [name, h] : times.stages()) {
+    out[name] = {{"p50", h.percentile_ms(50)},
+                 {"p95", h.percentile_ms(95)},
+                 {"p99", h.percentile_ms(99)},
+                 {"mean", h.mean_ms()},
+                 {"count", h.count()}};
+  }
+  return out;
+}
+
+// From when to when a camera had no pose, played seconds.
+Json lost_intervals(const MapCamera& camera) {
+  Json lost = Json::array();
+  const FramePose* lost_from = nullptr;
+  for (const FramePose& f : camera.frames) {
+    if (!f.valid() && lost_from == nullptr) lost_from = &f;
+    if (f.valid() && lost_from != nullptr) {
+      lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(f.capture_ns)});
+      lost_from = nullptr;
+    }
+  }
+  if (lost_from != nullptr)
+    lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(camera.frames.back().capture_ns)});
+  return lost;
+}
+
+// An agent as the server saw it.
+Json camera_report(const MapServer& server, CameraId id) {
+  const MapCamera& camera = server.map().camera(id);
+  const auto tracked =
+      std::count_if(camera.frames.begin(), camera.frames.end(), [](const FramePose& f) { return f.valid(); });
+  const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
+  const ClockOffset clock = server.clock_offset(id);
+  return {{"frames", camera.frames.size()},
+          {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
+          {"sigma_px", camera.sigma_px},
+          {"clock_offset_ms", 1000 * clock.offset_s},
+          {"clock_sigma_ms", 1000 * clock.sigma_s},
+          {"clock_offset_used_ms", 1000 * to_seconds(camera.clock_offset_ns)},
+          {"lost_intervals", lost_intervals(camera)}};
+}
+
+// What an agent says of itself. Deeper than it ever is, it is nonsense that may be too deep to be written.
+Json own_report(const std::string& text) {
+  constexpr int kDeepest = 4;
+  const auto keep = [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; };
+  Json own = Json::parse(text, keep, false);
+  return own.is_object() ? own : Json::object();
+}
+
+Json agent_report(const MapServer& server, const ServerLink& link, const ReportedAgent& agent) {
+  Json out = camera_report(server, agent.camera);
+  out["dropped"] = agent.last_status.dropped;
+  out.update(own_report(agent.last_status.report_json));
+  const LinkBytes bytes = link.bytes(agent.name);
+  out["bytes_up"] = bytes.up;
+  out["bytes_down"] = bytes.down;
+  // Per second of played time, so that the figure holds at any speed of replay.
+  const auto& played = server.map().camera(agent.camera).frames;
+  const double seconds = played.size() < 2 ? 0 : to_seconds(played.back().capture_ns - played.front().capture_ns);
+  out["kb_per_s_up"] = seconds > 0 ? static_cast<double>(bytes.up) / 1000.0 / seconds : 0.0;
+  out["kb_per_s_down"] = seconds > 0 ? static_cast<double>(bytes.down) / 1000.0 / seconds : 0.0;
+  return out;
+}
+
+Json tags_report(const std::vector<MeasuredTag>& tags) {
+  Json out = Json::array();
+  for (const MeasuredTag& t : tags) {
+    constexpr std::array<const char*, 4> kStates{"measured", "undetermined", "not in one place", "not square"};
+    out.push_back({{"tag", t.tag.value},
+                   {"state", kStates[static_cast<std::size_t>(t.size.status)]},
+                   {"views", t.size.views},
+                   {"side", t.size.side},
+                   {"sigma", t.size.sigma},
+                   {"error_px", t.size.error_px}});
+  }
+  return out;
+}
+
+// Of the result's map.
+Json points_report(const MapServer& server) {
+  std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
+  const MapId of = server.largest_map();
+  for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
+  return by_state;
+}
+
+Json server_report(const MapServer& server) {
+  Json out;
+  out["ms"] = times_report(server.times());
+  out["points"] = points_report(server);
+  out["key_frames"] = server.map().key_frames().size();
+  out["merges"] = server.counts().merges;
+  out["maps"] = server.map_count();
+  out["inter_pose_calls"] = server.counts().inter_pose_calls;
+  out["refinements"] = server.counts().refinements;
+  out["scale_known"] = server.scale_known();
+  if (const auto tags = server.tags(); !tags.empty()) out["tags"] = tags_report(tags);
+  out["events"] = server.counts().events;
+  out["peak_memory_mib"] = peak_memory_mib();
+  return out;
+}
+
+Json link_report(const ServerLinkCounts& counts) {
+  return {{"dropped_frames", counts.dropped_frames},
+          {"late_replies", counts.late_replies},
+          {"resent_patches", counts.resent_patches}};
+}
+
+Json rejected_report(const RejectionCounts& counts) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < kRejectionCount; ++i) {
+    const auto reason = static_cast<Rejection>(i);
+    if (counts[reason] > 0) out[std::string(name_of(reason))] = counts[reason];
+  }
+  return out;
+}
+
+}  // namespace
+
+Json make_report(const MapServer& server, const FrameSetSync& sync, const ServerLink& link,
+                 const std::vector<ReportedAgent>& agents, const Json& configuration) {
+  std::uint64_t frames = 0, dropped = 0;
+  Json by_agent = Json::object();
+  for (const ReportedAgent& agent : agents) {
+    by_agent[agent.name] = agent_report(server, link, agent);
+    frames += agent.last_status.frames;
+    dropped += agent.last_status.dropped;
+  }
+  Json report;
+  report["version"] = COSLAM_VERSION;
+  report["frame_sets"] = server.counts().frame_sets;
+  report["frames"] = frames;
+  report["dropped"] = dropped;
+  report["late_frames"] = sync.late();
+  report["overflowed_frames"] = sync.overflowed();
+  report["link"] = link_report(link.counts());
+  report["agents"] = by_agent;
+  report["server"] = server_report(server);
+  report["rejected"] = rejected_report(link.rejections());
+  report["configuration"] = configuration;
+  return report;
+}
+
+}  // namespace coslam

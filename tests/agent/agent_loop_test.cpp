@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/agent_loop.h"
+
+#include <gmock/gmock.h>
+
+#include <deque>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/error.h"
+#include "tests/support/sim_tracker.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr RunId kRun(5), kServer(9);
+constexpr TimeNs kPeriodNs = 33'333'333;
+
+// Time that passes only where something waits.
+struct Time {
+  std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
+};
+
+// An agent's end of a link that goes nowhere.
+class FakeLink final : public AgentLink {
+ public:
+  explicit FakeLink(Time& time) : time_(time) {}
+
+  void send(TrackFrame frame, const std::optional<PatchReply>&, const std::optional<DescriptorReply>&) override {
+    sent.push_back(std::move(frame));
+  }
+  void send_status(const AgentStatus& status) override { statuses.push_back(status); }
+  std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {
+    waited_for.push_back(after_frame);
+    if (const auto patch = pop()) return patch;
+    time_.now += timeout;
+    if (on_timeout) on_timeout();
+    return std::nullopt;
+  }
+  std::vector<MapPatch> take_patches() override {
+    std::vector<MapPatch> all;
+    while (auto patch = pop()) all.push_back(std::move(*patch));
+    return all;
+  }
+  std::optional<ServerStatus> server_status() const override { return server; }
+  std::optional<ServerStatus> wait_server_status(std::chrono::milliseconds) override { return server; }
+  bool server_alive() const override { return alive; }
+  LinkBytes bytes() const override { return {}; }
+  const RejectionCounts& rejections() const override { return rejections_; }
+
+  // The server's answer to a frame.
+  void answer(FrameId frame) {
+    MapPatch& p = arrived.emplace_back();
+    p.server_run = kServer;
+    p.agent_run = kRun;
+    p.sequence = ++sequence_;
+    p.snapshot = sequence_ == 1;
+    p.after_frame = frame;
+  }
+
+  std::vector<TrackFrame> sent;
+  std::vector<AgentStatus> statuses;
+  std::vector<FrameId> waited_for;
+  std::deque<MapPatch> arrived;
+  std::function<void()> on_timeout;
+  std::optional<ServerStatus> server;
+  bool alive = true;
+
+ private:
+  std::optional<MapPatch> pop() {
+    if (arrived.empty()) return std::nullopt;
+    MapPatch patch = std::move(arrived.front());
+    arrived.pop_front();
+    return patch;
+  }
+  Time& time_;
+  std::uint32_t sequence_ = 0;
+  RejectionCounts rejections_;
+};
+
+class FakeFeed final : public Feed {
+ public:
+  explicit FakeFeed(std::uint32_t images) : images_(images) {}
+  std::optional<Image> next(const std::atomic<bool>& stop) override {
+    if (stop || next_ == images_) return std::nullopt;
+    const std::uint32_t i = next_++;
+    return Image{FrameId(i), kPeriodNs * i, {}};
+  }
+  std::uint32_t dropped() const override { return 7; }
+  std::uint32_t unreadable() const override { return 2; }
+
+ private:
+  std::uint32_t images_, next_ = 0;
+};
+
+class AgentLoopTest : public testing::Test {
+ protected:
+  explicit AgentLoopTest(Pacing pacing = Pacing::kLockstep, std::uint32_t images = 1000) {
+    auto tracker =
+        std::make_unique<test::SimTracker>(world_, test::wave_path({}), test::TrackingConfig{}, "cam0", kRun);
+    tracker_ = tracker.get();
+    Hello hello = tracker->hello();
+    hello.pacing = pacing;
+    loop_ = std::make_unique<AgentLoop>(link_, std::make_unique<FakeFeed>(images), hello, AgentConfig{},
+                                        std::move(tracker), [this] { return time_.now; });
+  }
+  bool step() { return loop_->step(stop_); }
+  // Steps, each with the answer to the frame before.
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      if (!link_.sent.empty()) link_.answer(link_.sent.back().frame);
+      ASSERT_TRUE(step());
+    }
+  }
+  ServerStatus refusing() const {
+    ServerStatus s;
+    s.server_run = kServer;
+    s.refused = {{kRun, "the name is taken"}};
+    return s;
+  }
+
+  const test::SimWorld world_{{.points = 100}};
+  Time time_;
+  FakeLink link_{time_};
+  std::atomic<bool> stop_{false};
+  test::SimTracker* tracker_ = nullptr;
+  std::unique_ptr<AgentLoop> loop_;
+};
+
+TEST_F(AgentLoopTest, LockstepFinishesAFrameWhenTheOneBeforeIsAnswered) {
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.waited_for, IsEmpty()) << "nothing is owed before the first frame";
+  link_.answer(FrameId(0));
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.waited_for, ElementsAre(FrameId(0)));
+  // Late patches come first; the frame waits for the one that has seen the frame before.
+  link_.answer(FrameId(0));
+  link_.on_timeout = [&] {
+    EXPECT_THAT(link_.sent, SizeIs(2));
+    link_.answer(FrameId(1));
+  };
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.waited_for, ElementsAre(FrameId(0), FrameId(1), FrameId(1), FrameId(1)));
+  ASSERT_THAT(link_.sent, SizeIs(3));
+  EXPECT_EQ(link_.sent[1].applied_patch, 1U);
+  EXPECT_EQ(link_.sent[2].applied_patch, 3U);
+}
+
+TEST_F(AgentLoopTest, LockstepWaitsForAServerThatIsSlow) {
+  ASSERT_TRUE(step());
+  const auto asked = time_.now;
+  link_.on_timeout = [&] {
+    if (time_.now - asked > 1min) link_.answer(FrameId(0));
+  };
+  EXPECT_TRUE(step());
+  EXPECT_THAT(link_.sent, SizeIs(2));
+}
+
+TEST_F(AgentLoopTest, LockstepGivesUpAServerThatIsGone) {
+  ASSERT_TRUE(step());
+  link_.alive = false;
+  const auto asked = time_.now;
+  EXPECT_THAT(test::error_of<UserError>([&] { step(); }), HasSubstr("no longer answers"));
+  EXPECT_GT(time_.now - asked, 5s) << "a pause is no end";
+  EXPECT_LT(time_.now - asked, 6s);
+  EXPECT_THAT(link_.sent, SizeIs(1));
+}
+
+TEST_F(AgentLoopTest, LockstepEndsWithTheServer) {
+  run(3);
+  link_.server.emplace().stopping = true;
+  EXPECT_FALSE(step());
+  EXPECT_THAT(link_.sent, SizeIs(3));
+}
+
+TEST_F(AgentLoopTest, StopsWaitingWhenToldTo) {
+  run(2);
+  link_.on_timeout = [this] { stop_ = true; };
+  EXPECT_FALSE(step());
+  EXPECT_THAT(link_.sent, SizeIs(2));
+}
+
+TEST_F(AgentLoopTest, SaysWhyItWasTurnedAway) {
+  ASSERT_TRUE(step());
+  link_.server = refusing();
+  EXPECT_EQ(test::error_of<UserError>([&] { step(); }), "the name is taken");
+}
+
+TEST_F(AgentLoopTest, StatusOnceASecondAndWhenThePoseStateChanges) {
+  run(3);
+  ASSERT_THAT(link_.statuses, SizeIs(1)) << "at once, then no more for a second";
+  EXPECT_EQ(link_.statuses[0].state, AgentState::kRunning);
+  EXPECT_EQ(link_.statuses[0].frames, 1U);
+  EXPECT_EQ(link_.statuses[0].last_frame, FrameId(0));
+  EXPECT_EQ(link_.statuses[0].dropped, 7U);
+  EXPECT_EQ(link_.statuses[0].tracks, link_.sent[0].tracks.size());
+  time_.now += 1001ms;
+  run(2);
+  ASSERT_THAT(link_.statuses, SizeIs(2));
+  EXPECT_EQ(link_.statuses[1].frames, 4U);
+  link_.answer(link_.sent.back().frame);
+  link_.arrived.back().placed = PlacedPose{link_.sent.back().frame, tracker_->truth(0)};
+  ASSERT_TRUE(step());
+  ASSERT_THAT(link_.statuses, SizeIs(3));
+  EXPECT_EQ(link_.statuses[2].pose_state, PoseState::kLost) << "placed, but with no point to go by";
+}
+
+class AgentLoopOfFiveImages : public AgentLoopTest {
+ protected:
+  AgentLoopOfFiveImages() : AgentLoopTest(Pacing::kLockstep, 5) {}
+};
+
+TEST_F(AgentLoopOfFiveImages, EndsAndReports) {
+  run(5);
+  EXPECT_FALSE(step());
+  EXPECT_THAT(link_.sent, SizeIs(5));
+  link_.answer(FrameId(4));
+  loop_->finish(stop_);
+  EXPECT_EQ(link_.waited_for.back(), FrameId(4)) << "the server may not have used the last frame yet";
+  EXPECT_THAT(link_.arrived, IsEmpty());
+  const AgentStatus& last = link_.statuses.back();
+  EXPECT_EQ(last.state, AgentState::kFinished);
+  EXPECT_EQ(last.last_frame, FrameId(4));
+  EXPECT_EQ(last.frames, 5U);
+  const auto report = nlohmann::json::parse(last.report_json);
+  EXPECT_EQ(report["frames"], 12) << "those dropped included";
+  EXPECT_EQ(report["unreadable"], 2);
+  EXPECT_EQ(report["live_tracked_percent"], 0);
+  EXPECT_TRUE(report["ms"].contains("track"));
+}
+
+TEST_F(AgentLoopOfFiveImages, ReportsToNobodyWithoutFailing) {
+  run(5);
+  link_.on_timeout = [this] { link_.alive = false; };
+  loop_->finish(stop_);
+  EXPECT_EQ(link_.statuses.back().state, AgentState::kFinished);
+}
+
+class LiveAgentLoop : public AgentLoopTest {
+ protected:
+  LiveAgentLoop() : AgentLoopTest(Pacing::kLive) {}
+};
+
+TEST_F(LiveAgentLoop, NeverWaitsForTheServer) {
+  link_.alive = false;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(step());
+  link_.server.emplace().stopping = true;
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.sent, SizeIs(11));
+  EXPECT_THAT(link_.waited_for, IsEmpty());
+  link_.answer(FrameId(3));
+  link_.answer(FrameId(5));
+  ASSERT_TRUE(step());
+  EXPECT_EQ(link_.sent.back().applied_patch, 2U) << "what came meanwhile";
+  loop_->finish(stop_);
+  EXPECT_THAT(link_.waited_for, IsEmpty());
+  EXPECT_EQ(link_.statuses.back().state, AgentState::kFinished);
+}
+
+TEST_F(LiveAgentLoop, SaysWhyItWasTurnedAway) {
+  ASSERT_TRUE(step());
+  link_.server = refusing();
+  time_.now += 2s;
+  EXPECT_EQ(test::error_of<UserError>([&] { step(); }), "the name is taken");
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/scene/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/base/error.h"
+#include "deploy/scene/simulated_scene.h"
+
+namespace coslam {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+std::string test_name(std::string scene) {
+  std::replace(scene.begin(), scene.end(), '-', '_');
+  return scene;
+}
+
+class EveryScene : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Scene> scene_ = make_scene(GetParam(), 1);
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()),
+                         [](const auto& p) { return test_name(p.param); });
+
+// The ray through a raw pixel, in the world.
+Eigen::Vector3d direction_of(const Scene& scene, int camera, const Eigen::Vector2d& raw_px, double t_s) {
+  const CameraModel& model = scene.camera(camera);
+  const Eigen::Vector3d in_cam = model.normalized_from_pixel(model.undistorted_from_raw(raw_px).value()).homogeneous();
+  return scene.cam_from_world(camera, t_s).rotation.conjugate() * in_cam;
+}
+
+TEST(MakeScene, UnknownNameIsAUserErrorThatListsTheNames) {
+  try {
+    make_scene("nowhere", 1);
+    FAIL() << "no error";
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("nowhere"));
+    for (const std::string& name : scene_names()) EXPECT_THAT(error.what(), testing::HasSubstr(name));
+  }
+}
+
+TEST(MakeScene, TooManyCamerasIsAUserError) { EXPECT_THROW(make_scene("room", 1, 1000), UserError); }
+
+TEST(MakeScene, TakesTheNumbersOfCamerasAndFrames) {
+  const auto own = make_scene("room", 1), asked = make_scene("room", 1, 5, 42);
+  EXPECT_EQ(own->cameras(), 3);
+  EXPECT_EQ(own->frames(), 300);
+  EXPECT_EQ(asked->cameras(), 5);
+  EXPECT_EQ(asked->frames(), 42);
+}
+
+TEST(MakeScene, UsesBothLensModels) {
+  const auto scene = make_scene("wall", 1);
+  bool radtan = false, equidistant = false;
+  for (int i = 0; i < scene->cameras(); ++i) {
+    EXPECT_FALSE(problem_of(scene->camera(i)).has_value());
+    radtan |= scene->camera(i).distortion == DistortionModel::kRadTan;
+    equidistant |= scene->camera(i).distortion == DistortionModel::kEquidistant;
+  }
+  EXPECT_TRUE(radtan && equidistant);
+}
+
+TEST_P(EveryScene, EveryPixelHasARay) {
+  for (int i = 0; i < scene_->cameras(); ++i) {
+    const CameraModel& model = scene_->camera(i);
+    const Eigen::Vector2d last(model.width_px - 0.5, model.height_px - 0.5);
+    for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-0.5, -0.5), last, Eigen::Vector2d(-0.5, last.y())}) {
+      const auto undistorted = model.undistorted_from_raw(corner);
+      ASSERT_TRUE(undistorted.has_value());
+      EXPECT_NEAR((model.raw_from_undistorted(*undistorted) - corner).norm(), 0, 1e-6);
+    }
+    const double left = model.normalized_from_pixel(*model.undistorted_from_raw({0, model.cy})).x();
+    const double right = model.normalized_from_pixel(*model.undistorted_from_raw({model.width_px - 1.0, model.cy})).x();
+    EXPECT_NEAR((std::atan(right) - std::atan(left)) * kDegPerRad, 77.5, 3.5);
+  }
+}
+
+TEST_P(EveryScene, MovesSmoothlyAndStartsSlowly) {
+  constexpr double kStepS = 1e-3;
+  for (int i = 0; i < scene_->cameras(); ++i) {
+    double last_speed = NAN;
+    for (double t = 0; t < scene_->frames() / scene_->rate_hz(); t += 0.005) {
+      const Rigid3 a = scene_->cam_from_world(i, t), b = scene_->cam_from_world(i, t + kStepS);
+      const double speed = (a.center() - b.center()).norm() / kStepS;
+      const double turn = so3_log(b.rotation * a.rotation.conjugate()).norm() / kStepS * kDegPerRad;
+      ASSERT_LT(turn, 60) << "camera " << i << " at " << t;
+      const double change = std::isnan(last_speed) ? 0 : std::abs(speed - last_speed);
+      ASSERT_LT(change, 0.05) << "camera " << i << " at " << t;
+      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.9) << "camera " << i << " at " << t;
+      last_speed = speed;
+    }
+  }
+}
+
+TEST_P(EveryScene, StaysClearOfThings) {
+  const auto crowd = make_scene(GetParam(), 1, sim::kMaxCameras);
+  for (int i = 0; i < crowd->cameras(); ++i) {
+    for (int frame = 0; frame < crowd->frames(); frame += 10) {
+      const double t_s = frame / crowd->rate_hz();
+      const Eigen::Vector3d center = crowd->cam_from_world(i, t_s).center();
+      for (int k = 0; k < 200; ++k) {
+        const double z = -0.99 + 0.01 * k, angle = 2.4 * k;  // a spiral over the sphere
+        const double flat = std::sqrt(1 - z * z);
+        const auto hit = crowd->cast(center, {flat * std::cos(angle), flat * std::sin(angle), z}, t_s);
+        ASSERT_TRUE(hit.has_value()) << "the world has a hole";
+        ASSERT_GT(hit->distance_m, 0.3) << "camera " << i << " frame " << frame;
+      }
+    }
+  }
+}
+
+TEST_P(EveryScene, CastMeetsSurfacesThatFaceTheViewer) {
+  for (int i = 0; i < scene_->cameras(); ++i) {
+    const Rigid3 pose = scene_->cam_from_world(i, 2.0);
+    for (double y = 20; y < scene_->camera(i).height_px; y += 40) {
+      for (double x = 20; x < scene_->camera(i).width_px; x += 40) {
+        const Eigen::Vector3d direction = direction_of(*scene_, i, {x, y}, 2.0);
+        const auto hit = scene_->cast(pose.center(), direction, 2.0);
+        ASSERT_TRUE(hit.has_value());
+        EXPECT_NEAR(hit->normal.norm(), 1, 1e-9);
+        EXPECT_LE(hit->normal.dot(direction), 0);
+        EXPECT_GT(hit->object, 0U);
+        EXPECT_EQ(scene_->can_move(hit->object), hit->object >= sim::kFirstMovingObject);
+        EXPECT_NEAR((hit->point - pose.center()).norm(), hit->distance_m, 1e-9);
+        const Eigen::Vector2d raw_px =
+            scene_->camera(i).raw_from_undistorted(scene_->camera(i).project(pose * hit->point));
+        EXPECT_NEAR((raw_px - Eigen::Vector2d(x, y)).norm(), 0, 1e-6);
+      }
+    }
+  }
+}
+
+// Share of a grid of camera a's pixels whose surface camera b sees too.
+double overlap(const Scene& scene, int a, int b, double t_s) {
+  const Rigid3 pose_a = scene.cam_from_world(a, t_s), pose_b = scene.cam_from_world(b, t_s);
+  int seen = 0, all = 0;
+  for (double y = 20; y < 480; y += 40) {
+    for (double x = 20; x < 640; x += 40) {
+      ++all;
+      const auto hit = scene.cast(pose_a.center(), direction_of(scene, a, {x, y}, t_s), t_s);
+      if (!hit) continue;
+      const Eigen::Vector3d in_b = pose_b * hit->point;
+      if (in_b.z() < 0.1 || std::hypot(in_b.x(), in_b.y()) > 1.2 * in_b.z()) continue;
+      if (!scene.camera(b).contains_raw(scene.camera(b).raw_from_undistorted(scene.camera(b).project(in_b)))) continue;
+      const auto back = scene.cast(pose_b.center(), hit->point - pose_b.center(), t_s);
+      if (back && std::abs(back->distance_m - (hit->point - pose_b.center()).norm()) < 0.02) ++seen;
+    }
+  }
+  return static_cast<double>(seen) / all;
+}
+
+class SceneOfOneGroup : public EveryScene {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneOfOneGroup,
+                         testing::Values("room", "wall", "walking-man", "sitting-man", "garden"),
+                         [](const auto& p) { return test_name(p.param); });
+
+TEST_P(SceneOfOneGroup, CamerasStartSideBySideLookingAtTheSamePlace) {
+  for (int i = 1; i < scene_->cameras(); ++i) {
+    const double apart_m = (scene_->cam_from_world(i, 0).center() - scene_->cam_from_world(i - 1, 0).center()).norm();
+    EXPECT_GT(apart_m, 0.4);
+    EXPECT_LT(apart_m, 0.8);
+    EXPECT_GT(overlap(*scene_, i - 1, i, 0), 0.5);
+  }
+  EXPECT_GT(overlap(*scene_, 0, scene_->cameras() - 1, 0), 0.4);
+}
+
+TEST_P(SceneOfOneGroup, NeighboursKeepSeeingCommonThingsMostOfTheTime) {
+  int shared = 0, all = 0;
+  for (int frame = 0; frame < scene_->frames(); frame += 15) {
+    for (int i = 1; i < scene_->cameras(); ++i) {
+      shared += overlap(*scene_, i - 1, i, frame / scene_->rate_hz()) > 0.25 ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_GT(shared, 0.8 * all);
+}
+
+TEST(WallScene, TurnsOnTheSpotFromFrame180To256) {
+  const auto scene = make_scene("wall", 1);
+  for (int i = 0; i < scene->cameras(); ++i) {
+    const Rigid3 before = scene->cam_from_world(i, 180 / 30.0), after = scene->cam_from_world(i, 256 / 30.0);
+    const double turn_deg = so3_log(after.rotation * before.rotation.conjugate()).norm() * kDegPerRad;
+    EXPECT_NEAR(turn_deg, 86, 4);
+    for (int frame = 180; frame <= 256; ++frame) {
+      EXPECT_LT((scene->cam_from_world(i, frame / 30.0).center() - before.center()).norm(), 0.03);
+    }
+    EXPECT_GT((scene->cam_from_world(i, 100 / 30.0).center() - before.center()).norm(), 0.1);
+  }
+}
+
+TEST(RoomScene, CamerasWalkAboutEightMetres) {
+  const auto scene = make_scene("room", 1);
+  for (int i = 0; i < scene->cameras(); ++i) {
+    double path_m = 0;
+    for (int frame = 1; frame < scene->frames(); ++frame) {
+      path_m +=
+          (scene->cam_from_world(i, frame / 30.0).center() - scene->cam_from_world(i, (frame - 1) / 30.0).center())
+              .norm();
+    }
+    EXPECT_NEAR(path_m, 8, 1);
+  }
+}
+
+TEST(RoomScene, SeedChangesTheThingsButNotThePlan) {
+  const auto a = make_scene("room", 1), b = make_scene("room", 2), again = make_scene("room", 1);
+  EXPECT_EQ(a->cam_from_world(1, 3.3).translation, again->cam_from_world(1, 3.3).translation);
+  const double apart_m = (a->cam_from_world(1, 3.3).center() - b->cam_from_world(1, 3.3).center()).norm();
+  EXPECT_GT(apart_m, 0);
+  EXPECT_LT(apart_m, 0.05);  // only the shake differs
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/server_loop.h"
+
+#include <gmock/gmock.h>
+
+#include "server/link/inline_link.h"
+#include "tests/support/wire_values.h"
+
+namespace coslam {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const RunId kServer(1);
+
+// A server without a map to speak of, and agents that come and go.
+class ServerLoopTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<AgentLink> join(const std::string& name) {
+    auto agent = link_.connect(values_.hello(name, RunId(++last_run_), Pacing::kLive));
+    EXPECT_TRUE(loop_.poll(0ms));
+    return agent;
+  }
+  void come_and_go(std::size_t agents) {
+    for (std::size_t i = 0; i < agents; ++i) join("cam" + std::to_string(i));
+  }
+
+  test::WireValues values_{1};
+  std::uint64_t last_run_ = kServer.value;
+  InlineLink link_{kServer};
+  ServerLoop loop_{link_.server(), kServer, {.refine_in_thread = false}};
+};
+
+TEST_F(ServerLoopTest, OutlivesMoreAgentsThanItsStatusCanName) {
+  come_and_go(100);
+  const auto here = join("here");
+  loop_.finish({});  // with a last status
+  const auto status = here->server_status();
+  ASSERT_TRUE(status && status->stopping);
+  EXPECT_THAT(status->agents, SizeIs(64));
+  EXPECT_EQ(status->agents.front(), "here") << "those that left make room";
+  EXPECT_THAT(loop_.report()["agents"], SizeIs(101)) << "the report has them all";
+}
+
+TEST_F(ServerLoopTest, TurnsAwayWhomItHasNoRoomFor) {
+  come_and_go(ServerLoop::kMostAgents);
+  const auto late = join("late");
+  EXPECT_THAT(refusal_of(*late->server_status(), RunId(last_run_)).value_or(""), HasSubstr("1000 agents"));
+  const auto known = join("cam7");
+  EXPECT_EQ(refusal_of(*known->server_status(), RunId(last_run_)), std::nullopt) << "its camera is there already";
+  loop_.finish({});
+  EXPECT_THAT(known->server_status()->agents, Contains("cam7"));
+}
+
+TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
+  const auto agent = join("cam0");
+  AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+  status.frames = 70;
+  status.dropped = 7;
+  status.report_json = R"({"frames":77,"ms":{"track":{"p50":1.5}}})";
+  agent->send_status(status);
+  EXPECT_TRUE(loop_.poll(0ms));
+  loop_.finish({{"server", "as it was"}});
+  const auto& report = loop_.report();
+  EXPECT_EQ(report["frames"], 70);
+  EXPECT_EQ(report["dropped"], 7);
+  EXPECT_EQ(report["agents"]["cam0"]["dropped"], 7);
+  EXPECT_EQ(report["agents"]["cam0"]["frames"], 77);
+  EXPECT_EQ(report["agents"]["cam0"]["ms"]["track"]["p50"], 1.5);
+  EXPECT_GT(report["agents"]["cam0"]["bytes_up"], 200);
+  EXPECT_EQ(report["configuration"]["server"], "as it was");
+  for (const char* part : {"version", "frame_sets", "late_frames", "overflowed_frames", "link", "server", "rejected"})
+    EXPECT_TRUE(report.contains(part)) << part;
+}
+
+TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
+  const std::string deep = R"({"a":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
+  for (const std::string& text : {deep, std::string("[1,2]"), std::string("{\"a\":"), std::string("\xff\xfe")}) {
+    const auto agent = join("cam0");
+    AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+    status.report_json = text;
+    agent->send_status(status);
+    EXPECT_TRUE(loop_.poll(0ms));
+    loop_.finish({});
+    EXPECT_LT(loop_.report().dump().size(), 4000U) << text.substr(0, 20);
+    EXPECT_EQ(loop_.report()["agents"]["cam0"]["frames"], 0);
+  }
+}
+
+}  // namespace
+}  // namespace coslam
