@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "server/associate/patch_match.h"
 #include "tests/support/sim_map.h"
@@ -120,6 +121,218 @@ TEST(FollowMoving, APointThatNobodySeesIsForgottenInTheEnd) {
     follow_moving(world.edit(), world.set(), config);
   }
   EXPECT_EQ(world.map().find(id), nullptr);
+}
+
+// One body of 25 points that goes in a circle before cameras that move too. Its points are followed by tracks with
+// noise.
+class FollowBody : public testing::Test {
+ protected:
+  explicit FollowBody(int cameras = 2) : sim_(world_, test::paths_side_by_side(cameras), {.max_tracks = 400}) {
+    sim_.advance(10, true);
+    for (int i = kStatic; i < world_.size(); ++i) {
+      if (sim_.all_follow(i)) body_.push_back(i);
+    }
+  }
+  void SetUp() override { ASSERT_EQ(body_.size(), 25U); }
+  const MapPoint& follow(int world_point) {
+    return sim_.add_point(world_point, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+  }
+  // The first point of the body, and with it all others.
+  const MapPoint& follow_all() {
+    for (std::size_t i = 1; i < body_.size(); ++i) follow(body_[i]);
+    return follow(body_[0]);
+  }
+  const ServerTrack& track(CameraId camera, int world_point) { return *sim_.track_of(camera, world_point); }
+  void unbind(CameraId camera, int world_point) {
+    sim_.edit.unbind(camera, track(camera, world_point), Why::kOutsideGate);
+  }
+  FollowReport step(bool patches = false) {
+    sim_.advance(1, patches);
+    return follow_moving(sim_.edit, sim_.set, config_);
+  }
+  double error_m(const MapPoint& p) const { return (p.position - world_.position(body_[0], sim_.set.t_ns)).norm(); }
+  // Of its truth, since then.
+  double travelled_m(TimeNs since_ns) const {
+    return (world_.position(body_[0], sim_.set.t_ns) - world_.position(body_[0], since_ns)).norm();
+  }
+  // Events of that reason so far.
+  std::vector<Event> events(Why why) const {
+    std::vector<Event> out = sim_.edit.journal().events();
+    std::erase_if(out, [&](const Event& e) { return e.why != why; });
+    return out;
+  }
+
+  static constexpr int kStatic = 300;
+  static constexpr CameraId kCam0{0}, kCam1{1}, kCam2{2};
+  const FollowConfig config_;
+  const test::SimWorld world_{{.seed = 24, .points = kStatic, .moving_points = 25}};  // all cameras see it all along
+  test::SimMap sim_;
+  std::vector<int> body_;  // world points that all cameras follow
+};
+
+TEST_F(FollowBody, EveryPointIsWhereItIsNow) {
+  const MapPoint& p = follow_all();
+  for (int i = 0; i < 20; ++i) {
+    const FollowReport report = step();
+    EXPECT_EQ(report.positioned, 25);
+    EXPECT_EQ(report.removed, 0);
+    EXPECT_LT(error_m(p), 0.15) << "a third of a pixel at 5 m";
+  }
+  EXPECT_GT(travelled_m(sim_.set.t_ns - 20 * kPeriodNs), 0.1);
+}
+
+TEST_F(FollowBody, WithoutTracksItIsCarriedWithItsNeighboursInSpace) {
+  const MapPoint& p = follow_all();
+  step();
+  unbind(kCam0, body_[0]);
+  unbind(kCam1, body_[0]);
+  sim_.edit.move_point(p, world_.position(body_[0], sim_.set.t_ns), p.covariance);
+  const TimeNs since_ns = sim_.set.t_ns;
+  const double uncertain = p.covariance.trace();
+  for (int i = 0; i < 15; ++i) EXPECT_GE(step().carried, 1);
+  EXPECT_GT(travelled_m(since_ns), 0.15);
+  EXPECT_LT(error_m(p), 0.3 * travelled_m(since_ns));
+  EXPECT_GT(p.covariance.trace(), uncertain) << "the longer the less certain";
+}
+
+TEST_F(FollowBody, WithoutNeighboursInSpaceItIsCarriedByTheFlowInTheImages) {
+  const MapPoint& p = follow(body_[0]);
+  unbind(kCam0, body_[0]);
+  unbind(kCam1, body_[0]);
+  sim_.edit.move_point(p, world_.position(body_[0], sim_.set.t_ns), p.covariance);
+  for (const CameraId c : {kCam0, kCam1}) {
+    for (const int i : body_) sim_.edit.set_motion(c, track(c, i), TrackMotion::kMoving);
+  }
+  const TimeNs since_ns = sim_.set.t_ns;
+  for (int i = 0; i < 15; ++i) EXPECT_EQ(step().carried, 1);
+  EXPECT_GT(travelled_m(since_ns), 0.15);
+  EXPECT_LT(error_m(p), 0.6 * travelled_m(since_ns));
+}
+
+TEST_F(FollowBody, WithNothingThatGoesAlongItStaysAndIsLessCertain) {
+  const MapPoint& p = follow(body_[0]);
+  unbind(kCam0, body_[0]);
+  unbind(kCam1, body_[0]);
+  for (const CameraId c : {kCam0, kCam1}) sim_.edit.set_motion(c, track(c, body_[0]), TrackMotion::kResting);
+  const Eigen::Vector3d before = p.position;
+  const double uncertain = p.covariance.trace();
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step().carried, 1);
+  EXPECT_EQ(p.position, before);
+  EXPECT_GT(p.covariance.trace(), uncertain);
+}
+
+TEST_F(FollowBody, OneTrackKeepsItToItsRayAndTheNeighboursTellTheDepth) {
+  const MapPoint& p = follow_all();
+  step();
+  unbind(kCam1, body_[0]);
+  for (int i = 0; i < 15; ++i) {
+    step();
+    const Eigen::Vector2d px = sim_.map.camera(kCam0).model.project(sim_.truth(kCam0, sim_.set.id) * p.position);
+    EXPECT_LT((px - track(kCam0, body_[0]).seen.back().undistorted_px.cast<double>()).norm(), 1e-6);
+  }
+  EXPECT_LT(error_m(p), 0.2);
+}
+
+TEST_F(FollowBody, ItIsForgottenSoonerWhenNothingTellsWhereItWent) {
+  const PointId id = follow(body_[0]).id;
+  unbind(kCam0, body_[0]);
+  unbind(kCam1, body_[0]);
+  for (const CameraId c : {kCam0, kCam1}) sim_.edit.set_motion(c, track(c, body_[0]), TrackMotion::kResting);
+  for (int i = 0; i < config_.forget_alone_sets; ++i) EXPECT_EQ(step().removed, 0);
+  EXPECT_EQ(step().removed, 1);
+  EXPECT_EQ(sim_.map.find(id), nullptr);
+  ASSERT_EQ(events(Why::kOutOfSight).size(), 1U);
+  EXPECT_EQ(events(Why::kOutOfSight)[0].figures,
+            (Figures{config_.forget_alone_sets + 1.0, static_cast<double>(config_.forget_alone_sets)}));
+}
+
+TEST_F(FollowBody, ATrackOfOneCameraKeepsItForLonger) {
+  const MapPoint& p = follow(body_[0]);
+  unbind(kCam1, body_[0]);
+  int lived = 0;
+  const PointId id = p.id;
+  for (; lived <= config_.forget_sets && sim_.map.find(id) != nullptr; ++lived) {
+    step();
+    ASSERT_NE(sim_.track_of(kCam0, body_[0]), nullptr);
+  }
+  EXPECT_EQ(lived, config_.forget_sets + 1);
+  ASSERT_EQ(events(Why::kOutOfSight).size(), 1U);
+  EXPECT_EQ(events(Why::kOutOfSight)[0].figures[1], config_.forget_sets);
+}
+
+// Of two that disagree one is wrong: the one that does not lead to where the neighbours carry the point.
+TEST_F(FollowBody, AStrayIsLetGo) {
+  const MapPoint& p = follow_all();
+  step();
+  const BoundTrack stray{kCam1, track(kCam1, body_[0]).id};
+  sim_.trackers[kCam1.value].slide(stray.track, {0, 4});
+  for (int i = 0; i < 10 && p.bound.size() == 2; ++i) step();
+  EXPECT_EQ(p.bound, std::vector<BoundTrack>({{kCam0, track(kCam0, body_[0]).id}}));
+  ASSERT_EQ(events(Why::kStray).size(), 1U);
+  EXPECT_EQ(events(Why::kStray)[0].track, stray.track);
+  EXPECT_GT(events(Why::kStray)[0].figures[0], 2 * sim_.map.gate_sigma_px(sim_.map.camera(kCam1)));
+  for (int i = 0; i < 5; ++i) step();
+  EXPECT_LT(error_m(p), 0.2) << "it was not dragged along";
+}
+
+TEST_F(FollowBody, AFurtherTrackIsFoundByItsLooks) {
+  const MapPoint& p = follow_all();
+  step(true);
+  unbind(kCam1, body_[0]);
+  sim_.advance(1, true);
+  FollowReport report = follow_moving(sim_.edit, sim_.set, config_);
+  rebind_moving(sim_.edit, sim_.set, config_, &report);
+  EXPECT_GE(report.bound, 1);
+  EXPECT_EQ(track(kCam1, body_[0]).point, p.id);
+  const auto bound = events(Why::kLooksLikeIt);
+  ASSERT_FALSE(bound.empty());
+  EXPECT_GT(bound.back().figures[0], config_.zncc_min);
+  for (const int i : body_) {
+    for (const CameraId c : {kCam0, kCam1}) {
+      const MapPoint* q = sim_.map.find(track(c, i).point);
+      EXPECT_TRUE(q == nullptr || sim_.world_point(*q) == i) << "of the right point";
+    }
+  }
+}
+
+TEST_F(FollowBody, ATrackThatLooksLikeAnotherPointOrRestsIsNotTaken) {
+  const MapPoint& p = follow(body_[0]);
+  step(true);
+  unbind(kCam1, body_[0]);
+  sim_.edit.set_motion(kCam1, track(kCam1, body_[0]), TrackMotion::kResting);
+  FollowReport report;
+  rebind_moving(sim_.edit, sim_.set, config_, &report);
+  EXPECT_EQ(report.bound, 0) << "it rests";
+  sim_.edit.set_motion(kCam1, track(kCam1, body_[0]), TrackMotion::kMoving);
+  sim_.look(true);
+  sim_.patch_of(kCam1, body_[0])->grey = world_.patch(0);
+  sim_.take();
+  sim_.place_truly();
+  report = follow_moving(sim_.edit, sim_.set, config_);
+  rebind_moving(sim_.edit, sim_.set, config_, &report);
+  EXPECT_EQ(report.bound, 0) << "another look";
+  step(true);
+  rebind_moving(sim_.edit, sim_.set, config_, &report);
+  EXPECT_EQ(report.bound, 1) << "its own";
+  EXPECT_EQ(p.bound.size(), 2U);
+}
+
+class FollowBodyWithThree : public FollowBody {
+ protected:
+  FollowBodyWithThree() : FollowBody(3) {}
+};
+
+TEST_F(FollowBodyWithThree, TheOddOneOutIsLetGo) {
+  const MapPoint& p = follow(body_[0]);
+  step();
+  const TrackId odd = track(kCam2, body_[0]).id;
+  sim_.trackers[kCam2.value].slide(odd, {0, 12});
+  for (int i = 0; i < 10 && p.bound.size() == 3; ++i) EXPECT_EQ(step().positioned, 1) << "by the others";
+  EXPECT_EQ(p.bound.size(), 2U);
+  ASSERT_EQ(events(Why::kOddOneOut).size(), 1U);
+  EXPECT_EQ(events(Why::kOddOneOut)[0].track, odd);
+  EXPECT_EQ(events(Why::kOddOneOut)[0].figures[0], 2) << "others";
+  EXPECT_LT(error_m(p), 0.15);
 }
 
 }  // namespace

@@ -87,6 +87,44 @@ TEST_F(MeetTest, ALateCameraIsPlaced) {
   EXPECT_GE(bound, config_.recognise.min_inliers);
 }
 
+TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
+  constexpr int kSeconds = 20;
+  test::SimMap whirling(world_, {[](double t_s) { return test::looking({0, 0, 4}, 2 * t_s); }});
+  int asked = 0;
+  for (int i = 0; i < kSeconds * 30; ++i) {
+    whirling.ingest(false, asked > 0);
+    whirling.place_truly();
+    whirling.add_points();
+    asked += !meetings_.step(whirling.edit, whirling.set, {}).requests.empty();
+  }
+  EXPECT_LE(asked, config_.image_burst + kSeconds * config_.images_per_s + 1);
+  EXPECT_GE(asked, kSeconds * config_.images_per_s);
+}
+
+// All that is seen lies in one plane: it may be a poster that hangs elsewhere too.
+TEST_F(MeetTest, APlaneAlonePlacesOnlyWhoWasLostThere) {
+  const test::SimWorld wall({.layout = test::Layout::kPlane});
+  for (const bool was_there : {false, true}) {
+    test::SimMap sim(wall, test::paths_side_by_side(2));
+    Meetings meetings(config_);
+    for (int i = 0; i < 10; ++i) {
+      sim.ingest(false, i == 0);
+      sim.place_truly(cam(0));
+      if (was_there) sim.place_truly(cam(1));
+      if (i == 0) sim.add_points();
+      meetings.step(sim.edit, sim.set, view_graph(sim.map, sim.set));
+    }
+    if (was_there) sim.edit.leave_map(sim.map.camera(cam(1)));
+    sim.ingest(false, true);
+    sim.place_truly(cam(0));
+    const MeetReport report = meetings.step(sim.edit, sim.set, view_graph(sim.map, sim.set));
+    EXPECT_GE(report.sightings, 1);
+    EXPECT_EQ(report.placed, was_there ? 1 : 0);
+    EXPECT_EQ(report.doubted, was_there ? 0 : 1);
+    EXPECT_EQ(sim.map.camera(cam(1)).map, was_there ? sim.id : MapId());
+  }
+}
+
 TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
   const test::SimWorld other({.seed = 77});
   test::SimMap sim(world_, test::paths_side_by_side(2));
@@ -150,6 +188,17 @@ TEST_F(MergeTest, TwoMapsBecomeOneWithOneScale) {
   // The agent of camera 2 is told how its world moved: the inverse of how it was set off.
   EXPECT_NEAR(camera(2).moved.scale, 1 / 2.5, 0.02);
   EXPECT_NEAR(camera(0).moved.scale, 1, 1e-9);
+}
+
+TEST_F(MergeTest, WhatIsNotConfirmedSoonIsForgotten) {
+  EXPECT_GE(see().doubted, 1);
+  for (int i = 0; i < 61; ++i) {
+    sim_.ingest();
+    for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
+    sim_.place(cam(2), own_, transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_));
+    step();
+  }
+  EXPECT_EQ(meet(), 1) << "it takes two images again";
 }
 
 TEST_F(MergeTest, PointsThatAreTheSameAreFused) {
@@ -343,44 +392,6 @@ TEST_F(DriftTest, PointsThatDoNotAgreeMoveNothing) {
   run(10, 0.08);
   EXPECT_EQ(totals_.closed, 0);
   EXPECT_LT(error_m(), 1e-9);
-}
-
-class HasReliefTest : public testing::Test {
- protected:
-  void add(const Eigen::Vector3d& position, double sigma = 0.001) {
-    MapPoint p;
-    p.position = position;
-    p.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
-    points_.push_back(p);
-  }
-  void add_poster() {
-    for (int i = 0; i < 60; ++i) add({0.03 * i, 0.5 * std::sin(i), 3 + 0.02 * i + 0.01 * std::cos(7 * i)});
-  }
-  bool relief() const {
-    std::vector<const MapPoint*> points;
-    for (const MapPoint& p : points_) points.push_back(&p);
-    return has_relief(points, 3);
-  }
-  std::vector<MapPoint> points_;
-};
-
-TEST_F(HasReliefTest, NothingHasNone) { EXPECT_FALSE(relief()); }
-
-TEST_F(HasReliefTest, APosterHasNone) {
-  add_poster();
-  EXPECT_FALSE(relief());
-}
-
-TEST_F(HasReliefTest, SomethingBeforeThePosterIs) {
-  add_poster();
-  for (int i = 0; i < 10; ++i) add({0.09 * i, 0.5 * std::cos(i), 2.2 + 0.02 * i});
-  EXPECT_TRUE(relief());
-}
-
-TEST_F(HasReliefTest, PointsOfUncertainDepthTellNothing) {
-  add_poster();
-  for (int i = 0; i < 20; ++i) add({0.09 * i, 0.5 * std::cos(i), 2.2 + 0.02 * i}, 0.5);
-  EXPECT_FALSE(relief());
 }
 
 }  // namespace
