@@ -138,7 +138,7 @@ class OnePairMoving : public MapMovingTest {
     return best;
   }
   // place: of the thing as the two cameras see it, by the instant.
-  MapInterReport join(const std::function<Eigen::Vector3d(CameraId, TimeNs)>& place, bool others_mapped = false) {
+  MapMovingReport join(const std::function<Eigen::Vector3d(CameraId, TimeNs)>& place, bool others_mapped = false) {
     again_.emplace(world_, test::paths_side_by_side(2));
     for (int i = 0; i <= static_cast<int>(sim_.set.id.value); ++i) {
       again_->look(true);
@@ -157,7 +157,7 @@ class OnePairMoving : public MapMovingTest {
         again_->add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
     }
     again_->edit.set_motion(kCam0, *again_->track_of(kCam0, thing_), TrackMotion::kMoving);
-    return map_moving(again_->edit, again_->set, view_graph(again_->map, again_->set), {});
+    return map_moving(again_->edit, again_->set, view_graph(again_->map, again_->set), {}, {});
   }
   Eigen::Vector3d truth(TimeNs t_ns) const { return world_.position(thing_, t_ns); }
   // As far from the first camera as this share of its distance, all along.
@@ -172,9 +172,9 @@ class OnePairMoving : public MapMovingTest {
 };
 
 TEST_F(OnePairMoving, IsJoinedWhereItIsOneThing) {
-  const MapInterReport report = join([&](CameraId, TimeNs t_ns) { return truth(t_ns); });
-  EXPECT_EQ(report.matched, 1);
-  EXPECT_EQ(report.moving, 1);
+  const MapMovingReport report = join([&](CameraId, TimeNs t_ns) { return truth(t_ns); });
+  EXPECT_EQ(report.pairs.matched, 1);
+  EXPECT_EQ(report.joined, 1);
   ASSERT_EQ(again_->map.moving_points().size(), 1U);
   const MapPoint& p = *again_->map.moving_points()[0];
   EXPECT_LT((p.position - truth(again_->set.t_ns)).norm(), 0.1);
@@ -184,27 +184,27 @@ TEST_F(OnePairMoving, IsJoinedWhereItIsOneThing) {
 // What lies on the epipolar line now and looks alike, but goes another way.
 TEST_F(OnePairMoving, IsRefusedWhenItWasNotOnTheLineBefore) {
   const TimeNs now_ns = sim_.set.t_ns;
-  const MapInterReport report = join([&](CameraId c, TimeNs t_ns) { return truth(c == kCam0 ? t_ns : now_ns); });
-  EXPECT_EQ(report.matched, 1) << "now it is there";
-  EXPECT_EQ(report.moving, 0);
+  const MapMovingReport report = join([&](CameraId c, TimeNs t_ns) { return truth(c == kCam0 ? t_ns : now_ns); });
+  EXPECT_EQ(report.pairs.matched, 1) << "now it is there";
+  EXPECT_EQ(report.joined, 0);
   EXPECT_TRUE(again_->map.moving_points().empty());
 }
 
 TEST_F(OnePairMoving, IsRefusedFarInDepthFromWhatMovesBesideIt) {
   const auto near = [&](CameraId, TimeNs t_ns) { return nearer(0.75, t_ns); };
-  EXPECT_EQ(join(near).moving, 1) << "with nothing beside it";
-  const MapInterReport report = join(near, true);
-  EXPECT_EQ(report.matched, 1);
-  EXPECT_EQ(report.moving, 0);
-  EXPECT_EQ(join([&](CameraId, TimeNs t_ns) { return nearer(1, t_ns); }, true).moving, 1) << "among the others";
+  EXPECT_EQ(join(near).joined, 1) << "with nothing beside it";
+  const MapMovingReport report = join(near, true);
+  EXPECT_EQ(report.pairs.matched, 1);
+  EXPECT_EQ(report.joined, 0);
+  EXPECT_EQ(join([&](CameraId, TimeNs t_ns) { return nearer(1, t_ns); }, true).joined, 1) << "among the others";
 }
 
 // It stands; one camera wrongly believes that it moves.
 TEST_F(OnePairMoving, IsRefusedWhenItHasNotLeftItsPlace) {
   const TimeNs then_ns = sim_.set.t_ns;
-  const MapInterReport report = join([&](CameraId, TimeNs) { return truth(then_ns); });
-  EXPECT_EQ(report.matched, 1);
-  EXPECT_EQ(report.moving, 0);
+  const MapMovingReport report = join([&](CameraId, TimeNs) { return truth(then_ns); });
+  EXPECT_EQ(report.pairs.matched, 1);
+  EXPECT_EQ(report.joined, 0);
 }
 
 }  // namespace

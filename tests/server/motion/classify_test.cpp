@@ -77,7 +77,7 @@ class ClassifyTest : public testing::Test {
     }
   }
   ClassifyReport judge() {
-    verify(sim_.edit, sim_.set, {.leave_moved = true});
+    verify(sim_.edit, sim_.set, {}, true);
     return classify(sim_.edit, sim_.set, config_);
   }
   void stand() { stands_since_ns_ = sim_.set.t_ns; }

@@ -95,7 +95,7 @@ TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
     whirling.ingest(false, asked > 0);
     whirling.place_truly();
     whirling.add_points();
-    asked += !meetings_.step(whirling.edit, whirling.set, {}).requests.empty();
+    asked += !meetings_.run(whirling.edit, whirling.set, {ViewGraph()}, {}).requests.empty();
   }
   EXPECT_LE(asked, config_.image_burst + kSeconds * config_.images_per_s + 1);
   EXPECT_GE(asked, kSeconds * config_.images_per_s);
@@ -112,12 +112,12 @@ TEST_F(MeetTest, APlaneAlonePlacesOnlyWhoWasLostThere) {
       sim.place_truly(cam(0));
       if (was_there) sim.place_truly(cam(1));
       if (i == 0) sim.add_points();
-      meetings.step(sim.edit, sim.set, view_graph(sim.map, sim.set));
+      meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {});
     }
     if (was_there) sim.edit.leave_map(sim.map.camera(cam(1)));
     sim.ingest(false, true);
     sim.place_truly(cam(0));
-    const MeetReport report = meetings.step(sim.edit, sim.set, view_graph(sim.map, sim.set));
+    const MeetReport report = meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {});
     EXPECT_GE(report.sightings, 1);
     EXPECT_EQ(report.placed, was_there ? 1 : 0);
     EXPECT_EQ(report.doubted, was_there ? 0 : 1);
