@@ -40,7 +40,7 @@ void MapServer::set_alive(CameraId camera, bool alive) { edit_.set_alive(camera,
 std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   const auto whole = times_.measure("frame_set");
   ++counts_.frame_sets;
-  edit_.journal().clear();
+  edit_.journal().begin_set();
   edit_.ingest(set);
   {
     const auto t = times_.measure("apply_refined");
@@ -143,6 +143,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
     const auto t = times_.measure("key_frame");
     plan_refinement(decide_key_frame(edit_, set, config_.key_frame));
   }
+  edit_.journal().end_set();
   const auto t = times_.measure("correct");
   return write_patches(set, met);
 }
@@ -279,6 +280,7 @@ void MapServer::set_scale_by_baseline() {
 
 void MapServer::finish() {
   const auto t = times_.measure("finish");
+  edit_.journal().begin_set();
   apply_refined();
   if (!config_.refine.enabled) return;
   for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
