@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/map_server.h"
+#include "server/store/event_store.h"
 #include "server/sync/frame_set_sync.h"
 
 // The keys of server.yaml below `server`, with unit and bounds (see common/config/config.h). Where the paper names a
@@ -12,6 +13,7 @@ namespace coslam {
 struct ServerConfig {
   MapServerConfig map;
   SyncConfig sync;
+  EventsConfig events;
 };
 
 template <class V>
@@ -216,6 +218,7 @@ void describe(V& v, ServerConfig& c) {
   v.field("tag_m", c.map.tags.side_m, {0, 1000},
           "side of the black square of every printed tag; 0 = unknown; agents look for them, see agent.tags");
   v.section("sync", c.sync);
+  v.section("events", c.events);
   v.section("tags", c.map.tags);
   v.section("start", c.map.start);
   v.section("meet", c.map.meet);
