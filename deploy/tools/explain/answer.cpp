@@ -34,15 +34,25 @@ TrackKey track_of(const EventLog& log, const std::string& id) {
   return {camera_of(log, id.substr(0, slash)), track};
 }
 
+std::string caution_of(const EventLog& log) {
+  const std::string until = seconds(log, log.end_ns);
+  if (log.end == EventLog::End::kFull)
+    return "events.csv reached its bound (server.events.most_mb) at " + until + ": what happened later is not known";
+  if (log.end == EventLog::End::kNone) return "events.csv has no end: the run goes on, or was cut off at " + until;
+  return "";
+}
+
 Life life_of(const EventLog& log, const Question& question) {
   std::optional<Life> life;
   if (question.kind == "point") life = life_of_point(log, PointId(number_of(question.id, "point")));
   if (question.kind == "track") life = life_of_track(log, track_of(log, question.id));
   if (question.kind == "camera") life = life_of_camera(log, camera_of(log, question.id));
   if (life) return *life;
+  const std::string caution = caution_of(log);
+  const char* none = question.kind == "track" ? ": there was none, or it was never mapped and still followed at the end"
+                                              : ": there was none";
   throw UserError("events.csv does not speak of " + question.kind + " " + question.id +
-                  (question.kind == "track" ? ": there was none, or it was never mapped and still followed at the end"
-                                            : ": there was none"));
+                  (caution.empty() ? none : "; " + caution));
 }
 
 std::string estimate(const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, int views) {
@@ -74,14 +84,6 @@ std::string in_dynamic(const ResultFolder& result, const EventLog& log, PointId 
   if (!last) return "";
   return "dynamic.csv has its path, " + std::to_string(rows) + " places from " + seconds(log, first->t_ns) + " to " +
          seconds(log, last->t_ns) + ", the last one " + estimate(last->position, last->covariance, last->views) + ".\n";
-}
-
-std::string caution_of(const EventLog& log) {
-  const std::string until = seconds(log, log.end_ns);
-  if (log.end == EventLog::End::kFull)
-    return "events.csv reached its bound (server.events.most_mb) at " + until + ": what happened later is not known";
-  if (log.end == EventLog::End::kNone) return "events.csv has no end: the run goes on, or was cut off at " + until;
-  return "";
 }
 
 }  // namespace

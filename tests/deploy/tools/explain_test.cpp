@@ -352,6 +352,8 @@ TEST_F(Answers, SayWhatTheFileDoesNotHold) {
   EXPECT_THAT(refusal<UserError>("point", "3"), HasSubstr("events.csv: there is none"));
   write(std::string(kEvents) + "1760000009.0,90,end,file_is_full,,,,,,,,,\n");
   EXPECT_THAT(ask("point", "3").caution, HasSubstr("reached its bound (server.events.most_mb) at 9.000 s"));
+  EXPECT_THAT(refusal<UserError>("point", "4"), HasSubstr("point 4; events.csv reached its bound"))
+      << "it may come later";
   write(kEvents);
   EXPECT_THAT(ask("point", "3").caution, HasSubstr("has no end: the run goes on, or was cut off at 1.500 s"));
   write(std::string(kEvents) + "1760000002.0,12,poi");
