@@ -37,9 +37,11 @@ CameraId MapServer::admit(const Hello& hello) {
 std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   const auto whole = report_.times.measure("frame_set");
   ++frame_sets_;
+  edit_.journal().begin_set();
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());
+  edit_.journal().end_set();
   return pipeline_.report<Corrections>().patches;
 }
 
@@ -59,6 +61,7 @@ void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::st
 
 void MapServer::finish() {
   const auto timer = report_.times.measure("finish");
+  edit_.journal().begin_set();
   pipeline_.stage<TakeAdjustment>().run(edit_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;

@@ -48,8 +48,9 @@ class MapServer {
   void finish();
 
   const Map& map() const { return edit_.map(); }
-  // What changed in the last step, and since.
+  // What the last step changed, with what happened since the one before; after finish(), what came after the last step.
   const Journal& journal() const { return edit_.journal(); }
+  void keep_journal(bool on) { edit_.journal().enable(on); }
   const ViewGraph& graph() const { return pipeline_.report<ViewGraph>(); }
   // What moves as one, at the last frame set.
   const std::vector<MovingObject>& objects() const { return pipeline_.report<ObjectsReport>().list; }

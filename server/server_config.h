@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/map_pipeline.h"
+#include "server/store/event_store.h"
 #include "server/sync/frame_set_sync.h"
 
 // The keys of server.yaml below `server` (see common/config/config.h). Each is described beside its struct, with unit
@@ -12,12 +13,14 @@ namespace coslam {
 struct ServerConfig {
   MapServerConfig map;
   SyncConfig sync;
+  EventsConfig events;
 };
 
 template <class V>
 void describe(V& v, ServerConfig& c) {
   describe(v, c.map);
   v.section("sync", c.sync);
+  v.section("events", c.events);
 }
 
 }  // namespace coslam

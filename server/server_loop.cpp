@@ -33,7 +33,8 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
       server_(run, config.server.map),
       sync_(config.server.sync),
       refiner_(config.refine_in_thread) {
-  if (!config.out.empty()) store_.emplace(config.out);
+  if (!config.out.empty()) store_.emplace(config.out, config.server.events);
+  server_.keep_journal(store_ && config.server.events.enabled);
   if (config_.expected_agents.empty()) {
     started_ = true;
     start_utc_ns_ = utc_ns();

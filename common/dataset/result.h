@@ -41,6 +41,7 @@ class ResultFolder {
   std::filesystem::path dynamic() const { return folder_ / "dynamic.csv"; }
   std::filesystem::path objects() const { return folder_ / "objects.csv"; }
   std::filesystem::path groups() const { return folder_ / "groups.csv"; }
+  std::filesystem::path events() const { return folder_ / "events.csv"; }
   std::filesystem::path map() const { return folder_ / "map.ply"; }
   std::filesystem::path report() const { return folder_ / "report.json"; }
   std::filesystem::path evaluation() const { return folder_ / "eval.json"; }

@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
   coslam::add_run_command(app, chosen);
   coslam::add_render_command(app, chosen);
   coslam::add_eval_command(app, chosen);
+  coslam::add_explain_command(app, chosen);
   coslam::add_export_command(app, chosen);
   coslam::add_status_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);

@@ -82,7 +82,8 @@ void miss(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
   if (failures < config.failures) return;
   if (leave_moved && elsewhere_for_others(edit.map(), point, camera.id)) return;
   edit.distrust_before(track, set.id);
-  edit.unbind(camera.id, track, Why::kOutsideGate, {static_cast<double>(failures), sigmas});
+  edit.unbind(camera.id, track, distance2 ? Why::kOutsideGate : Why::kBehindCamera,
+              {static_cast<double>(failures), sigmas});
   ++report->unbound;
 }
 

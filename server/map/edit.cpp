@@ -3,6 +3,7 @@
 #include "server/map/edit.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/check.h"
 
@@ -69,7 +70,7 @@ CameraId MapEdit::add_camera(const std::string& name, RunId run, const CameraMod
 
 void MapEdit::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   MapCamera& c = own(id);
-  for (auto& [track_id, track] : c.tracks) end_track(id, track);
+  for (auto& [track_id, track] : c.tracks) end_track(id, track, Why::kRestarted);
   c.tracks.clear();
   c.run = run;
   c.model = model;
@@ -94,10 +95,11 @@ void MapEdit::agent_was_told(const MapCamera& camera) {
 void MapEdit::place(const MapCamera& camera, SetId set, MapId map, const Rigid3& cam_from_world, Why why,
                     Figures figures) {
   MapCamera& c = own(camera);
-  const bool enters = c.map != map;
+  const bool anew = c.map != map || c.lost_sets > 0;
   c.map = map;
+  c.lost_sets = 0;
   set_pose(camera, set, cam_from_world);
-  if (enters) note_camera(EventKind::kCameraPlaced, c, why, figures);
+  if (anew) note_camera(EventKind::kCameraPlaced, c, why, figures);
 }
 
 void MapEdit::set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_from_world) {
@@ -105,6 +107,9 @@ void MapEdit::set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_fro
   FramePose& f = c.frames[static_cast<std::size_t>(c.frame_at(set) - c.frames.data())];
   f.map = c.map;
   f.cam_from_world = cam_from_world;
+  if (c.lost_sets > 0) {
+    note_camera(EventKind::kCameraFound, c, Why::kPoseAgain, {static_cast<double>(c.lost_sets), 0});
+  }
   c.lost_sets = 0;
 }
 
@@ -127,7 +132,7 @@ void MapEdit::leave_map(const MapCamera& camera) {
   for (auto& [id, track] : c.tracks) {
     if (track.bound()) unbind(c.id, track, Why::kCameraLeft);
   }
-  note_camera(EventKind::kCameraLeft, c, Why::kNoPose, {static_cast<double>(c.lost_sets), 0});
+  note_camera(EventKind::kCameraLeft, c, Why::kLostTooLong, {static_cast<double>(c.lost_sets), 0});
   c.map = MapId();
   c.lost_sets = 0;
 }
@@ -161,7 +166,7 @@ void MapEdit::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {
   }
   for (auto at = c.tracks.begin(); at != c.tracks.end();) {
     const bool alive = at->second.seen.back().set == set;
-    if (!alive) end_track(cf.camera, at->second);
+    if (!alive) end_track(cf.camera, at->second, Why::kImageEnded);
     at = alive ? std::next(at) : c.tracks.erase(at);
   }
   if (!cf.patches) return;
@@ -181,8 +186,9 @@ void MapEdit::let_go(CameraId camera, ServerTrack& track) {
   if (p->bound.empty()) map_.loose_.insert(p->id);
 }
 
-void MapEdit::end_track(CameraId camera, ServerTrack& track) {
-  if (track.bound()) note_track(EventKind::kTrackEnded, camera, track, Why::kImageEnded);
+void MapEdit::end_track(CameraId camera, ServerTrack& track, Why why) {
+  note_track(EventKind::kTrackEnded, camera, track, why,
+             {static_cast<double>(track.seen.back().set.value - track.seen.front().set.value + 1), 0});
   let_go(camera, track);
 }
 
@@ -220,15 +226,18 @@ void MapEdit::unbind(CameraId camera, const ServerTrack& of, Why why, Figures fi
 }
 
 int MapEdit::miss_gate(CameraId camera, const ServerTrack& track, double sigmas) {
-  if (track.gate_failures == 0) note_track(EventKind::kTrackMissed, camera, track, Why::kOutsideGate, {1, sigmas});
+  if (track.gate_failures == 0) {
+    const Why why = std::isfinite(sigmas) ? Why::kOutsideGate : Why::kBehindCamera;
+    note_track(EventKind::kTrackMissed, camera, track, why, {1, sigmas});
+  }
   return ++own(track).gate_failures;
 }
 
-void MapEdit::set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion) {
+void MapEdit::set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion, Figures figures) {
   if (track.motion == motion) return;
+  const Why why = motion < track.motion ? Why::kStaticPlace : Why::kNoStaticPlace;
   own(track).motion = motion;
-  note_track(EventKind::kTrackBecame, camera, track,
-             motion == TrackMotion::kResting ? Why::kStaticPlace : Why::kNoStaticPlace);
+  note_track(EventKind::kTrackBecame, camera, track, why, figures);
 }
 
 // ---- the whole ----

@@ -66,10 +66,11 @@ class MapEdit {
   void unbind(CameraId camera, const ServerTrack& track, Why why, Figures figures = {});
   // What was seen before this set is not used any more.
   void distrust_before(const ServerTrack& track, SetId set) { own(track).distrusted_before = set.value; }
-  // Gate failures in succession, this one included.
+  // Gate failures in succession, this one included; sigmas: how far outside, NaN behind the camera.
   int miss_gate(CameraId camera, const ServerTrack& track, double sigmas);
   void pass_gate(const ServerTrack& track) { own(track).gate_failures = 0; }
-  void set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion);
+  // figures: of the tracks around it, how many move and how many rest.
+  void set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion, Figures figures = {});
   // Mapping it is not tried before that set.
   void map_not_before(const ServerTrack& track, SetId set) { own(track).mapping_after = set.value; }
 
@@ -148,7 +149,7 @@ class MapEdit {
   void set_phase(MapPoint& point, PointPhase phase, Why why, Figures figures = {});
   void touch(MapPoint& point);
   void observe(MapPoint& point, const KeyObservation& seen);
-  void end_track(CameraId camera, ServerTrack& track);
+  void end_track(CameraId camera, ServerTrack& track, Why why);
   void let_go(CameraId camera, ServerTrack& track);
   void erase_point(PointId id);
   void move_map(MapId map, const Similarity3& new_from_old);

@@ -196,7 +196,7 @@ void MapEdit::fuse(PointId kept, PointId gone, Why why, Figures figures) {
   into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
   map_.repatched_.push_back(kept);
   into->views += from->views;
-  if (from->proven() && into->rests()) set_phase(*into, PointPhase::kStatic, why, figures);
+  if (from->proven() && into->rests()) set_phase(*into, PointPhase::kStatic, Why::kOtherWasProven);
   if (const auto moved = map_.motions_.find(gone); moved != map_.motions_.end()) {
     auto& path = map_.motions_[kept];
     path.insert(path.end(), moved->second.begin(), moved->second.end());

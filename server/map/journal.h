@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -28,8 +29,9 @@ enum class EventKind : std::uint8_t {
   kTrackEnded,
   kCameraJoined,
   kCameraPlaced,
-  kCameraLost,  // no pose, first of a succession
-  kCameraLeft,  // its map
+  kCameraLost,   // no pose, first of a succession
+  kCameraFound,  // a pose again
+  kCameraLeft,   // its map
   kMapStarted,
   kMapMerged,  // `from` became part of it
   kMapMoved,
@@ -50,6 +52,7 @@ enum class Why : std::uint8_t {
   kLooksLikeIt,
   // tracks unbound, points removed
   kOutsideGate,
+  kBehindCamera,
   kOddOneOut,
   kStray,
   kStandsStill,
@@ -69,7 +72,7 @@ enum class Why : std::uint8_t {
   kStopped,
   kNoStaticPlace,
   kStaticPlace,
-  kItsPointMoves,
+  kOtherWasProven,
   // points fused
   kOneCorner,
   kOneMover,
@@ -79,6 +82,8 @@ enum class Why : std::uint8_t {
   kStartedTogether,
   kStartedAlone,
   kNoPose,
+  kPoseAgain,
+  kLostTooLong,
   kMapsMet,
   kLoopClosed,
   kScaleKnown,
@@ -86,7 +91,8 @@ enum class Why : std::uint8_t {
 };
 inline constexpr std::size_t kWhys = static_cast<std::size_t>(Why::kAdjusted) + 1;
 
-// A reason's name in files, and a clause for people in which {a} and {b} stand for the figures.
+// A reason's name in files, and a clause for people in which {a} and {b} stand for the figures: it goes on after what
+// happened, as in "it was removed" + " " + clause.
 struct WhyText {
   std::string_view name, clause;
 };
@@ -96,6 +102,9 @@ std::string_view name_of(PointPhase phase);
 std::string_view name_of(TrackMotion motion);
 std::optional<Why> why_of(std::string_view name);
 std::optional<EventKind> kind_of(std::string_view name);
+// What `to` of such an event is; empty where it means nothing.
+std::string_view name_of_state(EventKind kind, std::uint8_t to);
+std::optional<std::uint8_t> state_of(EventKind kind, std::string_view name);
 
 using Figures = std::array<double, 2>;
 
@@ -112,7 +121,8 @@ struct Event {
   Figures figures{};
 };
 
-// Events since they were last taken. Switched off, it keeps none.
+// Events of the newest frame set, and of what happened since the one before ended: an agent may say hello between two.
+// Switched off, it keeps none.
 class Journal {
  public:
   void enable(bool on) { on_ = on; }
@@ -121,11 +131,17 @@ class Journal {
     if (on_) events_.push_back(event);
   }
   const std::vector<Event>& events() const { return events_; }
-  void clear() { events_.clear(); }
+  // Forgets what the last set had; what was noted since belongs to the one that begins.
+  void begin_set() {
+    events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(ended_));
+    ended_ = 0;
+  }
+  void end_set() { ended_ = events_.size(); }
 
  private:
   bool on_ = true;
   std::vector<Event> events_;
+  std::size_t ended_ = 0;  // of the set that ended last
 };
 
 }  // namespace coslam

@@ -314,12 +314,17 @@ void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& conf
     const auto along = [&](const Judged& j, const Judgements& movers, Verdict least) {
       return goes_along(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
     };
+    const auto neighbours = [&](const Judged& j) -> Figures {
+      const int move = around(moving, j, radius_px, radius_px).close,
+                rest = around(resting, j, radius_px, radius_px).close;
+      return {static_cast<double>(move), static_cast<double>(rest)};
+    };
     for (const Judged& j : all) {
       if (j.track->bound()) continue;
       const TrackMotion motion = along(j, moving, Verdict::kMoves)        ? TrackMotion::kMoving
                                  : along(j, doubtful, Verdict::kDoubtful) ? TrackMotion::kDoubtful
                                                                           : TrackMotion::kResting;
-      edit.set_motion(camera.id, *j.track, motion);
+      if (motion != j.track->motion) edit.set_motion(camera.id, *j.track, motion, neighbours(j));
       report->moving_tracks += j.track->moves();
     }
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -51,7 +52,7 @@ Trajectory final_trajectory(const MapCamera& camera, MapId of) {
 
 }  // namespace
 
-ResultStore::ResultStore(const std::filesystem::path& folder)
+ResultStore::ResultStore(const std::filesystem::path& folder, const EventsConfig& events)
     : folder_([&] {
         std::error_code error;
         for (const char* sub : {"trajectory", "live", "tracks"}) {
@@ -63,7 +64,8 @@ ResultStore::ResultStore(const std::filesystem::path& folder)
       }()),
       groups_(folder_.groups()),
       dynamic_(folder_.dynamic()),
-      object_rows_(folder_.objects()) {}
+      object_rows_(folder_.objects()),
+      events_(folder_.events(), events) {}
 
 void ResultStore::record(const FrameSet& set, const MapServer& server) {
   for (const CameraFrame& cf : set.frames) {
@@ -72,6 +74,8 @@ void ResultStore::record(const FrameSet& set, const MapServer& server) {
   }
   record_groups(set, server);
   record_objects(set, server);
+  events_.record(set.id, set.t_ns, server.journal(), server.map());
+  if (const auto warning = events_.take_warning()) log_warn(*warning);
 }
 
 // In the frame of the map that the agent had been told of when it took the pose: it hears of a merge later.
@@ -188,6 +192,8 @@ void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& 
   dynamic_.close();
   write_objects(paths);
   object_rows_.close();
+  events_.finish(server.journal(), server.map());
+  if (const auto warning = events_.take_warning()) log_warn(*warning);
   write_json(folder_.report(), report);
 }
 

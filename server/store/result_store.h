@@ -12,6 +12,7 @@
 #include "common/dataset/result.h"
 #include "common/dataset/trajectory.h"
 #include "server/map_server.h"
+#include "server/store/event_store.h"
 
 namespace coslam {
 
@@ -19,11 +20,12 @@ namespace coslam {
 class ResultStore {
  public:
   // Makes the folder. Throws UserError when it cannot be written.
-  explicit ResultStore(const std::filesystem::path& folder);
+  explicit ResultStore(const std::filesystem::path& folder, const EventsConfig& events = {});
 
   // After each step of the server.
   void record(const FrameSet& set, const MapServer& server);
-  // Trajectories, points and the report (see make_report). Throws UserError, e.g. for a full disk.
+  // After the server's own finish: trajectories, points and the report (see make_report). Throws UserError, e.g. for a
+  // full disk.
   void finish(const MapServer& server, const nlohmann::ordered_json& report);
 
  private:
@@ -49,6 +51,7 @@ class ResultStore {
   GroupWriter groups_;
   DynamicWriter dynamic_;
   ObjectWriter object_rows_;
+  EventStore events_;
   std::vector<SeenObject> objects_;
   std::vector<std::vector<CameraId>> last_groups_;
 };

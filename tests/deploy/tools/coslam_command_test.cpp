@@ -61,7 +61,7 @@ class CoslamCommand : public ::testing::Test {
 
 TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("--help").exit_code, 0);
-  for (const char* command : {"run", "eval", "render", "export", "status", "calibrate"}) {
+  for (const char* command : {"run", "eval", "explain", "render", "export", "status", "calibrate"}) {
     const Outcome help = coslam(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage: coslam " + std::string(command)));
@@ -70,6 +70,28 @@ TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("fly").exit_code, 2);
   EXPECT_EQ(coslam("eval").exit_code, 2);
   EXPECT_EQ(coslam("render room x --frames -1").exit_code, 2);
+}
+
+TEST_F(CoslamCommand, Explain) {
+  const std::string file = "result/events.csv", columns = "t_s,set,kind,why,map,from,point,other,camera,track,to,a,b\n";
+  const std::string event = "0.5,9,point_made,two_cameras_now,1,,3,,,,static,,0.01\n";
+  EXPECT_EQ(coslam("explain " + result() + " point 3").exit_code, 1) << "no events.csv";
+  temp_.write(file, columns + event + "3.0,90,end,run_is_over,,,,,,,,,\n");
+  const Outcome life = coslam("explain " + result() + " point 3");
+  EXPECT_EQ(life.exit_code, 0) << life.text;
+  EXPECT_THAT(life.text, HasSubstr("0.500 s  It was made, static, from two cameras at once"));
+  EXPECT_THAT(coslam("explain " + result() + " point 3 --at 2").text, HasSubstr("At 2.000 s point 3 was static"));
+  const Outcome unknown = coslam("explain " + result() + " point 4");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.text, HasSubstr("does not speak of point 4"));
+  temp_.write(file, columns + event);
+  const Outcome cut = coslam("explain " + result() + " point 3");
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_THAT(cut.text, HasSubstr("It was made"));
+  EXPECT_THAT(cut.text, HasSubstr("events.csv has no end"));
+  for (const char* wrong :
+       {"", " point", " wall 3", " point three", " track 3", " point 3 --at soon", " point 3 --at -1"})
+    EXPECT_EQ(coslam("explain " + result() + wrong).exit_code, 2) << wrong;
 }
 
 TEST_F(CoslamCommand, Eval) {

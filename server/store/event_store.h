@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/dataset/event_file.h"
+#include "server/map/journal.h"
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct EventsConfig {
+  bool enabled = true;
+  double most_mb = 256;
+};
+
+template <class V>
+void describe(V& v, EventsConfig& c) {
+  v.field("enabled", c.enabled, "write events.csv, what coslam explain reads");
+  v.field("most_mb", c.most_mb, {0.001, 100000}, "of it; what happens after that is not kept");
+}
+
+// Writes the journal to events.csv, set by set, up to its bound.
+class EventStore {
+ public:
+  // Begins the file, or removes that of a run before when it is not to be written. Throws UserError.
+  EventStore(const std::filesystem::path& file, const EventsConfig& config);
+
+  // Events of one frame set; those noted before it began are dated with it.
+  void record(SetId set, TimeNs t_ns, const Journal& journal, const Map& map);
+  // The rest. Throws UserError when something could not be written.
+  void finish(const Journal& journal, const Map& map);
+
+  // A sentence for the log, once, when the bound was reached.
+  std::optional<std::string> take_warning();
+
+ private:
+  void write(const Event& event, const Map& map);
+  void end(std::string_view why);
+
+  EventsConfig config_;
+  std::optional<EventWriter> writer_;
+  SetId set_;
+  TimeNs t_ns_ = 0;
+  bool ended_ = false;
+  std::optional<std::string> warning_;
+};
+
+}  // namespace coslam
