@@ -55,7 +55,7 @@ MAY_INCLUDE = {
     "server/create": [*MODEL, *SERVER_ADJUST],
     "server/correct": [*MODEL, *SERVER_CORE],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
-    "server/store": [*FILES, *SERVER_CORE],
+    "server/observe": [*FILES, *SERVER_CORE],
     "server": ["common", "server"],
     "deploy/scene": FILES,
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
@@ -94,7 +94,7 @@ EXCEPTIONS = {
     ("server/link/admission.cpp", "idl/coslam.h"): "bounds of the wire contract",
     ("common/base/time.h", "chrono"): "durations only",
     ("server/pipeline/pipeline.h", "common/base/metrics.h"): "the one place where stages are timed",
-    ("server/store/result_store.h", "server/map_server.h"): "what a result is made of",
+    ("server/observe/result_store.h", "server/map_server.h"): "what a result is made of",
     ("common/base/log.h", "chrono"): "one log line a second; the core does not include it",
     ("common/base/log.cpp", "spdlog/spdlog.h"): "the one place that knows the logging library",
     ("common/base/log.cpp", "spdlog/sinks/stdout_color_sinks.h"): "the same",

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "server/map_pipeline.h"
-#include "server/store/event_store.h"
+#include "server/observe/event_store.h"
 #include "server/sync/frame_set_sync.h"
 
 // The keys of server.yaml below `server` (see common/config/config.h). Each is described beside its struct, with unit

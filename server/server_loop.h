@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "server/link/server_link.h"
+#include "server/observe/result_store.h"
 #include "server/refiner.h"
 #include "server/server_config.h"
-#include "server/store/result_store.h"
 
 namespace coslam {
 

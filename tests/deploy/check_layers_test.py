@@ -43,7 +43,7 @@ class CheckLayers(unittest.TestCase):
     def test_libraries_stay_in_their_folders(self) -> None:
         self.assert_breach("server/link/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", "DDS")
         self.assert_breach("server/link/a.cpp", '#include "framePubSubTypes.h"', "DDS")
-        self.assert_breach("server/store/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
+        self.assert_breach("server/observe/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
         self.assert_breach("agent/pose/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
         self.assert_breach("server/motion/a.cpp", "#include <ceres/ceres.h>", "solver")
         self.assert_breach("server/map/a.cpp", "#include <cholmod.h>", "solver")

@@ -10,7 +10,6 @@
 namespace coslam::test {
 namespace {
 
-
 AgentConfig agent_config(const TrackingConfig& tracking) {
   AgentConfig config;
   config.tracker.max_tracks = tracking.max_tracks;

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "deploy/tools/explain/life.h"
-#include "server/store/result_store.h"
+#include "server/observe/result_store.h"
 #include "tests/support/sim_run.h"
 #include "tests/support/temp_folder.h"
 

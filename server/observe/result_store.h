@@ -12,7 +12,7 @@
 #include "common/dataset/result.h"
 #include "common/dataset/trajectory.h"
 #include "server/map_server.h"
-#include "server/store/event_store.h"
+#include "server/observe/event_store.h"
 
 namespace coslam {
 

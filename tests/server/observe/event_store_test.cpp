@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/store/event_store.h"
+#include "server/observe/event_store.h"
 
 #include <gmock/gmock.h>
 

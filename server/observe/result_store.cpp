@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/store/result_store.h"
+#include "server/observe/result_store.h"
 
 #include <algorithm>
 #include <set>
