@@ -118,6 +118,34 @@ bool seen_by(const MapPoint& point, CameraId camera) {
   return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
 }
 
+Map::Map(const Map& o)
+    : config_(o.config_),
+      cameras_(o.cameras_),
+      points_(o.points_),
+      motions_(o.motions_),
+      key_frames_(o.key_frames_),
+      key_images_(o.key_images_),
+      loose_(o.loose_),
+      observed_at_(o.observed_at_),
+      repatched_(o.repatched_),
+      next_point_(o.next_point_),
+      next_map_(o.next_map_),
+      epoch_(o.epoch_),
+      now_(o.now_),
+      now_ns_(o.now_ns_) {
+  // What points to points, points to the copies.
+  for (auto& [id, p] : points_) {
+    index_[id] = &p;
+    if (o.moving_.contains(id)) moving_.emplace(id, &p);
+    if (o.recent_.contains(id)) recent_.emplace(id, &p);
+  }
+}
+
+Map& Map::operator=(const Map& other) {
+  if (this != &other) *this = Map(other);
+  return *this;
+}
+
 const MapPoint* Map::find(PointId id) const {
   const auto at = index_.find(id);
   return at == index_.end() ? nullptr : at->second;

@@ -183,6 +183,11 @@ struct MapConfig {
 class Map {
  public:
   explicit Map(const MapConfig& config) : config_(config) {}
+  Map(const Map& other);
+  Map& operator=(const Map& other);
+  Map(Map&&) = default;
+  Map& operator=(Map&&) = default;
+  ~Map() = default;
 
   const MapConfig& config() const { return config_; }
   const std::vector<MapCamera>& cameras() const { return cameras_; }

@@ -85,6 +85,7 @@ void SimRun::step(int sets) {
     }
     exchange_refinement();
     last_patches_ = server_.step(set);
+    last_set_ = set;
     for (std::size_t k = 0; k < set.frames.size(); ++k) {
       slots_[set.frames[k].camera.value].agent->give(last_patches_[k]);
     }

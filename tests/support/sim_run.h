@@ -89,6 +89,7 @@ class SimRun {
   const Map& map() const { return server_.map(); }
   SimAgent& agent(CameraId camera) { return *slots_[camera.value].agent; }
   const std::vector<MapPatch>& last_patches() const { return last_patches_; }
+  const FrameSet& last_set() const { return last_set_; }
   // Truth of any frame of any run of this camera.
   Rigid3 truth(CameraId camera, TimeNs t_ns) const { return slots_[camera.value].agent->tracker().truth(t_ns); }
   // World point behind a map point; -1 when no track of the present runs tells.
@@ -120,6 +121,7 @@ class SimRun {
   std::uint32_t next_set_ = 0;
   std::optional<Refiner> refiner_;
   std::vector<MapPatch> last_patches_;
+  FrameSet last_set_;
 };
 
 }  // namespace coslam::test

@@ -51,6 +51,14 @@ TEST_F(StartTest, TogetherFromOneInstant) {
   EXPECT_EQ(step(true).started, 0) << "once";
 }
 
+TEST_F(StartTest, EarlierFramesAreLocalisedAsConfigured) {
+  for (int i = 0; i < 5; ++i) step(false);
+  sim_.ingest(false, true);
+  const LocaliseConfig never{.min_inliers = 100'000};
+  ASSERT_EQ(start(sim_.edit, sim_.set, config_, never, {}).started, 1);
+  EXPECT_EQ(fit_of(sim_, camera(0).map).poses, 3) << "only those of the start itself";
+}
+
 TEST_F(StartTest, SaysWhyNot) {
   test::SimMap blind(
       world_, {test::still_path(test::looking({-3, 0, 4}, -1.2)), test::still_path(test::looking({3, 0, 4}, 1.2))});
@@ -81,6 +89,20 @@ TEST_F(StartAlone, FromItsOwnMotion) {
   EXPECT_LT(fit.worst_pose_rad, 0.01);
   EXPECT_LT(fit.median_point_m, 0.25);
   EXPECT_GE(sim_.map.key_frames().size(), 2U);
+}
+
+TEST_F(StartAlone, IsAdjustedAsConfigured) {
+  const auto path_with = [&](const RefineConfig& refine) {
+    test::SimMap sim(world_, {test::paths_side_by_side(1)[0]});
+    bool started = false;
+    for (int i = 0; i < 40 && !started; ++i) {
+      sim.ingest();
+      started = start(sim.edit, sim.set, config_, {}, refine).started == 1;
+    }
+    EXPECT_TRUE(started);
+    return sim.map.cameras()[0].frames.back().cam_from_world.center();
+  };
+  EXPECT_NE(path_with({.final_iterations = 1}), path_with({.final_iterations = 40}));
 }
 
 TEST_F(StartAlone, NotWhileItHovers) {
