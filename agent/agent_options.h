@@ -5,6 +5,7 @@
 #include <string>
 
 #include "agent/agent_config.h"
+#include "agent/capture/source.h"
 #include "common/wire/wire_options.h"
 
 namespace coslam {

@@ -62,7 +62,7 @@ void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::st
 void MapServer::finish() {
   const auto timer = report_.times.measure("finish");
   edit_.journal().begin_set();
-  pipeline_.stage<TakeAdjustment>().run(edit_);
+  pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
   adjust_whole(edit_, largest_map(), refine);

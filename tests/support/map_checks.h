@@ -8,9 +8,16 @@
 #include <tuple>
 #include <vector>
 
+#include "server/map/journal.h"
 #include "server/map/map.h"
 
 namespace coslam::test {
+
+// What it noted so far is of a set that is over.
+inline void forget(Journal& journal) {
+  journal.end_set();
+  journal.begin_set();
+}
 
 inline auto key_of(const KeyObservation& o) { return std::tie(o.set, o.camera, o.track); }
 

@@ -45,7 +45,7 @@ TEST(PrintConfig, Agent) {
   EXPECT_THAT(all, StartsWith("# All keys of coslam-agent"));
   EXPECT_THAT(all, HasSubstr("rate: \"2\"  # "));
   EXPECT_THAT(all, HasSubstr("start_s: 0.1  # "));
-  EXPECT_THAT(all, HasSubstr("    max_tracks: 200  # features followed at once (20 to 4000)\n"));
+  EXPECT_THAT(all, HasSubstr("    max_tracks: 200  # features followed at once (20 to 1024)\n"));
   EXPECT_EQ(printed("coslam-agent", {"--config", folder.write("all.yaml", all).string()}), all);
 }
 

@@ -190,6 +190,16 @@ TEST_F(OnePairMoving, IsRefusedWhenItWasNotOnTheLineBefore) {
   EXPECT_TRUE(again_->map.moving_points().empty());
 }
 
+TEST_F(OnePairMoving, IsRefusedWhenItWasElsewhereOnce) {
+  const TimeNs once_ns = sim_.set.t_ns - 4 * test::kPeriodNs;
+  const MapMovingReport report = join([&](CameraId c, TimeNs t_ns) {
+    const Eigen::Vector3d off_m(0, c == kCam1 && t_ns == once_ns ? 0.2 : 0, 0);
+    return Eigen::Vector3d(truth(t_ns) + off_m);
+  });
+  EXPECT_EQ(report.pairs.matched, 1);
+  EXPECT_EQ(report.joined, 0);
+}
+
 TEST_F(OnePairMoving, IsRefusedFarInDepthFromWhatMovesBesideIt) {
   const auto near = [&](CameraId, TimeNs t_ns) { return nearer(0.75, t_ns); };
   EXPECT_EQ(join(near).joined, 1) << "with nothing beside it";

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "server/map/journal.h"
+#include "tests/support/map_checks.h"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +77,7 @@ TEST(Journal, KeepsWhatHappenedUntilItIsCleared) {
   ASSERT_EQ(journal.events().size(), 2U);
   EXPECT_EQ(journal.events()[1].set, SetId(4));
   EXPECT_EQ(journal.events()[1].figures[0], 2);
-  journal.clear();
+  test::forget(journal);
   EXPECT_TRUE(journal.events().empty());
 }
 

@@ -22,7 +22,7 @@ class RandomEdits {
  public:
   explicit RandomEdits(unsigned seed, bool journal)
       : random_(seed), sim_(world_, test::paths_side_by_side(3), {.ends = 0.05}, {.active_frames = 12}) {
-    sim_.edit.journal().clear();
+    test::forget(sim_.edit.journal());
     sim_.edit.journal().enable(journal);
   }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/map/edit.h"
+#include "tests/support/map_checks.h"
 #include "tests/support/sim_map.h"
 
 // The two machines of the map, one transition after the other.
@@ -36,7 +37,7 @@ class States : public testing::Test {
   }
   const MapPoint& point_in(PointPhase phase) {
     const MapPoint& p = sim_.add_point(shared_, 0.01, Eigen::Vector3d::Zero(), phase);
-    sim_.edit.journal().clear();
+    test::forget(sim_.edit.journal());
     return p;
   }
   const ServerTrack& track(CameraId camera) { return *sim_.track_of(camera, shared_); }
@@ -47,7 +48,7 @@ class States : public testing::Test {
       if (e.kind == kind) found.push_back(e);
     }
     EXPECT_EQ(found.size(), 1U);
-    sim_.edit.journal().clear();
+    test::forget(sim_.edit.journal());
     return found.empty() ? Event{} : found.front();
   }
   void expect_became(const MapPoint& p, PointPhase phase, Why why, double figure) {
@@ -72,7 +73,7 @@ class States : public testing::Test {
 
 TEST_F(States, APointIsMadeInAnyPhase) {
   for (const PointPhase phase : {kTrial, kStatic, kMoving}) {
-    sim_.edit.journal().clear();
+    test::forget(sim_.edit.journal());
     const MapPoint& p = sim_.edit.create_point(sim_.id, {0, 0, 5}, Eigen::Matrix3d::Identity(), phase,
                                                Why::kOneCamerasMotion, {30, 0.1});
     EXPECT_EQ(p.phase, phase);
@@ -123,7 +124,7 @@ TEST_F(States, StaticToTrialWhenItsMapIsNew) {
   const MapPoint& p = point_in(kStatic);
   const MapId other = sim_.edit.new_map(Why::kStartedAlone, 1);
   const MapPoint& elsewhere = sim_.create(other, {0, 0, 5});
-  sim_.edit.journal().clear();
+  test::forget(sim_.edit.journal());
   sim_.edit.put_on_trial(sim_.id, Why::kMapIsNew);
   expect_became(p, kTrial, Why::kMapIsNew, 0);
   EXPECT_TRUE(elsewhere.proven()) << "another map";
@@ -135,7 +136,7 @@ TEST_F(States, MovingToTrialTrustsTheLastFramesAlone) {
   const MapPoint& p = point_in(kMoving);
   sim_.edit.see(p);
   sim_.edit.miss_gate(kCam0, track(kCam0), 4);
-  sim_.edit.journal().clear();
+  test::forget(sim_.edit.journal());
   sim_.edit.stop_moving(p, 2);
   expect_became(p, kTrial, Why::kStopped, 2);
   EXPECT_EQ(p.views, 0U) << "the trial begins";
@@ -158,11 +159,12 @@ TEST_F(States, WhatStoppedBeforeItsTracksWereSoOldTrustsThemWhole) {
 TEST_F(States, FusingProvesWhatIsOnTrialByWhatIsStatic) {
   const MapPoint& kept = point_in(kTrial);
   const MapPoint& proven = sim_.create(kept.position);
-  sim_.edit.journal().clear();
+  test::forget(sim_.edit.journal());
   sim_.edit.fuse(kept.id, proven.id, Why::kOneCorner, {0.5, 0.9});
-  const Event became = sim_.edit.journal().events().front();
-  EXPECT_EQ(became.figures, (Figures{0.5, 0.9}));
-  expect_became(kept, kStatic, Why::kOneCorner, 0.5);
+  const Event fused = sim_.edit.journal().events().back();
+  EXPECT_EQ(fused.kind, EventKind::kPointFused);
+  EXPECT_EQ(fused.figures, (Figures{0.5, 0.9}));
+  expect_became(kept, kStatic, Why::kOtherWasProven, 0);
 }
 
 TEST_F(States, FusingStopsNothingThatMoves) {
@@ -194,10 +196,10 @@ TEST_F(States, MotionsOfATrackAreNotedOnce) {
     sim_.edit.set_motion(kCam0, track(kCam0), to);
     EXPECT_TRUE(sim_.edit.journal().events().empty()) << "the same again";
   };
-  sim_.edit.journal().clear();
+  test::forget(sim_.edit.journal());
   expect_becomes(kDoubtful, Why::kNoStaticPlace);
   expect_becomes(kMoving, Why::kNoStaticPlace);
-  expect_becomes(kDoubtful, Why::kNoStaticPlace);
+  expect_becomes(kDoubtful, Why::kStaticPlace);
   expect_becomes(kResting, Why::kStaticPlace);
   expect_becomes(kMoving, Why::kNoStaticPlace);
   expect_becomes(kResting, Why::kStaticPlace);

@@ -266,12 +266,19 @@ TEST_F(ClassifyTest, TracksOfABodyThatStopsRestAgain) {
   EXPECT_GT(of_body(TrackMotion::kResting, &all), 0.8 * all);
 }
 
-class ClassifyWithOneMover : public ClassifyTest {
+class ClassifyWithOneMover : public ClassifyTest, public testing::WithParamInterface<bool> {
  protected:
   ClassifyWithOneMover() : ClassifyTest(2, 1) {}
 };
+INSTANTIATE_TEST_SUITE_P(Rooms, ClassifyWithOneMover, testing::Bool());
 
-TEST_F(ClassifyWithOneMover, WithoutNeighboursATrackIsNotBelieved) {
+TEST_P(ClassifyWithOneMover, WithoutNeighboursATrackIsNotBelieved) {
+  const bool room_is_mapped_there = GetParam();
+  const Eigen::Vector2f there = sim_.track_of(kCam0, followed(kStatic))->seen.back().undistorted_px;
+  for (const auto& [id, t] : sim_.map.camera(kCam0).tracks) {
+    if (room_is_mapped_there || !t.bound() || (t.seen.back().undistorted_px - there).norm() > 150) continue;
+    sim_.edit.remove_point(*sim_.map.find(t.point), Why::kTooFewViews);
+  }
   for (int i = 0; i < 40; ++i) {
     step();
     EXPECT_EQ(of_body(TrackMotion::kMoving) + of_body(TrackMotion::kDoubtful), 0);
