@@ -177,17 +177,21 @@ void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, 
   edit.carry_agent(camera, {1.0, new_from_old.rotation, new_from_old.translation});
 }
 
+bool moves(const RefineJob& job, std::size_t pose) { return !job.problem.poses[pose].fixed || job.floating; }
+
+// The key frames that move come first, ascending: what is before stays, however old the poses are that hold them.
+SetId first_that_moves(const RefineJob& job) { return job.poses.front().set; }
+
 void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   const Map& map = edit.map();
   std::vector<std::vector<Change>> changes(map.cameras().size());
   for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    if (!moves(job, i)) continue;
     const Rigid3& before = job.problem.poses[i].cam_from_world;
     changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
   }
   // Frames between the newest key frame that stays and the first that moves lead from the one to the other.
-  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
-                        return a.set < b.set;
-                      })->set;
+  const SetId first = first_that_moves(job);
   const auto& keys = map.key_frames();
   const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
                                    [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
@@ -233,15 +237,14 @@ void move_point(MapEdit& edit, const MapPoint& p, const Eigen::Vector3d& positio
 void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   const Map& map = edit.map();
   const std::set<PointId> solved(job.points.begin(), job.points.end());
-  const SetId first = std::min_element(job.poses.begin(), job.poses.end(), [](const auto& a, const auto& b) {
-                        return a.set < b.set;
-                      })->set;
+  const SetId first = first_that_moves(job);
   for (const MapPoint* p : map.points_seen_since(first)) {
-    if (p->map == job.map && !solved.contains(p->id)) retriangulate(edit, *p);
+    if (p->map == job.map && p->rests() && !solved.contains(p->id)) retriangulate(edit, *p);
   }
   for (std::size_t i = 0; i < job.points.size(); ++i) {
     const MapPoint* p = map.find(job.points[i]);
-    if (p != nullptr && p->map == job.map) move_point(edit, *p, result.points[i]);
+    // One that was found to move meanwhile is where its cameras see it now.
+    if (p != nullptr && p->map == job.map && p->rests()) move_point(edit, *p, result.points[i]);
   }
 }
 

@@ -228,6 +228,41 @@ TEST_F(RefineTest, AnUnusableSolutionIsDropped) {
   EXPECT_FALSE(apply_refine(sim_.edit, job, solved).applied);
 }
 
+TEST_F(RefineTest, WhatWasFoundToMoveMeanwhileIsLeftAlone) {
+  const RefineJob job = plan();
+  const MapPoint& p = *sim_.map.find(job.points.front());
+  const Eigen::Vector3d there = p.position + Eigen::Vector3d(0.1, 0, 0);
+  sim_.edit.start_moving(p, there, p.covariance, Why::kSeenElsewhere);
+  apply_refine(sim_.edit, job, solve_refine(job));
+  const MapPoint* after = sim_.map.find(job.points.front());
+  ASSERT_NE(after, nullptr) << "it has no key observations any more, but tracks";
+  EXPECT_EQ(after->position, there);
+}
+
+TEST_F(RefineTest, PosesThatOnlyHoldStayToTheBit) {
+  const RefineJob job = plan();
+  std::vector<Rigid3> before;
+  SetId first_free = sim_.set.id;
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    if (!job.problem.poses[i].fixed) first_free = std::min(first_free, job.poses[i].set);
+  }
+  for (const MapCamera& c : sim_.map.cameras()) {
+    for (const FramePose& f : c.frames) before.push_back(f.cam_from_world);
+  }
+  apply_refine(sim_.edit, job, solve_refine(job));
+  std::size_t k = 0;
+  int stayed = 0;
+  for (const MapCamera& c : sim_.map.cameras()) {
+    for (const FramePose& f : c.frames) {
+      const Rigid3& was = before[k++];
+      if (f.set.value + kKeyEvery > first_free.value) continue;
+      EXPECT_EQ(f.cam_from_world.translation, was.translation);
+      ++stayed;
+    }
+  }
+  EXPECT_GT(stayed, 30);
+}
+
 TEST_F(RefineTest, WhatWasRemovedMeanwhileStaysRemoved) {
   const RefineJob job = plan();
   const BundleResult solved = solve_refine(job);
