@@ -10,7 +10,6 @@
 #include "server/associate/register.h"
 #include "server/correct/correct.h"
 #include "server/correct/moving_writer.h"
-#include "server/covisibility/census.h"
 #include "server/covisibility/group.h"
 #include "server/create/moving.h"
 #include "server/create/one_camera.h"
@@ -42,7 +41,6 @@ using MapPipeline = Pipeline<   //
     MapInter,                   // new points from two cameras at once
     MapMoving,                  // new moving points
     Fuse,                       // points that two cameras made of one corner
-    Census,                     // how many points were seen lately
     Cull,                       // points that turned out to be false
     Scale,                      // metres, where something tells them
     ObjectFinder,               // which moving points move as one
