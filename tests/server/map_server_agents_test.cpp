@@ -32,7 +32,7 @@ class Agents : public testing::Test {
   void add(int count) {
     for (const auto& path : test::paths_side_by_side(count)) run_.add_agent(path);
   }
-  void expect_good(double most = 0.01) {
+  void expect_good(double most = 0.0014) {
     const test::PathError error = run_.path_error();
     EXPECT_LT(error.ate, most * error.path_m);
   }
@@ -196,7 +196,7 @@ TEST_P(AgentsApartWorlds, MapsOfTheirOwnBecomeOne) {
   EXPECT_TRUE(tracked(run, 1));
   const test::PathError error = run.path_error();
   EXPECT_GE(error.frames, 0.95 * error.all_frames) << "and their past with them";
-  EXPECT_LT(error.ate, 0.015 * error.path_m);
+  EXPECT_LT(error.ate, 0.0017 * error.path_m);
 }
 
 // The merge moves an agent's world under it: the pose that it publishes next is the one before, moved by the correction

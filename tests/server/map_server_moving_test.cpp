@@ -81,14 +81,14 @@ TEST_P(MovingWorld, WhatMovesIsKnownAndFollowed) {
     errors.insert(errors.end(), now.begin(), now.end());
   }
   EXPECT_GT(called.dynamic_moving, 10000);
-  EXPECT_GT(called.precision(), 0.95);
-  EXPECT_GT(called.recall(), 0.90);
-  EXPECT_LT(called.false_alarms(), 0.01);
+  EXPECT_GT(called.precision(), 0.99);
+  EXPECT_GT(called.recall(), 0.96);
+  EXPECT_LT(called.false_alarms(), 0.0002);
   EXPECT_GT(errors.size(), 5000U);
   EXPECT_LT(test::median(errors), 0.02);
   const test::PathError path = run.path_error();
   EXPECT_EQ(path.frames, path.all_frames);
-  EXPECT_LT(path.ate, 0.003 * path.path_m);
+  EXPECT_LT(path.ate, 0.0013 * path.path_m);
   for (const MapCamera& c : run.map().cameras()) EXPECT_EQ(c.clock_offset_ns, 0);
 }
 
