@@ -116,7 +116,7 @@ std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, con
 std::optional<TriangulationResult> one_mover(const Map& map, const PairView& view, const Feature& a, const Feature& b,
                                              const PairMatchConfig& match, const MapMovingConfig& config) {
   const ServerTrack &in_a = *a.track, &in_b = *b.track;
-  const auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, match.min_parallax_rad);
+  auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, match.min_parallax_rad);
   if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
   const double distance = (now->position - view.first_pose.center()).norm();
   if (std::sqrt(now->covariance.trace()) > match.max_relative_sigma * distance) return std::nullopt;

@@ -58,12 +58,12 @@ class MapEdit {
   // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
   void ingest(const FrameSet& set);
   // Binds a track to a point, with its observations at key frames so far and its patch.
-  void bind(const MapPoint& point, CameraId camera, const ServerTrack& track, Why why, Figures figures = {});
+  void bind(const MapPoint& to, CameraId camera, const ServerTrack& of, Why why, Figures figures = {});
   // The same for a moving point, which lies offset_px from the track in the image. Its views so far say nothing about
   // where it is now.
   void bind_moving(const MapPoint& point, CameraId camera, const ServerTrack& track, const Eigen::Vector2f& offset_px,
                    Why why, Figures figures = {});
-  void unbind(CameraId camera, const ServerTrack& track, Why why, Figures figures = {});
+  void unbind(CameraId camera, const ServerTrack& of, Why why, Figures figures = {});
   // What was seen before this set is not used any more.
   void distrust_before(const ServerTrack& track, SetId set) { own(track).distrusted_before = set.value; }
   // Gate failures in succession, this one included; sigmas: how far outside, NaN behind the camera.
@@ -85,15 +85,15 @@ class MapEdit {
   void move_point(const MapPoint& point, const Eigen::Vector3d& position);
   void transform_point(const MapPoint& point, const Similarity3& new_from_old);
   // Its observations so far are of a place that it left.
-  void forget_past(const MapPoint& point);
+  void forget_past(const MapPoint& of);
   // A track of it was inside the gate.
-  void see(const MapPoint& point);
+  void see(const MapPoint& of);
   // It is in use, whether or not it was seen.
   void keep_recent(const MapPoint& point);
   // Where a moving point is now, by views of this instant.
   void follow(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance);
   // The direction from which the filter saw it last.
-  void note_ray(const MapPoint& point, CameraId camera, const Eigen::Vector3d& ray_in_world);
+  void note_ray(const MapPoint& of, CameraId camera, const Eigen::Vector3d& ray_in_world);
   void prove(const MapPoint& point);
   // All static points of a map have to stand still for a while before anything rests on them.
   void put_on_trial(MapId map, Why why);
@@ -101,7 +101,7 @@ class MapEdit {
   void start_moving(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, Why why,
                     Figures figures = {});
   // It stood in the last `frames` of its tracks, which alone still count. It may go on, so it is on trial.
-  void stop_moving(const MapPoint& point, int frames);
+  void stop_moving(const MapPoint& of, int frames);
   // The track's patch becomes one of the point's.
   void give_patch(const MapPoint& point, CameraId camera, const ServerTrack& track);
   // Only the newest stay.
@@ -153,7 +153,7 @@ class MapEdit {
   void let_go(CameraId camera, ServerTrack& track);
   void erase_point(PointId id);
   void move_map(MapId map, const Similarity3& new_from_old);
-  void take_tracks(MapCamera& camera, const CameraFrame& frame, SetId set);
+  void take_tracks(MapCamera& c, const CameraFrame& cf, SetId set);
 
   Map map_;
   Journal journal_;
