@@ -53,16 +53,13 @@ void FollowedPaths::look_back(const Map& map, const MapPoint& point, TimeNs sinc
     MotionSample sample{.set = at.set, .t_ns = dated_by.taken_ns(*f)};
     std::vector<Seen> seen;
     for (const BoundTrack& b : point.bound) {
-      const std::vector<TrackPoint>& points = track(b).seen;
-      const auto same = std::lower_bound(points.begin(), points.end(), at.set,
-                                         [](const TrackPoint& p, SetId set) { return p.set < set; });
-      if (same == points.end() || same->set != at.set) continue;
+      const auto i = track(b).index_at(at.set);
+      if (!i) continue;
       const MapCamera& c = map.camera(b.camera);
-      const auto i = static_cast<std::size_t>(same - points.begin());
-      const auto view = view_at(c, track(b), i, sample.t_ns);
+      const auto view = view_at(c, track(b), *i, sample.t_ns);
       if (!view) continue;
       seen.push_back({b, *view});
-      sample.seen.push_back(sighting(c, track(b), i));
+      sample.seen.push_back(sighting(c, track(b), *i));
     }
     const auto position = position_of(map, seen, kMovingParallax_rad);
     const auto anchor = position ? anchor_of(map, point.map, sample, position->position) : std::nullopt;
