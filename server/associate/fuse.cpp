@@ -7,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
 #include "server/associate/track_grid.h"
 
@@ -52,11 +53,9 @@ void collect(const Map& map, const MapCamera& camera, const std::vector<const Ma
   }
 }
 
-// Seen at once by one camera, so they are two things.
+// Seen at once by one camera, now or at a key frame, so they are two things.
 bool seen_apart(const MapPoint& p, const MapPoint& q) {
-  for (const BoundTrack& b : p.bound) {
-    if (seen_by(q, b.camera)) return true;
-  }
+  if (seen_at_once(p, q)) return true;
   auto a = p.key_observations.begin(), b = q.key_observations.begin();
   while (a != p.key_observations.end() && b != q.key_observations.end()) {
     const auto ka = std::tie(a->set, a->camera), kb = std::tie(b->set, b->camera);
@@ -76,13 +75,16 @@ void add_views(const Map& map, const MapPoint& p, std::size_t check_back, std::v
 }
 
 // The one position of both, if it explains all their views.
-std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double most_px,
+std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double sigma_px,
                                               std::size_t check_back) {
+  constexpr double kWorst = 1.5;  // of many views, over the gate of one
   std::vector<View> views;
   add_views(map, p, check_back, &views);
   add_views(map, q, check_back, &views);
   const TriangulationResult t = triangulate(views, 1.0, 0.0);
-  if (t.status != TriangulationStatus::kOk || t.max_error_px > most_px) return std::nullopt;
+  const PointEstimate one{t.position, Eigen::Matrix3d::Zero()};
+  if (t.status != TriangulationStatus::kOk || !explains(one, views, sigma_px, kWorst * map.config().theta))
+    return std::nullopt;
   return t.position;
 }
 
@@ -105,10 +107,9 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& con
     const auto cut_at = camera.frame_at(c.track->patch_set);
     if (cut_at == nullptr || cut_at->map != p->map) continue;
     const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
-    if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
-    // The worst of many views: half as much again as the gate of one.
-    const double most_px = 1.5 * map.config().theta * map.gate_sigma_px(camera);
-    const auto position = joint_position(map, *p, *q, most_px, static_cast<std::size_t>(config.check_back));
+    if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
+    const auto position =
+        joint_position(map, *p, *q, map.gate_sigma_px(camera), static_cast<std::size_t>(config.check_back));
     if (!position) continue;
     if (p->id > q->id) std::swap(p, q);
     edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});

@@ -7,15 +7,13 @@
 namespace coslam {
 
 struct FuseConfig {
-  int period = 5;         // frame sets between runs
-  double zncc_min = 0.7;  // between a patch of one point and the track's of the other
-  int check_back = 60;    // frames of each track in which the fused point must fit
+  int period = 5;       // frame sets between runs
+  int check_back = 60;  // frames of each track in which the fused point must fit
 };
 
 template <class V>
 void describe(V& v, FuseConfig& c) {
   v.field("period", c.period, {1, 1000}, "frame sets between runs");
-  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
   v.field("check_back", c.check_back, {1, 1000}, "frames of each track in which the fused point must fit");
 }
 

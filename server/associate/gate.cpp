@@ -8,14 +8,33 @@
 
 namespace coslam {
 
-std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
-                                     const Eigen::Vector2d& undistorted_px, double sigma_px) {
+std::optional<double> gate_distance2(const PointEstimate& point, const CameraModel& camera,
+                                     const Rigid3& cam_from_world, const Eigen::Vector2d& undistorted_px,
+                                     double sigma_px) {
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
   if (!project_world(camera, cam_from_world, point.position, &px, &j)) return std::nullopt;
   const Eigen::Matrix2d s = j * point.covariance * j.transpose() + sigma_px * sigma_px * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d r = undistorted_px - px;
   return r.dot(s.inverse() * r);
+}
+
+bool explains(const PointEstimate& point, const std::vector<View>& past, double sigma_px, double theta) {
+  return !past.empty() && std::ranges::all_of(past, [&](const View& v) {
+    const auto d2 = gate_distance2(point, *v.camera, v.cam_from_world, v.undistorted_px, sigma_px);
+    return d2 && *d2 <= theta * theta;
+  });
+}
+
+std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most) {
+  std::vector<View> views;
+  for (std::size_t i = track.seen.size(); i-- > 0 && views.size() < most;) {
+    if (track.seen[i].set.value < track.distrusted_before) break;
+    const FramePose* f = camera.frame_at(track.seen[i].set);
+    if (f == nullptr || f->map != camera.map) continue;
+    views.push_back({&camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>()});
+  }
+  return views;
 }
 
 PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
@@ -75,11 +94,11 @@ void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
 
 // Squared Mahalanobis distance; empty for a point behind the camera.
 void miss(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
-          std::optional<double> distance2, const VerifyConfig& config, bool leave_moved, VerifyReport* report) {
+          std::optional<double> distance2, bool leave_moved, VerifyReport* report) {
   ++report->outside;
   const double sigmas = distance2 ? std::sqrt(*distance2) : std::nan("");
   const int failures = edit.miss_gate(camera.id, track, sigmas);
-  if (failures < config.failures) return;
+  if (failures < edit.map().config().failures) return;
   if (leave_moved && elsewhere_for_others(edit.map(), point, camera.id)) return;
   edit.distrust_before(track, set.id);
   edit.unbind(camera.id, track, distance2 ? Why::kOutsideGate : Why::kBehindCamera,
@@ -103,12 +122,13 @@ VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& conf
       const MapPoint* point = map.find(track.point);
       if (point == nullptr || !point->rests()) continue;
       const Eigen::Vector2d px = track.seen.back().undistorted_px.cast<double>();
-      const auto d2 = gate_distance2(*point, camera.model, frame.cam_from_world, px, gate_px);
+      const auto d2 =
+          gate_distance2({point->position, point->covariance}, camera.model, frame.cam_from_world, px, gate_px);
       if (d2 && *d2 <= theta2) {
         pass(edit, set, camera, track, *point, config, &report);
         proven += point->proven();
       } else {
-        miss(edit, set, camera, track, *point, d2, config, leave_moved, &report);
+        miss(edit, set, camera, track, *point, d2, leave_moved, &report);
       }
     }
     edit.set_sparse(camera, proven < config.sparse_points);

@@ -7,7 +7,6 @@
 namespace coslam {
 
 struct VerifyConfig {
-  int failures = 3;               // gate failures in succession that unbind a track
   int prove_views = 20;           // frames inside the gate that prove a point of one camera; of several: half
   int sparse_points = 60;         // a camera that sees fewer proven points relies on the others too
   double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
@@ -15,7 +14,6 @@ struct VerifyConfig {
 
 template <class V>
 void describe(V& v, VerifyConfig& c) {
-  v.field("failures", c.failures, {1, 100}, "gate failures in succession that unbind a track");
   v.field("prove_views", c.prove_views, {1, 1000}, "frames inside the gate that prove a point of one camera");
   v.field("sparse_points", c.sparse_points, {0, 1000}, "a camera with fewer proven points relies on the others too");
   v.field("update_turn_rad", c.update_turn_rad, {0, 1},
@@ -50,8 +48,14 @@ PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, co
                             const Eigen::Vector2d& undistorted_px, double sigma_px);
 
 // Squared Mahalanobis distance (8) of an observation; empty when the point is not in front of the camera.
-std::optional<double> gate_distance2(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
-                                     const Eigen::Vector2d& undistorted_px, double sigma_px);
+std::optional<double> gate_distance2(const PointEstimate& point, const CameraModel& camera,
+                                     const Rigid3& cam_from_world, const Eigen::Vector2d& undistorted_px,
+                                     double sigma_px);
+
+// Whether a point explains what was seen in the past: every view within theta of it. False without any view.
+bool explains(const PointEstimate& point, const std::vector<View>& past, double sigma_px, double theta);
+// What a track saw, newest first, as far back as it is trusted; at most so many.
+std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most);
 
 // leave_moved: whether somebody judges what moves.
 template <class MotionConfig>

@@ -14,12 +14,8 @@
 namespace coslam {
 
 struct PairMatchConfig {
-  double zncc_min = 0.7;
-  double zncc_margin = 0.05;    // best over second best
   double seed_radius = 0.10;    // phi_r, of the larger image side
   double disparity_gate = 3.0;  // phi_d over phi_r
-  double min_parallax_rad = 0.017;
-  double max_relative_sigma = 0.3;  // of what is made: sqrt(trace Sigma) over the distance
 };
 
 struct Feature {
@@ -68,8 +64,15 @@ struct Score {
 class PairScores {
  public:
   PairScores(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-             const PairMatchConfig& config)
-      : of_a(a.size()), of_b(b.size()), view_(view), a_(a), b_(b), band_px_(band_px), config_(config) {
+             const PairMatchConfig& config, double zncc_min)
+      : of_a(a.size()),
+        of_b(b.size()),
+        view_(view),
+        a_(a),
+        b_(b),
+        band_px_(band_px),
+        config_(config),
+        zncc_min_(zncc_min) {
     for (const Feature& f : a) {
       const Eigen::Vector3d line = view.fundamental * f.px.homogeneous();
       lines_.emplace_back(line / std::max(1e-12, line.head<2>().norm()));
@@ -82,7 +85,7 @@ class PairScores {
     for_all([&](std::size_t i, std::size_t j) {
       if (may_join(a_[i], b_[j])) offer(i, j, alike);
     });
-    const auto good = [&](const Score& s) { return s.first >= config_.zncc_min; };
+    const auto good = [&](const Score& s) { return s.first >= zncc_min_; };
     std::vector<bool> row(a_.size()), column(b_.size());
     std::transform(of_a.begin(), of_a.end(), row.begin(), good);
     std::transform(of_b.begin(), of_b.end(), column.begin(), good);
@@ -117,6 +120,7 @@ class PairScores {
   const std::vector<Feature>&a_, &b_;
   double band_px_;
   const PairMatchConfig& config_;
+  double zncc_min_;
   std::vector<Eigen::Vector3d> lines_;  // in the second image, of unit normals
   std::vector<std::optional<Eigen::Vector2d>> disparities_;
 };
@@ -127,17 +131,19 @@ struct PairMatchCounts {
 
 // Joins pairs of tracks that look most like each other, and clearly so, among those on each other's epipolar line that
 // the nearest shared points allow. The number that were joined.
-int best_pairs(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
-               const PairMatchConfig& config, auto&& may_join, auto&& alike, PairMatchCounts* counts, auto&& join) {
-  PairScores scores(view, a, b, band_px, config);
+int best_pairs(const Map& map, const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b,
+               double band_px, const PairMatchConfig& config, auto&& may_join, auto&& alike, PairMatchCounts* counts,
+               auto&& join) {
+  const double zncc_min = map.config().zncc_min, margin = map.config().zncc_margin;
+  PairScores scores(view, a, b, band_px, config, zncc_min);
   scores.score(may_join, alike);
   counts->compared += scores.compared;
   int joined = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Score& s = scores.of_a[i];
-    if (s.best < 0 || s.first < config.zncc_min || s.first - s.second < config.zncc_margin) continue;
+    if (s.best < 0 || s.first < zncc_min || s.first - s.second < margin) continue;
     const Score& back = scores.of_b[static_cast<std::size_t>(s.best)];
-    if (back.best != static_cast<int>(i) || back.first - back.second < config.zncc_margin) continue;
+    if (back.best != static_cast<int>(i) || back.first - back.second < margin) continue;
     const Feature& other = b[static_cast<std::size_t>(s.best)];
     if (!may_join(a[i], other)) continue;
     ++counts->matched;

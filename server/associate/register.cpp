@@ -12,21 +12,6 @@
 namespace coslam {
 namespace {
 
-bool gate_holds_back(const MapCamera& camera, const ServerTrack& track, const MapPoint& point, double gate_px,
-                     double theta2, int frames) {
-  int checked = 0;
-  for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
-    if (track.seen[i].set.value < track.distrusted_before) break;
-    const FramePose* f = camera.frame_at(track.seen[i].set);
-    if (f == nullptr || f->map != camera.map) continue;
-    const auto d2 =
-        gate_distance2(point, camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>(), gate_px);
-    if (!d2 || *d2 > theta2) return false;
-    ++checked;
-  }
-  return checked > 0;
-}
-
 struct Candidate {
   double d2;
   const MapPoint* point;
@@ -34,10 +19,10 @@ struct Candidate {
 };
 
 void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points,
-             const RegisterConfig& config, std::vector<Candidate>* out) {
+             std::vector<Candidate>* out) {
   TrackGrid grid;
   for (const auto& [id, t] : camera.tracks) {
-    if (t.free_and_resting() && t.patch && static_cast<int>(t.seen.size()) >= config.min_track_frames) grid.add(&t);
+    if (t.free_and_resting() && t.patch) grid.add(&t);
   }
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
@@ -47,7 +32,8 @@ void collect(const Map& map, const MapCamera& camera, const std::vector<const Ma
     if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
     grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
-      const auto d2 = gate_distance2(*p, camera.model, pose, t->seen.back().undistorted_px.cast<double>(), gate_px);
+      const auto d2 = gate_distance2({p->position, p->covariance}, camera.model, pose,
+                                     t->seen.back().undistorted_px.cast<double>(), gate_px);
       if (d2 && *d2 < best.d2) best = {*d2, p, t};
     });
     if (best.track != nullptr) out->push_back(best);
@@ -75,13 +61,12 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
 RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const RegisterConfig& config) {
   const Map& map = edit.map();
   RegisterReport report;
-  const double theta2 = map.config().theta * map.config().theta;
   const std::vector<const MapPoint*> points = recent_static_points(map);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     std::vector<Candidate> candidates;
-    collect(map, camera, points, config, &candidates);
+    collect(map, camera, points, &candidates);
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
     for (const Candidate& c : candidates) {
       ++report.candidates;
@@ -89,8 +74,10 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const Registe
       const FramePose* cut_at = camera.frame_at(c.track->patch_set);
       if (cut_at == nullptr || cut_at->map != c.point->map) continue;
       const auto fit = fit_patch(map, *c.point, camera, cut_at->cam_from_world, *c.track->patch);
-      if (!fit || fit->zncc < config.zncc_min || !fit->same_centre) continue;
-      if (!gate_holds_back(camera, *c.track, *c.point, map.gate_sigma_px(camera), theta2, config.check_back)) continue;
+      if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
+      const std::vector<View> past = newest_views(camera, *c.track, static_cast<std::size_t>(config.check_back));
+      if (!explains({c.point->position, c.point->covariance}, past, map.gate_sigma_px(camera), map.config().theta))
+        continue;
       edit.bind(*c.point, camera.id, *c.track, Why::kRegistered, {std::sqrt(c.d2), fit->zncc});
       edit.keep_recent(*c.point);
       retriangulate(edit, *c.point);

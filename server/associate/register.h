@@ -7,16 +7,12 @@
 namespace coslam {
 
 struct RegisterConfig {
-  double zncc_min = 0.7;
-  int check_back = 60;       // frames of the track in which the gate must hold
-  int min_track_frames = 4;  // younger tracks wait
+  int check_back = 60;  // frames of the track in which the gate must hold
 };
 
 template <class V>
 void describe(V& v, RegisterConfig& c) {
-  v.field("zncc_min", c.zncc_min, {-1, 1}, "patch correlation");
   v.field("check_back", c.check_back, {1, 1000}, "frames of the track in which the gate must hold");
-  v.field("min_track_frames", c.min_track_frames, {1, 1000}, "younger tracks wait");
 }
 
 struct RegisterReport {

@@ -81,7 +81,7 @@ void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs 
     }
     if (!state.doubted) state.since_ns = now_ns;
     state.doubted = true;
-    if (to_seconds(now_ns - state.since_ns) < (state.joined ? config.part_s : config.join_s)) continue;
+    if (to_seconds(now_ns - state.since_ns) < config.confirm_s) continue;
     state = {says, now_ns, false};
   }
 }

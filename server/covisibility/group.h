@@ -34,8 +34,7 @@ struct GroupConfig {
   double min_overlap = 0.1;        // of both views, by the map, that keeps them so without any
   int min_shared_overlapping = 4;  // points that bring them together if their views overlap so far by the map, and
   int least_shared = 2;            // at least, where they overlap more: the fewer the farther they do
-  double join_s = 0.2;             // for so long, before they are
-  double part_s = 0.2;             // with fewer for so long, before they are not any more
+  double confirm_s = 0.2;          // that a pair must say so before it is, or is not any more, together
   double settle_s = 0.3;           // that a new grouping must last: cameras seldom part in one instant
   double hold_s = 1.0;             // every grouping stays at least so long
 };
@@ -47,8 +46,7 @@ void describe(V& v, GroupConfig& c) {
   v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, that keeps them in it without any");
   v.field("min_shared_overlapping", c.min_shared_overlapping, {1, 1000},
           "points that bring two cameras into one group if their views overlap so far; fewer do if farther");
-  v.field("join_s", c.join_s, {0, 10}, "for so long before they join");
-  v.field("part_s", c.part_s, {0, 10}, "with fewer for so long before they part");
+  v.field("confirm_s", c.confirm_s, {0, 10}, "for so long before they join, and with fewer before they part");
   v.field("settle_s", c.settle_s, {0, 10}, "that a new grouping must last before it counts");
   v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
 }

@@ -114,12 +114,12 @@ std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, con
 
 // Where two matched tracks, each with its offset, are one thing that moves; empty when they are not.
 std::optional<TriangulationResult> one_mover(const Map& map, const PairView& view, const Feature& a, const Feature& b,
-                                             const PairMatchConfig& match, const MapMovingConfig& config) {
+                                             const MapMovingConfig& config) {
   const ServerTrack &in_a = *a.track, &in_b = *b.track;
-  auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, match.min_parallax_rad);
+  auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, map.config().min_parallax_rad);
   if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
   const double distance = (now->position - view.first_pose.center()).norm();
-  if (std::sqrt(now->covariance.trace()) > match.max_relative_sigma * distance) return std::nullopt;
+  if (std::sqrt(now->covariance.trace()) > map.config().max_relative_sigma * distance) return std::nullopt;
   if (!beside_in_depth(map, view, now->position)) return std::nullopt;
   const auto before = together_back(map, view, in_a, in_b, config.check_back / 2, config.check_back);
   if (!before) return std::nullopt;
@@ -132,26 +132,26 @@ std::optional<TriangulationResult> one_mover(const Map& map, const PairView& vie
 }
 
 bool fuse_movers(MapEdit& edit, const MapPoint& p, const MapPoint& q) {
-  if (std::ranges::any_of(p.bound, [&](const BoundTrack& bound) { return seen_by(q, bound.camera); })) return false;
+  if (seen_at_once(p, q)) return false;
   edit.fuse(p.id, q.id, Why::kOneMover);
   return true;
 }
 
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
-bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const PairMatchConfig& match,
+bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b,
                  const MapMovingConfig& config) {
   const Map& map = edit.map();
   const MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
   const auto peak = peak_if_one(view, a, b);
   if (!peak) return false;
-  if (p != nullptr && q != nullptr) return one_mover(map, view, a, b, match, config) && fuse_movers(edit, *p, *q);
+  if (p != nullptr && q != nullptr) return one_mover(map, view, a, b, config) && fuse_movers(edit, *p, *q);
   // The free one of the two is brought to where the other one's point is.
   const bool free_b = q == nullptr;
   const Eigen::Vector2f shift = peak->shift_px.cast<float>();
   ServerTrack shifted = free_b ? *b.track : *a.track;
   shifted.offset_px = free_b ? Eigen::Vector2f(a.track->offset_px + shift) : b.track->offset_px - shift;
   const Feature in_a = free_b ? a : Feature{&shifted, a.px}, in_b = free_b ? Feature{&shifted, b.px} : b;
-  const auto now = one_mover(map, view, in_a, in_b, match, config);
+  const auto now = one_mover(map, view, in_a, in_b, config);
   if (!now) return false;
   const MapPoint* point = free_b ? p : q;
   if (point == nullptr) {
@@ -189,8 +189,8 @@ MapMovingReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& 
       return peak ? peak->zncc : -1;
     };
     report.joined += best_pairs(
-        view, first, second, band_px_of(map, view) + kMostShift_px, match, either_moves, as_one, &report.pairs,
-        [&](const Feature& a, const Feature& b) { return join_moving(edit, view, a, b, match, config); });
+        map, view, first, second, band_px_of(map, view) + kMostShift_px, match, either_moves, as_one, &report.pairs,
+        [&](const Feature& a, const Feature& b) { return join_moving(edit, view, a, b, config); });
   }
   return report;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/associate/gate.h"
+
 namespace coslam {
 namespace {
 
@@ -14,15 +16,6 @@ constexpr std::uint32_t kRetrySets = 4;
 double ray_angle(const std::vector<View>& views) {
   const double c = world_ray(views.front()).dot(world_ray(views.back()));
   return std::acos(std::clamp(c, -1.0, 1.0));
-}
-
-bool gate_in_every_view(const std::vector<View>& views, const TriangulationResult& t, double gate_px, double theta) {
-  for (const View& v : views) {
-    Eigen::Vector2d px;
-    if (!project_world(*v.camera, v.cam_from_world, t.position, &px)) return false;
-    if ((px - v.undistorted_px).squaredNorm() > theta * theta * gate_px * gate_px) return false;
-  }
-  return true;
 }
 
 // The track becomes a point, when its views determine one.
@@ -36,16 +29,17 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
   if (static_cast<int>(all.size()) < least) return false;
   edit.map_not_before(track, SetId(map.now().value + kRetrySets));
   const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
-  const double parallax = mature ? config.min_parallax_rad : config.early_parallax_rad;
+  const double parallax = mature ? map.config().min_parallax_rad : config.early_parallax_rad;
   if (ray_angle(all) < parallax) return false;
   ++report->tried;
   const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
   if (t.status != TriangulationStatus::kOk) return false;
-  if (!gate_in_every_view(all, t, map.gate_sigma_px(camera), map.config().theta)) return false;
+  const PointEstimate point{t.position, Eigen::Matrix3d::Zero()};
+  if (!explains(point, all, map.gate_sigma_px(camera), map.config().theta)) return false;
   const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
   const double sigma = std::sqrt(covariance.trace()),
                distance = (t.position - camera.frames.back().cam_from_world.center()).norm();
-  if (sigma > config.max_relative_sigma * distance) return false;
+  if (sigma > map.config().max_relative_sigma * distance) return false;
   const MapPoint& p =
       edit.create_point(camera.map, t.position, covariance, mature ? PointPhase::kStatic : PointPhase::kTrial,
                         Why::kOneCamerasMotion, {static_cast<double>(all.size()), sigma / distance});

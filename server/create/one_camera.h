@@ -7,21 +7,17 @@
 namespace coslam {
 
 struct MapIntraConfig {
-  int min_track_frames = 60;  // N_min: such tracks may become points with the parallax below
-  double min_parallax_rad = 0.017;
+  int min_track_frames = 60;   // N_min: such tracks may become points with the parallax that any point needs
   int early_track_frames = 8;  // younger ones need the wider parallax: a fast camera never sees a point 60 frames long
   double early_parallax_rad = 0.035;
-  double max_relative_sigma = 0.3;  // sqrt(trace Sigma) over the distance
 };
 
 template <class V>
 void describe(V& v, MapIntraConfig& c) {
   v.field("min_track_frames", c.min_track_frames, {2, 10000}, "N_min: such tracks may become points");
-  v.field("min_parallax_rad", c.min_parallax_rad, {0, 1}, "of a track that long");
   v.field("early_track_frames", c.early_track_frames, {2, 10000},
           "shorter tracks down to this may too, with more parallax");
   v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
-  v.field("max_relative_sigma", c.max_relative_sigma, {0, 10}, "sqrt(trace Sigma) of a new point over its distance");
 }
 
 struct MapIntraReport {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/associate/gate.h"
 #include "server/associate/pair_match.h"
 #include "server/associate/patch_match.h"
 
@@ -19,19 +20,10 @@ std::vector<Feature> unmapped(const MapCamera& camera) {
   return out;
 }
 
-bool fits_back(const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position, double most_px,
-               int frames) {
-  int checked = 0;
-  for (std::size_t i = track.seen.size(); i-- > 0 && checked < frames;) {
-    if (track.seen[i].set.value < track.distrusted_before) break;
-    const FramePose* f = camera.frame_at(track.seen[i].set);
-    if (f == nullptr || f->map != camera.map) continue;
-    Eigen::Vector2d px;
-    if (!project_world(camera.model, f->cam_from_world, position, &px)) return false;
-    if ((px - track.seen[i].undistorted_px.cast<double>()).norm() > most_px) return false;
-    ++checked;
-  }
-  return checked > 0;
+bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position,
+                   const MapInterConfig& config) {
+  const std::vector<View> past = newest_views(camera, track, static_cast<std::size_t>(config.check_back));
+  return explains({position, Eigen::Matrix3d::Zero()}, past, map.gate_sigma_px(camera), map.config().theta);
 }
 
 bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const MapInterConfig& config) {
@@ -42,17 +34,15 @@ bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feat
   if (views.empty() || other.empty()) return false;
   views.insert(views.end(), other.begin(), other.end());
   const double sigma_px = std::max(view.first->sigma_px, view.second->sigma_px);
-  const TriangulationResult t = triangulate(views, sigma_px, config.match.min_parallax_rad);
+  const TriangulationResult t = triangulate(views, sigma_px, map.config().min_parallax_rad);
   if (t.status != TriangulationStatus::kOk) return false;
-  const double theta = map.config().theta;
-  if (!fits_back(*view.first, *a.track, t.position, theta * map.gate_sigma_px(*view.first), config.check_back))
-    return false;
-  if (!fits_back(*view.second, *b.track, t.position, theta * map.gate_sigma_px(*view.second), config.check_back))
+  if (!explains_past(map, *view.first, *a.track, t.position, config) ||
+      !explains_past(map, *view.second, *b.track, t.position, config))
     return false;
   const double distance = (t.position - view.first_pose.center()).norm();
   const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{view.first, a.track}, {view.second, b.track}});
   const double sigma = std::sqrt(covariance.trace());
-  if (sigma > config.match.max_relative_sigma * distance) return false;
+  if (sigma > map.config().max_relative_sigma * distance) return false;
   const MapPoint& p = edit.create_point(view.first->map, t.position, covariance, PointPhase::kStatic,
                                         Why::kTwoCamerasNow, {2, sigma / distance});
   edit.bind(p, view.first->id, *a.track, Why::kMadeFromIt);
@@ -71,7 +61,7 @@ MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& gr
     const PairView view =
         make_pair_view(map, edge, first.frames.back().cam_from_world, second.frames.back().cam_from_world);
     report.created += best_pairs(
-        view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config.match,
+        map, view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config.match,
         [](const Feature&, const Feature&) { return true; },
         [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report.pairs,
         [&](const Feature& a, const Feature& b) { return try_point(edit, view, a, b, config); });

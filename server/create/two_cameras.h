@@ -17,13 +17,8 @@ struct MapInterConfig {
 template <class V>
 void describe(V& v, MapInterConfig& c) {
   v.field("period", c.period, {1, 1000}, "frame sets between runs");
-  v.field("zncc_min", c.match.zncc_min, {-1, 1}, "patch correlation");
-  v.field("zncc_margin", c.match.zncc_margin, {0, 1}, "of the best match over the second best");
   v.field("seed_radius", c.match.seed_radius, {0, 1}, "phi_r, of the larger image side");
   v.field("disparity_gate", c.match.disparity_gate, {0, 100}, "phi_d over phi_r");
-  v.field("min_parallax_rad", c.match.min_parallax_rad, {0, 1}, "between the two cameras");
-  v.field("max_relative_sigma", c.match.max_relative_sigma, {0, 10},
-          "sqrt(trace Sigma) of a new point over its distance");
   v.field("check_back", c.check_back, {1, 1000}, "earlier frames in which the point must fit both tracks");
 }
 

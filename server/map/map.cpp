@@ -118,6 +118,10 @@ bool seen_by(const MapPoint& point, CameraId camera) {
   return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) { return b.camera == camera; });
 }
 
+bool seen_at_once(const MapPoint& p, const MapPoint& q) {
+  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return seen_by(q, b.camera); });
+}
+
 Map::Map(const Map& o)
     : config_(o.config_),
       cameras_(o.cameras_),

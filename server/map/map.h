@@ -90,8 +90,6 @@ struct MapCamera {
   std::map<TrackId, ServerTrack> tracks;  // live ones
 
   const FramePose* frame_at(SetId set) const;
-  // Has a pose in the newest frame set that it took part in.
-  bool placed_now() const { return !frames.empty() && frames.back().valid(); }
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.
@@ -178,6 +176,12 @@ struct MapConfig {
   // (NEES).
   double covariance_sigma_factor = 2.6;
   int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
+  // One meaning everywhere: when two patches show one place, and what makes a point worth having.
+  double zncc_min = 0.7;
+  double zncc_margin = 0.05;        // of the best match over the second best
+  double min_parallax_rad = 0.017;  // of a new point's views
+  double max_relative_sigma = 0.3;  // of a new point: sqrt(trace Sigma) over its distance
+  int failures = 3;                 // gate failures in succession of a track that count
 };
 
 class Map {
@@ -266,7 +270,9 @@ class Map {
   TimeNs now_ns_ = 0;
 };
 
-// Some camera's live track shows the point.
+// A live track of the camera shows the point.
 bool seen_by(const MapPoint& point, CameraId camera);
+// Live tracks of one camera show both, so they are two things.
+bool seen_at_once(const MapPoint& p, const MapPoint& q);
 
 }  // namespace coslam

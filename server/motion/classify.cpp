@@ -18,12 +18,13 @@ namespace {
 constexpr float kMostStaticOffset_px = 0.7F;
 
 // Static points that several cameras see elsewhere, ascending; tracks of one camera are left to verify().
-std::set<PointId> doubt(const Map& map, const FrameSet& set, const ClassifyConfig& config) {
+std::set<PointId> doubt(const Map& map, const FrameSet& set) {
   std::set<PointId> doubted;
   for (const CameraFrame& cf : set.frames) {
     for (const auto& [id, track] : map.camera(cf.camera).tracks) {
       const MapPoint* p = map.find(track.point);
-      if (p == nullptr || !p->rests() || track.gate_failures < config.failures || doubted.contains(p->id)) continue;
+      if (p == nullptr || !p->rests() || track.gate_failures < map.config().failures || doubted.contains(p->id))
+        continue;
       int elsewhere = 0, cameras = 0;
       for (const Seen& s : seen_now(map, *p)) {
         ++cameras;
@@ -335,7 +336,7 @@ void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& conf
 ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
   ClassifyReport report;
   if (!config.enabled) return report;
-  judge(edit, doubt(edit.map(), set, config), &report);
+  judge(edit, doubt(edit.map(), set), &report);
   FollowReport followed = follow_moving(edit, set, config.follow);
   rebind_moving(edit, set, config.follow, &followed);
   report.removed += followed.removed;

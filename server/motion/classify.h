@@ -9,7 +9,6 @@ namespace coslam {
 
 struct ClassifyConfig {
   bool enabled = true;
-  int failures = 3;          // gate failures in succession of one camera's track that count
   int still_frames = 6;      // what stood so long does not move now (the paper's N_min, 60, is too slow for people)
   double still_px_s = 4.0;   // apparent speed below which a thing stands, at 640 px image width
   int test_frames = 30;      // newest of an unmapped track that are tested for motion
@@ -25,7 +24,6 @@ struct ClassifyConfig {
 template <class V>
 void describe(V& v, ClassifyConfig& c) {
   v.field("enabled", c.enabled, "tell moving points from static ones");
-  v.field("failures", c.failures, {1, 100}, "gate failures in succession that make a point uncertain");
   v.field("still_frames", c.still_frames, {2, 1000}, "a moving point that stood so long is static again");
   v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which a thing stands, at 640 px image width");
   v.field("least_frames", c.least_frames, {2, 200}, "age at which an unmapped track is tested for motion");

@@ -244,7 +244,7 @@ Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, 
     second = std::max(second, std::min(look.zncc, best.zncc));
     if (look.zncc > best.zncc) best = look;
   });
-  return best.zncc >= config.zncc_min && best.zncc - second >= config.zncc_margin ? best : Look{};
+  return best.zncc >= map.config().zncc_min && best.zncc - second >= map.config().zncc_margin ? best : Look{};
 }
 
 // With what other cameras see of the point now.

@@ -15,9 +15,7 @@ struct FollowConfig {
   double neighbour_radius = 0.12;  // of the distance to the cameras: moving points so near move alike
   int forget_sets = 60;            // without two cameras on it
   int forget_alone_sets = 15;      // without neighbours either
-  double zncc_min = 0.7;           // of a further track's patch
-  double zncc_margin = 0.05;
-  double search_px = 12.0;  // most between a track and where its point should be, at 640 px image width
+  double search_px = 12.0;         // most between a track and where its point should be, at 640 px image width
 };
 
 struct FollowReport {

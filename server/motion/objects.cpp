@@ -323,7 +323,7 @@ void ObjectFinder::name_by_place(std::vector<Part>& parts, TimeNs now_ns) const 
 }
 
 void ObjectFinder::forget(TimeNs now_ns) {
-  const TimeNs since_ns = now_ns - to_ns(config.keep_s);
+  const TimeNs since_ns = now_ns - to_ns(config.path_s);
   std::erase_if(members_, [&](const auto& entry) { return entry.second.last_ns < since_ns; });
   std::erase_if(known_, [&](const auto& entry) { return entry.second.last_ns < since_ns; });
 }

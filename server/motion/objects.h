@@ -18,15 +18,15 @@ namespace coslam {
 struct ObjectsConfig {
   double reach_m = 0.8;       // where the scale is known
   double reach_share = 0.16;  // of the distance from the cameras, where it is not
-  double path_s = 1.0;        // newest part of the points' paths that is compared and gives the velocity
-  double min_path_s = 0.2;    // shorter paths wait
-  double max_sigma = 0.4;     // sqrt(trace Sigma); less certain points wait
-  double stretch = 0.25;      // that the distance of two points of one body changes by at most
-  double shift = 0.6;         // by which parts of one body may shift against each other over their path
-  double speed_gate = 1.2;    // a second: by which an object may differ from what it was before it was out of sight
-  double min_speed = 0.2;     // a second: slower ones are not taken up, but kept
-  int min_points = 3;         // of a new object; a known one is kept with two
-  double keep_s = 1.0;        // an object that is out of sight for so long is forgotten
+  double path_s = 1.0;  // newest part of the points' paths that is compared and gives the velocity; out of sight for
+                        // longer: forgotten
+  double min_path_s = 0.2;  // shorter paths wait
+  double max_sigma = 0.4;   // sqrt(trace Sigma); less certain points wait
+  double stretch = 0.25;    // that the distance of two points of one body changes by at most
+  double shift = 0.6;       // by which parts of one body may shift against each other over their path
+  double speed_gate = 1.2;  // a second: by which an object may differ from what it was before it was out of sight
+  double min_speed = 0.2;   // a second: slower ones are not taken up, but kept
+  int min_points = 3;       // of a new object; a known one is kept with two
 };
 
 template <class V>
@@ -41,7 +41,6 @@ void describe(V& v, ObjectsConfig& c) {
   v.field("speed_gate", c.speed_gate, {0.01, 100}, "of the reach a second, for an object that is seen again");
   v.field("min_speed", c.min_speed, {0, 100}, "of the reach a second, of a new object");
   v.field("min_points", c.min_points, {2, 1000}, "of a new object");
-  v.field("keep_s", c.keep_s, {0, 100}, "an object out of sight for so long is forgotten");
 }
 
 // A moving point as the objects see it.

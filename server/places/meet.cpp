@@ -79,11 +79,6 @@ std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera
   return s;
 }
 
-// Some camera sees both at once, so they are two things.
-bool seen_at_once(const MapPoint& p, const MapPoint& q) {
-  return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return seen_by(q, b.camera); });
-}
-
 // Tracks that matched a point of the place are bound to it; a point of their own becomes one with it.
 void bind_matches(MapEdit& edit, const MapCamera& camera, const std::vector<std::pair<TrackId, PointId>>& matches) {
   const Map& map = edit.map();
@@ -168,11 +163,12 @@ double median_depth(const Map& map, const MapCamera& camera) {
 
 }  // namespace
 
-MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise) {
+MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
+                         const GroupConfig& group) {
   const Map& map = edit.map();
   const ViewGraph& graph = last.of;
   MeetReport report;
-  expect(map, set, graph);
+  expect(map, set, graph, group.min_shared);
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
     recognise(edit, cf, graph, localise, &report);
@@ -193,14 +189,15 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
   return report;
 }
 
-// Which cameras see what a camera should see too without being held to it; looked at now and then.
-void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph) {
+// Which cameras see what a camera should see too without being held to it, by the points that two cameras see at once;
+// looked at now and then.
+void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph, int min_holding) {
   constexpr std::uint32_t kEvery = 4;
   if (set.id.value % kEvery != 0) return;
   expected_.clear();
   DisjointSets held(map.cameras().size());
   for (const ViewEdge& e : graph.edges) {
-    if (e.shared >= config.min_holding) held.unite(e.first.value, e.second.value);
+    if (e.shared >= min_holding) held.unite(e.first.value, e.second.value);
   }
   ViewOverlap overlap(map);
   for (std::size_t i = 0; i < set.frames.size(); ++i) {

@@ -25,7 +25,6 @@ struct MeetConfig {
   int confirm_period = 5;      // the same while a meeting waits to be confirmed
   int expect_period = 8;       // the same while it should see what another camera sees that nothing holds it to
   double min_overlap = 0.08;   // of both views, by the map, for that
-  int min_holding = 12;        // points that two cameras see at once hold them to each other
   int least_period = 30;       // between requests because the view changed
   double images_per_s = 0.5;   // of a camera that has a map, in the long run: descriptors cost 10 kB an image
   double image_burst = 3;      // and so many ahead of that
@@ -85,7 +84,8 @@ class Meetings {
   MeetConfig config;
 
   // After the set's poses are known.
-  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise);
+  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise,
+                 const GroupConfig& group);
 
  private:
   // When a camera was last asked for descriptors, last gave them, and last saw a known place in too few features to act
@@ -96,7 +96,7 @@ class Meetings {
     std::optional<TimeNs> counted_ns;
   };
 
-  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph);
+  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, int min_holding);
   double slack_px(const Map& map, const MapCamera& camera) const {
     return config.slack_sigma * map.gate_sigma_px(camera);
   }

@@ -96,7 +96,8 @@ int shares(const InterPoseProblem& problem, int camera) {
   }));
 }
 
-void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConfig& config, InterPoseReport* report) {
+void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConfig& config, int min_inliers,
+                 InterPoseReport* report) {
   const Map& map = edit.map();
   InterPoseProblem problem;
   std::vector<Rigid3> poses;
@@ -108,10 +109,10 @@ void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConf
   problem.moving = shared_moving(map, members, poses);
   if (static_cast<int>(problem.moving.size()) < config.min_moving) return;
   ++report->calls;
-  const InterPoseResult result = solve_inter_pose(problem, config.max_iterations);
+  const InterPoseResult result = solve_inter_pose(problem);
   if (!result.ok) return;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    if (result.cameras[i].inliers < config.min_inliers) continue;
+    if (result.cameras[i].inliers < min_inliers) continue;
     report->rescued += !members[i].camera->frames.back().valid();
     ++report->posed;
     const bool joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
@@ -121,7 +122,8 @@ void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConf
 
 }  // namespace
 
-InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config) {
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
+                           const LocaliseConfig& localise) {
   const Map& map = edit.map();
   InterPoseReport report;
   if (!config.enabled) return report;
@@ -136,7 +138,7 @@ InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& 
                                       [&](const Member& m) { return m.camera->map == members[0].camera->map; });
     if (!same_map) continue;
     if (std::none_of(members.begin(), members.end(), [&](const Member& m) { return weak(m, config); })) continue;
-    solve_group(edit, std::move(members), config, &report);
+    solve_group(edit, std::move(members), config, localise.min_inliers, &report);
   }
   return report;
 }

@@ -12,17 +12,13 @@ namespace coslam {
 struct InterPoseConfig {
   bool enabled = true;
   double hull_area_min = 0.20;  // of the image, covered by a camera's static points
-  int max_iterations = 15;
-  int min_inliers = 12;  // static and moving together, of each camera
-  int min_moving = 6;    // moving points that two cameras of the group see
+  int min_moving = 6;           // moving points that two cameras of the group see
 };
 
 template <class V>
 void describe(V& v, InterPoseConfig& c) {
   v.field("enabled", c.enabled, "poses from static and moving points of a whole group");
   v.field("hull_area_min", c.hull_area_min, {0, 1}, "of the image that static points cover; less: called");
-  v.field("max_iterations", c.max_iterations, {1, 200}, "of the solver");
-  v.field("min_inliers", c.min_inliers, {6, 1000}, "static and moving together, of each camera");
   v.field("min_moving", c.min_moving, {1, 1000}, "moving points that two cameras of the group see");
 }
 
@@ -40,15 +36,16 @@ struct InterPoseReport {
 
 // Inter-camera pose (paper 4.2), for a group of which some camera sees more moving points than static ones, or static
 // ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
-// static and moving points. graph: of the set before.
-InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config);
+// static and moving points, which have to agree with a pose as static ones have to otherwise. graph: of the set before.
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
+                           const LocaliseConfig& localise);
 
 struct InterPose {
   static constexpr std::string_view kName = "inter_pose";
   using Config = InterPoseConfig;
   Config config;
-  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph) const {
-    return inter_pose(edit, set, graph.of, config);
+  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) const {
+    return inter_pose(edit, set, graph.of, config, localise);
   }
 };
 

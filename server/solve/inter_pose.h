@@ -46,6 +46,6 @@ struct InterPoseResult {
 };
 
 // Levenberg-Marquardt with the moving points eliminated (their 3x3 blocks), Tukey's loss as in refine_pose().
-InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterations);
+InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterations = 15);
 
 }  // namespace coslam

@@ -40,7 +40,7 @@ TEST(GateDistance, IsMahalanobis) {
   // Straight ahead at 4.17 m a centimetre is a pixel: a standard deviation of 2 cm is 2 px.
   const MapPoint p = point_at({0, 0, 4.17}, 4e-4 * Eigen::Matrix3d::Identity());
   const auto d2 = [&](const Eigen::Vector2d& px, double sigma_px) {
-    return gate_distance2(p, kCamera, Rigid3(), px, sigma_px);
+    return gate_distance2({p.position, p.covariance}, kCamera, Rigid3(), px, sigma_px);
   };
   EXPECT_NEAR(*d2({320, 240}, 1.5), 0, 1e-12);
   EXPECT_NEAR(*d2({325, 240}, 1.5), 25 / (4 + 2.25), 1e-9);
@@ -135,7 +135,7 @@ TEST_F(VerifyTest, APointThatIsElsewhereFailsEverywhere) {
   const MapPoint& p = shared_point();
   sim_.shift(p, {0.4, 0, 0});
   const std::vector<BoundTrack> bound = p.bound;
-  for (int i = 1; i < config_.failures; ++i) {
+  for (int i = 1; i < sim_.map.config().failures; ++i) {
     EXPECT_GE(step().outside, 2);
     EXPECT_EQ(p.bound.size(), 2U) << "not condemned for one bad step";
   }

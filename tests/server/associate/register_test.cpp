@@ -105,16 +105,6 @@ TEST_F(RegisterTest, WithoutAPatchATrackWaits) {
   EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).registered, 1);
 }
 
-TEST_F(RegisterTest, YoungTracksWait) {
-  test::SimMap sim(world_, test::paths_side_by_side(1));
-  sim.advance(1, true);
-  for (int p = 0; p < 50; ++p) sim.create(world_.position(p));
-  for (int i = 2; i < config_.min_track_frames; ++i) {
-    sim.advance(1, true);
-    EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 0);
-  }
-}
-
 TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
   sim_.look(true);
   sim_.seen(kCam1, shared_)->undistorted_px += Eigen::Vector2f(20, 0);

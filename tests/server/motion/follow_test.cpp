@@ -292,7 +292,7 @@ TEST_F(FollowBody, AFurtherTrackIsFoundByItsLooks) {
   EXPECT_EQ(track(kCam1, body_[0]).point, p.id);
   const auto bound = events(Why::kLooksLikeIt);
   ASSERT_FALSE(bound.empty());
-  EXPECT_GT(bound.back().figures[0], config_.zncc_min);
+  EXPECT_GT(bound.back().figures[0], sim_.map.config().zncc_min);
   for (const int i : body_) {
     for (const CameraId c : {kCam0, kCam1}) {
       const MapPoint* q = sim_.map.find(track(c, i).point);

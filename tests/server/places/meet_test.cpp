@@ -24,7 +24,7 @@ class MeetTest : public testing::Test {
  protected:
   explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
-  MeetReport step() { return meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}); }
+  MeetReport step() { return meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}, {}); }
 
   MeetConfig config_;
   Meetings meetings_{config_};
@@ -52,7 +52,7 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
       sim->ingest(false, wanted);
       sim->place_truly();
       sim->add_points();
-      wanted = !meetings.run(sim->edit, sim->set, {ViewGraph()}, {}).requests.empty();
+      wanted = !meetings.run(sim->edit, sim->set, {ViewGraph()}, {}, {}).requests.empty();
       *asked += wanted;
     }
   }
@@ -95,7 +95,7 @@ TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
     whirling.ingest(false, asked > 0);
     whirling.place_truly();
     whirling.add_points();
-    asked += !meetings_.run(whirling.edit, whirling.set, {ViewGraph()}, {}).requests.empty();
+    asked += !meetings_.run(whirling.edit, whirling.set, {ViewGraph()}, {}, {}).requests.empty();
   }
   EXPECT_LE(asked, config_.image_burst + kSeconds * config_.images_per_s + 1);
   EXPECT_GE(asked, kSeconds * config_.images_per_s);
@@ -112,12 +112,12 @@ TEST_F(MeetTest, APlaneAlonePlacesOnlyWhoWasLostThere) {
       sim.place_truly(cam(0));
       if (was_there) sim.place_truly(cam(1));
       if (i == 0) sim.add_points();
-      meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {});
+      meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {});
     }
     if (was_there) sim.edit.leave_map(sim.map.camera(cam(1)));
     sim.ingest(false, true);
     sim.place_truly(cam(0));
-    const MeetReport report = meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {});
+    const MeetReport report = meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {});
     EXPECT_GE(report.sightings, 1);
     EXPECT_EQ(report.placed, was_there ? 1 : 0);
     EXPECT_EQ(report.doubted, was_there ? 0 : 1);
@@ -132,12 +132,12 @@ TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
   sim.ingest(false, true);
   sim.place_truly();
   sim.add_points();
-  meetings_.run(sim.edit, sim.set, {ViewGraph()}, {});
+  meetings_.run(sim.edit, sim.set, {ViewGraph()}, {}, {});
   sim.edit.add_camera("stranger", RunId(9), test::sim_camera());
   FrameSet set{SetId(1), test::kPeriodNs, {{cam(2), stranger.observe(FrameId(0), test::kPeriodNs), {}, {}}}};
   set.frames[0].descriptors = stranger.describe(set.frames[0].frame);
   sim.edit.ingest(set);
-  EXPECT_EQ(meetings_.run(sim.edit, set, {ViewGraph()}, {}).placed, 0);
+  EXPECT_EQ(meetings_.run(sim.edit, set, {ViewGraph()}, {}, {}).placed, 0);
   EXPECT_EQ(sim.map.camera(cam(2)).map, MapId());
 }
 
@@ -248,7 +248,7 @@ class LoopTest : public testing::Test {
       sim_.bind(sim_.create(drift(now) * world_.position(sim_.world_point(cam(0), id))), cam(0), t);
     }
     if (now % 10 == 0) sim_.edit.add_key_frame(sim_.set.id);
-    report_ = meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {});
+    report_ = meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}, {});
   }
   void go_around() {
     bool wanted = true;

@@ -34,7 +34,7 @@ class InterPoseTest : public testing::Test {
     }
   }
   InterPoseReport run(const InterPoseConfig& config = {}) {
-    return inter_pose(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config);
+    return inter_pose(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config, {});
   }
   const FramePose& frame() { return sim_.map.camera(kPoor).frames.back(); }
 
