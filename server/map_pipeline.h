@@ -63,8 +63,7 @@ template <class V>
 void describe(V& v, MapServerConfig& c) {
   v.field("sigma_px", c.map.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
   v.field("theta", c.map.theta, {0.5, 10}, "Mahalanobis gate");
-  v.field("active_frames", c.map.active_frames, {1, 100000},
-          "N_rec: points seen in so many last sets take part in registration");
+  v.field("recent_s", c.map.recent_s, {0.1, 10000}, "points seen so lately take part in registration (N_rec)");
   v.field("zncc_min", c.map.zncc_min, {-1, 1}, "correlation of two patches that show one place");
   v.field("zncc_margin", c.map.zncc_margin, {0, 1}, "of the best match over the second best");
   v.field("min_parallax_rad", c.map.min_parallax_rad, {0, 1}, "between the views that a point is made from");

@@ -124,7 +124,7 @@ TagScaleReport TagScale::update(MapEdit& edit, bool at_end) {
 TagScaleReport TagScale::step(MapEdit& edit, const FrameSet& set, bool merged) {
   if (config_.side_m <= 0) return {};
   collect(set);
-  const bool due = fresh_ && set.id.value % static_cast<std::uint32_t>(config_.period) == 0;
+  const bool due = fresh_ && edit.map().every(config_.period_s);
   return due || (merged && !seen_.empty()) ? update(edit, false) : TagScaleReport{};
 }
 

@@ -15,14 +15,14 @@ namespace coslam {
 struct TagScaleConfig {
   double side_m = 0;        // of the black square of every tag; 0: unknown, tags are not used
   double max_sigma = 0.02;  // of a map's scale, relative; less certain ones are not used
-  int period = 10;          // sets between measurements
+  double period_s = 0.33;   // between measurements
   TagSizeConfig size;
 };
 
 template <class V>
 void describe(V& v, TagScaleConfig& c) {
   v.field("max_sigma", c.max_sigma, {0.0001, 1}, "of a scale from printed tags, relative; less certain ones wait");
-  v.field("period_sets", c.period, {1, 1000}, "between measurements of the tags");
+  v.field("period_s", c.period_s, {0.01, 100}, "between measurements of the tags");
 }
 
 struct MeasuredTag {

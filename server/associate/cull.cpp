@@ -12,11 +12,12 @@ constexpr std::size_t kMostPatches = 6;
 CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config) {
   CullReport report;
   edit.thin_patches(kMostPatches);
+  const std::uint32_t probation = edit.map().sets_in(config.probation_s);
   const std::set<PointId> loose = edit.map().loose_points();
   for (const PointId id : loose) {
     const MapPoint& p = *edit.map().find(id);
-    if (p.created.value + static_cast<std::uint32_t>(config.probation_sets) > set.id.value) continue;
-    if (p.views < static_cast<std::uint32_t>(config.min_views)) {
+    if (p.created.value + probation > set.id.value) continue;
+    if (p.views < config.min_seen * probation) {
       edit.remove_point(p, Why::kSeenTooLittle,
                         {static_cast<double>(p.views), static_cast<double>(set.id.value - p.created.value)});
       ++report.removed;

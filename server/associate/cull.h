@@ -7,14 +7,14 @@
 namespace coslam {
 
 struct CullConfig {
-  int probation_sets = 30;  // a new point must have been seen well by then
-  int min_views = 12;       // frames in which it passed the gate during probation
+  double probation_s = 1.0;  // by then a new point that nobody follows must have been seen well
+  double min_seen = 0.4;     // of the frame sets of that time, in which it passed the gate
 };
 
 template <class V>
 void describe(V& v, CullConfig& c) {
-  v.field("probation_sets", c.probation_sets, {1, 10000}, "by when a new point must have been seen well");
-  v.field("min_views", c.min_views, {1, 10000}, "frames in which it passed the gate by then");
+  v.field("probation_s", c.probation_s, {0.01, 1000}, "by when a new point must have been seen well");
+  v.field("min_seen", c.min_seen, {0, 1}, "of the frame sets of that time, in which it passed the gate");
 }
 
 struct CullReport {

@@ -65,22 +65,23 @@ bool seen_apart(const MapPoint& p, const MapPoint& q) {
   return false;
 }
 
-void add_views(const Map& map, const MapPoint& p, std::size_t check_back, std::vector<View>* views) {
+void add_views(const Map& map, const MapPoint& p, double check_back_s, std::vector<View>* views) {
   for (const View& v : map.key_views_of(p)) views->push_back(v);
   for (const BoundTrack& b : p.bound) {
     const MapCamera& c = map.camera(b.camera);
-    const std::vector<View> all = map.views_of(c, c.tracks.at(b.track), check_back);
+    const std::vector<View> all =
+        map.views_of(c, c.tracks.at(b.track), static_cast<std::size_t>(c.frames_in(check_back_s, 2)));
     views->insert(views->end(), all.begin(), all.end());
   }
 }
 
 // The one position of both, if it explains all their views.
 std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double sigma_px,
-                                              std::size_t check_back) {
+                                              double check_back_s) {
   constexpr double kWorst = 1.5;  // of many views, over the gate of one
   std::vector<View> views;
-  add_views(map, p, check_back, &views);
-  add_views(map, q, check_back, &views);
+  add_views(map, p, check_back_s, &views);
+  add_views(map, q, check_back_s, &views);
   const TriangulationResult t = triangulate(views, 1.0, 0.0);
   const PointEstimate one{t.position, Eigen::Matrix3d::Zero()};
   if (t.status != TriangulationStatus::kOk || !explains(one, views, sigma_px, kWorst * map.config().theta))
@@ -108,8 +109,7 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& con
     if (cut_at == nullptr || cut_at->map != p->map) continue;
     const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
     if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
-    const auto position =
-        joint_position(map, *p, *q, map.gate_sigma_px(camera), static_cast<std::size_t>(config.check_back));
+    const auto position = joint_position(map, *p, *q, map.gate_sigma_px(camera), config.check_back_s);
     if (!position) continue;
     if (p->id > q->id) std::swap(p, q);
     edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});

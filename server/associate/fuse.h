@@ -7,14 +7,14 @@
 namespace coslam {
 
 struct FuseConfig {
-  int period = 5;       // frame sets between runs
-  int check_back = 60;  // frames of each track in which the fused point must fit
+  double period_s = 0.17;     // between runs
+  double check_back_s = 2.0;  // of each track, in which the fused point must fit
 };
 
 template <class V>
 void describe(V& v, FuseConfig& c) {
-  v.field("period", c.period, {1, 1000}, "frame sets between runs");
-  v.field("check_back", c.check_back, {1, 1000}, "frames of each track in which the fused point must fit");
+  v.field("period_s", c.period_s, {0.001, 10}, "between runs");
+  v.field("check_back_s", c.check_back_s, {0.1, 100}, "of each track, in which the fused point must fit");
 }
 
 struct FuseReport {
@@ -35,7 +35,7 @@ struct Fuse {
   static constexpr std::string_view kName = "fuse";
   using Config = FuseConfig;
   Config config;
-  bool due(SetId now) const { return now.value % static_cast<std::uint32_t>(config.period) == 0; }
+  bool due(const Map& map) const { return map.every(config.period_s); }
   FuseReport run(MapEdit& edit, const FrameSet& set) const { return fuse_points(edit, set, config); }
 };
 

@@ -65,9 +65,9 @@ bool turned(MapEdit& edit, const MapPoint& point, const MapCamera& camera, doubl
 }
 
 // Several cameras see sooner that a point moves than one, whose own motion may explain it.
-bool stood_still(const MapPoint& p, const VerifyConfig& config) {
+bool stood_still(const MapPoint& p, const MapCamera& camera, const VerifyConfig& config) {
   const auto tracks = static_cast<std::uint32_t>(p.bound.size());
-  const auto frames = static_cast<std::uint32_t>(config.prove_views);
+  const auto frames = static_cast<std::uint32_t>(camera.frames_in(config.prove_s, 4));
   return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);
 }
 
@@ -82,7 +82,7 @@ void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
   ++report->inside;
   edit.pass_gate(track);
   edit.see(point);
-  if (stood_still(point, config)) edit.prove(point);
+  if (stood_still(point, camera, config)) edit.prove(point);
   if (track.patch_set == set.id) edit.give_patch(point, camera.id, track);
   if (!point.proven() || !turned(edit, point, camera, config.update_turn_rad)) return;
   const PointEstimate now =

@@ -7,12 +7,12 @@
 namespace coslam {
 
 struct RegisterConfig {
-  int check_back = 60;  // frames of the track in which the gate must hold
+  double check_back_s = 2.0;  // of the track, in which the gate must hold
 };
 
 template <class V>
 void describe(V& v, RegisterConfig& c) {
-  v.field("check_back", c.check_back, {1, 1000}, "frames of the track in which the gate must hold");
+  v.field("check_back_s", c.check_back_s, {0.1, 100}, "of a track, in which the gate must hold");
 }
 
 struct RegisterReport {

@@ -45,14 +45,14 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
 }
 
 void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {
-  if (patch->sequence % static_cast<std::uint32_t>(config_.patch_period) != 0) return;
+  if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
   using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
   Due still, moving;
   for (const auto& [id, t] : camera.tracks) {
-    if (static_cast<int>(t.seen.size()) < config_.patch_track_frames) continue;
-    const int refresh = t.moves() ? config_.moving_patch_refresh_sets : config_.patch_refresh_sets;
+    if (static_cast<int>(t.seen.size()) < camera.frames_in(config_.patch_track_s, 2)) continue;
+    const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
     const bool keeps = t.bound() && !t.moves();
-    if (t.patch && (keeps || t.patch_set.value + static_cast<std::uint32_t>(refresh) > map.now().value)) continue;
+    if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
     (t.moves() ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
   }
   // What moves soon looks different or is gone: it doesn't wait behind what stays.

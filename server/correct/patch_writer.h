@@ -11,25 +11,25 @@
 namespace coslam {
 
 struct PatchWriterConfig {
-  double moved_px = 0.3;               // a point is sent again when it moved so far in this camera's image
-  double covariance_ratio = 2.0;       // or its covariance changed by this factor
-  int patch_period = 3;                // frame sets between requests for image patches: together they share a datagram
-  int patches_per_request = 16;        // of tracks that move and of others each, at most
-  int patch_track_frames = 4;          // a track is asked for its patch when it is so old
-  int patch_refresh_sets = 60;         // and again after so long while it has no point
-  int moving_patch_refresh_sets = 10;  // or while it moves
+  double moved_px = 0.3;                 // a point is sent again when it moved so far in this camera's image
+  double covariance_ratio = 2.0;         // or its covariance changed by this factor
+  double patch_period_s = 0.1;           // between requests for image patches: together they share a datagram
+  int patches_per_request = 16;          // of tracks that move and of others each, at most
+  double patch_track_s = 0.13;           // a track is asked for its patch when it is so old
+  double patch_refresh_s = 2.0;          // and again after so long while it has no point
+  double moving_patch_refresh_s = 0.33;  // or while it moves
 };
 
 template <class V>
 void describe(V& v, PatchWriterConfig& c) {
   v.field("moved_px", c.moved_px, {0, 100}, "a point is sent again when it moved so far in the agent's image");
   v.field("covariance_ratio", c.covariance_ratio, {1, 1000}, "or its covariance changed by this factor");
-  v.field("patch_period_sets", c.patch_period, {1, 1000}, "between requests for image patches");
+  v.field("patch_period_s", c.patch_period_s, {0.01, 100}, "between requests for image patches");
   v.field("patches_per_request", c.patches_per_request, {0, 1000},
           "image patches asked for at once, at most, of tracks that move and of others each");
-  v.field("patch_track_frames", c.patch_track_frames, {1, 1000}, "age at which a track is asked for its patch");
-  v.field("patch_refresh_sets", c.patch_refresh_sets, {1, 10000}, "after which an unmapped track is asked again");
-  v.field("moving_patch_refresh_sets", c.moving_patch_refresh_sets, {1, 10000}, "the same for tracks that move");
+  v.field("patch_track_s", c.patch_track_s, {0.01, 100}, "age at which a track is asked for its patch");
+  v.field("patch_refresh_s", c.patch_refresh_s, {0.01, 1000}, "after which an unmapped track is asked again");
+  v.field("moving_patch_refresh_s", c.moving_patch_refresh_s, {0.01, 1000}, "the same for tracks that move");
 }
 
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.

@@ -121,7 +121,8 @@ std::optional<TriangulationResult> one_mover(const Map& map, const PairView& vie
   const double distance = (now->position - view.first_pose.center()).norm();
   if (std::sqrt(now->covariance.trace()) > map.config().max_relative_sigma * distance) return std::nullopt;
   if (!beside_in_depth(map, view, now->position)) return std::nullopt;
-  const auto before = together_back(map, view, in_a, in_b, config.check_back / 2, config.check_back);
+  const int back = std::max(view.first->frames_in(config.check_back_s, 4), view.second->frames_in(config.check_back_s));
+  const auto before = together_back(map, view, in_a, in_b, back / 2, back);
   if (!before) return std::nullopt;
   // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
   const bool both_move = in_a.moves() && in_b.moves();

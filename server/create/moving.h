@@ -10,14 +10,14 @@
 namespace coslam {
 
 struct MapMovingConfig {
-  int period = 2;       // frame sets between runs
-  int check_back = 10;  // instants at which two tracks of a moving thing must have met
+  double period_s = 0.067;     // between runs
+  double check_back_s = 0.33;  // in which two tracks of a moving thing must have met
 };
 
 template <class V>
 void describe(V& v, MapMovingConfig& c) {
-  v.field("period", c.period, {1, 1000}, "frame sets between runs");
-  v.field("check_back", c.check_back, {2, 1000}, "instants at which two tracks of a moving thing must have met");
+  v.field("period_s", c.period_s, {0.001, 10}, "between runs");
+  v.field("check_back_s", c.check_back_s, {0.01, 10}, "in which two tracks of a moving thing must have met");
 }
 
 struct MapMovingReport {
@@ -37,7 +37,7 @@ struct MapMoving {
   static constexpr std::string_view kName = "map_moving";
   using Config = MapMovingConfig;
   Config config;
-  bool due(SetId now) const { return now.value % static_cast<std::uint32_t>(config.period) == 0; }
+  bool due(const Map& map) const { return map.every(config.period_s); }
   MapMovingReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& inter) const {
     return map_moving(edit, set, graph, inter.match, config);
   }

@@ -10,7 +10,8 @@
 namespace coslam {
 namespace {
 
-constexpr std::uint32_t kRetrySets = 4;
+constexpr double kRetry_s = 0.13;
+constexpr int kFewestViews = 3;
 
 // Cheap bound before anything is solved: angle between the rays of the first and the newest view.
 double ray_angle(const std::vector<View>& views) {
@@ -23,12 +24,13 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
                MapIntraReport* report) {
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
-  const int least = track.distrusted_before > 0 ? config.min_track_frames : config.early_track_frames;
+  const int long_enough = camera.frames_in(config.min_track_s, kFewestViews);
+  const int least = track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, kFewestViews);
   if (static_cast<int>(track.seen.size()) < least) return false;
   const std::vector<View> all = map.views_of(camera, track, 1000);
   if (static_cast<int>(all.size()) < least) return false;
-  edit.map_not_before(track, SetId(map.now().value + kRetrySets));
-  const bool mature = static_cast<int>(all.size()) >= config.min_track_frames;
+  edit.map_not_before(track, SetId(map.now().value + map.sets_in(kRetry_s)));
+  const bool mature = static_cast<int>(all.size()) >= long_enough;
   const double parallax = mature ? map.config().min_parallax_rad : config.early_parallax_rad;
   if (ray_angle(all) < parallax) return false;
   ++report->tried;

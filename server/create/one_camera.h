@@ -7,16 +7,15 @@
 namespace coslam {
 
 struct MapIntraConfig {
-  int min_track_frames = 60;   // N_min: such tracks may become points with the parallax that any point needs
-  int early_track_frames = 8;  // younger ones need the wider parallax: a fast camera never sees a point 60 frames long
+  double min_track_s = 2.0;     // N_min: so long tracks may become points with the parallax that any point needs
+  double early_track_s = 0.27;  // shorter ones need the wider parallax: a fast camera sees nothing for 2 s
   double early_parallax_rad = 0.035;
 };
 
 template <class V>
 void describe(V& v, MapIntraConfig& c) {
-  v.field("min_track_frames", c.min_track_frames, {2, 10000}, "N_min: such tracks may become points");
-  v.field("early_track_frames", c.early_track_frames, {2, 10000},
-          "shorter tracks down to this may too, with more parallax");
+  v.field("min_track_s", c.min_track_s, {0.01, 100}, "N_min: tracks so long may become points");
+  v.field("early_track_s", c.early_track_s, {0.01, 100}, "shorter tracks down to this may too, with more parallax");
   v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
 }
 

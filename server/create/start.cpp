@@ -186,11 +186,13 @@ void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, co
 
 StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
                   const RefineConfig& refine) {
+  constexpr double kTry_s = 0.1;
   StartReport report;
   start_together(edit, set, config, localise, &report);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
-    if (camera.map == MapId() && without_map_for(camera, config.alone_after_sets) && set.id.value % 3 == 0) {
+    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(config.alone_after_s)) &&
+        edit.map().every(kTry_s)) {
       start_alone(edit, camera, set, config, localise, refine, &report);
     }
   }

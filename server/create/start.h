@@ -11,15 +11,16 @@ namespace coslam {
 
 struct StartStageConfig {
   StartConfig pair;
-  int alone_after_sets = 8;  // a camera without a map tries to start one from its own motion after so many sets
-  double min_flow_px = 16;   // median displacement of its tracks for that, at 640 px image width
+  double alone_after_s = 0.27;  // a camera without a map tries to start one from its own motion after so long
+  double min_flow_px = 16;      // median displacement of its tracks for that, at 640 px image width
 };
 
 template <class V>
 void describe(V& v, StartStageConfig& c) {
   v.field("min_matches", c.pair.min_matches, {10, 1000}, "between two cameras that start a map together");
   v.field("min_parallax_rad", c.pair.min_parallax_rad, {0.001, 1}, "median over their points");
-  v.field("alone_after_sets", c.alone_after_sets, {0, 10000}, "a camera that nobody placed starts a map of its own");
+  v.field("alone_after_s", c.alone_after_s, {0, 1000},
+          "after so long a camera that nobody placed starts a map of its own");
   v.field("min_flow_px", c.min_flow_px, {1, 200}, "median displacement of its tracks for that, at 640 px image width");
 }
 

@@ -22,7 +22,8 @@ std::vector<Feature> unmapped(const MapCamera& camera) {
 
 bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position,
                    const MapInterConfig& config) {
-  const std::vector<View> past = newest_views(camera, track, static_cast<std::size_t>(config.check_back));
+  const std::vector<View> past =
+      newest_views(camera, track, static_cast<std::size_t>(camera.frames_in(config.check_back_s)));
   return explains({position, Eigen::Matrix3d::Zero()}, past, map.gate_sigma_px(camera), map.config().theta);
 }
 

@@ -9,17 +9,17 @@
 namespace coslam {
 
 struct MapInterConfig {
-  int period = 5;  // frame sets between runs
+  double period_s = 0.17;  // between runs
   PairMatchConfig match;
-  int check_back = 30;  // earlier frames in which the point must fit both tracks
+  double check_back_s = 1.0;  // of each track, in which the point must fit both tracks
 };
 
 template <class V>
 void describe(V& v, MapInterConfig& c) {
-  v.field("period", c.period, {1, 1000}, "frame sets between runs");
+  v.field("period_s", c.period_s, {0.001, 10}, "between runs");
   v.field("seed_radius", c.match.seed_radius, {0, 1}, "phi_r, of the larger image side");
   v.field("disparity_gate", c.match.disparity_gate, {0, 100}, "phi_d over phi_r");
-  v.field("check_back", c.check_back, {1, 1000}, "earlier frames in which the point must fit both tracks");
+  v.field("check_back_s", c.check_back_s, {0.1, 100}, "of each track, in which the point must fit");
 }
 
 struct MapInterReport {
@@ -41,7 +41,7 @@ struct MapInter {
   static constexpr std::string_view kName = "map_inter";
   using Config = MapInterConfig;
   Config config;
-  bool due(SetId now) const { return now.value % static_cast<std::uint32_t>(config.period) == 0; }
+  bool due(const Map& map) const { return map.every(config.period_s); }
   MapInterReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph) const {
     return map_inter(edit, set, graph, config);
   }

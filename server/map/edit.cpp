@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "common/base/check.h"
+#include "common/geometry/robust.h"
 
 // Cameras, poses, tracks, and the map as a whole. Points: edit_points.cpp.
 namespace coslam {
@@ -13,6 +16,7 @@ namespace {
 
 constexpr std::size_t kTrackKeepAll = 128;  // newest observations of a track are all kept
 constexpr std::size_t kTrackMost = 256;     // beyond, every other of the old ones goes
+constexpr std::size_t kNewest = 16;         // frames or sets that tell the time between two
 
 void thin_out(std::vector<TrackPoint>& seen) {
   if (seen.size() <= kTrackMost) return;
@@ -22,6 +26,15 @@ void thin_out(std::vector<TrackPoint>& seen) {
     if (i >= old || i % 2 == 0) seen[kept++] = seen[i];
   }
   seen.resize(kept);
+}
+
+// Median of what passed between these; empty when there are fewer than two.
+std::optional<double> interval_s(std::span<const TimeNs> times_ns) {
+  std::vector<double> gaps_s;
+  for (std::size_t i = 1; i < times_ns.size(); ++i) {
+    if (times_ns[i] > times_ns[i - 1]) gaps_s.push_back(to_seconds(times_ns[i] - times_ns[i - 1]));
+  }
+  return gaps_s.empty() ? std::nullopt : std::optional(upper_median(gaps_s));
 }
 
 }  // namespace
@@ -151,12 +164,21 @@ void MapEdit::ingest(const FrameSet& set) {
   COSLAM_CHECK(set.id.value == 0 || set.id > map_.now_ || map_.cameras_.empty(), "frame sets come in order");
   map_.now_ = set.id;
   map_.now_ns_ = set.t_ns;
+  auto& times_ns = map_.set_times_ns_;
+  times_ns.push_back(set.t_ns);
+  if (times_ns.size() > kNewest) times_ns.erase(times_ns.begin());
+  map_.set_interval_s_ = interval_s(times_ns).value_or(map_.set_interval_s_);
   std::erase_if(map_.recent_, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
   for (const CameraFrame& cf : set.frames) take_tracks(own(cf.camera), cf, set.id);
 }
 
 void MapEdit::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {
   c.frames.push_back({set, cf.frame.frame, cf.frame.capture_ns, {}, {}});
+  std::vector<TimeNs> times_ns;
+  for (std::size_t i = c.frames.size() - std::min(c.frames.size(), kNewest); i < c.frames.size(); ++i) {
+    times_ns.push_back(c.frames[i].capture_ns);
+  }
+  c.frame_interval_s = interval_s(times_ns).value_or(c.frame_interval_s);
   c.corrected = false;
   for (const TrackObservation& o : cf.frame.tracks) {
     ServerTrack& track = c.tracks[o.track];

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -75,6 +76,14 @@ std::optional<std::size_t> ServerTrack::index_at(SetId set) const {
   return static_cast<std::size_t>(at - seen.begin());
 }
 
+int MapCamera::frames_in(double time_s, int least) const {
+  return std::max(least, static_cast<int>(std::lround(time_s / frame_interval_s)));
+}
+
+std::uint32_t Map::sets_in(double time_s) const {
+  return static_cast<std::uint32_t>(std::max(1L, std::lround(time_s / set_interval_s_)));
+}
+
 const FramePose* MapCamera::frame_at(SetId set) const {
   const auto at =
       std::lower_bound(frames.begin(), frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
@@ -136,7 +145,9 @@ Map::Map(const Map& o)
       next_map_(o.next_map_),
       epoch_(o.epoch_),
       now_(o.now_),
-      now_ns_(o.now_ns_) {
+      now_ns_(o.now_ns_),
+      set_interval_s_(o.set_interval_s_),
+      set_times_ns_(o.set_times_ns_) {
   // What points to points, points to the copies.
   for (auto& [id, p] : points_) {
     index_[id] = &p;

@@ -25,6 +25,9 @@
 // (server/map/edit.h) alone, which keeps its invariants.
 namespace coslam {
 
+// Between frames, while there is only one.
+inline constexpr double kUsualInterval_s = 1.0 / 30;
+
 struct TrackPoint {
   SetId set;
   Eigen::Vector2f undistorted_px;
@@ -85,11 +88,14 @@ struct MapCamera {
   Similarity3 moved;       // how its world was moved since the last patch to its agent
   MapId merged_from;       // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
-  TimeNs clock_offset_ns = 0;             // its images were taken so much later than they are dated
-  std::vector<FramePose> frames;          // ascending sets, the whole run
-  std::map<TrackId, ServerTrack> tracks;  // live ones
+  TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
+  double frame_interval_s = kUsualInterval_s;  // median of its newest ones
+  std::vector<FramePose> frames;               // ascending sets, the whole run
+  std::map<TrackId, ServerTrack> tracks;       // live ones
 
   const FramePose* frame_at(SetId set) const;
+  // How many of its frames come in that time, by the newest ones; at least so many.
+  int frames_in(double time_s, int least = 1) const;
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.
@@ -175,7 +181,7 @@ struct MapConfig {
   // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md
   // (NEES).
   double covariance_sigma_factor = 2.6;
-  int active_frames = 200;  // N_rec: a point is active when it was seen in the last so many sets
+  double recent_s = 6.67;  // N_rec: a point is active when it was seen so lately
   // One meaning everywhere: when two patches show one place, and what makes a point worth having.
   double zncc_min = 0.7;
   double zncc_margin = 0.05;        // of the best match over the second best
@@ -207,7 +213,7 @@ class Map {
   // Paths of points that move or moved, also of those that are gone.
   const std::map<PointId, std::vector<MotionSample>>& motions() const { return motions_; }
   // What follows is found without looking at every point that ever was. All ascending.
-  // Seen in the last active_frames sets.
+  // Seen lately: is_recent().
   std::vector<const MapPoint*> recent_points() const;
   // Seen at this set or later.
   std::vector<const MapPoint*> points_seen_since(SetId set) const;
@@ -241,10 +247,12 @@ class Map {
   MapEpoch epoch() const { return epoch_; }
   SetId now() const { return now_; }
   TimeNs now_ns() const { return now_ns_; }
-  // One of the last active_frames sets.
-  bool is_recent(SetId set) const {
-    return set.value + static_cast<std::uint32_t>(config_.active_frames) >= now_.value;
-  }
+  // Not longer ago than recent_s.
+  bool is_recent(SetId set) const { return set.value + sets_in(config_.recent_s) >= now_.value; }
+  // How many frame sets come in that time, by the newest ones; at least one.
+  std::uint32_t sets_in(double time_s) const;
+  // True at one set in that time.
+  bool every(double period_s) const { return now_.value % sets_in(period_s) == 0; }
 
  private:
   friend class MapEdit;
@@ -268,6 +276,8 @@ class Map {
   MapEpoch epoch_;
   SetId now_;
   TimeNs now_ns_ = 0;
+  double set_interval_s_ = kUsualInterval_s;
+  std::vector<TimeNs> set_times_ns_;  // the newest few
 };
 
 // A live track of the camera shows the point.

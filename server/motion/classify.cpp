@@ -81,12 +81,15 @@ std::optional<double> apparent_speed_px_s(const Map& map, const MapCamera& c, co
   return ((n * sum_rt - sum_t * sum_r) / spread).norm();
 }
 
-// Its tracks have not moved against it in the last `frames`, in at least two cameras.
-bool stands_still(const Map& map, const MapPoint& p, int frames, double most_px_s) {
+constexpr int kLeastStill = 2, kLeastTested = 4;  // frames
+
+// Its tracks have not moved against it for so long, in at least two cameras.
+bool stands_still(const Map& map, const MapPoint& p, double time_s, double most_px_s) {
   int cameras = 0;
   for (const BoundTrack& b : p.bound) {
     const MapCamera& c = map.camera(b.camera);
     const ServerTrack& t = c.tracks.at(b.track);
+    const int frames = c.frames_in(time_s, kLeastStill);
     if (static_cast<int>(t.seen.size()) < frames) continue;
     const auto speed_px_s = apparent_speed_px_s(map, c, t, p, frames);
     if (!speed_px_s || *speed_px_s > most_px_s * c.model.width_px / 640.0) return false;
@@ -105,8 +108,9 @@ void let_go_of_other_corners(MapEdit& edit, const MapPoint& p) {
 }
 
 bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
-  const int frames = config.still_frames;  // twice as long a look for tracks with more noise
-  return stands_still(map, p, frames, config.still_px_s) || stands_still(map, p, 2 * frames, config.still_px_s);
+  // Twice as long a look for tracks with more noise.
+  return stands_still(map, p, config.still_s, config.still_px_s) ||
+         stands_still(map, p, 2 * config.still_s, config.still_px_s);
 }
 
 // Moving points that stopped.
@@ -114,7 +118,7 @@ void settle(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, Cl
   for (const MapPoint* p : edit.map().moving_points()) {
     if (p->last_seen != set.id || !stopped(edit.map(), *p, config)) continue;
     let_go_of_other_corners(edit, *p);
-    edit.stop_moving(*p, config.still_frames);
+    edit.stop_moving(*p, static_cast<int>(edit.map().sets_in(config.still_s)));
     ++report->stopped;
   }
 }
@@ -144,11 +148,12 @@ struct Judged {
   std::optional<Eigen::Vector2d> flow_px;  // over the last frames
 };
 
-constexpr std::size_t kFlowFrames = 8;
+constexpr double kFlow_s = 0.27;
 
-std::optional<Eigen::Vector2d> flow_of(const ServerTrack& t) {
-  if (t.seen.size() <= kFlowFrames) return std::nullopt;
-  return (t.seen.back().undistorted_px - t.seen[t.seen.size() - 1 - kFlowFrames].undistorted_px).cast<double>();
+std::optional<Eigen::Vector2d> flow_of(const MapCamera& c, const ServerTrack& t) {
+  const auto frames = static_cast<std::size_t>(c.frames_in(kFlow_s, kLeastStill));
+  if (t.seen.size() <= frames) return std::nullopt;
+  return (t.seen.back().undistorted_px - t.seen[t.seen.size() - 1 - frames].undistorted_px).cast<double>();
 }
 
 // Newest first.
@@ -213,9 +218,9 @@ constexpr double kNearest = 0.15;  // nothing that stands still is expected clos
 // distance, is no longer taken for the point.
 void give_back_resting(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
   const Map& map = edit.map();
-  const auto frames = static_cast<std::size_t>(2 * config.still_frames);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
+    const auto frames = static_cast<std::size_t>(camera.frames_in(2 * config.still_s, kLeastTested));
     if (!camera.frames.back().valid()) continue;
     std::optional<double> median_depth;
     for (const auto& [id, track] : camera.tracks) {
@@ -237,11 +242,11 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   if (const MapPoint* p = map.find(track.point)) {
     return p->moves() ? Verdict::kMoves : Verdict::kStill;
   }
-  const auto views = newest_views(camera, track, config.test_frames);
-  if (static_cast<int>(views.size()) < config.least_frames) return Verdict::kYoung;
+  const auto views = newest_views(camera, track, camera.frames_in(config.test_s, kLeastTested));
+  if (static_cast<int>(views.size()) < camera.frames_in(config.least_s, kLeastTested)) return Verdict::kYoung;
   const double to_640 = 640.0 / camera.model.width_px;
   if (!moves_by_more(views, views.size() - 1, nearest, config.doubtful_px / to_640)) return Verdict::kUndecided;
-  const auto few = static_cast<std::size_t>(config.still_frames);
+  const auto few = static_cast<std::size_t>(camera.frames_in(config.still_s, kLeastStill));
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
     if (!moves_by_more(views, frames, nearest, still_px(camera, frames, config))) return Verdict::kUndecided;
@@ -306,7 +311,7 @@ void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& conf
     const double median_depth = median_static_depth(map, camera);
     for (const auto& [id, track] : camera.tracks) {
       all.push_back({&track, track.seen.back().undistorted_px.cast<double>(),
-                     verdict_of(map, camera, track, median_depth, config), flow_of(track)});
+                     verdict_of(map, camera, track, median_depth, config), flow_of(camera, track)});
     }
     const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
     const Judgements resting = between(all, Verdict::kStill, Verdict::kStill),

@@ -9,10 +9,10 @@ namespace coslam {
 
 struct ClassifyConfig {
   bool enabled = true;
-  int still_frames = 6;      // what stood so long does not move now (the paper's N_min, 60, is too slow for people)
+  double still_s = 0.2;      // what stood so long does not move now (the paper's N_min, 2 s, is too slow for people)
   double still_px_s = 4.0;   // apparent speed below which a thing stands, at 640 px image width
-  int test_frames = 30;      // newest of an unmapped track that are tested for motion
-  int least_frames = 7;      // younger ones are not
+  double test_s = 1.0;       // newest part of an unmapped track that is tested for motion
+  double least_s = 0.23;     // younger ones are not
   double doubtful_px = 3.0;  // that it misses every static explanation by, at 640 px image width: not mapped
   double motion_px = 5.0;    // the same, to be called moving
   double motion_parallax = 0.22;   // and at least so much of the parallax at the median depth
@@ -24,10 +24,10 @@ struct ClassifyConfig {
 template <class V>
 void describe(V& v, ClassifyConfig& c) {
   v.field("enabled", c.enabled, "tell moving points from static ones");
-  v.field("still_frames", c.still_frames, {2, 1000}, "a moving point that stood so long is static again");
+  v.field("still_s", c.still_s, {0.01, 100}, "a moving point that stood so long is static again");
   v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which a thing stands, at 640 px image width");
-  v.field("least_frames", c.least_frames, {2, 200}, "age at which an unmapped track is tested for motion");
-  v.field("test_frames", c.test_frames, {4, 200}, "of an unmapped track that are tested for motion");
+  v.field("least_s", c.least_s, {0.01, 10}, "age at which an unmapped track is tested for motion");
+  v.field("test_s", c.test_s, {0.1, 10}, "newest part of an unmapped track that is tested for motion");
   v.field("doubtful_px", c.doubtful_px, {0.5, 50},
           "that it misses every static point by, at 640 px image width: it is not mapped");
   v.field("motion_px", c.motion_px, {0.5, 50}, "the same, to be called moving");
@@ -57,7 +57,7 @@ struct ClassifyReport {
 //   uncertain -> dynamic: this instant's observations of different cameras agree on one position; else the point is
 //   false and removed;
 //   dynamic: its position is that of this instant's observations (follow.h); -> static when its tracks did not move
-//   against it in the last `still_frames` frames. Poses rest on it only when it has proved itself again. A camera that
+//   against it in the last `still_s`. Poses rest on it only when it has proved itself again. A camera that
 //   alone still sees it gives its track back when that stands still.
 // Unmapped tracks, and those of one camera alone, are told apart by the camera's own motion: a track that no static
 // point explains, among others like it, is moving and is not mapped as static.

@@ -95,7 +95,7 @@ std::optional<ClockObservation> observation(const MapCamera& a, const ServerTrac
 
 }  // namespace
 
-ClockReport ClockFinder::run(MapEdit& edit, const FrameSet& set) {
+ClockReport ClockFinder::run(MapEdit& edit) {
   const Map& map = edit.map();
   if (!config.enabled) return {};
   offsets_.resize(map.cameras().size(), {0, kPrior_s});
@@ -122,7 +122,7 @@ ClockReport ClockFinder::run(MapEdit& edit, const FrameSet& set) {
     for (const Shared& s : all) observe(map, *s.point, s.first, s.second, weight);
   }
   close(map);
-  const bool due = set.id.value % static_cast<std::uint32_t>(config.period) == 0;
+  const bool due = map.every(config.period_s);
   if (due) estimate(edit);
   return {due};
 }

@@ -14,7 +14,7 @@ namespace coslam {
 
 struct ClockConfig {
   bool enabled = true;
-  int period = 30;             // sets between estimates
+  double period_s = 1.0;       // between estimates
   double memory_s = 60;        // of what was seen
   double max_sigma_s = 0.004;  // of an offset that is used
   double significance = 4;     // sigmas from 0 of an offset that is used
@@ -23,7 +23,7 @@ struct ClockConfig {
 template <class V>
 void describe(V& v, ClockConfig& c) {
   v.field("enabled", c.enabled, "estimate the offsets of the agents' clocks from what moves");
-  v.field("period", c.period, {1, 10000}, "frame sets between estimates");
+  v.field("period_s", c.period_s, {0.01, 1000}, "between estimates");
   v.field("memory_s", c.memory_s, {1, 10000}, "what was seen longer ago does not count");
   v.field("max_sigma_s", c.max_sigma_s, {0, 1}, "of an offset that is used");
   v.field("significance", c.significance, {0, 100}, "of its sigmas that an offset must be to be used");
@@ -43,7 +43,7 @@ class ClockFinder {
   explicit ClockFinder(const ClockConfig& of) : config(of) {}
   ClockConfig config;
 
-  ClockReport run(MapEdit& edit, const FrameSet& set);
+  ClockReport run(MapEdit& edit);
   // Another clock from now on.
   void forget(CameraId camera);
   ClockOffset offset(CameraId camera) const;

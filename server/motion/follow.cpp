@@ -196,8 +196,8 @@ void carry(MapEdit& edit, const FrameSet& set, const std::vector<Step>& steps, L
   const std::uint32_t since = set.id.value - p.last_seen.value;
   const double radius = config.neighbour_radius * distance_to_cameras(map, p);
   const auto step = step_of(map, p, steps, radius);
-  const int limit = step || !loose.seen.empty() ? config.forget_sets : config.forget_alone_sets;
-  if (since > static_cast<std::uint32_t>(limit)) {
+  const std::uint32_t limit = map.sets_in(step || !loose.seen.empty() ? config.forget_s : config.forget_alone_s);
+  if (since > limit) {
     edit.remove_point(p, Why::kOutOfSight, {static_cast<double>(since), static_cast<double>(limit)});
     ++report->removed;
     return;

@@ -13,8 +13,8 @@ namespace coslam {
 
 struct FollowConfig {
   double neighbour_radius = 0.12;  // of the distance to the cameras: moving points so near move alike
-  int forget_sets = 60;            // without two cameras on it
-  int forget_alone_sets = 15;      // without neighbours either
+  double forget_s = 2.0;           // without two cameras on it
+  double forget_alone_s = 0.5;     // without neighbours either
   double search_px = 12.0;         // most between a track and where its point should be, at 640 px image width
 };
 

@@ -106,7 +106,7 @@ class Pipeline {
   template <class Stage>
   void run_if_due(const Given& given, PipelineReport* report) {
     if constexpr (stage::Periodic<Stage>) {
-      if (!std::get<Stage>(stages_).due(given.set.id)) {
+      if (!std::get<Stage>(stages_).due(given.edit.map())) {
         std::get<position<Stage>()>(reports_) = {};
         return;
       }

@@ -17,7 +17,7 @@
 //     static constexpr std::string_view kName = "example";  // of its section of the configuration and of its times
 //     using Config = ExampleConfig;                         // with describe() beside it
 //     Config config;
-//     bool due(SetId now) const;                            // optional: runs at some sets only
+//     bool due(const Map& map) const;                       // optional: runs at some sets only
 //     ExampleReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph);
 //   };
 //
@@ -77,8 +77,8 @@ template <class Report>
 inline constexpr bool is_last<Last<Report>> = true;
 
 template <class Stage>
-concept Periodic = requires(const Stage& s) {
-  { s.due(SetId()) } -> std::same_as<bool>;
+concept Periodic = requires(const Stage& s, const Map& map) {
+  { s.due(map) } -> std::same_as<bool>;
 };
 
 }  // namespace stage

@@ -10,7 +10,7 @@
 namespace coslam {
 namespace {
 
-constexpr std::uint32_t kPendingSets = 60;  // within which a claim is to be confirmed
+constexpr double kPending_s = 2.0;  // within which a claim is to be confirmed
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
@@ -50,7 +50,7 @@ bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognitio
   std::set<PointId> evidence;
   for (const auto& [track, point] : seen.matches) evidence.insert(point);
   const auto at = pending_.find(claim);
-  if (at != pending_.end() && at->second.since.value + kPendingSets > map.now().value) {
+  if (at != pending_.end() && at->second.since.value + map.sets_in(kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
     if (agree(camera, seen, said, in_from_own)) {
@@ -70,7 +70,7 @@ bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognitio
 Claims::Waiting Claims::waiting(const Map& map, CameraId camera) const {
   Waiting most = Waiting::kNothing;
   for (const auto& [claim, p] : pending_) {
-    if (!p.cameras.contains(camera) || p.since.value + kPendingSets <= map.now().value) continue;
+    if (!p.cameras.contains(camera) || p.since.value + map.sets_in(kPending_s) <= map.now().value) continue;
     most = std::max(most, p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }
   return most;

@@ -15,7 +15,7 @@
 namespace coslam {
 namespace {
 
-constexpr std::uint32_t kHintSets = 20;  // in which a place that may have been recognised is looked at closely
+constexpr double kHint_s = 0.67;  // in which a place that may have been recognised is looked at closely
 
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
   const int group = graph.group_of(a);
@@ -192,8 +192,8 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
 // Which cameras see what a camera should see too without being held to it, by the points that two cameras see at once;
 // looked at now and then.
 void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph, int min_holding) {
-  constexpr std::uint32_t kEvery = 4;
-  if (set.id.value % kEvery != 0) return;
+  constexpr double kPeriod_s = 0.13;
+  if (!map.every(kPeriod_s)) return;
   expected_.clear();
   DisjointSets held(map.cameras().size());
   for (const ViewEdge& e : graph.edges) {
@@ -214,7 +214,7 @@ void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& grap
 ExpectedPlace Meetings::find_expected(const Map& map, const CameraFrame& frame) const {
   const auto others = expected_.find(frame.camera);
   if (others == expected_.end()) return {};
-  const std::uint32_t lately = 2 * static_cast<std::uint32_t>(config.expect_period);
+  const std::uint32_t lately = 2 * map.sets_in(config.expect_period_s);
   const SetId since(map.now().value - std::min(map.now().value, lately));
   return places_.find_expected(map, frame, others->second, since, slack_px(map, map.camera(frame.camera)));
 }
@@ -317,20 +317,20 @@ void Meetings::close(MapEdit& edit, const MapCamera& camera, const Recognition& 
 DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, bool apart, bool parted) {
   Described& d = described_[camera.id];
   const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
-  const auto due = [&](int period) { return since(d.asked) >= static_cast<std::uint32_t>(period); };
+  const auto due = [&](double period_s) { return since(d.asked) >= map.sets_in(period_s); };
   if (camera.map == MapId()) {
-    return due(config.lost_period) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
+    return due(config.lost_period_s) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
-  const bool hinted = d.hinted && since(d.hinted) < kHintSets;
+  const bool hinted = d.hinted && since(d.hinted) < map.sets_in(kHint_s);
   const Claims::Waiting waiting = claims_.waiting(map, camera.id);
   const bool confirm = hinted || waiting != Claims::Waiting::kNothing;
   const bool expects = expected_.contains(camera.id);
-  const bool wanted = confirm ? due(config.confirm_period)
-                      : !d.at ? due(config.lost_period)
-                      : (apart && due(config.apart_period)) || (expects && due(config.expect_period))
+  const bool wanted = confirm ? due(config.confirm_period_s)
+                      : !d.at ? due(config.lost_period_s)
+                      : (apart && due(config.apart_period_s)) || (expects && due(config.expect_period_s))
                           ? true
-                          : due(parted ? config.least_period / 2 : config.least_period) &&
+                          : due(parted ? config.least_period_s / 2 : config.least_period_s) &&
                                 view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);
   if (!wanted || !afford(d, map.now_ns(), confirm)) return DescriptorRequest::kNone;
   const bool everywhere = apart || hinted || waiting == Claims::Waiting::kAnywhere;

@@ -64,7 +64,8 @@ LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig
       ++report.tracked;
     } else {
       ++report.lost;
-      if (edit.lose_pose(camera, observations.size(), r.inliers) > config.lost_after_sets) edit.leave_map(camera);
+      const int lost = edit.lose_pose(camera, observations.size(), r.inliers);
+      if (lost > camera.frames_in(config.lost_after_s, 3)) edit.leave_map(camera);
     }
   }
   return report;

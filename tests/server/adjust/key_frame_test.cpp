@@ -44,7 +44,7 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
     const bool key = step();
     EXPECT_EQ(key, sim_.map.is_key_frame(sim_.set.id));
     if (!key) continue;
-    EXPECT_GE(i - last, config_.min_sets);
+    EXPECT_GE(i - last, static_cast<int>(sim_.map.sets_in(config_.min_s)));
     last = i;
     ++keys;
   }
@@ -54,7 +54,7 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
 
 TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
   decide();
-  for (int i = 0; i < config_.min_sets; ++i) ASSERT_FALSE(step()) << i;
+  for (std::uint32_t i = 0; i < sim_.map.sets_in(config_.min_s); ++i) ASSERT_FALSE(step()) << i;
   const MapCamera& c = sim_.map.camera(CameraId(1));
   int bound = 0, freed = 0;
   for (const auto& [id, t] : c.tracks) bound += t.bound();
@@ -92,7 +92,7 @@ TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
   const PointId poor = make(3), good = make(12);
   const PointId bound_poor = sim_.map.points().begin()->first;
   ASSERT_FALSE(sim_.map.find(bound_poor)->bound.empty());
-  for (int i = 0; i < config.probation_sets - 1; ++i) sim_.advance();
+  for (std::uint32_t i = 1; i < sim_.map.sets_in(config.probation_s); ++i) sim_.advance();
   EXPECT_EQ(cull(sim_.edit, sim_.set, config).removed, 0);
   sim_.advance();
   const int removed = cull(sim_.edit, sim_.set, config).removed;

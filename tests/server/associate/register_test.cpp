@@ -119,7 +119,7 @@ TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
 }
 
 TEST_F(RegisterTest, InactivePointsTakeNoPart) {
-  test::SimMap sim(world_, test::paths_side_by_side(1), {}, {.active_frames = 5});
+  test::SimMap sim(world_, test::paths_side_by_side(1), {}, {.recent_s = 5.0 / 30});
   sim.advance(5, true);
   int seen = 0;
   while (sim.track_of(kCam0, seen) == nullptr) ++seen;

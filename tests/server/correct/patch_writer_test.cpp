@@ -22,10 +22,10 @@ constexpr CameraId kCam(0);
 // Round numbers to test against, whatever the defaults are.
 constexpr PatchWriterConfig kConfig{.moved_px = 0.15,
                                     .covariance_ratio = 1.5,
-                                    .patch_period = 1,
+                                    .patch_period_s = 1.0 / 30,
                                     .patches_per_request = 10,
-                                    .patch_track_frames = 4,
-                                    .patch_refresh_sets = 40};
+                                    .patch_track_s = 4.0 / 30,
+                                    .patch_refresh_s = 40.0 / 30};
 
 class PatchWriterTest : public testing::Test {
  protected:

@@ -80,7 +80,7 @@ TEST_F(StartAlone, FromItsOwnMotion) {
     when = i;
   }
   ASSERT_EQ(started, 1);
-  EXPECT_GT(when, config_.alone_after_sets);
+  EXPECT_GT(when, camera(0).frames_in(config_.alone_after_s));
   const Fit fit = fit_of(sim_, camera(0).map);
   EXPECT_GE(fit.poses, when) << "the way to it is found too";
   EXPECT_GT(fit.points, 40);

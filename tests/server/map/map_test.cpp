@@ -52,6 +52,39 @@ TEST_F(MapTest, NumbersCamerasInOrder) {
   EXPECT_EQ(map_.camera(kCam1).map, MapId());
 }
 
+// Whatever the rate is, what is to last a time lasts that long.
+TEST_F(MapTest, CountsFramesByTheTimeBetweenThem) {
+  EXPECT_EQ(map_.sets_in(0.5), 15U) << "30 a second as long as nothing is known";
+  const auto ingest = [&](std::uint32_t set, TimeNs t_ns, bool right_too) {
+    FrameSet both{SetId(set), t_ns, {}};
+    for (const CameraId c : {kCam0, kCam1}) {
+      if (c == kCam1 && !right_too) continue;
+      both.frames.push_back({c, {}, {}, {}});
+      both.frames.back().frame.capture_ns = t_ns;
+    }
+    edit_.ingest(both);
+  };
+  TimeNs t_ns = 0;
+  for (std::uint32_t i = 0; i < 40; ++i, t_ns += to_ns(0.05))
+    ingest(i, i == 30 ? t_ns + to_ns(0.004) : t_ns, i % 2 == 0);
+  EXPECT_EQ(map_.sets_in(0.5), 10U);
+  EXPECT_EQ(map_.sets_in(0.001), 1U);
+  EXPECT_EQ(map_.camera(kCam0).frames_in(0.5), 10);
+  EXPECT_EQ(map_.camera(kCam1).frames_in(0.5), 5) << "half the rate of the sets";
+  EXPECT_EQ(map_.camera(kCam1).frames_in(0.1, 4), 4);
+  t_ns += to_ns(3);  // a gap is no rate
+  ingest(40, t_ns, true);
+  EXPECT_EQ(map_.sets_in(0.5), 10U);
+  int due = 0;
+  for (std::uint32_t i = 41; i < 71; ++i) {
+    t_ns += to_ns(0.1);
+    ingest(i, t_ns, true);
+    due += i > 60 && map_.every(0.5);
+  }
+  EXPECT_EQ(map_.sets_in(0.5), 5U) << "the newest count";
+  EXPECT_EQ(due, 2);
+}
+
 TEST_F(MapTest, TracksStartGoOnAndEnd) {
   edit_.ingest(set_of(0, {1, 2}));
   edit_.ingest(set_of(1, {2, 3}));

@@ -21,7 +21,7 @@ namespace {
 class RandomEdits {
  public:
   explicit RandomEdits(unsigned seed, bool journal)
-      : random_(seed), sim_(world_, test::paths_side_by_side(3), {.ends = 0.05}, {.active_frames = 12}) {
+      : random_(seed), sim_(world_, test::paths_side_by_side(3), {.ends = 0.05}, {.recent_s = 12.0 / 30}) {
     test::forget(sim_.edit.journal());
     sim_.edit.journal().enable(journal);
   }

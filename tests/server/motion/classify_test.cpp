@@ -37,7 +37,7 @@ TEST(Classify, OneCameraGivesBackWhatStandsStill) {
   const ServerTrack* track = sim.track_of(kCam0, world_point);
   sim.edit.bind_moving(p, kCam0, *track, Eigen::Vector2f::Zero(), Why::kLooksLikeIt);
   const ClassifyConfig config;
-  for (int i = 0; i < 2 * config.still_frames + 2; ++i) {
+  for (int i = 0; i < sim.map.camera(kCam0).frames_in(2 * config.still_s) + 2; ++i) {
     sim.advance(1, true);
     track = sim.track_of(kCam0, world_point);
     ASSERT_NE(track, nullptr);
@@ -180,8 +180,9 @@ TEST_F(ClassifyTest, WhatStopsIsOnTrialAndThenStatic) {
   stand();
   int stood = 0;
   for (; stood < 40 && p.moves(); ++stood) step();
-  EXPECT_GE(stood, config_.still_frames - 1);
-  EXPECT_LE(stood, 3 * config_.still_frames);
+  const int still = sim_.map.camera(kCam0).frames_in(config_.still_s);
+  EXPECT_GE(stood, still - 1);
+  EXPECT_LE(stood, 3 * still);
   ASSERT_EQ(p.phase, PointPhase::kTrial);
   EXPECT_EQ(events(p.id, EventKind::kPointBecame).back().why, Why::kStopped);
   EXPECT_LT((p.position - world_.position(body_point, *stands_since_ns_)).norm(), 0.15);
@@ -261,7 +262,7 @@ TEST_F(ClassifyTest, TracksOfABodyThatStopsRestAgain) {
   for (int i = 0; i < 30; ++i) step();
   ASSERT_GT(of_body(TrackMotion::kMoving), 10);
   stand();
-  for (int i = 0; i < 2 * config_.still_frames + 2; ++i) step();
+  for (int i = 0; i < sim_.map.camera(kCam0).frames_in(2 * config_.still_s) + 2; ++i) step();
   int all = 0;
   EXPECT_GT(of_body(TrackMotion::kResting, &all), 0.8 * all);
 }

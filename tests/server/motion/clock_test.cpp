@@ -27,7 +27,7 @@ class ClockTest : public testing::Test {
       for (int p = 0; p < world_.size(); ++p) {
         if (world_.moves(p)) bind(p);
       }
-      clocks_->run(sim_.edit, sim_.set);
+      clocks_->run(sim_.edit);
     }
   }
   double offset_s(CameraId camera) const { return clocks_->offset(camera).offset_s; }

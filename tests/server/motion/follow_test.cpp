@@ -116,7 +116,7 @@ TEST(FollowMoving, APointThatNobodySeesIsForgottenInTheEnd) {
     world.edit().unbind(c.id, c.tracks.at(TrackId(1)), Why::kOddOneOut);
   }
   const FollowConfig config;
-  for (int i = 0; i <= config.forget_sets + 1; ++i) {
+  for (std::uint32_t i = 0; i <= world.map().sets_in(config.forget_s) + 1; ++i) {
     world.step();
     follow_moving(world.edit(), world.set(), config);
   }
@@ -244,26 +244,27 @@ TEST_F(FollowBody, ItIsForgottenSoonerWhenNothingTellsWhereItWent) {
   unbind(kCam0, body_[0]);
   unbind(kCam1, body_[0]);
   for (const CameraId c : {kCam0, kCam1}) sim_.edit.set_motion(c, track(c, body_[0]), TrackMotion::kResting);
-  for (int i = 0; i < config_.forget_alone_sets; ++i) EXPECT_EQ(step().removed, 0);
+  const std::uint32_t limit = sim_.map.sets_in(config_.forget_alone_s);
+  for (std::uint32_t i = 0; i < limit; ++i) EXPECT_EQ(step().removed, 0);
   EXPECT_EQ(step().removed, 1);
   EXPECT_EQ(sim_.map.find(id), nullptr);
   ASSERT_EQ(events(Why::kOutOfSight).size(), 1U);
-  EXPECT_EQ(events(Why::kOutOfSight)[0].figures,
-            (Figures{config_.forget_alone_sets + 1.0, static_cast<double>(config_.forget_alone_sets)}));
+  EXPECT_EQ(events(Why::kOutOfSight)[0].figures, (Figures{limit + 1.0, static_cast<double>(limit)}));
 }
 
 TEST_F(FollowBody, ATrackOfOneCameraKeepsItForLonger) {
   const MapPoint& p = follow(body_[0]);
   unbind(kCam1, body_[0]);
-  int lived = 0;
+  const std::uint32_t limit = sim_.map.sets_in(config_.forget_s);
+  std::uint32_t lived = 0;
   const PointId id = p.id;
-  for (; lived <= config_.forget_sets && sim_.map.find(id) != nullptr; ++lived) {
+  for (; lived <= limit && sim_.map.find(id) != nullptr; ++lived) {
     step();
     ASSERT_NE(sim_.track_of(kCam0, body_[0]), nullptr);
   }
-  EXPECT_EQ(lived, config_.forget_sets + 1);
+  EXPECT_EQ(lived, limit + 1);
   ASSERT_EQ(events(Why::kOutOfSight).size(), 1U);
-  EXPECT_EQ(events(Why::kOutOfSight)[0].figures[1], config_.forget_sets);
+  EXPECT_EQ(events(Why::kOutOfSight)[0].figures[1], limit);
 }
 
 // Of two that disagree one is wrong: the one that does not lead to where the neighbours carry the point.

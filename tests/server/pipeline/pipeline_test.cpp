@@ -47,7 +47,7 @@ struct Second {
   static constexpr std::string_view kName = "second";
   using Config = SecondConfig;
   Config config;
-  bool due(SetId now) const { return now.value % static_cast<std::uint32_t>(config.period) == 0; }
+  bool due(const Map& map) const { return map.now().value % static_cast<std::uint32_t>(config.period) == 0; }
   Seen run(const Sum& sum, Last<Seen> last, const FirstConfig& first) { return {sum.value, last.of.now, first.step}; }
 };
 // Reads what comes later, of the set before.
@@ -65,7 +65,10 @@ using Small = Pipeline<Before, First, Second>;
 
 class PipelineTest : public testing::Test {
  protected:
-  void step(std::uint32_t set) { pipeline_.step({SetId(set), 0, {}}, edit_, {RunId(1)}, &report_); }
+  void step(std::uint32_t set) {
+    edit_.ingest({SetId(set), 0, {}});
+    pipeline_.step({SetId(set), 0, {}}, edit_, {RunId(1)}, &report_);
+  }
 
   MapEdit edit_{MapConfig{}};
   Small::Configs configs_{NoConfig<Before>{}, FirstConfig{.step = 3}, SecondConfig{}};

@@ -38,7 +38,8 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  EXPECT_EQ(asked, (20 + config_.lost_period - 1) / config_.lost_period);
+  const auto period = static_cast<int>(sim_.map.sets_in(config_.lost_period_s));
+  EXPECT_EQ(asked, (20 + period - 1) / period);
 }
 
 TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {

@@ -122,7 +122,7 @@ TEST_F(LocaliseTest, FewPointsGiveNoPose) {
 
 TEST_F(LocaliseTest, LeavesItsMapAfterSoManySets) {
   shuffle_points();
-  for (int i = 0; i < config_.lost_after_sets; ++i) {
+  for (int i = 0; i < camera(kCam0).frames_in(config_.lost_after_s); ++i) {
     sim_.ingest();
     localise(sim_.edit, sim_.set, config_);
     ASSERT_EQ(camera(kCam0).map, sim_.id) << i;
