@@ -45,7 +45,8 @@ TEST(GateDistance, IsMahalanobis) {
   EXPECT_NEAR(*d2({320, 240}, 1.5), 0, 1e-12);
   EXPECT_NEAR(*d2({325, 240}, 1.5), 25 / (4 + 2.25), 1e-9);
   EXPECT_NEAR(*d2({323, 236}, 0), 25.0 / 4, 1e-9);
-  EXPECT_FALSE(gate_distance2({p.position, p.covariance}, kCamera, looking({0, 0, 10}), {320, 240}, 1.0)) << "behind the camera";
+  EXPECT_FALSE(gate_distance2({p.position, p.covariance}, kCamera, looking({0, 0, 10}), {320, 240}, 1.0))
+      << "behind the camera";
 }
 
 TEST(KalmanUpdate, IsTheBatchLeastSquaresOfPriorAndObservations) {
