@@ -20,13 +20,14 @@ struct Residual {
   Eigen::Vector2d r = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, 6> j;
   Eigen::Matrix2d point_part = Eigen::Matrix2d::Zero();  // J Sigma J^T
-  bool valid = false;
+  bool valid = false, far = false;
 };
 
 // By the perturbation of retract(): x' = exp(w) x + t, so d x / d w = -[x]_x, d x / d t = I.
 Residual residual_of(const CameraModel& camera, const PointObservation& o, const Rigid3& pose,
                      const Eigen::Matrix3d& r) {
   Residual out;
+  out.far = o.far;
   const Eigen::Vector3d x = r * o.point_in_world + pose.translation;
   if (x.z() < 1e-6) return out;
   const Eigen::Matrix<double, 2, 3> p = camera.project_jacobian(x);
@@ -42,18 +43,24 @@ Residual residual_of(const CameraModel& camera, const PointObservation& o, const
   return out;
 }
 
+// What is not known of a far point grows with the way of the camera since it was seen. Were that weighed anew at each
+// step, it would draw the camera back to where it grew from: the start says what a far point is worth.
 void evaluate(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& pose,
-              std::vector<Residual>* residuals) {
+              const std::vector<Residual>& at_start, std::vector<Residual>* residuals) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
   residuals->resize(observations.size());
-  for (std::size_t i = 0; i < observations.size(); ++i) (*residuals)[i] = residual_of(camera, observations[i], pose, r);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    (*residuals)[i] = residual_of(camera, observations[i], pose, r);
+    if (observations[i].far && !at_start.empty()) (*residuals)[i].point_part = at_start[i].point_part;
+  }
 }
 
-// Scale of the part of the residuals that the point covariances do not explain.
+// Scale of the part of the residuals that the point covariances do not explain; of far points only without others.
 double measured_sigma(const std::vector<Residual>& residuals, const PoseRefinementConfig& config, double cap_px) {
   std::vector<double> norms, explained;
+  const bool near = std::ranges::count_if(residuals, [](const Residual& r) { return r.valid && !r.far; }) >= kMinPoints;
   for (const Residual& r : residuals) {
-    if (!r.valid) continue;
+    if (!r.valid || (near && r.far)) continue;
     norms.push_back(r.r.norm());
     explained.push_back(0.5 * r.point_part.trace());
   }
@@ -128,7 +135,8 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
   // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
   // end.
   double cap_px = 1e9;
-  evaluate(camera, observations, result.cam_from_world, &residuals);
+  evaluate(camera, observations, result.cam_from_world, {}, &residuals);
+  const std::vector<Residual> at_start = residuals;
   double sigma = measured_sigma(residuals, config, cap_px);
   System s = build(residuals, sigma, &result.is_inlier);
   for (int i = 0; i < config.max_iterations && s.inliers >= kMinPoints; ++i) {
@@ -139,7 +147,7 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
     if (!step.allFinite()) break;
     const Rigid3 candidate = retract(result.cam_from_world, step);
     std::vector<Residual> next;
-    evaluate(camera, observations, candidate, &next);
+    evaluate(camera, observations, candidate, at_start, &next);
     std::vector<bool> next_inlier(observations.size());
     const System t = build(next, sigma, &next_inlier);
     if (t.cost > s.cost * (1 + 1e-9)) {

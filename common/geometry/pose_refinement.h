@@ -17,6 +17,7 @@ struct PointObservation {
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
   Eigen::Matrix3d point_covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
+  bool far = false;  // a far_point(): its covariance is ignorance, so it says nothing of the camera's noise
 };
 
 struct PoseRefinementConfig {

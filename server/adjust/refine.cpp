@@ -179,14 +179,26 @@ void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, 
 
 bool moves(const RefineJob& job, std::size_t pose) { return !job.problem.poses[pose].fixed || job.floating; }
 
+// Poses that enough points held while they were solved for. Others go with the frames before and after them.
+std::vector<bool> seen_enough(const RefineJob& job) {
+  constexpr int kLeast = 8;
+  std::vector<int> seen(job.poses.size());
+  for (const auto& o : job.problem.observations) ++seen[static_cast<std::size_t>(o.pose)];
+  std::vector<bool> out;
+  out.reserve(seen.size());
+  for (const int n : seen) out.push_back(n >= kLeast);
+  return out;
+}
+
 // The key frames that move come first, ascending: what is before stays, however old the poses are that hold them.
 SetId first_that_moves(const RefineJob& job) { return job.poses.front().set; }
 
 void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   const Map& map = edit.map();
   std::vector<std::vector<Change>> changes(map.cameras().size());
+  const std::vector<bool> held = seen_enough(job);
   for (std::size_t i = 0; i < job.poses.size(); ++i) {
-    if (!moves(job, i)) continue;
+    if (!moves(job, i) || !held[i]) continue;
     const Rigid3& before = job.problem.poses[i].cam_from_world;
     changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
   }

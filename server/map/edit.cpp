@@ -302,7 +302,9 @@ void MapEdit::move_map(MapId map, const Similarity3& new_from_old) {
     for (FramePose& f : c.frames) {
       if (f.map == map) f.cam_from_world = transform_world(f.cam_from_world, new_from_old);
     }
-    if (c.map == map) c.moved = new_from_old * c.moved;
+    if (c.map != map) continue;
+    c.moved = new_from_old * c.moved;
+    c.scene_depth *= new_from_old.scale;
   }
   raise_epoch();
 }

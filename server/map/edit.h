@@ -38,6 +38,7 @@ class MapEdit {
   void agent_was_told(const MapCamera& camera);
 
   // ---- poses ----
+  void set_scene_depth(const MapCamera& camera, double depth) { own(camera).scene_depth = depth; }
   // Puts a camera into a map, at its newest or an earlier set.
   void place(const MapCamera& camera, SetId set, MapId map, const Rigid3& cam_from_world, Why why,
              Figures figures = {});

@@ -83,6 +83,7 @@ struct MapCamera {
   int sigma_frames = 0;    // that it was measured in
   MapId map;               // that it is being localised in; 0 = not placed
   bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
+  double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
   bool sparse = false;     // it sees so few proven points that it has to use the others too
   int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
   Similarity3 moved;       // how its world was moved since the last patch to its agent

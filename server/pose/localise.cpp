@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "common/geometry/far_point.h"
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
 
 namespace coslam {
 namespace {
@@ -20,6 +22,35 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
     if (i) observations.push_back({p->position, p->covariance, track.seen[*i].undistorted_px.cast<double>()});
   }
   return observations;
+}
+
+// Tracks without a point, by the direction in which they were seen first.
+void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<PointObservation>* observations) {
+  constexpr double kSettled_s = 0.1;  // by then it is told apart what does not follow any one thing
+  if (camera.scene_depth <= 0) return;
+  const auto least = static_cast<std::size_t>(camera.frames_in(kSettled_s, 2));
+  const double sigma_px = map.covariance_sigma_px(camera);
+  for (const auto& [id, track] : camera.tracks) {
+    if (!track.free_and_resting() || track.seen.size() < least || track.seen.back().set != set) continue;
+    const auto first = std::ranges::find_if(track.seen, [&](const TrackPoint& s) {
+      const FramePose* f = s.set.value < track.distrusted_before ? nullptr : camera.frame_at(s.set);
+      return f != nullptr && f->valid() && f->map == camera.map;
+    });
+    if (first == track.seen.end()) continue;
+    const FarPoint far = far_point(camera.model, camera.frame_at(first->set)->cam_from_world,
+                                   first->undistorted_px.cast<double>(), camera.scene_depth, sigma_px);
+    observations->push_back({far.position, far.covariance, track.seen.back().undistorted_px.cast<double>(), true});
+  }
+}
+
+double median_depth(const std::vector<PointObservation>& observations, const PoseResult& pose) {
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (pose.is_inlier[i] && !observations[i].far)
+      depths.push_back((pose.cam_from_world * observations[i].point_in_world).z());
+  }
+  constexpr std::size_t kLeast = 12;
+  return depths.size() < kLeast ? 0 : upper_median(depths);
 }
 
 bool good(const PoseResult& r, std::size_t observations, const LocaliseConfig& config) {
@@ -51,16 +82,19 @@ LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig
     const MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId()) continue;
     auto observations = bound_observations(map, camera, set.id, camera.sparse);
+    add_far(map, camera, set.id, &observations);
     const Rigid3 start = start_pose(map, camera, cf.frame);
     PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
     if (!good(r, observations.size(), config) && !camera.sparse) {
       edit.set_sparse(camera, true);  // better on points that may move than not at all
       observations = bound_observations(map, camera, set.id, true);
+      add_far(map, camera, set.id, &observations);
       r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
     }
     if (good(r, observations.size(), config)) {
       edit.set_pose(camera, set.id, r.cam_from_world);
       edit.measure_sigma(camera, r.sigma_px);
+      if (const double depth = median_depth(observations, r); depth > 0) edit.set_scene_depth(camera, depth);
       ++report.tracked;
     } else {
       ++report.lost;

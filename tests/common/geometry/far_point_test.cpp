@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/far_point.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+#include <vector>
+
+#include "common/geometry/pose_refinement.h"
+#include "tests/support/matchers.h"
+#include "tests/support/sim_world.h"
+
+namespace coslam {
+namespace {
+
+using test::looking;
+using test::PoseNear;
+using test::VectorNear;
+
+const CameraModel kCamera = test::sim_camera();
+constexpr double kSigma_px = 0.5;
+
+TEST(FarPoint, LiesOnItsRayAndCoversAllDepthsFromHalfOfItOn) {
+  const Rigid3 pose = looking({0.4, -0.2, 0.3}, 0.3, -0.1);
+  const Eigen::Vector2d px(500, 100);
+  const FarPoint far = far_point(kCamera, pose, px, 4.0, kSigma_px);
+  EXPECT_NEAR((pose * far.position).z(), 4.0, 1e-12);
+  EXPECT_THAT(kCamera.project(pose * far.position), VectorNear(px, 1e-9));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(far.covariance);
+  const Eigen::Vector3d ray = far.position - pose.center();
+  EXPECT_NEAR(std::sqrt(axes.eigenvalues()[2]), ray.norm(), 1e-9);
+  EXPECT_NEAR(std::abs(axes.eigenvectors().col(2).dot(ray.normalized())), 1, 1e-12);
+  for (const int i : {0, 1}) {
+    EXPECT_NEAR(std::sqrt(axes.eigenvalues()[i]), kSigma_px * ray.norm() / kCamera.focal_px(), 1e-9);
+  }
+}
+
+// What a camera at `now` sees of the things that one at `first` saw, all taken to be `guess` far away.
+std::vector<PointObservation> seen_again(const Rigid3& first, const Rigid3& now, double guess, unsigned seed) {
+  static const test::SimWorld world({.seed = 7, .points = 3000});
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, 0.3);
+  const auto seen = [&](const Rigid3& pose, int i) -> std::optional<Eigen::Vector2d> {
+    const Eigen::Vector3d x = pose * world.position(i);
+    if (x.z() < 0.5 || !kCamera.contains_raw(kCamera.project(x))) return std::nullopt;
+    return kCamera.project(x) + Eigen::Vector2d(noise(random), noise(random));
+  };
+  std::vector<PointObservation> out;
+  for (int i = 0; i < world.size() && out.size() < 150; ++i) {
+    const auto then = seen(first, i), again = seen(now, i);
+    if (!then || !again) continue;
+    const FarPoint far = far_point(kCamera, first, *then, guess, kSigma_px);
+    out.push_back({far.position, far.covariance, *again, true});
+  }
+  return out;
+}
+
+TEST(FarPoint, HoldsACameraThatTurnsOnTheSpot) {
+  const Rigid3 first = looking({0, 0, 0});
+  for (const double guess : {1.0, 5.0, 50.0}) {
+    const Rigid3 now = looking({0, 0, 0}, 0.25, 0.05);
+    const auto observations = seen_again(first, now, guess, 3);
+    const PoseResult r = refine_pose(kCamera, observations, looking({0, 0, 0}, 0.2), {});
+    ASSERT_EQ(r.status, PoseStatus::kOk);
+    EXPECT_THAT(r.cam_from_world, PoseNear(now, 0.003, 0.005 * guess)) << guess;
+  }
+}
+
+TEST(FarPoint, LeavesTheWayThatTheCameraWentToOthers) {
+  const Rigid3 first = looking({0, 0, 0}), now = looking({0.4, 0, 0}, 0.1);
+  std::vector<PointObservation> observations = seen_again(first, now, 3.0, 5);
+  // A few points whose places are known.
+  const test::SimWorld world({.seed = 7, .points = 3000});
+  int known = 0;
+  for (int i = 0; known < 20; ++i) {
+    const Eigen::Vector3d x = now * world.position(i);
+    if (x.z() < 0.5 || !kCamera.contains_raw(kCamera.project(x))) continue;
+    observations.push_back({world.position(i), 1e-6 * Eigen::Matrix3d::Identity(), kCamera.project(x)});
+    ++known;
+  }
+  const PoseResult r = refine_pose(kCamera, observations, looking({0.36, 0, 0}, 0.08), {});
+  ASSERT_EQ(r.status, PoseStatus::kOk);
+  EXPECT_THAT(r.cam_from_world, PoseNear(now, 0.002, 0.01));
+}
+
+}  // namespace
+}  // namespace coslam
