@@ -40,6 +40,8 @@ class LocalMap {
     PointState state = PointState::kStatic;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    // A far_point(): the track has no point.
+    bool is_direction() const { return point == PointId() && state == PointState::kUncertain; }
   };
   const Entry* find(TrackId track) const;
   std::size_t size() const { return entries_.size(); }

@@ -20,8 +20,8 @@ void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& track
   std::vector<PointObservation> observations;
   for (const TrackObservation& t : tracks) {
     const LocalMap::Entry* e = map.find(t.track);
-    if (e == nullptr || e->state != PointState::kStatic) continue;
-    observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>()});
+    if (e == nullptr || !(e->state == PointState::kStatic || e->is_direction())) continue;
+    observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>(), e->is_direction()});
   }
   const PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
   result_ = refine_pose(camera_, observations, predicted(), refinement);

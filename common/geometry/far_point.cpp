@@ -2,17 +2,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/far_point.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace coslam {
 
-FarPoint far_point(const CameraModel& camera, const Rigid3& cam_from_world, const Eigen::Vector2d& undistorted_px,
-                   double depth, double sigma_px) {
-  const Eigen::Vector3d in_cam = depth * camera.normalized_from_pixel(undistorted_px).homogeneous();
-  const Eigen::Vector3d along = cam_from_world.rotation.conjugate() * in_cam;
-  const double distance = in_cam.norm(), across = sigma_px * distance / camera.focal_px();
-  const Eigen::Vector3d u = along / distance;
-  const Eigen::Matrix3d uu = u * u.transpose();
-  return {cam_from_world.center() + along,
-          distance * distance * uu + across * across * (Eigen::Matrix3d::Identity() - uu)};
+FarPoint far_point(std::span<const View> views, double usual_depth, double sigma_px) {
+  constexpr int kIterations = 4;
+  constexpr double kLeast = 0.05;  // of the usual inverse depth: infinity, where numbers still are numbers
+  const View& first = views.front();
+  const Eigen::Vector3d ray = first.camera->normalized_from_pixel(first.undistorted_px).homogeneous();
+  const double usual = 1 / usual_depth, prior = 1 / (usual * usual);
+  double rho = usual, information = prior;
+  // A view sees the direction ray + rho * (way to its camera); Gauss-Newton in rho alone.
+  for (int i = 0; i < kIterations; ++i) {
+    information = prior;
+    double gradient = prior * (usual - rho);
+    for (const View& v : views.subspan(1)) {
+      const Rigid3 from_first = v.cam_from_world * first.cam_from_world.inverse();
+      const Eigen::Vector3d x = from_first.rotation * ray + rho * from_first.translation;
+      if (x.z() < 1e-3) continue;
+      const Eigen::Vector2d j = v.camera->project_jacobian(x) * from_first.translation;
+      information += j.squaredNorm() / (sigma_px * sigma_px);
+      gradient += j.dot(v.undistorted_px - v.camera->project(x)) / (sigma_px * sigma_px);
+    }
+    rho = std::max(rho + gradient / information, kLeast * usual);
+  }
+  FarPoint out;
+  out.inverse_depth = rho;
+  out.sigma = 1 / std::sqrt(information);
+  const Eigen::Vector3d along = first.cam_from_world.rotation.conjugate() * (ray / rho);
+  const double distance = along.norm(), across = sigma_px * distance / first.camera->focal_px();
+  const double spread = distance * out.sigma / rho;
+  const Eigen::Matrix3d uu = along * along.transpose() / (distance * distance);
+  out.position = first.cam_from_world.center() + along;
+  out.covariance = spread * spread * uu + across * across * (Eigen::Matrix3d::Identity() - uu);
+  return out;
 }
 
 }  // namespace coslam

@@ -16,7 +16,8 @@ namespace coslam {
 
 enum class PointState : std::uint8_t { kStatic, kUncertain, kDynamic };
 
-// A map point bound to one of the agent's tracks.
+// A map point bound to one of the agent's tracks; with no point (0), and kUncertain, the direction of a track that has
+// none (far_point()).
 struct BoundPoint {
   TrackId track;
   PointId point;

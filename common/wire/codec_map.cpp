@@ -53,7 +53,8 @@ Problem unpack_point(Unpacker& in, BoundPoint& b) {
   b.state = static_cast<PointState>(state);
   for (float& v : b.position) v = *in.get<float>();
   for (float& v : b.covariance) v = *in.get<float>();
-  return first_of({check_covariance(b.covariance), check_id(b.track), check_id(b.point),
+  const bool direction = b.state == PointState::kUncertain && b.point == PointId();
+  return first_of({check_covariance(b.covariance), check_id(b.track), direction ? Problem() : check_id(b.point),
                    check_enum(state, PointState::kDynamic), check_position(b.position)});
 }
 

@@ -3,6 +3,9 @@
 #include "server/correct/patch_writer.h"
 
 #include <algorithm>
+#include <set>
+
+#include "server/map/sighting.h"
 
 namespace coslam {
 
@@ -13,35 +16,60 @@ PointState state_for(const MapCamera& camera, const MapPoint& p) {
   return p.phase == PointPhase::kTrial && !camera.sparse ? PointState::kUncertain : told_state(p.phase);
 }
 
+// So few that the agent needs directions too.
+bool few_points(const Map& map, const MapCamera& camera) {
+  constexpr int kFew = 60;
+  return std::ranges::count_if(camera.tracks, [&](const auto& t) {
+           const MapPoint* p = map.find(t.second.point);
+           return p != nullptr && state_for(camera, *p) == PointState::kStatic;
+         }) < kFew;
+}
+
 }  // namespace
 
-bool PatchWriter::worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const {
-  if (told.point != p.id || told.state != state_for(camera, p)) return true;
-  const double trace = p.covariance.trace();
-  if (trace > told.trace * config_.covariance_ratio || trace * config_.covariance_ratio < told.trace) return true;
+bool PatchWriter::worth_telling(const Told& told, const Told& now, const MapCamera& camera) const {
+  if (told.point != now.point || told.state != now.state) return true;
+  if (now.trace > told.trace * config_.covariance_ratio || now.trace * config_.covariance_ratio < told.trace)
+    return true;
   const FramePose& f = camera.frames.back();
-  const double distance = f.valid() ? (p.position - f.cam_from_world.center()).norm() : 1.0;
-  return (p.position - told.position).norm() * camera.model.focal_px() > config_.moved_px * distance;
+  const double distance = f.valid() ? (now.position - f.cam_from_world.center()).norm() : 1.0;
+  return (now.position - told.position).norm() * camera.model.focal_px() > config_.moved_px * distance;
+}
+
+void PatchWriter::tell(TrackId track, const Told& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+                       MapPatch* patch) {
+  const auto told = told_.find(track);
+  if (told != told_.end() && !worth_telling(told->second, now, camera)) return;
+  told_[track] = now;
+  patch->updated.push_back({track, now.point, now.state, now.position.cast<float>(), pack_covariance(covariance)});
 }
 
 void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch) {
   if (snapshot) told_.clear();
-  for (auto at = told_.begin(); at != told_.end();) {
-    const auto track = camera.tracks.find(at->first);
-    const bool ended = track == camera.tracks.end();
-    const bool free = !ended && !track->second.bound();
-    if (free) patch->unbound.push_back(at->first);
-    at = ended || free ? told_.erase(at) : std::next(at);
-  }
+  const bool poor = few_points(map, camera);
+  std::set<TrackId> known;
   for (const auto& [id, track] : camera.tracks) {
-    const MapPoint* p = map.find(track.point);
-    if (p == nullptr) continue;
+    if (const MapPoint* p = map.find(track.point)) {
+      known.insert(id);
+      tell(id, {p->id, state_for(camera, *p), p->position, p->covariance.trace()}, p->covariance, camera, patch);
+      continue;
+    }
+    // Its agent takes what it was told once for as long as the track lives: later only what is far better.
+    const auto far = poor ? far_point_of(map, camera, track) : std::nullopt;
+    if (!far) continue;
+    known.insert(id);
     const auto told = told_.find(id);
-    if (told != told_.end() && !worth_telling(told->second, *p, camera)) continue;
-    const PointState state = state_for(camera, *p);
-    told_[id] = {p->id, state, p->position, p->covariance.trace()};
-    patch->updated.push_back({id, p->id, state, p->position.cast<float>(), pack_covariance(p->covariance)});
+    const Told now{PointId(), PointState::kUncertain, far->position, far->covariance.trace()};
+    if (told != told_.end() && told->second.point == PointId() &&
+        now.trace * config_.covariance_ratio > told->second.trace)
+      continue;
+    tell(id, now, far->covariance, camera, patch);
   }
+  std::erase_if(told_, [&](const auto& told) {
+    if (known.contains(told.first)) return false;
+    if (camera.tracks.contains(told.first)) patch->unbound.push_back(told.first);
+    return true;
+  });
 }
 
 void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {

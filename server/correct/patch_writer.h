@@ -51,7 +51,9 @@ class PatchWriter {
     Eigen::Vector3d position;
     double trace;
   };
-  bool worth_telling(const Told& told, const MapPoint& p, const MapCamera& camera) const;
+  bool worth_telling(const Told& told, const Told& now, const MapCamera& camera) const;
+  void tell(TrackId track, const Told& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+            MapPatch* patch);
   void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
   void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const;
 

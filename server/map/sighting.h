@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/far_point.h"
 #include "server/map/map.h"
 
 // What cameras see of a thing at one instant, and where it is by that.
@@ -34,6 +35,10 @@ std::vector<Seen> seen_now(const Map& map, const MapPoint& p);
 
 // The one place that observations of one instant by at least two cameras agree on.
 std::optional<TriangulationResult> position_of(const Map& map, const std::vector<Seen>& seen, double min_parallax_rad);
+
+// The direction of a track that has no point, by its views so far; empty when it may move, is too young to tell, or
+// nothing is known of how far away things are around the camera.
+std::optional<FarPoint> far_point_of(const Map& map, const MapCamera& camera, const ServerTrack& track);
 
 struct MotionPosition {
   TriangulationResult at;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "common/geometry/far_point.h"
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
+#include "server/map/sighting.h"
 
 namespace coslam {
 namespace {
@@ -24,22 +24,13 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
   return observations;
 }
 
-// Tracks without a point, by the direction in which they were seen first.
+// Tracks without a point, by their directions.
 void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<PointObservation>* observations) {
-  constexpr double kSettled_s = 0.1;  // by then it is told apart what does not follow any one thing
-  if (camera.scene_depth <= 0) return;
-  const auto least = static_cast<std::size_t>(camera.frames_in(kSettled_s, 2));
-  const double sigma_px = map.covariance_sigma_px(camera);
   for (const auto& [id, track] : camera.tracks) {
-    if (!track.free_and_resting() || track.seen.size() < least || track.seen.back().set != set) continue;
-    const auto first = std::ranges::find_if(track.seen, [&](const TrackPoint& s) {
-      const FramePose* f = s.set.value < track.distrusted_before ? nullptr : camera.frame_at(s.set);
-      return f != nullptr && f->valid() && f->map == camera.map;
-    });
-    if (first == track.seen.end()) continue;
-    const FarPoint far = far_point(camera.model, camera.frame_at(first->set)->cam_from_world,
-                                   first->undistorted_px.cast<double>(), camera.scene_depth, sigma_px);
-    observations->push_back({far.position, far.covariance, track.seen.back().undistorted_px.cast<double>(), true});
+    if (track.seen.back().set != set) continue;
+    const auto far = far_point_of(map, camera, track);
+    if (far)
+      observations->push_back({far->position, far->covariance, track.seen.back().undistorted_px.cast<double>(), true});
   }
 }
 

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tests/support/matchers.h"
@@ -69,6 +71,40 @@ TEST(MapServer, StandsWrongAndBrokenTracks) {
   const test::PathError error = run.path_error();
   EXPECT_GE(error.frames, 0.98 * error.all_frames);
   EXPECT_LT(error.ate, 0.0013 * error.path_m);
+}
+
+// Half around, farther than its map reaches: what it sees there has no parallax, so no places, but directions.
+TEST(MapServer, ACameraThatTurnsOnTheSpotStaysInItsMap) {
+  static constexpr double kWay_s = 3, kTurn_s = 6, kEnd_s = 10;
+  const auto path = [](double t_s) {
+    const double way = std::min(t_s, kWay_s) / kWay_s, turn = std::clamp((t_s - kWay_s) / kTurn_s, 0.0, 1.0);
+    return test::looking({1.5 * std::sin(0.5 * std::numbers::pi * way), 0.2 * way, 0},
+                         0.5 * std::numbers::pi * (1 - std::cos(std::numbers::pi * turn)));
+  };
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const SimWorld world({.seed = seed, .layout = test::Layout::kAround, .points = 1200});
+    SimRun run(world, {});
+    const CameraId camera = run.add_agent(path);
+    run.step(static_cast<int>(kEnd_s * 30));
+    const MapCamera& c = run.map().camera(camera);
+    const FramePose *before = nullptr, *after = &c.frames.back();
+    double worst_rad = 0, worst = 0;
+    for (const FramePose& f : c.frames) {
+      const double t_s = to_seconds(f.capture_ns);
+      if (t_s < kWay_s) continue;
+      ASSERT_TRUE(f.valid()) << t_s;
+      EXPECT_EQ(f.map, after->map);
+      if (before == nullptr) before = &f;
+      const Rigid3 then = path(to_seconds(before->capture_ns)), now = path(t_s);
+      const double turned = before->cam_from_world.rotation.angularDistance(f.cam_from_world.rotation);
+      worst_rad = std::max(worst_rad, std::abs(turned - then.rotation.angularDistance(now.rotation)));
+      worst = std::max(worst, (f.cam_from_world.center() - before->cam_from_world.center()).norm());
+    }
+    EXPECT_LT(worst_rad, 0.02);
+    EXPECT_LT(worst, 0.01 * c.scene_depth) << "no false way";
+    EXPECT_EQ(run.server().map_count(), 1);
+    EXPECT_EQ(run.agent(camera).pose_state(), PoseState::kTracked);
+  }
 }
 
 TEST(MapServer, StandsMovingThings) {

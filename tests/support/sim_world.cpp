@@ -32,6 +32,11 @@ Eigen::Vector3d on_plane(Random& random) {
   return {x, y, 6 + 0.3 * x - 0.1 * y};
 }
 
+Eigen::Vector3d around(Random& random) {
+  const double angle = uniform(random, 0, 2 * std::numbers::pi), distance_m = uniform(random, 3, 8);
+  return {distance_m * std::sin(angle), distance_m * uniform(random, -0.5, 0.5), distance_m * std::cos(angle)};
+}
+
 }  // namespace
 
 SimWorld::SimWorld(const WorldConfig& config) {
@@ -39,7 +44,9 @@ SimWorld::SimWorld(const WorldConfig& config) {
   Point body;
   for (int i = 0; i < config.points + config.moving_points; ++i) {
     Point& p = points_.emplace_back();
-    p.position = config.layout == Layout::kPlane ? on_plane(random) : in_room(random);
+    p.position = config.layout == Layout::kPlane    ? on_plane(random)
+                 : config.layout == Layout::kAround ? around(random)
+                                                    : in_room(random);
     for (auto& byte : p.descriptor) byte = static_cast<std::uint8_t>(255 * std::pow(uniform(random, 0, 1), 3));
     for (auto& ripple : p.texture) {
       const double frequency = 2 * std::numbers::pi * uniform(random, 0.1, 0.3), angle = uniform(random, 0, 6.28);

@@ -22,11 +22,12 @@ using Patch = std::array<std::uint8_t, kPatchBytes>;
 using Descriptor = std::array<std::uint8_t, kDescriptorBytes>;
 using CameraPath = std::function<Rigid3(double t_s)>;  // cam_from_world
 
-enum class Layout { kRoom, kPlane };
+enum class Layout { kRoom, kPlane, kAround };
 
 struct WorldConfig {
   unsigned seed = 1;
-  Layout layout = Layout::kRoom;  // kPlane: all points on one wall, seen at a slant
+  Layout layout = Layout::kRoom;  // kPlane: all points on one wall, seen at a slant; kAround: 3 to 8 m away on
+                                  // all sides
   int points = 450;
   int moving_points = 0;  // the last ones, on bodies of 25 points that do not turn; each body on a circle of its own
 };

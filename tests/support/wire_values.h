@@ -127,6 +127,7 @@ class WireValues {
     b.track = TrackId(1 + below(1000000));
     b.point = PointId(1 + below(1000000));
     b.state = static_cast<PointState>(below(3));
+    if (b.state == PointState::kUncertain && below(2) == 0) b.point = PointId();  // a direction
     for (float& v : b.position) v = static_cast<float>(uniform(-50, 50));
     for (float& v : b.covariance) v = static_cast<float>(uniform(0, 0.1));
     return b;

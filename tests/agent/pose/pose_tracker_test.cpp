@@ -180,5 +180,29 @@ TEST_F(PoseTrackerTest, ResetForgetsEverything) {
   EXPECT_EQ(pose_.state(), PoseState::kNone);
 }
 
+// Told by the server where no points are: how far away things are does not matter while the camera turns.
+TEST_F(PoseTrackerTest, DirectionsHoldItWherePointsDoNot) {
+  start();
+  const std::uint32_t known = newest();
+  for (int i = 0; i < 10; ++i) {
+    const TrackFrame f = next_frame();
+    MapPatch patch = next_patch();
+    patch.snapshot = true;
+    for (const TrackObservation& o : f.tracks) {
+      // On the ray from where the camera was when it was known, at twice the true distance.
+      const Eigen::Vector3d eye = truth(known).center();
+      BoundPoint b{o.track, PointId(), PointState::kUncertain};
+      const Eigen::Vector3d way = 2 * (world_.position(tracker_.point_of(o.track)) - eye);
+      b.position = (eye + way).cast<float>();
+      b.covariance = pack_covariance(way * way.transpose() + 1e-4 * Eigen::Matrix3d::Identity());
+      patch.updated.push_back(b);
+    }
+    ASSERT_TRUE(map_.apply(patch).accepted);
+    pose_.step(f.frame, f.tracks, map_);
+    ASSERT_EQ(pose_.state(), PoseState::kTracked) << i;
+    EXPECT_LT(pose_.result().cam_from_world.rotation.angularDistance(truth(newest()).rotation), 0.004) << i;
+  }
+}
+
 }  // namespace
 }  // namespace coslam

@@ -25,7 +25,8 @@ constexpr double kSigma_px = 0.5;
 TEST(FarPoint, LiesOnItsRayAndCoversAllDepthsFromHalfOfItOn) {
   const Rigid3 pose = looking({0.4, -0.2, 0.3}, 0.3, -0.1);
   const Eigen::Vector2d px(500, 100);
-  const FarPoint far = far_point(kCamera, pose, px, 4.0, kSigma_px);
+  const std::vector<View> views{{&kCamera, pose, px}};
+  const FarPoint far = far_point(views, 4.0, kSigma_px);
   EXPECT_NEAR((pose * far.position).z(), 4.0, 1e-12);
   EXPECT_THAT(kCamera.project(pose * far.position), VectorNear(px, 1e-9));
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(far.covariance);
@@ -51,10 +52,48 @@ std::vector<PointObservation> seen_again(const Rigid3& first, const Rigid3& now,
   for (int i = 0; i < world.size() && out.size() < 150; ++i) {
     const auto then = seen(first, i), again = seen(now, i);
     if (!then || !again) continue;
-    const FarPoint far = far_point(kCamera, first, *then, guess, kSigma_px);
+    const std::vector<View> views{{&kCamera, first, *then}};
+    const FarPoint far = far_point(views, guess, kSigma_px);
     out.push_back({far.position, far.covariance, *again, true});
   }
   return out;
+}
+
+// Whatever was guessed; with a standard deviation that says how far off it may be.
+TEST(FarPoint, LearnsItsDepthFromItsParallax) {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> noise(0, kSigma_px);
+  const Eigen::Vector3d place(0.5, -0.3, 8);
+  double sum2 = 0;
+  int n = 0;
+  for (const double guess : {3.0, 8.0, 20.0}) {
+    for (int trial = 0; trial < 100; ++trial) {
+      std::vector<View> views;
+      for (int i = 0; i < 6; ++i) {
+        const Rigid3 pose = looking({0.1 * i, 0.02 * i, 0.05 * i}, 0.01 * i);
+        const Eigen::Vector2d px = kCamera.project(pose * place) + Eigen::Vector2d(noise(random), noise(random));
+        views.push_back({&kCamera, pose, px});
+      }
+      const FarPoint far = far_point(views, guess, kSigma_px);
+      EXPECT_LT(far.sigma, 0.3 / 8);
+      const double error = (far.inverse_depth - 1.0 / 8) / far.sigma;
+      sum2 += error * error;
+      ++n;
+    }
+  }
+  EXPECT_LT(sum2 / n, 6) << "the noise of the first view, which all others share, is not counted";
+  EXPECT_GT(sum2 / n, 0.5);
+}
+
+TEST(FarPoint, WhatHasNoParallaxIsFarAway) {
+  const Eigen::Vector3d ray(0.1, 0.05, 1);
+  std::vector<View> views;
+  for (int i = 0; i < 6; ++i) {
+    const Rigid3 pose = looking({0.2 * i, 0, 0});
+    views.push_back({&kCamera, pose, kCamera.project(pose.rotation * ray)});
+  }
+  const FarPoint far = far_point(views, 4.0, kSigma_px);
+  EXPECT_GT((views.front().cam_from_world * far.position).z(), 50);
 }
 
 TEST(FarPoint, HoldsACameraThatTurnsOnTheSpot) {

@@ -236,5 +236,41 @@ TEST_F(PatchWriterTest, PassesTheWishForDescriptorsOn) {
   EXPECT_EQ(write().descriptor_request, DescriptorRequest::kNone);
 }
 
+// An agent that sees few points is told the directions of its other tracks, once each, until there are points.
+TEST_F(PatchWriterTest, WherePointsAreFewDirectionsAreTold) {
+  for (int i = 0; i < 6; ++i) next();
+  EXPECT_TRUE(write().updated.empty()) << "how far away things are is not known yet";
+  sim_.edit.set_scene_depth(camera(), 5);
+  const MapPatch first = write();
+  ASSERT_GT(first.updated.size(), 30U);
+  for (const BoundPoint& b : first.updated) {
+    EXPECT_EQ(b.point, PointId());
+    EXPECT_EQ(b.state, PointState::kUncertain);
+    const ServerTrack& t = camera().tracks.at(b.track);
+    const Rigid3& pose = camera().frame_at(t.seen.front().set)->cam_from_world;
+    const Eigen::Vector2d px = camera().model.project(pose * b.position.cast<double>());
+    EXPECT_THAT(px, test::VectorNear(t.seen.front().undistorted_px.cast<double>(), 0.01)) << "on its first ray";
+  }
+  next();
+  EXPECT_LT(write().updated.size(), first.updated.size() / 2) << "what was told stays";
+  const int world_point = in_view_for(2);
+  const TrackId track = sim_.track_of(kCam, world_point)->id;
+  sim_.add_point(world_point);
+  const MapPatch bound = write();
+  const auto told = std::ranges::find(bound.updated, track, &BoundPoint::track);
+  ASSERT_NE(told, bound.updated.end());
+  EXPECT_NE(told->point, PointId());
+  int points = 0;
+  for (int p = 0; p < world_.size() && points < 80; ++p) {
+    const ServerTrack* t = sim_.track_of(kCam, p);
+    if (t == nullptr || t->bound()) continue;
+    sim_.add_point(p);
+    ++points;
+  }
+  const MapPatch rich = write();
+  EXPECT_FALSE(rich.unbound.empty()) << "directions are taken back";
+  for (const BoundPoint& b : rich.updated) EXPECT_NE(b.point, PointId());
+}
+
 }  // namespace
 }  // namespace coslam
