@@ -18,7 +18,6 @@ void describe(V& v, KeyFrameConfig& c) {
   v.field("keyframe_drop", c.drop, {0.01, 1}, "of a camera's points since the last key frame");
   v.field("min_s", c.min_s, {0.001, 100}, "between key frames");
   v.field("max_s", c.max_s, {0.01, 1000}, "between key frames while a camera moves");
-  v.field("moved_rad", c.moved_rad, {0, 1}, "median turn of the rays to a camera's points that counts as having moved");
 }
 
 // Key frame for all cameras when any camera lost 30 % of the points it had at the last one, or moved for long (paper

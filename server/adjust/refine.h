@@ -28,9 +28,6 @@ template <class V>
 void describe(V& v, RefineConfig& c) {
   v.field("enabled", c.enabled, "bundle adjustment");
   v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
-  v.field("most_fixed", c.most_fixed, {0, 1000}, "older poses that hold them");
-  v.field("max_iterations", c.max_iterations, {1, 200}, "of one bundle adjustment");
-  v.field("final_iterations", c.final_iterations, {1, 1000}, "over the whole run, at its end");
 }
 
 // A bundle adjustment over a copy of part of the map, solved anywhere, applied by the map's owner.

@@ -91,7 +91,7 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
 
 }  // namespace
 
-FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& config) {
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   FuseReport report;
   std::vector<Candidate> candidates;
@@ -109,7 +109,7 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& con
     if (cut_at == nullptr || cut_at->map != p->map) continue;
     const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
     if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
-    const auto position = joint_position(map, *p, *q, map.gate_sigma_px(camera), config.check_back_s);
+    const auto position = joint_position(map, *p, *q, map.gate_sigma_px(camera), map.config().check_back_s);
     if (!position) continue;
     if (p->id > q->id) std::swap(p, q);
     edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});

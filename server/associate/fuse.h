@@ -7,14 +7,12 @@
 namespace coslam {
 
 struct FuseConfig {
-  double period_s = 0.17;     // between runs
-  double check_back_s = 2.0;  // of each track, in which the fused point must fit
+  double period_s = 0.17;  // between runs
 };
 
 template <class V>
 void describe(V& v, FuseConfig& c) {
   v.field("period_s", c.period_s, {0.001, 10}, "between runs");
-  v.field("check_back_s", c.check_back_s, {0.1, 100}, "of each track, in which the fused point must fit");
 }
 
 struct FuseReport {
@@ -29,14 +27,14 @@ struct FuseReport {
 // Two cameras that map the same corner by themselves make two points of it. Such a pair becomes one when no camera ever
 // saw both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate,
 // and one position explains every view of either: these links between cameras hold the map together.
-FuseReport fuse_points(MapEdit& edit, const FrameSet& set, const FuseConfig& config);
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set);
 
 struct Fuse {
   static constexpr std::string_view kName = "fuse";
   using Config = FuseConfig;
   Config config;
   bool due(const Map& map) const { return map.every(config.period_s); }
-  FuseReport run(MapEdit& edit, const FrameSet& set) const { return fuse_points(edit, set, config); }
+  FuseReport run(MapEdit& edit, const FrameSet& set) const { return fuse_points(edit, set); }
 };
 
 }  // namespace coslam

@@ -26,6 +26,11 @@ bool explains(const PointEstimate& point, const std::vector<View>& past, double 
   });
 }
 
+bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const PointEstimate& point) {
+  const auto most = static_cast<std::size_t>(camera.frames_in(map.config().check_back_s));
+  return explains(point, newest_views(camera, track, most), map.gate_sigma_px(camera), map.config().theta);
+}
+
 std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most) {
   std::vector<View> views;
   for (std::size_t i = track.seen.size(); i-- > 0 && views.size() < most;) {

@@ -54,6 +54,8 @@ std::optional<double> gate_distance2(const PointEstimate& point, const CameraMod
 
 // Whether a point explains what was seen in the past: every view within theta of it. False without any view.
 bool explains(const PointEstimate& point, const std::vector<View>& past, double sigma_px, double theta);
+// The same for what a track saw in the last check_back_s.
+bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const PointEstimate& point);
 // What a track saw, newest first, as far back as it is trusted; at most so many.
 std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most);
 

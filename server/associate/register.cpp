@@ -58,7 +58,7 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
   return true;
 }
 
-RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const RegisterConfig& config) {
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   RegisterReport report;
   const std::vector<const MapPoint*> points = recent_static_points(map);
@@ -75,10 +75,7 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, const Registe
       if (cut_at == nullptr || cut_at->map != c.point->map) continue;
       const auto fit = fit_patch(map, *c.point, camera, cut_at->cam_from_world, *c.track->patch);
       if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
-      const std::vector<View> past =
-          newest_views(camera, *c.track, static_cast<std::size_t>(camera.frames_in(config.check_back_s)));
-      if (!explains({c.point->position, c.point->covariance}, past, map.gate_sigma_px(camera), map.config().theta))
-        continue;
+      if (!explains_past(map, camera, *c.track, {c.point->position, c.point->covariance})) continue;
       edit.bind(*c.point, camera.id, *c.track, Why::kRegistered, {std::sqrt(c.d2), fit->zncc});
       edit.keep_recent(*c.point);
       retriangulate(edit, *c.point);

@@ -27,7 +27,7 @@ bool few_points(const Map& map, const MapCamera& camera) {
 
 }  // namespace
 
-bool PatchWriter::worth_telling(const Told& told, const Told& now, const MapCamera& camera) const {
+bool PatchWriter::worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const {
   if (told.point != now.point || told.state != now.state) return true;
   if (now.trace > told.trace * config_.covariance_ratio || now.trace * config_.covariance_ratio < told.trace)
     return true;
@@ -36,16 +36,16 @@ bool PatchWriter::worth_telling(const Told& told, const Told& now, const MapCame
   return (now.position - told.position).norm() * camera.model.focal_px() > config_.moved_px * distance;
 }
 
-void PatchWriter::tell(TrackId track, const Told& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+void PatchWriter::tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
                        MapPatch* patch) {
-  const auto told = told_.find(track);
-  if (told != told_.end() && !worth_telling(told->second, now, camera)) return;
-  told_[track] = now;
+  const auto told = sent_.find(track);
+  if (told != sent_.end() && !worth_telling(told->second, now, camera)) return;
+  sent_[track] = now;
   patch->updated.push_back({track, now.point, now.state, now.position.cast<float>(), pack_covariance(covariance)});
 }
 
 void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch) {
-  if (snapshot) told_.clear();
+  if (snapshot) sent_.clear();
   const bool poor = few_points(map, camera);
   std::set<TrackId> known;
   for (const auto& [id, track] : camera.tracks) {
@@ -58,14 +58,14 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
     const auto far = poor ? far_point_of(map, camera, track) : std::nullopt;
     if (!far) continue;
     known.insert(id);
-    const auto told = told_.find(id);
-    const Told now{PointId(), PointState::kUncertain, far->position, far->covariance.trace()};
-    if (told != told_.end() && told->second.point == PointId() &&
+    const auto told = sent_.find(id);
+    const Sent now{PointId(), PointState::kUncertain, far->position, far->covariance.trace()};
+    if (told != sent_.end() && told->second.point == PointId() &&
         now.trace * config_.covariance_ratio > told->second.trace)
       continue;
     tell(id, now, far->covariance, camera, patch);
   }
-  std::erase_if(told_, [&](const auto& told) {
+  std::erase_if(sent_, [&](const auto& told) {
     if (known.contains(told.first)) return false;
     if (camera.tracks.contains(told.first)) patch->unbound.push_back(told.first);
     return true;
@@ -73,11 +73,12 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
 }
 
 void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {
+  constexpr double kSettled_s = 0.13;
   if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
   using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
   Due still, moving;
   for (const auto& [id, t] : camera.tracks) {
-    if (static_cast<int>(t.seen.size()) < camera.frames_in(config_.patch_track_s, 2)) continue;
+    if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, 2)) continue;  // many do not live longer
     const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
     const bool keeps = t.bound() && !t.moves();
     if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
@@ -96,7 +97,7 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
   if (frame.agent_run != agent_run_) {
     agent_run_ = frame.agent_run;
     sequence_ = 0;
-    told_.clear();
+    sent_.clear();
     epoch_ = map.epoch();
   }
   MapPatch patch;
@@ -112,7 +113,7 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
 MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
   MapPatch patch = next_patch(map, camera, frame);
   patch.snapshot = true;
-  told_.clear();
+  sent_.clear();
   map_ = MapId();
   return patch;
 }
@@ -128,7 +129,7 @@ MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackF
   if (epoch_ != map.epoch() && !other_map) {
     patch.new_from_old = camera.moved;
     const double s = camera.moved.scale;
-    for (auto& [id, t] : told_) {
+    for (auto& [id, t] : sent_) {
       t.position = camera.moved * t.position;
       t.trace *= s * s;
     }

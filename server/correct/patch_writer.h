@@ -15,7 +15,6 @@ struct PatchWriterConfig {
   double covariance_ratio = 2.0;         // or its covariance changed by this factor
   double patch_period_s = 0.1;           // between requests for image patches: together they share a datagram
   int patches_per_request = 16;          // of tracks that move and of others each, at most
-  double patch_track_s = 0.13;           // a track is asked for its patch when it is so old
   double patch_refresh_s = 2.0;          // and again after so long while it has no point
   double moving_patch_refresh_s = 0.33;  // or while it moves
 };
@@ -27,7 +26,6 @@ void describe(V& v, PatchWriterConfig& c) {
   v.field("patch_period_s", c.patch_period_s, {0.01, 100}, "between requests for image patches");
   v.field("patches_per_request", c.patches_per_request, {0, 1000},
           "image patches asked for at once, at most, of tracks that move and of others each");
-  v.field("patch_track_s", c.patch_track_s, {0.01, 100}, "age at which a track is asked for its patch");
   v.field("patch_refresh_s", c.patch_refresh_s, {0.01, 1000}, "after which an unmapped track is asked again");
   v.field("moving_patch_refresh_s", c.moving_patch_refresh_s, {0.01, 1000}, "the same for tracks that move");
 }
@@ -45,14 +43,14 @@ class PatchWriter {
  private:
   MapPatch next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
-  struct Told {
+  struct Sent {
     PointId point;
     PointState state;  // as told
     Eigen::Vector3d position;
     double trace;
   };
-  bool worth_telling(const Told& told, const Told& now, const MapCamera& camera) const;
-  void tell(TrackId track, const Told& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+  bool worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const;
+  void tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
             MapPatch* patch);
   void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
   void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const;
@@ -63,7 +61,7 @@ class PatchWriter {
   std::uint32_t sequence_ = 0;
   MapEpoch epoch_;
   MapId map_;
-  std::map<TrackId, Told> told_;
+  std::map<TrackId, Sent> sent_;
 };
 
 }  // namespace coslam

@@ -47,7 +47,6 @@ void describe(V& v, GroupConfig& c) {
   v.field("min_shared_overlapping", c.min_shared_overlapping, {1, 1000},
           "points that bring two cameras into one group if their views overlap so far; fewer do if farther");
   v.field("confirm_s", c.confirm_s, {0, 10}, "for so long before they join, and with fewer before they part");
-  v.field("settle_s", c.settle_s, {0, 10}, "that a new grouping must last before it counts");
   v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
 }
 

@@ -42,8 +42,8 @@ std::optional<TriangulationResult> meeting(const Map& map, const PairView& view,
 
 // The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
 // epipolar line does not keep up while the thing moves. Where that was at the first of them.
-std::optional<Eigen::Vector3d> together_back(const Map& map, const PairView& view, const ServerTrack& a,
-                                             const ServerTrack& b, int least, int most) {
+std::optional<Eigen::Vector3d> continuous_back(const Map& map, const PairView& view, const ServerTrack& a,
+                                               const ServerTrack& b, int least, int most) {
   int checked = 0;
   std::optional<Eigen::Vector3d> oldest;
   for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
@@ -60,8 +60,8 @@ std::optional<Eigen::Vector3d> together_back(const Map& map, const PairView& vie
 }
 
 // The camera's track is no longer at what its thing left.
-bool left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world, const Feature& f,
-          const Eigen::Vector3d& place) {
+bool has_left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world, const Feature& f,
+              const Eigen::Vector3d& place) {
   Eigen::Vector2d px;
   if (!project_world(camera.model, cam_from_world, place, &px)) return true;
   return (f.px + f.track->offset_px.cast<double>() - px).norm() > map.config().theta * map.gate_sigma_px(camera);
@@ -118,16 +118,14 @@ std::optional<TriangulationResult> one_mover(const Map& map, const PairView& vie
   const ServerTrack &in_a = *a.track, &in_b = *b.track;
   auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, map.config().min_parallax_rad);
   if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
-  const double distance = (now->position - view.first_pose.center()).norm();
-  if (std::sqrt(now->covariance.trace()) > map.config().max_relative_sigma * distance) return std::nullopt;
   if (!beside_in_depth(map, view, now->position)) return std::nullopt;
   const int back = std::max(view.first->frames_in(config.check_back_s, 4), view.second->frames_in(config.check_back_s));
-  const auto before = together_back(map, view, in_a, in_b, back / 2, back);
+  const auto before = continuous_back(map, view, in_a, in_b, back / 2, back);
   if (!before) return std::nullopt;
   // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
   const bool both_move = in_a.moves() && in_b.moves();
-  if (!both_move &&
-      !(left(map, *view.first, view.first_pose, a, *before) && left(map, *view.second, view.second_pose, b, *before)))
+  if (!both_move && !(has_left(map, *view.first, view.first_pose, a, *before) &&
+                      has_left(map, *view.second, view.second_pose, b, *before)))
     return std::nullopt;
   return now;
 }

@@ -41,7 +41,6 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
   const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{&camera, &track}});
   const double sigma = std::sqrt(covariance.trace()),
                distance = (t.position - camera.frames.back().cam_from_world.center()).norm();
-  if (sigma > map.config().max_relative_sigma * distance) return false;
   const MapPoint& p =
       edit.create_point(camera.map, t.position, covariance, mature ? PointPhase::kStatic : PointPhase::kTrial,
                         Why::kOneCamerasMotion, {static_cast<double>(all.size()), sigma / distance});

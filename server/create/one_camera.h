@@ -7,16 +7,16 @@
 namespace coslam {
 
 struct MapIntraConfig {
-  double min_track_s = 2.0;     // N_min: so long tracks may become points with the parallax that any point needs
-  double early_track_s = 0.27;  // shorter ones need the wider parallax: a fast camera sees nothing for 2 s
-  double early_parallax_rad = 0.035;
+  double min_track_s = 2.0;           // N_min: so long tracks become static points at once, younger ones are on trial
+  double early_parallax_rad = 0.035;  // of younger ones: what follows a moving thing for a moment seems to have some
+  double early_track_s = 0.27;        // younger ones wait
 };
 
 template <class V>
 void describe(V& v, MapIntraConfig& c) {
-  v.field("min_track_s", c.min_track_s, {0.01, 100}, "N_min: tracks so long may become points");
-  v.field("early_track_s", c.early_track_s, {0.01, 100}, "shorter tracks down to this may too, with more parallax");
+  v.field("min_track_s", c.min_track_s, {0.01, 100}, "N_min: points of tracks so long are not put on trial");
   v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
+  v.field("early_track_s", c.early_track_s, {0.01, 100}, "younger tracks do not become points");
 }
 
 struct MapIntraReport {

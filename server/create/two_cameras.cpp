@@ -20,14 +20,7 @@ std::vector<Feature> unmapped(const MapCamera& camera) {
   return out;
 }
 
-bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const Eigen::Vector3d& position,
-                   const MapInterConfig& config) {
-  const std::vector<View> past =
-      newest_views(camera, track, static_cast<std::size_t>(camera.frames_in(config.check_back_s)));
-  return explains({position, Eigen::Matrix3d::Zero()}, past, map.gate_sigma_px(camera), map.config().theta);
-}
-
-bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b, const MapInterConfig& config) {
+bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b) {
   const Map& map = edit.map();
   if (!same_centre(*a.track->patch, *b.track->patch)) return false;
   std::vector<View> views = map.views_of(*view.first, *a.track, 6);
@@ -37,13 +30,11 @@ bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feat
   const double sigma_px = std::max(view.first->sigma_px, view.second->sigma_px);
   const TriangulationResult t = triangulate(views, sigma_px, map.config().min_parallax_rad);
   if (t.status != TriangulationStatus::kOk) return false;
-  if (!explains_past(map, *view.first, *a.track, t.position, config) ||
-      !explains_past(map, *view.second, *b.track, t.position, config))
+  const PointEstimate place{t.position, Eigen::Matrix3d::Zero()};
+  if (!explains_past(map, *view.first, *a.track, place) || !explains_past(map, *view.second, *b.track, place))
     return false;
-  const double distance = (t.position - view.first_pose.center()).norm();
   const Eigen::Matrix3d covariance = map.covariance_of(t.position, {{view.first, a.track}, {view.second, b.track}});
-  const double sigma = std::sqrt(covariance.trace());
-  if (sigma > map.config().max_relative_sigma * distance) return false;
+  const double sigma = std::sqrt(covariance.trace()), distance = (t.position - view.first_pose.center()).norm();
   const MapPoint& p = edit.create_point(view.first->map, t.position, covariance, PointPhase::kStatic,
                                         Why::kTwoCamerasNow, {2, sigma / distance});
   edit.bind(p, view.first->id, *a.track, Why::kMadeFromIt);
@@ -65,7 +56,7 @@ MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& gr
         map, view, unmapped(*view.first), unmapped(*view.second), band_px_of(map, view), config.match,
         [](const Feature&, const Feature&) { return true; },
         [](const Feature& a, const Feature& b) { return zncc(*a.track->patch, *b.track->patch); }, &report.pairs,
-        [&](const Feature& a, const Feature& b) { return try_point(edit, view, a, b, config); });
+        [&](const Feature& a, const Feature& b) { return try_point(edit, view, a, b); });
   }
   return report;
 }

@@ -11,7 +11,6 @@ namespace coslam {
 struct MapInterConfig {
   double period_s = 0.17;  // between runs
   PairMatchConfig match;
-  double check_back_s = 1.0;  // of each track, in which the point must fit both tracks
 };
 
 template <class V>
@@ -19,7 +18,6 @@ void describe(V& v, MapInterConfig& c) {
   v.field("period_s", c.period_s, {0.001, 10}, "between runs");
   v.field("seed_radius", c.match.seed_radius, {0, 1}, "phi_r, of the larger image side");
   v.field("disparity_gate", c.match.disparity_gate, {0, 100}, "phi_d over phi_r");
-  v.field("check_back_s", c.check_back_s, {0.1, 100}, "of each track, in which the point must fit");
 }
 
 struct MapInterReport {

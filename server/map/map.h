@@ -187,7 +187,7 @@ struct MapConfig {
   double zncc_min = 0.7;
   double zncc_margin = 0.05;        // of the best match over the second best
   double min_parallax_rad = 0.017;  // of a new point's views
-  double max_relative_sigma = 0.3;  // of a new point: sqrt(trace Sigma) over its distance
+  double check_back_s = 2.0;        // of a track, in which a point that is to be its has to fit
   int failures = 3;                 // gate failures in succession of a track that count
 };
 

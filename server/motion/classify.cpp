@@ -271,14 +271,14 @@ Judgements between(const std::vector<Judged>& all, Verdict least, Verdict most) 
 }
 
 // What some tracks around one do.
-struct Around {
+struct Neighbours {
   int close = 0;
   Eigen::Vector2d flow_px = Eigen::Vector2d::Zero();  // mean
 };
 
 // near_px: of those whose flow counts.
-Around around(const Judgements& some, const Judged& j, double close_px, double near_px) {
-  Around a;
+Neighbours neighbours_of(const Judgements& some, const Judged& j, double close_px, double near_px) {
+  Neighbours a;
   int flows = 0;
   for (const Judged* o : some) {
     const double distance2 = (o->px - j.px).squaredNorm();
@@ -292,12 +292,12 @@ Around around(const Judgements& some, const Judged& j, double close_px, double n
 
 // Its own verdict counts when its surroundings agree; without one it goes with its moving neighbours or with what
 // stands still.
-bool goes_along(const Judged& j, const Judgements& movers, bool moves, const Judgements& resting, double radius_px,
-                double share) {
+bool agrees_with_neighbours(const Judged& j, const Judgements& movers, bool moves, const Judgements& resting,
+                            double radius_px, double share) {
   if (!moves && !j.flow_px) return false;
-  const Around moving = around(movers, j, radius_px, radius_px);
+  const Neighbours moving = neighbours_of(movers, j, radius_px, radius_px);
   if (moving.close < (moves ? 1 : 2)) return false;
-  const Around still = around(resting, j, radius_px, 3 * radius_px);
+  const Neighbours still = neighbours_of(resting, j, radius_px, 3 * radius_px);
   if (moves) return moving.close >= share * (moving.close + still.close);
   return (*j.flow_px - moving.flow_px).norm() < 0.5 * (*j.flow_px - still.flow_px).norm();
 }
@@ -318,11 +318,11 @@ void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& conf
                      moving = between(all, Verdict::kMoves, Verdict::kMoves),
                      doubtful = between(all, Verdict::kDoubtful, Verdict::kMoves);
     const auto along = [&](const Judged& j, const Judgements& movers, Verdict least) {
-      return goes_along(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
+      return agrees_with_neighbours(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
     };
     const auto neighbours = [&](const Judged& j) -> Figures {
-      const int move = around(moving, j, radius_px, radius_px).close,
-                rest = around(resting, j, radius_px, radius_px).close;
+      const int move = neighbours_of(moving, j, radius_px, radius_px).close,
+                rest = neighbours_of(resting, j, radius_px, radius_px).close;
       return {static_cast<double>(move), static_cast<double>(rest)};
     };
     for (const Judged& j : all) {

@@ -24,9 +24,7 @@ template <class V>
 void describe(V& v, ClockConfig& c) {
   v.field("enabled", c.enabled, "estimate the offsets of the agents' clocks from what moves");
   v.field("period_s", c.period_s, {0.01, 1000}, "between estimates");
-  v.field("memory_s", c.memory_s, {1, 10000}, "what was seen longer ago does not count");
   v.field("max_sigma_s", c.max_sigma_s, {0, 1}, "of an offset that is used");
-  v.field("significance", c.significance, {0, 100}, "of its sigmas that an offset must be to be used");
 }
 
 struct ClockReport {

@@ -35,10 +35,6 @@ void describe(V& v, ObjectsConfig& c) {
   v.field("reach_share", c.reach_share, {0.001, 1}, "the same when it is not, of the distance from the cameras");
   v.field("path_s", c.path_s, {0.2, 10}, "newest part of the paths that is compared and gives the velocity");
   v.field("min_path_s", c.min_path_s, {0.05, 10}, "points with shorter paths wait");
-  v.field("max_sigma", c.max_sigma, {0.01, 10}, "of a point's position, of the reach; less certain ones wait");
-  v.field("stretch", c.stretch, {0.01, 10}, "of the reach, by which distances within a body may change");
-  v.field("shift", c.shift, {0.01, 10}, "of the reach, by which parts of a body may shift against each other");
-  v.field("speed_gate", c.speed_gate, {0.01, 100}, "of the reach a second, for an object that is seen again");
   v.field("min_speed", c.min_speed, {0, 100}, "of the reach a second, of a new object");
   v.field("min_points", c.min_points, {2, 1000}, "of a new object");
 }

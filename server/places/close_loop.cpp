@@ -13,8 +13,8 @@
 namespace coslam {
 namespace {
 
-constexpr int kMinShared = 10;         // points, for two cameras of one key frame to hold each other
-constexpr double kReunionWeight = 10;  // of an earlier one, in steps of one frame
+constexpr int kMinShared = 10;      // points, for two cameras of one key frame to hold each other
+constexpr double kLoopWeight = 10;  // of an earlier one, in steps of one frame
 
 // The frames of one map as nodes, camera by camera in order of time.
 class Nodes {
@@ -74,22 +74,21 @@ void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* gr
   }
 }
 
-void link_reunions(const std::vector<Reunion>& earlier, const Nodes& nodes, PathGraph* graph) {
-  for (const Reunion& r : earlier) {
+void link_loops(const std::vector<LoopConstraint>& earlier, const Nodes& nodes, PathGraph* graph) {
+  for (const LoopConstraint& r : earlier) {
     const auto a = nodes.find(r.camera, r.set), b = nodes.find(r.to_camera, r.to_set);
-    if (a && b) graph->links.push_back({*a, *b, kReunionWeight});
+    if (a && b) graph->links.push_back({*a, *b, kLoopWeight});
   }
 }
 
-bool tie(const Nodes& nodes, const Reunion& reunion, const std::vector<CameraId>& together, PathGraph* graph) {
-  const auto here = nodes.find(reunion.camera, reunion.set), there = nodes.find(reunion.to_camera, reunion.to_set);
+bool tie(const Nodes& nodes, const LoopConstraint& loop, const std::vector<CameraId>& together, PathGraph* graph) {
+  const auto here = nodes.find(loop.camera, loop.set), there = nodes.find(loop.to_camera, loop.to_set);
   if (!here || !there || graph->nodes[static_cast<std::size_t>(*here)].fixed) return false;
-  graph->ties.push_back({*here, *there, reunion.camera_from_to, reunion.scale});
+  graph->ties.push_back({*here, *there, loop.camera_from_to, loop.scale});
   const Rigid3& pose = graph->nodes[static_cast<std::size_t>(*here)].cam_from_world;
   for (const CameraId c : together) {
-    const auto with = nodes.find(c, reunion.set);
-    if (!with || c == reunion.camera || *with == *there || graph->nodes[static_cast<std::size_t>(*with)].fixed)
-      continue;
+    const auto with = nodes.find(c, loop.set);
+    if (!with || c == loop.camera || *with == *there || graph->nodes[static_cast<std::size_t>(*with)].fixed) continue;
     graph->ties.push_back(
         {*with, *here, graph->nodes[static_cast<std::size_t>(*with)].cam_from_world * pose.inverse(), 1});
   }
@@ -131,21 +130,21 @@ void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solu
 
 }  // namespace
 
-bool close_loop(MapEdit& edit, MapId of, const Reunion& reunion, const std::vector<Reunion>& earlier,
+bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::vector<LoopConstraint>& earlier,
                 const std::vector<CameraId>& together) {
   const Map& map = edit.map();
   const Nodes nodes(map, of);
   PathGraph graph;
   if (nodes.keys.empty()) return false;
   add_nodes(map, nodes, &graph);
-  if (!tie(nodes, reunion, together, &graph)) return false;
+  if (!tie(nodes, loop, together, &graph)) return false;
   link_successive_frames(nodes, &graph);
   link_neighbours(map, of, nodes, &graph);
-  link_reunions(earlier, nodes, &graph);
+  link_loops(earlier, nodes, &graph);
   const PathSolution solution = solve_path_graph(graph);
   if (!solution.ok) return false;
   apply(edit, of, nodes, solution);
-  edit.note_moved(of, Why::kLoopClosed, {reunion.scale, 0});
+  edit.note_moved(of, Why::kLoopClosed, {loop.scale, 0});
   return true;
 }
 

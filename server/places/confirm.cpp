@@ -10,7 +10,7 @@
 namespace coslam {
 namespace {
 
-constexpr double kPending_s = 2.0;  // within which a claim is to be confirmed
+constexpr double kPending_s = 2.0;  // within which a hypothesis is to be confirmed
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
@@ -33,23 +33,23 @@ bool agree(const MapCamera& camera, const Recognition& seen, const Similarity3& 
 }  // namespace
 
 // The camera's, and that of the place.
-std::pair<Claims::Part, Claims::Part> Claims::parts(const Map& map, const MapCamera& camera, const Recognition& seen,
-                                                    const ViewGraph& graph) {
+std::pair<Verification::Part, Verification::Part> Verification::parts(const Map& map, const MapCamera& camera,
+                                                                      const Recognition& seen, const ViewGraph& graph) {
   if (camera.map != seen.map) return {{camera.map, std::nullopt}, {seen.map, std::nullopt}};
   const CameraId own = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
   const bool past = own == other || !map.is_recent(seen.key_set);
   return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
-bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
-                       const ViewGraph& graph) {
+bool Verification::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
+                             const Similarity3& in_from_own, const ViewGraph& graph) {
   const auto [own, other] = parts(map, camera, seen, graph);
   const bool forward = own < other;
-  const Claim claim = forward ? Claim{own, other} : Claim{other, own};
+  const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
   const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
   std::set<PointId> evidence;
   for (const auto& [track, point] : seen.matches) evidence.insert(point);
-  const auto at = pending_.find(claim);
+  const auto at = pending_.find(hypothesis);
   if (at != pending_.end() && at->second.since.value + map.sets_in(kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
@@ -63,13 +63,14 @@ bool Claims::confirmed(const Map& map, const MapCamera& camera, const Recognitio
       return true;
     }
   }
-  pending_[claim] = {second_from_first, map.now(), seen.expected, std::move(evidence), {camera.id, seen.key_camera}};
+  pending_[hypothesis] = {
+      second_from_first, map.now(), seen.expected, std::move(evidence), {camera.id, seen.key_camera}};
   return false;
 }
 
-Claims::Waiting Claims::waiting(const Map& map, CameraId camera) const {
+Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {
   Waiting most = Waiting::kNothing;
-  for (const auto& [claim, p] : pending_) {
+  for (const auto& [hypothesis, p] : pending_) {
     if (!p.cameras.contains(camera) || p.since.value + map.sets_in(kPending_s) <= map.now().value) continue;
     most = std::max(most, p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }

@@ -16,7 +16,7 @@ namespace coslam {
 // What one image said of how two maps, or two parts of one, lie to each other. Before anything moves another image of
 // another instant has to say the same, and both together have to see more than one plane: two rooms may have the same
 // poster. Not so a place near where it was expected anyway.
-class Claims {
+class Verification {
  public:
   // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
   // True once, when it is confirmed.
@@ -34,9 +34,9 @@ class Claims {
     std::optional<CameraId> first;
     friend auto operator<=>(const Part&, const Part&) = default;
   };
-  struct Claim {
+  struct Hypothesis {
     Part first, second;  // first < second
-    friend auto operator<=>(const Claim&, const Claim&) = default;
+    friend auto operator<=>(const Hypothesis&, const Hypothesis&) = default;
   };
   struct Pending {
     Similarity3 second_from_first;
@@ -48,7 +48,7 @@ class Claims {
   static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const Recognition& seen,
                                      const ViewGraph& graph);
 
-  std::map<Claim, Pending> pending_;
+  std::map<Hypothesis, Pending> pending_;
 };
 
 }  // namespace coslam

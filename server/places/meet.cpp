@@ -214,7 +214,7 @@ void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& grap
 ExpectedPlace Meetings::find_expected(const Map& map, const CameraFrame& frame) const {
   const auto others = expected_.find(frame.camera);
   if (others == expected_.end()) return {};
-  const std::uint32_t lately = 2 * map.sets_in(config.expect_period_s);
+  const std::uint32_t lately = 2 * map.sets_in(config.soon_s);
   const SetId since(map.now().value - std::min(map.now().value, lately));
   return places_.find_expected(map, frame, others->second, since, slack_px(map, map.camera(frame.camera)));
 }
@@ -268,7 +268,7 @@ void Meetings::draw_together(MapEdit& edit, const MapCamera& camera, const Recog
     return;
   }
   const auto similarity = similarity_of(map, camera, seen);
-  if (!similarity || !claims_.confirmed(map, camera, seen, *similarity, graph)) {
+  if (!similarity || !verification_.confirmed(map, camera, seen, *similarity, graph)) {
     ++report->doubted;
     return;
   }
@@ -291,7 +291,7 @@ void Meetings::join(MapEdit& edit, const MapCamera& camera, const Recognition& s
     edit.merge(own, in, in_from_own);
   }
   bind_matches(edit, camera, seen.matches);
-  claims_.clear();
+  verification_.clear();
   ++report->merged;
   report->to_adjust = camera.map;
 }
@@ -300,16 +300,16 @@ void Meetings::close(MapEdit& edit, const MapCamera& camera, const Recognition& 
                      const ViewGraph& graph, MeetReport* report) {
   const Map& map = edit.map();
   const FramePose* there = map.camera(seen.key_camera).frame_at(seen.key_set);
-  const Reunion reunion{camera.id,
-                        seen.key_camera,
-                        camera.frames.back().set,
-                        seen.key_set,
-                        seen.cam_from_world * there->cam_from_world.inverse(),
-                        in_from_own.scale};
-  if (!close_loop(edit, camera.map, reunion, reunions_, graph.group_with(camera.id))) return;
-  reunions_.push_back(reunion);
+  const LoopConstraint loop{camera.id,
+                            seen.key_camera,
+                            camera.frames.back().set,
+                            seen.key_set,
+                            seen.cam_from_world * there->cam_from_world.inverse(),
+                            in_from_own.scale};
+  if (!close_loop(edit, camera.map, loop, loops_, graph.group_with(camera.id))) return;
+  loops_.push_back(loop);
   bind_matches(edit, camera, seen.matches);
-  claims_.clear();
+  verification_.clear();
   ++report->closed;
   report->to_adjust = camera.map;
 }
@@ -319,21 +319,21 @@ DescriptorRequest Meetings::request(const Map& map, const MapCamera& camera, boo
   const auto since = [&](const std::optional<SetId>& set) { return set ? map.now().value - set->value : 1U << 30U; };
   const auto due = [&](double period_s) { return since(d.asked) >= map.sets_in(period_s); };
   if (camera.map == MapId()) {
-    return due(config.lost_period_s) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
+    return due(config.soon_s) ? DescriptorRequest::kEverywhere : DescriptorRequest::kNone;
   }
   if (!camera.frames.back().valid()) return DescriptorRequest::kNone;
   const bool hinted = d.hinted && since(d.hinted) < map.sets_in(kHint_s);
-  const Claims::Waiting waiting = claims_.waiting(map, camera.id);
-  const bool confirm = hinted || waiting != Claims::Waiting::kNothing;
+  const Verification::Waiting waiting = verification_.waiting(map, camera.id);
+  const bool confirm = hinted || waiting != Verification::Waiting::kNothing;
   const bool expects = expected_.contains(camera.id);
-  const bool wanted = confirm ? due(config.confirm_period_s)
-                      : !d.at ? due(config.lost_period_s)
-                      : (apart && due(config.apart_period_s)) || (expects && due(config.expect_period_s))
+  const bool wanted = confirm ? due(config.soon_s)
+                      : !d.at ? due(config.soon_s)
+                      : (apart && due(config.apart_period_s)) || (expects && due(config.soon_s))
                           ? true
                           : due(parted ? config.least_period_s / 2 : config.least_period_s) &&
                                 view_changed(map, camera, *d.at, parted ? 0.5 : 1.0);
   if (!wanted || !afford(d, map.now_ns(), confirm)) return DescriptorRequest::kNone;
-  const bool everywhere = apart || hinted || waiting == Claims::Waiting::kAnywhere;
+  const bool everywhere = apart || hinted || waiting == Verification::Waiting::kAnywhere;
   return everywhere ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
 }
 

@@ -18,19 +18,18 @@ namespace coslam {
 
 struct MeetConfig {
   RecogniseConfig recognise;
-  bool loops = true;               // own old places too, beside those that other cameras saw lately
-  int min_merge_inliers = 25;      // to join two maps, or to draw one together
-  double lost_period_s = 0.2;      // between requests for descriptors of a camera without a map
-  double apart_period_s = 0.5;     // the same while there are several maps
-  double confirm_period_s = 0.17;  // the same while a meeting waits to be confirmed
-  double expect_period_s = 0.27;   // the same while it should see what another camera sees that nothing holds it to
-  double min_overlap = 0.08;       // of both views, by the map, for that
-  double least_period_s = 1.0;     // between requests because the view changed
-  double images_per_s = 0.5;       // of a camera that has a map, in the long run: descriptors cost 10 kB an image
-  double image_burst = 3;          // and so many ahead of that
-  double turned_rad = 0.3;         // of the optical axis, or
-  double moved_share = 0.5;        // of the median depth: the view is another one
-  double slack_sigma = 2.0;        // known points this close to where they are expected need no correction of poses
+  bool loops = true;            // own old places too, beside those that other cameras saw lately
+  int min_merge_inliers = 25;   // to join two maps, or to draw one together
+  double soon_s = 0.2;          // between requests for descriptors of a camera that is to be placed, that waits to
+                                // confirm a meeting, or should see what nothing holds it to
+  double apart_period_s = 0.5;  // while there are several maps
+  double min_overlap = 0.08;    // of both views, by the map, for that
+  double least_period_s = 1.0;  // between requests because the view changed
+  double images_per_s = 0.5;    // of a camera that has a map, in the long run: descriptors cost 10 kB an image
+  double image_burst = 3;       // and so many ahead of that
+  double turned_rad = 0.3;      // of the optical axis, or
+  double moved_share = 0.5;     // of the median depth: the view is another one
+  double slack_sigma = 2.0;     // known points this close to where they are expected need no correction of poses
 };
 
 template <class V>
@@ -38,17 +37,12 @@ void describe(V& v, MeetConfig& c) {
   v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
   v.field("min_place_inliers", c.recognise.min_inliers, {8, 1000}, "to place a camera by its descriptors");
   v.field("min_merge_inliers", c.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
-  v.field("lost_period_s", c.lost_period_s, {0.01, 100},
-          "between requests for descriptors while a camera is to be placed");
+  v.field("soon_s", c.soon_s, {0.01, 100}, "between requests for descriptors where much hangs on them");
   v.field("apart_period_s", c.apart_period_s, {0.01, 100}, "the same while there are several maps");
-  v.field("expect_period_s", c.expect_period_s, {0.01, 100},
-          "the same while it should see what a camera sees that nothing holds it to");
-  v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, for that");
+  v.field("min_overlap", c.min_overlap, {0, 1},
+          "of both views, by the map, that two cameras should know of each other by");
   v.field("least_period_s", c.least_period_s, {0.01, 100}, "the same because the view changed");
   v.field("images_per_s", c.images_per_s, {0, 100}, "described by a camera that has a map, in the long run");
-  v.field("image_burst", c.image_burst, {1, 1000}, "and so many ahead of that");
-  v.field("turned_rad", c.turned_rad, {0.01, 3}, "turn that changes the view");
-  v.field("moved_share", c.moved_share, {0.01, 10}, "the same for a shift, of the median depth");
 }
 
 struct MeetReport {
@@ -115,10 +109,10 @@ class Meetings {
   DescriptorRequest request(const Map& map, const MapCamera& camera, bool apart, bool parted);
 
   PlaceMemory places_;
-  Claims claims_;
+  Verification verification_;
   std::map<CameraId, Described> described_;
   std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
-  std::vector<Reunion> reunions_;
+  std::vector<LoopConstraint> loops_;
 };
 
 }  // namespace coslam

@@ -28,10 +28,9 @@ class FuseTest : public testing::Test {
   void map_alone(int world_point, CameraId camera, const Eigen::Vector3d& off_m) {
     sim_.bind(sim_.create(world_.position(world_point) + off_m), camera, *sim_.track_of(camera, world_point));
   }
-  FuseReport fuse() { return fuse_points(sim_.edit, sim_.set, config_); }
+  FuseReport fuse() { return fuse_points(sim_.edit, sim_.set); }
   PointId point_of(CameraId camera, int world_point) { return sim_.track_of(camera, world_point)->point; }
 
-  const FuseConfig config_;
   const test::SimWorld world_{{}};
   test::SimMap sim_;
   std::vector<int> twice_;

@@ -29,7 +29,7 @@ class RegisterTest : public testing::Test {
   }
   RegisterReport step(bool patches = true) {
     sim_.advance(1, patches);
-    return register_tracks(sim_.edit, sim_.set, config_);
+    return register_tracks(sim_.edit, sim_.set);
   }
   const ServerTrack& track() { return *sim_.track_of(kCam1, shared_); }
   const MapPoint& point() { return *sim_.map.find(sim_.track_of(kCam0, shared_)->point); }
@@ -41,7 +41,6 @@ class RegisterTest : public testing::Test {
     return wrong;
   }
 
-  const RegisterConfig config_;
   const test::SimWorld world_{{}};
   test::SimMap sim_;
   int shared_ = 0;  // a world point that both cameras see
@@ -65,7 +64,7 @@ TEST_F(RegisterTest, APointThatIsFoundAgainGetsItsNewTrack) {
   int registered = 0;
   for (int i = 0; i < 40; ++i) {
     sim.advance(1, true);
-    registered += register_tracks(sim.edit, sim.set, config_).registered;
+    registered += register_tracks(sim.edit, sim.set).registered;
   }
   EXPECT_GT(registered, 100);
   for (const auto& [id, p] : sim.map.points()) {
@@ -82,7 +81,7 @@ TEST_F(RegisterTest, AWrongPatchIsRefused) {
   sim_.patch_of(kCam1, shared_)->grey = world_.patch(shared_ + 1);
   sim_.take();
   sim_.place_truly();
-  register_tracks(sim_.edit, sim_.set, config_);
+  register_tracks(sim_.edit, sim_.set);
   EXPECT_EQ(track().point, PointId());
   EXPECT_EQ(point().bound.size(), 1U);
   EXPECT_NE(step().registered, 0);
@@ -100,9 +99,9 @@ TEST_F(RegisterTest, WithoutAPatchATrackWaits) {
   ASSERT_NE(sim.track_of(kCam0, shared_), nullptr);
   sim.bind(sim.create(world_.position(shared_)), kCam0, *sim.track_of(kCam0, shared_));
   sim.advance(1, false);
-  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).registered, 0);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set).registered, 0);
   sim.advance(1, true);
-  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).registered, 1);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set).registered, 1);
 }
 
 TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
@@ -111,10 +110,10 @@ TEST_F(RegisterTest, TheGateMustHoldInThePastOfTheTrack) {
   sim_.take();
   sim_.place_truly();
   sim_.advance(1, true);
-  register_tracks(sim_.edit, sim_.set, config_);
+  register_tracks(sim_.edit, sim_.set);
   EXPECT_EQ(track().point, PointId());
   sim_.edit.distrust_before(track(), sim_.set.id);  // that past is known to be wrong
-  register_tracks(sim_.edit, sim_.set, config_);
+  register_tracks(sim_.edit, sim_.set);
   EXPECT_EQ(track().point, point().id);
 }
 
@@ -125,11 +124,11 @@ TEST_F(RegisterTest, InactivePointsTakeNoPart) {
   while (sim.track_of(kCam0, seen) == nullptr) ++seen;
   const MapPoint& p = sim.create(world_.position(seen));
   sim.advance(5, true);
-  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 1);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set).candidates, 1);
   sim.advance(1, true);
-  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 0);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set).candidates, 0);
   sim.edit.keep_recent(p);
-  EXPECT_EQ(register_tracks(sim.edit, sim.set, config_).candidates, 1);
+  EXPECT_EQ(register_tracks(sim.edit, sim.set).candidates, 1);
 }
 
 TEST_F(RegisterTest, OnlyStaticPointsAreOffered) {

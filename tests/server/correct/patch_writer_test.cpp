@@ -24,7 +24,6 @@ constexpr PatchWriterConfig kConfig{.moved_px = 0.15,
                                     .covariance_ratio = 1.5,
                                     .patch_period_s = 1.0 / 30,
                                     .patches_per_request = 10,
-                                    .patch_track_s = 4.0 / 30,
                                     .patch_refresh_s = 40.0 / 30};
 
 class PatchWriterTest : public testing::Test {

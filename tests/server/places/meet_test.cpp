@@ -38,7 +38,7 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  const auto period = static_cast<int>(sim_.map.sets_in(config_.lost_period_s));
+  const auto period = static_cast<int>(sim_.map.sets_in(config_.soon_s));
   EXPECT_EQ(asked, (20 + period - 1) / period);
 }
 
