@@ -24,8 +24,11 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
   return observations;
 }
 
-// Tracks without a point, by their directions.
+// Where points are few: tracks without one, by their directions. Beside many points they add little but the error of
+// what is taken to rest.
 void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<PointObservation>* observations) {
+  constexpr std::size_t kEnough = 60;
+  if (observations->size() >= kEnough) return;
   for (const auto& [id, track] : camera.tracks) {
     if (track.seen.back().set != set) continue;
     const auto far = far_point_of(map, camera, track);
