@@ -17,9 +17,9 @@ struct LoopConstraint {
 };
 
 // Draws a drifted map together so that the loop holds exactly (paper 6.2, step 2): every pose of every camera since
-// the map's first frame moves, the earlier constraints and the cameras that see each other now keep their relative poses,
-// and the points go along and are triangulated anew. `together`: the cameras of the constrained one's group. False when
-// there is no solution; the map is then as before.
+// the map's first frame moves, the earlier constraints and the cameras that see each other now keep their relative
+// poses, and the points go along and are triangulated anew. `together`: the cameras of the constrained one's group.
+// False when there is no solution; the map is then as before.
 bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::vector<LoopConstraint>& earlier,
                 const std::vector<CameraId>& together);
 
