@@ -61,7 +61,7 @@ bool FrameJoiner::waited_enough(const Held& held, Instant now) const {
 
 // The frame's own reply, or else the oldest one that missed its frame.
 template <class Reply>
-std::optional<Reply> FrameJoiner::hypothesis(std::deque<Reply>& replies, FrameId frame) {
+std::optional<Reply> FrameJoiner::claim(std::deque<Reply>& replies, FrameId frame) {
   auto found = std::ranges::find(replies, frame, &Reply::frame);
   if (found == replies.end()) {
     found = std::ranges::min_element(replies, {}, &Reply::frame);
@@ -79,8 +79,8 @@ std::optional<JoinedFrame> FrameJoiner::pop(Instant now) {
   JoinedFrame joined{std::move(held_.front().frame), {}, {}};
   held_.pop_front();
   last_ = joined.frame.frame;
-  joined.patches = hypothesis(patches_, *last_);
-  joined.descriptors = hypothesis(descriptors_, *last_);
+  joined.patches = claim(patches_, *last_);
+  joined.descriptors = claim(descriptors_, *last_);
   return joined;
 }
 

@@ -46,7 +46,7 @@ class FrameJoiner {
   template <class Reply>
   std::optional<Rejection> keep(std::deque<Reply>& replies, Reply reply, std::size_t bound);
   template <class Reply>
-  std::optional<Reply> hypothesis(std::deque<Reply>& replies, FrameId frame);
+  std::optional<Reply> claim(std::deque<Reply>& replies, FrameId frame);
 
   const Pacing pacing_;
   std::deque<Held> held_;  // ascending
