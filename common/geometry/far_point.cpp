@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace coslam {
 
@@ -14,12 +16,15 @@ FarPoint far_point(std::span<const View> views, double usual_depth, double sigma
   const Eigen::Vector3d ray = first.camera->normalized_from_pixel(first.undistorted_px).homogeneous();
   const double usual = 1 / usual_depth, prior = 1 / (usual * usual);
   double rho = usual, information = prior;
+  std::vector<std::pair<const View*, Rigid3>> later;
+  const Rigid3 world_from_first = first.cam_from_world.inverse();
+  for (const View& v : views.subspan(1)) later.emplace_back(&v, v.cam_from_world * world_from_first);
   // A view sees the direction ray + rho * (way to its camera); Gauss-Newton in rho alone.
   for (int i = 0; i < kIterations; ++i) {
     information = prior;
     double gradient = prior * (usual - rho);
-    for (const View& v : views.subspan(1)) {
-      const Rigid3 from_first = v.cam_from_world * first.cam_from_world.inverse();
+    for (const auto& [view, from_first] : later) {
+      const View& v = *view;
       const Eigen::Vector3d x = from_first.rotation * ray + rho * from_first.translation;
       if (x.z() < 1e-3) continue;
       const Eigen::Vector2d j = v.camera->project_jacobian(x) * from_first.translation;
