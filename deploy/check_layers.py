@@ -52,7 +52,7 @@ MAY_INCLUDE = {
     "server/places": [*MODEL, *SERVER_PLACES],
     "server/adjust": [*MODEL, *SERVER_ADJUST],
     "server/motion": [*MODEL, *SERVER_MOTION],
-    "server/create": [*MODEL, *SERVER_ADJUST],
+    "server/create": [*MODEL, *SERVER_MOTION],
     "server/correct": [*MODEL, *SERVER_CORE],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/observe": [*FILES, *SERVER_CORE],

@@ -26,27 +26,27 @@
 namespace coslam {
 
 // What a frame set goes through, in this order.
-using MapPipeline = Pipeline<   //
-    TakeAdjustment,             // the solution of the last bundle adjustment
-    Localise,                   // each camera's pose, on the points bound to its tracks
-    InterPose,                  // where static points run out: the cameras of a group together
-    Start,                      // maps, by several cameras at once or by one alone
-    Meetings,                   // places known again: cameras put into maps, maps joined, loops closed
-    GateStage<ClassifyConfig>,  // every observation against its prediction; filter
-    Classify,                   // what moves, and where that is now
-    ClockFinder,                // offsets of the agents' clocks, from what moves
-    Register,                   // tracks without a point against known points
-    MapIntra,                   // new points from one camera's motion
-    Grouping,                   // view graph of this set, groups
-    MapInter,                   // new points from two cameras at once
-    MapMoving,                  // new moving points
-    Fuse,                       // points that two cameras made of one corner
-    Cull,                       // points that turned out to be false
-    Scale,                      // metres, where something tells them
-    ObjectFinder,               // which moving points move as one
-    TellMoving,                 // what moves, for others
-    PlanAdjustment,             // key frames, and what is to be adjusted
-    Correct>;                   // what each agent is told
+using MapPipeline = Pipeline<  //
+    TakeAdjustment,            // the solution of the last bundle adjustment
+    Localise,                  // each camera's pose, on the points bound to its tracks
+    InterPose,                 // where static points run out: the cameras of a group together
+    Start,                     // maps, by several cameras at once or by one alone
+    Meetings,                  // places known again: cameras put into maps, maps joined, loops closed
+    Verify,                    // every observation against its prediction; filter
+    Classify,                  // what moves, and where that is now
+    ClockFinder,               // offsets of the agents' clocks, from what moves
+    Register,                  // tracks without a point against known points
+    MapIntra,                  // new points from one camera's motion
+    Grouping,                  // view graph of this set, groups
+    MapInter,                  // new points from two cameras at once
+    MapMoving,                 // new moving points
+    Fuse,                      // points that two cameras made of one corner
+    Cull,                      // points that turned out to be false
+    Scale,                     // metres, where something tells them
+    ObjectFinder,              // which moving points move as one
+    TellMoving,                // what moves, for others
+    PlanAdjustment,            // key frames, and what is to be adjusted
+    Correct>;                  // what each agent is told
 
 struct MapServerConfig {
   MapConfig map;

@@ -28,13 +28,14 @@ bool explains(const PointEstimate& point, const std::vector<View>& past, double 
 
 bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const PointEstimate& point) {
   const auto most = static_cast<std::size_t>(camera.frames_in(map.config().check_back_s));
-  return explains(point, newest_views(camera, track, most), map.gate_sigma_px(camera), map.config().theta);
+  return explains(point, newest_views(camera, track, most, Past::kTrusted), map.gate_sigma_px(camera),
+                  map.config().theta);
 }
 
-std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most) {
+std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most, Past past) {
   std::vector<View> views;
   for (std::size_t i = track.seen.size(); i-- > 0 && views.size() < most;) {
-    if (track.seen[i].set.value < track.distrusted_before) break;
+    if (past == Past::kTrusted && track.seen[i].set.value < track.distrusted_before) break;
     const FramePose* f = camera.frame_at(track.seen[i].set);
     if (f == nullptr || f->map != camera.map) continue;
     views.push_back({&camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>()});
@@ -76,12 +77,6 @@ bool stood_still(const MapPoint& p, const MapCamera& camera, const VerifyConfig&
   return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);
 }
 
-bool elsewhere_for_others(const Map& map, const MapPoint& point, CameraId camera) {
-  return std::any_of(point.bound.begin(), point.bound.end(), [&](const BoundTrack& b) {
-    return b.camera != camera && map.camera(b.camera).tracks.at(b.track).gate_failures > 0;
-  });
-}
-
 void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
           const VerifyConfig& config, VerifyReport* report) {
   ++report->inside;
@@ -97,23 +92,9 @@ void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
   ++report->updated;
 }
 
-// Squared Mahalanobis distance; empty for a point behind the camera.
-void miss(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
-          std::optional<double> distance2, bool leave_moved, VerifyReport* report) {
-  ++report->outside;
-  const double sigmas = distance2 ? std::sqrt(*distance2) : std::nan("");
-  const int failures = edit.miss_gate(camera.id, track, sigmas);
-  if (failures < edit.map().config().failures) return;
-  if (leave_moved && elsewhere_for_others(edit.map(), point, camera.id)) return;
-  edit.distrust_before(track, set.id);
-  edit.unbind(camera.id, track, distance2 ? Why::kOutsideGate : Why::kBehindCamera,
-              {static_cast<double>(failures), sigmas});
-  ++report->unbound;
-}
-
 }  // namespace
 
-VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config, bool leave_moved) {
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config) {
   VerifyReport report;
   const Map& map = edit.map();
   const double theta2 = map.config().theta * map.config().theta;
@@ -133,7 +114,8 @@ VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& conf
         pass(edit, set, camera, track, *point, config, &report);
         proven += point->proven();
       } else {
-        miss(edit, set, camera, track, *point, d2, leave_moved, &report);
+        edit.miss_gate(camera.id, track, d2 ? std::sqrt(*d2) : std::nan(""));
+        ++report.outside;
       }
     }
     edit.set_sparse(camera, proven < config.sparse_points);

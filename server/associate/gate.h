@@ -21,12 +21,11 @@ void describe(V& v, VerifyConfig& c) {
 }
 
 struct VerifyReport {
-  int inside = 0, outside = 0, unbound = 0, updated = 0;
+  int inside = 0, outside = 0, updated = 0;
 
   void count(auto&& add) const {
     add("gate_inside", inside);
     add("gate_outside", outside);
-    add("unbound", unbound);
     add("filter_updates", updated);
   }
 };
@@ -34,9 +33,8 @@ struct VerifyReport {
 // Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
 // r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
 // correlated in time, and the point is proven. A patch that came
-// now becomes the point's. Outside for several sets: the track no longer follows the point.
-// leave_moved: points that several cameras see elsewhere are left as they are, for whoever judges what moves.
-VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config, bool leave_moved);
+// now becomes the point's. Outside: a failure more of the track; what comes of it is for classify() to say.
+VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config);
 
 struct PointEstimate {
   Eigen::Vector3d position;
@@ -56,18 +54,15 @@ std::optional<double> gate_distance2(const PointEstimate& point, const CameraMod
 bool explains(const PointEstimate& point, const std::vector<View>& past, double sigma_px, double theta);
 // The same for what a track saw in the last check_back_s.
 bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const PointEstimate& point);
-// What a track saw, newest first, as far back as it is trusted; at most so many.
-std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most);
+// What a track saw, newest first, at most so many views: as far back as it is trusted, or all.
+enum class Past : std::uint8_t { kTrusted, kAll };
+std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most, Past past);
 
-// leave_moved: whether somebody judges what moves.
-template <class MotionConfig>
-struct GateStage {
+struct Verify {
   static constexpr std::string_view kName = "verify";
   using Config = VerifyConfig;
   Config config;
-  VerifyReport run(MapEdit& edit, const FrameSet& set, const MotionConfig& motion) const {
-    return verify(edit, set, config, motion.enabled);
-  }
+  VerifyReport run(MapEdit& edit, const FrameSet& set) const { return verify(edit, set, config); }
 };
 
 }  // namespace coslam

@@ -11,6 +11,8 @@
 #include "server/associate/patch_match.h"
 #include "server/associate/track_grid.h"
 #include "server/map/sighting.h"
+#include "server/motion/evidence.h"
+#include "server/motion/follow.h"
 
 namespace coslam {
 namespace {
@@ -29,53 +31,15 @@ std::vector<Feature> moving(const Map& map, const MapCamera& camera, CameraId ot
   return out;
 }
 
-// Where the two tracks were one place, at the instant of the first one's i-th observation; empty when they were not.
-std::optional<TriangulationResult> meeting(const Map& map, const PairView& view, const ServerTrack& a, std::size_t i,
-                                           const ServerTrack& b, std::size_t j, double min_parallax_rad) {
-  const FramePose* f = view.first->frame_at(a.seen[i].set);
-  if (f == nullptr) return std::nullopt;
-  const TimeNs t_ns = view.first->taken_ns(*f);
-  const auto va = view_at(*view.first, a, i, t_ns), vb = view_at(*view.second, b, j, t_ns);
+// Where the two tracks, each with its offset, are one place now; empty when they are not.
+std::optional<TriangulationResult> meeting_now(const Map& map, const PairView& view, const ServerTrack& a,
+                                               const ServerTrack& b) {
+  const TimeNs t_ns = view.first->taken_ns(view.first->frames.back());
+  const auto va = view_at(*view.first, a, a.seen.size() - 1, t_ns),
+             vb = view_at(*view.second, b, b.seen.size() - 1, t_ns);
   if (!va || !vb) return std::nullopt;
-  return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}}, min_parallax_rad);
-}
-
-// The two tracks were one place at every instant that both saw, as far back as asked: what a mismatch along the
-// epipolar line does not keep up while the thing moves. Where that was at the first of them.
-std::optional<Eigen::Vector3d> continuous_back(const Map& map, const PairView& view, const ServerTrack& a,
-                                               const ServerTrack& b, int least, int most) {
-  int checked = 0;
-  std::optional<Eigen::Vector3d> oldest;
-  for (std::size_t i = a.seen.size(); i-- > 0 && checked < most;) {
-    const SetId at = a.seen[i].set;
-    const auto other = b.index_at(at);
-    if (!other) continue;
-    if (!view.first->frame_at(at)->valid() || !view.second->frame_at(at)->valid()) continue;
-    const auto met = meeting(map, view, a, i, b, *other, 0);
-    if (!met) return std::nullopt;
-    oldest = met->position;
-    ++checked;
-  }
-  return checked >= least ? oldest : std::nullopt;
-}
-
-// The camera's track is no longer at what its thing left.
-bool has_left(const Map& map, const MapCamera& camera, const Rigid3& cam_from_world, const Feature& f,
-              const Eigen::Vector3d& place) {
-  Eigen::Vector2d px;
-  if (!project_world(camera.model, cam_from_world, place, &px)) return true;
-  return (f.px + f.track->offset_px.cast<double>() - px).norm() > map.config().theta * map.gate_sigma_px(camera);
-}
-
-// The path of a new moving point begins when its two tracks first met, not when that was found out.
-void record_past(MapEdit& edit, const PairView& view, PointId point, const ServerTrack& a, const ServerTrack& b) {
-  std::vector<MotionSample> past;
-  for (std::size_t i = a.seen.size() - 1, j = b.seen.size() - 1; i-- > 0 && j-- > 0;) {
-    if (a.seen[i].set != b.seen[j].set || !meeting(edit.map(), view, a, i, b, j, kMovingParallax_rad)) break;
-    const TimeNs t_ns = view.first->taken_ns(*view.first->frame_at(a.seen[i].set));
-    past.push_back({a.seen[i].set, t_ns, {sighting(*view.first, a, i), sighting(*view.second, b, j)}});
-  }
-  for (auto s = past.rbegin(); s != past.rend(); ++s) edit.record_motion(point, std::move(*s));
+  return position_of(map, {{{view.first->id, a.id}, *va}, {{view.second->id, b.id}, *vb}},
+                     map.config().min_parallax_rad);
 }
 
 // Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
@@ -115,19 +79,10 @@ std::optional<PatchPeak> peak_if_one(const PairView& view, const Feature& a, con
 // Where two matched tracks, each with its offset, are one thing that moves; empty when they are not.
 std::optional<TriangulationResult> one_mover(const Map& map, const PairView& view, const Feature& a, const Feature& b,
                                              const MapMovingConfig& config) {
-  const ServerTrack &in_a = *a.track, &in_b = *b.track;
-  auto now = meeting(map, view, in_a, in_a.seen.size() - 1, in_b, in_b.seen.size() - 1, map.config().min_parallax_rad);
-  if (!now || !(in_a.moves() || in_b.moves())) return std::nullopt;
-  if (!beside_in_depth(map, view, now->position)) return std::nullopt;
-  const int back = std::max(view.first->frames_in(config.check_back_s, 4), view.second->frames_in(config.check_back_s));
-  const auto before = continuous_back(map, view, in_a, in_b, back / 2, back);
-  if (!before) return std::nullopt;
-  // What one camera sees to move, another may take for a thing at rest, nearer or farther away.
-  const bool both_move = in_a.moves() && in_b.moves();
-  if (!both_move && !(has_left(map, *view.first, view.first_pose, a, *before) &&
-                      has_left(map, *view.second, view.second_pose, b, *before)))
+  const auto now = meeting_now(map, view, *a.track, *b.track);
+  if (!now || !(a.track->moves() || b.track->moves()) || !beside_in_depth(map, view, now->position))
     return std::nullopt;
-  return now;
+  return moved_as_one(map, view, a, b, config.check_back_s) ? now : std::nullopt;
 }
 
 bool fuse_movers(MapEdit& edit, const MapPoint& p, const MapPoint& q) {
@@ -153,16 +108,18 @@ bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Fe
   const auto now = one_mover(map, view, in_a, in_b, config);
   if (!now) return false;
   const MapPoint* point = free_b ? p : q;
-  if (point == nullptr) {
+  const bool is_new = point == nullptr;
+  if (is_new) {
     const double distance = (now->position - view.first_pose.center()).norm();
     point = &edit.create_point(view.first->map, now->position, now->covariance, PointPhase::kMoving,
                                Why::kMetWhileMoving, {2, std::sqrt(now->covariance.trace()) / distance});
     edit.bind_moving(*point, view.first->id, *a.track, Eigen::Vector2f::Zero(), Why::kMadeFromIt);
-    record_past(edit, view, point->id, *in_a.track, *in_b.track);
   }
   const Feature& free = free_b ? b : a;
   edit.bind_moving(*point, (free_b ? view.second : view.first)->id, *free.track, shifted.offset_px, Why::kLooksLikeIt,
                    {peak->zncc, 0});
+  // Its path begins when its two tracks first met, not when that was found out.
+  if (is_new) record_past(edit, *point, a.track->seen.size());
   return true;
 }
 

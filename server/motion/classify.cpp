@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/motion/classify.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include "common/geometry/robust.h"
+#include "server/associate/gate.h"
+#include "server/map/sighting.h"
 #include "server/motion/follow.h"
 
 namespace coslam {
@@ -17,85 +16,57 @@ namespace {
 
 constexpr float kMostStaticOffset_px = 0.7F;
 
-// Static points that several cameras see elsewhere, ascending; tracks of one camera are left to verify().
-std::set<PointId> doubt(const Map& map, const FrameSet& set) {
-  std::set<PointId> doubted;
-  for (const CameraFrame& cf : set.frames) {
-    for (const auto& [id, track] : map.camera(cf.camera).tracks) {
-      const MapPoint* p = map.find(track.point);
-      if (p == nullptr || !p->rests() || track.gate_failures < map.config().failures || doubted.contains(p->id))
-        continue;
-      int elsewhere = 0, cameras = 0;
-      for (const Seen& s : seen_now(map, *p)) {
-        ++cameras;
-        elsewhere += map.track(s.track).gate_failures > 0;
-      }
-      if (cameras < 2 || elsewhere < 2) continue;
-      doubted.insert(p->id);
-    }
-  }
-  return doubted;
-}
-
-void judge(MapEdit& edit, const std::set<PointId>& doubted, ClassifyReport* report) {
+// Several cameras see it elsewhere: it moves if they agree on where it is now, else it never was one place.
+void judge_point(MapEdit& edit, const MapPoint& p, ClassifyReport* report) {
   const Map& map = edit.map();
-  for (const PointId id : doubted) {
-    const MapPoint& p = *map.find(id);
-    ++report->uncertain;
-    const std::vector<Seen> seen = seen_now(map, p);
-    const Figures cameras{static_cast<double>(seen.size()), 0};
-    if (const auto t = position_of(map, seen, kMovingParallax_rad)) {
-      edit.start_moving(p, t->position, t->covariance, Why::kSeenElsewhere, cameras);
-      ++report->dynamic;
-    } else {
-      edit.forget_past(p);
-      edit.remove_point(p, Why::kNoOnePlace, cameras);
-      ++report->removed;
+  ++report->uncertain;
+  const std::vector<Seen> seen = seen_now(map, p);
+  const Figures cameras{static_cast<double>(seen.size()), 0};
+  if (const auto t = position_of(map, seen, kMovingParallax_rad)) {
+    edit.start_moving(p, t->position, t->covariance, Why::kSeenElsewhere, cameras);
+    record_past(edit, p, static_cast<std::size_t>(map.config().failures));
+    ++report->dynamic;
+  } else {
+    edit.forget_past(p);
+    edit.remove_point(p, Why::kNoOnePlace, cameras);
+    ++report->removed;
+  }
+}
+
+// One track alone left its point.
+void let_slid_track_go(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapPoint& p) {
+  const Map& map = edit.map();
+  const auto distance2 = gate_distance2({p.position, p.covariance}, camera.model, camera.frames.back().cam_from_world,
+                                        track.seen.back().undistorted_px.cast<double>(), map.gate_sigma_px(camera));
+  const Figures failed{static_cast<double>(track.gate_failures), distance2 ? std::sqrt(*distance2) : std::nan("")};
+  edit.distrust_before(track, map.now());
+  edit.unbind(camera.id, track, distance2 ? Why::kOutsideGate : Why::kBehindCamera, failed);
+}
+
+// Static points whose tracks failed the gate so often that it is no accident.
+void judge_failures(MapEdit& edit, const FrameSet& set, bool may_move, ClassifyReport* report) {
+  const Map& map = edit.map();
+  std::vector<BoundTrack> slid;
+  std::set<PointId> elsewhere;
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    for (const auto& [id, track] : camera.tracks) {
+      const MapPoint* p = map.find(track.point);
+      if (p == nullptr || !p->rests() || track.gate_failures < map.config().failures) continue;
+      if (may_move && (elsewhere.contains(p->id) || seen_elsewhere(map, *p))) {
+        elsewhere.insert(p->id);
+      } else {
+        slid.push_back({camera.id, id});
+      }
     }
   }
-}
-
-// Speed in the image at which a track has moved against where its point is now taken to be, over the last frames; empty
-// when it is too young, or was further off than the gate once.
-std::optional<double> apparent_speed_px_s(const Map& map, const MapCamera& c, const ServerTrack& t, const MapPoint& p,
-                                          int frames) {
-  const double most_px = map.config().theta * map.gate_sigma_px(c);
-  double n = 0, sum_t = 0, sum_tt = 0;
-  Eigen::Vector2d sum_r = Eigen::Vector2d::Zero(), sum_rt = Eigen::Vector2d::Zero();
-  for (std::size_t i = t.seen.size(); i-- > 0 && n < frames;) {
-    const FramePose* f = c.frame_at(t.seen[i].set);
-    if (f == nullptr || f->map != p.map) continue;
-    Eigen::Vector2d px;
-    if (!project_world(c.model, f->cam_from_world, p.position, &px)) return std::nullopt;
-    const Eigen::Vector2d r = (t.seen[i].undistorted_px + t.offset_px).cast<double>() - px;
-    if (r.norm() > most_px) return std::nullopt;
-    const double t_s = to_seconds(f->capture_ns - map.now_ns());
-    n += 1;
-    sum_t += t_s;
-    sum_tt += t_s * t_s;
-    sum_r += r;
-    sum_rt += r * t_s;
+  for (const PointId id : elsewhere) judge_point(edit, *map.find(id), report);
+  for (const BoundTrack& b : slid) {
+    const ServerTrack& track = map.track(b);
+    let_slid_track_go(edit, map.camera(b.camera), track, *map.find(track.point));
+    ++report->slid;
   }
-  const double spread = n * sum_tt - sum_t * sum_t;
-  if (n < frames || spread <= 0) return std::nullopt;
-  return ((n * sum_rt - sum_t * sum_r) / spread).norm();
-}
-
-constexpr int kLeastStill = 2, kLeastTested = 4;  // frames
-
-// Its tracks have not moved against it for so long, in at least two cameras.
-bool stands_still(const Map& map, const MapPoint& p, double time_s, double most_px_s) {
-  int cameras = 0;
-  for (const BoundTrack& b : p.bound) {
-    const MapCamera& c = map.camera(b.camera);
-    const ServerTrack& t = c.tracks.at(b.track);
-    const int frames = c.frames_in(time_s, kLeastStill);
-    if (static_cast<int>(t.seen.size()) < frames) continue;
-    const auto speed_px_s = apparent_speed_px_s(map, c, t, p, frames);
-    if (!speed_px_s || *speed_px_s > most_px_s * c.model.width_px / 640.0) return false;
-    ++cameras;
-  }
-  return cameras >= 2;
 }
 
 // Static points are seen exactly where their tracks are.
@@ -107,230 +78,44 @@ void let_go_of_other_corners(MapEdit& edit, const MapPoint& p) {
   }
 }
 
-bool stopped(const Map& map, const MapPoint& p, const ClassifyConfig& config) {
-  // Twice as long a look for tracks with more noise.
-  return stands_still(map, p, config.still_s, config.still_px_s) ||
-         stands_still(map, p, 2 * config.still_s, config.still_px_s);
-}
-
 // Moving points that stopped.
-void settle(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
+void settle(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, ClassifyReport* report) {
   for (const MapPoint* p : edit.map().moving_points()) {
-    if (p->last_seen != set.id || !stopped(edit.map(), *p, config)) continue;
+    if (p->last_seen != set.id || !stands_still(edit.map(), *p, config)) continue;
     let_go_of_other_corners(edit, *p);
     edit.stop_moving(*p, static_cast<int>(edit.map().sets_in(config.still_s)));
     ++report->stopped;
   }
 }
 
-// Largest miss of the best static explanation of a track's newest views, near or infinitely far; pixels.
-double static_miss_px(const std::vector<View>& views) {
-  double near_px = 1e9;
-  const TriangulationResult t = triangulate(views, 1.0, 0.0);
-  if (t.status == TriangulationStatus::kOk) near_px = t.max_error_px;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  for (const View& v : views) direction += world_ray(v);
-  double far_px = 0;
-  for (const View& v : views) {
-    const Eigen::Vector3d in_cam = v.cam_from_world.rotation * direction;
-    if (in_cam.z() <= 0) return near_px;
-    far_px = std::max(far_px, (v.camera->project(in_cam) - v.undistorted_px).norm());
-  }
-  return std::min(near_px, far_px);
-}
-
-enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kDoubtful, kMoves };
-
-struct Judged {
-  const ServerTrack* track;
-  Eigen::Vector2d px;
-  Verdict verdict = Verdict::kYoung;
-  std::optional<Eigen::Vector2d> flow_px;  // over the last frames
-};
-
-constexpr double kFlow_s = 0.27;
-
-std::optional<Eigen::Vector2d> flow_of(const MapCamera& c, const ServerTrack& t) {
-  const auto frames = static_cast<std::size_t>(c.frames_in(kFlow_s, kLeastStill));
-  if (t.seen.size() <= frames) return std::nullopt;
-  return (t.seen.back().undistorted_px - t.seen[t.seen.size() - 1 - frames].undistorted_px).cast<double>();
-}
-
-// Newest first.
-std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, int frames) {
-  std::vector<View> views;
-  for (std::size_t i = track.seen.size(); i-- > 0 && static_cast<int>(views.size()) < frames;) {
-    const FramePose* f = camera.frame_at(track.seen[i].set);
-    if (f == nullptr || f->map != camera.map) continue;
-    views.push_back({&camera.model, f->cam_from_world, track.seen[i].undistorted_px.cast<double>()});
-  }
-  return views;
-}
-
-// How far the newer view is from where a thing that stood still may appear: on the epipolar line of the older view,
-// between infinitely far and `nearest` from the camera.
-double epipolar_miss_px(const View& now, const View& then, double nearest) {
-  const Eigen::Vector3d ray = world_ray(then);
-  Eigen::Vector2d near_px;
-  const Eigen::Vector3d far_in_cam = now.cam_from_world.rotation * ray;
-  if (far_in_cam.z() <= 0) return 0;
-  const Eigen::Vector2d far_px = now.camera->project(far_in_cam);
-  const Eigen::Vector3d near_point = then.cam_from_world.center() + nearest * ray;
-  if (!project_world(*now.camera, now.cam_from_world, near_point, &near_px)) return 0;
-  const Eigen::Vector2d along = near_px - far_px, off = now.undistorted_px - far_px;
-  const double share = along.squaredNorm() > 0 ? std::clamp(off.dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-  return (off - share * along).norm();
-}
-
-// Whether no static place explains the newest views up to so many pixels: neither the newest against some earlier ones,
-// nor all of them together.
-bool moves_by_more(const std::vector<View>& views, std::size_t frames, double nearest, double most_px) {
-  std::vector<View> some;
-  const std::size_t last = std::min(frames, views.size() - 1), step = std::max<std::size_t>(1, (last + 4) / 5);
-  for (std::size_t i = 0; i < last; i += step) some.push_back(views[i]);
-  some.push_back(views[last]);
-  for (std::size_t i = 1; i < some.size(); ++i) {
-    if (epipolar_miss_px(some[0], some[i], nearest) > most_px) return true;
-  }
-  return static_miss_px(some) > most_px;
-}
-
-// Of what stands still; 0 = unknown.
-double median_static_depth(const Map& map, const MapCamera& camera) {
-  std::vector<double> depths;
-  for (const auto& [id, track] : camera.tracks) {
-    const MapPoint* p = map.find(track.point);
-    if (p == nullptr || !p->proven()) continue;
-    depths.push_back((camera.frames.back().cam_from_world * p->position).z());
-  }
-  return upper_median(depths);
-}
-
-// What a thing at rest may seem to have moved in the last frames.
-double still_px(const MapCamera& camera, std::size_t frames, const ClassifyConfig& config) {
-  const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
-  return config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns) * camera.model.width_px / 640.0;
-}
-
-constexpr double kNearest = 0.15;  // nothing that stands still is expected closer, of the median depth
-
 // One camera alone cannot tell where its point is by now. What it has seen lately as something at rest, at whatever
 // distance, is no longer taken for the point.
-void give_back_resting(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
+void give_back_resting(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config) {
   const Map& map = edit.map();
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
-    const auto frames = static_cast<std::size_t>(camera.frames_in(2 * config.still_s, kLeastTested));
     if (!camera.frames.back().valid()) continue;
     std::optional<double> median_depth;
     for (const auto& [id, track] : camera.tracks) {
       const MapPoint* p = map.find(track.point);
       if (p == nullptr || !p->moves() || p->last_seen == set.id) continue;
-      const std::vector<View> views = newest_views(camera, track, static_cast<int>(frames) + 1);
-      if (views.size() <= frames) continue;
       if (!median_depth) median_depth = median_static_depth(map, camera);
-      if (!moves_by_more(views, views.size() - 1, kNearest * *median_depth, still_px(camera, frames, config))) {
-        edit.unbind(camera.id, track, Why::kStandsStill, {static_cast<double>(frames), 0});
-      }
+      if (!may_rest(camera, track, *median_depth, config)) continue;
+      const int frames = camera.frames_in(2 * config.still_s);
+      edit.unbind(camera.id, track, Why::kStandsStill, {static_cast<double>(frames), 0});
     }
   }
 }
 
-Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double median_depth,
-                   const ClassifyConfig& config) {
-  const double nearest = kNearest * median_depth;
-  if (const MapPoint* p = map.find(track.point)) {
-    return p->moves() ? Verdict::kMoves : Verdict::kStill;
-  }
-  const auto views = newest_views(camera, track, camera.frames_in(config.test_s, kLeastTested));
-  if (static_cast<int>(views.size()) < camera.frames_in(config.least_s, kLeastTested)) return Verdict::kYoung;
-  const double to_640 = 640.0 / camera.model.width_px;
-  if (!moves_by_more(views, views.size() - 1, nearest, config.doubtful_px / to_640)) return Verdict::kUndecided;
-  const auto few = static_cast<std::size_t>(camera.frames_in(config.still_s, kLeastStill));
-  for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
-    if (views.size() <= frames) break;
-    if (!moves_by_more(views, frames, nearest, still_px(camera, frames, config))) return Verdict::kUndecided;
-  }
-  // Corners where one thing hides another slide when the camera moves: by a part of the parallax, and not for long.
-  constexpr double kMostSlide = 2.5;
-  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
-  const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
-  const double slide_px = std::min(config.motion_parallax * parallax_px, kMostSlide * config.motion_px / to_640);
-  const double most_px = std::max(config.motion_px / to_640, slide_px);
-  return moves_by_more(views, views.size() - 1, nearest, most_px) ? Verdict::kMoves : Verdict::kDoubtful;
-}
-
-using Judgements = std::vector<const Judged*>;
-
-Judgements between(const std::vector<Judged>& all, Verdict least, Verdict most) {
-  Judgements out;
-  for (const Judged& j : all) {
-    if (j.verdict >= least && j.verdict <= most) out.push_back(&j);
-  }
-  return out;
-}
-
-// What some tracks around one do.
-struct Neighbours {
-  int close = 0;
-  Eigen::Vector2d flow_px = Eigen::Vector2d::Zero();  // mean
-};
-
-// near_px: of those whose flow counts.
-Neighbours neighbours_of(const Judgements& some, const Judged& j, double close_px, double near_px) {
-  Neighbours a;
-  int flows = 0;
-  for (const Judged* o : some) {
-    const double distance2 = (o->px - j.px).squaredNorm();
-    if (o == &j || distance2 > near_px * near_px) continue;
-    a.close += distance2 < close_px * close_px;
-    if (o->flow_px && ++flows > 0) a.flow_px += *o->flow_px;
-  }
-  a.flow_px /= std::max(1, flows);
-  return a;
-}
-
-// Its own verdict counts when its surroundings agree; without one it goes with its moving neighbours or with what
-// stands still.
-bool agrees_with_neighbours(const Judged& j, const Judgements& movers, bool moves, const Judgements& resting,
-                            double radius_px, double share) {
-  if (!moves && !j.flow_px) return false;
-  const Neighbours moving = neighbours_of(movers, j, radius_px, radius_px);
-  if (moving.close < (moves ? 1 : 2)) return false;
-  const Neighbours still = neighbours_of(resting, j, radius_px, 3 * radius_px);
-  if (moves) return moving.close >= share * (moving.close + still.close);
-  return (*j.flow_px - moving.flow_px).norm() < 0.5 * (*j.flow_px - still.flow_px).norm();
-}
-
-void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, ClassifyReport* report) {
-  const Map& map = edit.map();
+void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, ClassifyReport* report) {
   for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = map.camera(cf.camera);
+    const MapCamera& camera = edit.map().camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
-    std::vector<Judged> all;
-    const double median_depth = median_static_depth(map, camera);
-    for (const auto& [id, track] : camera.tracks) {
-      all.push_back({&track, track.seen.back().undistorted_px.cast<double>(),
-                     verdict_of(map, camera, track, median_depth, config), flow_of(camera, track)});
-    }
-    const double radius_px = config.neighbour_radius * std::max(camera.model.width_px, camera.model.height_px);
-    const Judgements resting = between(all, Verdict::kStill, Verdict::kStill),
-                     moving = between(all, Verdict::kMoves, Verdict::kMoves),
-                     doubtful = between(all, Verdict::kDoubtful, Verdict::kMoves);
-    const auto along = [&](const Judged& j, const Judgements& movers, Verdict least) {
-      return agrees_with_neighbours(j, movers, j.verdict >= least, resting, radius_px, config.neighbour_share);
-    };
-    const auto neighbours = [&](const Judged& j) -> Figures {
-      const int move = neighbours_of(moving, j, radius_px, radius_px).close,
-                rest = neighbours_of(resting, j, radius_px, radius_px).close;
-      return {static_cast<double>(move), static_cast<double>(rest)};
-    };
-    for (const Judged& j : all) {
-      if (j.track->bound()) continue;
-      const TrackMotion motion = along(j, moving, Verdict::kMoves)        ? TrackMotion::kMoving
-                                 : along(j, doubtful, Verdict::kDoubtful) ? TrackMotion::kDoubtful
-                                                                          : TrackMotion::kResting;
-      if (motion != j.track->motion) edit.set_motion(camera.id, *j.track, motion, neighbours(j));
+    for (const TrackJudgement& j : judge_tracks(edit.map(), camera, config)) {
+      if (j.motion != j.track->motion) {
+        edit.set_motion(camera.id, *j.track, j.motion,
+                        {static_cast<double>(j.moving_neighbours), static_cast<double>(j.resting_neighbours)});
+      }
       report->moving_tracks += j.track->moves();
     }
   }
@@ -340,15 +125,15 @@ void judge_tracks(MapEdit& edit, const FrameSet& set, const ClassifyConfig& conf
 
 ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
   ClassifyReport report;
+  judge_failures(edit, set, config.enabled, &report);
   if (!config.enabled) return report;
-  judge(edit, doubt(edit.map(), set), &report);
   FollowReport followed = follow_moving(edit, set, config.follow);
   rebind_moving(edit, set, config.follow, &followed);
   report.removed += followed.removed;
   report.rebound = followed.bound;
-  settle(edit, set, config, &report);
-  give_back_resting(edit, set, config);
-  judge_tracks(edit, set, config, &report);
+  settle(edit, set, config.evidence, &report);
+  give_back_resting(edit, set, config.evidence);
+  judge_free_tracks(edit, set, config.evidence, &report);
   return report;
 }
 

@@ -9,6 +9,7 @@
 
 #include "server/associate/patch_match.h"
 #include "server/associate/track_grid.h"
+#include "server/motion/evidence.h"
 
 namespace coslam {
 namespace {
@@ -47,8 +48,7 @@ std::optional<Eigen::Vector3d> step_near(const std::vector<Step>& steps, const E
 
 // Motion in the image since the last set, near a place in it, of the tracks that move.
 std::optional<Eigen::Vector2d> flow_near(const MapCamera& camera, const Eigen::Vector2d& before_px) {
-  constexpr double kNear = 0.06;  // of the image width
-  const double radius_px = kNear * camera.model.width_px;
+  const double radius_px = kNeighbours * camera.model.width_px;
   double weights = 0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const auto& [id, t] : camera.tracks) {
@@ -288,6 +288,30 @@ void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& confi
       ++report->bound;
     }
   }
+}
+
+void record_past(MapEdit& edit, const MapPoint& point, std::size_t most_sets) {
+  const Map& map = edit.map();
+  const MapCamera& dated_by = map.camera(point.bound.front().camera);
+  const ServerTrack& first = map.track(point.bound.front());
+  std::vector<MotionSample> past;
+  for (std::size_t i = first.seen.size() - 1; i-- > 0 && past.size() < most_sets;) {
+    const FramePose* f = dated_by.frame_at(first.seen[i].set);
+    if (f == nullptr) break;
+    MotionSample sample{.set = f->set, .t_ns = dated_by.taken_ns(*f)};
+    std::vector<Seen> seen;
+    for (const BoundTrack& b : point.bound) {
+      const ServerTrack& track = map.track(b);
+      const auto at = track.index_at(f->set);
+      const auto view = at ? view_at(map.camera(b.camera), track, *at, sample.t_ns) : std::nullopt;
+      if (!view) continue;
+      seen.push_back({b, *view});
+      sample.seen.push_back(sighting(map.camera(b.camera), track, *at));
+    }
+    if (!position_of(map, seen, kMovingParallax_rad)) break;
+    past.push_back(std::move(sample));
+  }
+  for (auto s = past.rbegin(); s != past.rend(); ++s) edit.record_motion(point.id, std::move(*s));
 }
 
 }  // namespace coslam

@@ -31,4 +31,8 @@ FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfi
 // when a track ends, is hidden for a moment, or begins in another camera.
 void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
 
+// The path of a point that has begun to move, before this set: as far back as its tracks were at one place in each set,
+// at most so many sets.
+void record_past(MapEdit& edit, const MapPoint& point, std::size_t most_sets);
+
 }  // namespace coslam

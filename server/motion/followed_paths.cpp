@@ -39,36 +39,6 @@ bool FollowedPaths::follow(const Map& map, MapId in, Anchor* a, PathSample* samp
   return baseline > 0;
 }
 
-// Where a new moving point was before it was known to be one, by the tracks that it has.
-void FollowedPaths::look_back(const Map& map, const MapPoint& point, TimeNs since_ns, Path* path) {
-  const auto track = [&](const BoundTrack& b) -> const ServerTrack& { return map.camera(b.camera).tracks.at(b.track); };
-  const auto oldest = std::min_element(point.bound.begin(), point.bound.end(), [&](const auto& a, const auto& b) {
-    return track(a).seen.front().set < track(b).seen.front().set;
-  });
-  if (oldest == point.bound.end()) return;
-  for (const TrackPoint& at : track(*oldest).seen) {
-    const MapCamera& dated_by = map.camera(oldest->camera);
-    const FramePose* f = dated_by.frame_at(at.set);
-    if (f == nullptr || dated_by.taken_ns(*f) < since_ns) continue;
-    MotionSample sample{.set = at.set, .t_ns = dated_by.taken_ns(*f)};
-    std::vector<Seen> seen;
-    for (const BoundTrack& b : point.bound) {
-      const auto i = track(b).index_at(at.set);
-      if (!i) continue;
-      const MapCamera& c = map.camera(b.camera);
-      const auto view = view_at(c, track(b), *i, sample.t_ns);
-      if (!view) continue;
-      seen.push_back({b, *view});
-      sample.seen.push_back(sighting(c, track(b), *i));
-    }
-    const auto position = position_of(map, seen, kMovingParallax_rad);
-    const auto anchor = position ? anchor_of(map, point.map, sample, position->position) : std::nullopt;
-    if (!anchor) continue;
-    path->samples.push_back({at.set, sample.t_ns, position->position});
-    path->anchors.push_back(*anchor);
-  }
-}
-
 void FollowedPaths::extend(const Map& map, const MapPoint& point, TimeNs since_ns, Path* path) {
   const auto motion = map.motions().find(point.id);
   if (motion == map.motions().end()) return;
@@ -110,7 +80,6 @@ void FollowedPaths::update(const Map& map, TimeNs since_ns) {
       kept.anchors.push_back(path.anchors[i]);
     }
     path = std::move(kept);
-    if (path.samples.empty()) look_back(map, point, since_ns, &path);
     extend(map, point, since_ns, &path);
   }
 }

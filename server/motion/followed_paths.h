@@ -35,7 +35,6 @@ class FollowedPaths {
   static std::optional<Anchor> anchor_of(const Map& map, MapId in, const MotionSample& sample,
                                          const Eigen::Vector3d& position);
   static bool follow(const Map& map, MapId in, Anchor* anchor, PathSample* sample);
-  static void look_back(const Map& map, const MapPoint& point, TimeNs since_ns, Path* path);
   static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, Path* path);
 
   std::map<PointId, Path> paths_;

@@ -5,6 +5,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
+#include <utility>
+
+#include "server/map/sighting.h"
 
 namespace coslam::test {
 
@@ -89,6 +92,15 @@ void SimMap::add_points(double sigma_m) {
                                   [&](const MapCamera& c) { return c.map == id && track_of(c.id, point) != nullptr; });
     if (seen) add_point(point, sigma_m, {normal(random_), normal(random_), normal(random_)});
   }
+}
+
+void SimMap::record_now(const MapPoint& point) {
+  MotionSample sample{.set = set.id, .t_ns = set.t_ns};
+  for (const BoundTrack& b : point.bound) {
+    const ServerTrack& t = map.track(b);
+    sample.seen.push_back(sighting(map.camera(b.camera), t, t.seen.size() - 1));
+  }
+  edit.record_motion(point.id, std::move(sample));
 }
 
 int SimMap::world_point(const MapPoint& point) const {

@@ -63,6 +63,9 @@ class SimMap {
     edit.start_moving(point, point.position, point.covariance, Why::kSeenElsewhere);
   }
 
+  // What its tracks see of a moving point in the newest set becomes part of its path, as follow_moving() does it.
+  void record_now(const MapPoint& point);
+
   // World point behind a track or behind the first binding or observation of a map point; -1 when there is none.
   int world_point(CameraId camera, TrackId track) const { return trackers[camera.value].point_of(track); }
   int world_point(const MapPoint& point) const;

@@ -37,7 +37,7 @@ TEST(Classify, OneCameraGivesBackWhatStandsStill) {
   const ServerTrack* track = sim.track_of(kCam0, world_point);
   sim.edit.bind_moving(p, kCam0, *track, Eigen::Vector2f::Zero(), Why::kLooksLikeIt);
   const ClassifyConfig config;
-  for (int i = 0; i < sim.map.camera(kCam0).frames_in(2 * config.still_s) + 2; ++i) {
+  for (int i = 0; i < sim.map.camera(kCam0).frames_in(2 * config.evidence.still_s) + 2; ++i) {
     sim.advance(1, true);
     track = sim.track_of(kCam0, world_point);
     ASSERT_NE(track, nullptr);
@@ -77,7 +77,7 @@ class ClassifyTest : public testing::Test {
     }
   }
   ClassifyReport judge() {
-    verify(sim_.edit, sim_.set, {}, true);
+    verify(sim_.edit, sim_.set, {});
     return classify(sim_.edit, sim_.set, config_);
   }
   void stand() { stands_since_ns_ = sim_.set.t_ns; }
@@ -159,6 +159,49 @@ TEST_F(ClassifyTest, WhereTheyDoNotAgreeThePointIsRemoved) {
   EXPECT_EQ(sim_.track_of(kCam0, corner)->distrusted_before, sim_.set.id.value) << "its past is not believed";
 }
 
+TEST_F(ClassifyTest, ASlidTrackLeavesItsPointAndTheOthersStay) {
+  const MapPoint& p = *sim_.map.recent_points().front();
+  const BoundTrack slid = p.bound[0], honest = p.bound[1];
+  ASSERT_EQ(slid.camera, kCam0);
+  sim_.trackers[0].slide(slid.track, {4, -2});
+  ClassifyReport report;
+  for (int i = 0; i < 10 && report.slid == 0; ++i) report = step();
+  EXPECT_EQ(report.slid, 1);
+  EXPECT_EQ(p.bound, std::vector<BoundTrack>{honest});
+  const ServerTrack& track = sim_.map.camera(kCam0).tracks.at(slid.track);
+  EXPECT_FALSE(track.bound());
+  EXPECT_EQ(track.distrusted_before, sim_.set.id.value) << "its past is not believed";
+  EXPECT_LT((p.position - world_.position(sim_.world_point(p))).norm(), 0.06) << "it was not dragged along";
+  const auto unbound = events(p.id, EventKind::kTrackUnbound);
+  ASSERT_EQ(unbound.size(), 1U);
+  EXPECT_EQ(unbound[0].why, Why::kOutsideGate);
+  EXPECT_EQ(unbound[0].figures[0], sim_.map.config().failures);
+  EXPECT_GT(unbound[0].figures[1], sim_.map.config().theta) << "standard deviations";
+}
+
+TEST_F(ClassifyTest, WithoutItEveryTrackThatFailsLeavesItsPoint) {
+  config_.enabled = false;
+  const MapPoint& p = *sim_.map.recent_points().front();
+  ASSERT_EQ(p.bound.size(), 2U);
+  sim_.shift(p, {0.4, 0, 0});
+  for (int i = 1; i < sim_.map.config().failures; ++i) {
+    step();
+    EXPECT_EQ(p.bound.size(), 2U) << "not condemned for one bad step";
+  }
+  EXPECT_EQ(step().slid, 2);
+  EXPECT_TRUE(p.bound.empty());
+  EXPECT_TRUE(p.rests());
+}
+
+TEST_F(ClassifyTest, APathBeginsWithTheFirstFailure) {
+  const MapPoint& p = add(followed(kStatic), PointPhase::kStatic);
+  for (int i = 0; i < 60 && !p.moves(); ++i) step();
+  ASSERT_TRUE(p.moves());
+  const std::vector<MotionSample>& path = sim_.map.motions().at(p.id);
+  EXPECT_EQ(path.back().set, sim_.set.id);
+  EXPECT_EQ(path.front().set.value + static_cast<std::uint32_t>(sim_.map.config().failures), sim_.set.id.value);
+}
+
 TEST_F(ClassifyTest, OneCameraAloneDoubtsNoPoint) {
   const MapPoint& p = *sim_.map.recent_points().front();
   const int corner = sim_.world_point(p);
@@ -180,7 +223,7 @@ TEST_F(ClassifyTest, WhatStopsIsOnTrialAndThenStatic) {
   stand();
   int stood = 0;
   for (; stood < 40 && p.moves(); ++stood) step();
-  const int still = sim_.map.camera(kCam0).frames_in(config_.still_s);
+  const int still = sim_.map.camera(kCam0).frames_in(config_.evidence.still_s);
   EXPECT_GE(stood, still - 1);
   EXPECT_LE(stood, 3 * still);
   ASSERT_EQ(p.phase, PointPhase::kTrial);
@@ -248,7 +291,7 @@ TEST_F(ClassifyTest, TracksOfABodyAreDoubtedAndThenMove) {
 }
 
 TEST_F(ClassifyTest, TracksThatMissTooLittleForMovingAreDoubtful) {
-  config_.motion_px = 1000;
+  config_.evidence.motion_px = 1000;
   for (int i = 0; i < 30; ++i) step();
   EXPECT_EQ(of_body(TrackMotion::kMoving), 0);
   int all = 0;
@@ -262,7 +305,7 @@ TEST_F(ClassifyTest, TracksOfABodyThatStopsRestAgain) {
   for (int i = 0; i < 30; ++i) step();
   ASSERT_GT(of_body(TrackMotion::kMoving), 10);
   stand();
-  for (int i = 0; i < sim_.map.camera(kCam0).frames_in(2 * config_.still_s) + 2; ++i) step();
+  for (int i = 0; i < sim_.map.camera(kCam0).frames_in(2 * config_.evidence.still_s) + 2; ++i) step();
   int all = 0;
   EXPECT_GT(of_body(TrackMotion::kResting, &all), 0.8 * all);
 }

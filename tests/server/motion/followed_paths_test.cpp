@@ -21,7 +21,10 @@ class FollowedPathsTest : public testing::Test {
   FollowedPathsTest() : sim_(world_, test::paths_side_by_side(2), {.max_tracks = 400}) {
     sim_.advance(kSets);
     for (int i = kStatic; i < world_.size(); ++i) {
-      if (sim_.all_follow(i)) sim_.add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+      if (!sim_.all_follow(i)) continue;
+      const MapPoint& p = sim_.add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+      record_past(sim_.edit, p, kSets);
+      sim_.record_now(p);
     }
   }
   void SetUp() override { ASSERT_EQ(sim_.map.moving_points().size(), 25U); }
@@ -64,7 +67,7 @@ class FollowedPathsTest : public testing::Test {
   FollowedPaths paths_;
 };
 
-TEST_F(FollowedPathsTest, ANewPointHasThePathOfItsTracks) {
+TEST_F(FollowedPathsTest, ANewPointHasThePathThatWasRecorded) {
   update();
   ASSERT_EQ(paths_.all().size(), 25U);
   for (const auto& [id, path] : paths_.all()) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "deploy/scene/gait.h"
+#include "server/motion/follow.h"
 #include "tests/support/sim_map.h"
 
 // Moving points with the noise of two cameras that look along y, against the bodies that they are on.
@@ -292,13 +293,16 @@ TEST(Objects, AStrayPointDoesNotWidenTheBox) {
   EXPECT_NEAR(body.extent.x(), 0.7, 0.01);
 }
 
-// A map with one body of 25 moving points, two cameras at their true poses, and no path recorded yet.
+// A map with one body of 25 moving points, two cameras at their true poses, and the path of their tracks.
 class ObjectsOfAMap : public testing::Test {
  protected:
   ObjectsOfAMap() : sim_(world_, test::paths_side_by_side(2), {.noise_px = 0.1, .max_tracks = 400}) {
     sim_.advance(20);
     for (int i = 300; i < world_.size(); ++i) {
-      if (sim_.all_follow(i)) sim_.add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+      if (!sim_.all_follow(i)) continue;
+      const MapPoint& p = sim_.add_point(i, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
+      record_past(sim_.edit, p, 20);
+      sim_.record_now(p);
     }
   }
 
@@ -307,7 +311,7 @@ class ObjectsOfAMap : public testing::Test {
   ObjectFinder finder_{ObjectsConfig{}};
 };
 
-TEST_F(ObjectsOfAMap, NewPointsBringThePathOfTheirTracks) {
+TEST_F(ObjectsOfAMap, NewPointsThatHaveAPathMakeAnObject) {
   const ObjectsReport r = finder_.run(sim_.map, sim_.set, {.in_metres = {sim_.id}});
   EXPECT_GT(r.points, 8);
   ASSERT_EQ(r.objects, 1);

@@ -38,7 +38,7 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  const auto period = static_cast<int>(sim_.map.sets_in(config_.soon_s));
+  const auto period = static_cast<int>(sim_.map.sets_in(config_.ask.soon_s));
   EXPECT_EQ(asked, (20 + period - 1) / period);
 }
 
@@ -98,8 +98,8 @@ TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
     whirling.add_points();
     asked += !meetings_.run(whirling.edit, whirling.set, {ViewGraph()}, {}, {}).requests.empty();
   }
-  EXPECT_LE(asked, config_.image_burst + kSeconds * config_.images_per_s + 1);
-  EXPECT_GE(asked, kSeconds * config_.images_per_s);
+  EXPECT_LE(asked, config_.ask.image_burst + kSeconds * config_.ask.images_per_s + 1);
+  EXPECT_GE(asked, kSeconds * config_.ask.images_per_s);
 }
 
 // All that is seen lies in one plane: it may be a poster that hangs elsewhere too.
@@ -291,7 +291,7 @@ TEST_F(LoopTest, AnOldPlaceDrawsTheMapTogether) {
     const MapPoint* p = sim_.map.find(t.point);
     again += p != nullptr && p->created.value < 100;
   }
-  EXPECT_GT(again, config_.min_merge_inliers / 2);
+  EXPECT_GT(again, config_.decide.min_merge_inliers / 2);
 }
 
 TEST_F(LoopTest, NotWhenToldNotTo) {
@@ -383,7 +383,7 @@ TEST_F(DriftTest, FewPointsThatAreAllBesideDrawTheMapTogether) {
   off_.translation = {0.06, -0.03, 0.04};
   run(10);
   ASSERT_EQ(totals_.closed, 1);
-  EXPECT_LT(kCommon, config_.min_merge_inliers);
+  EXPECT_LT(kCommon, config_.decide.min_merge_inliers);
   EXPECT_GE(totals_.doubted, 1) << "it has to be confirmed";
   EXPECT_LT(error_m(), 0.25 * off_.translation.norm());
   EXPECT_GT(shared(), kCommon / 2);

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/decide.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/robust.h"
+
+namespace coslam {
+namespace {
+
+std::vector<const MapPoint*> points_of(const Map& map, const Recognition& seen) {
+  std::vector<const MapPoint*> out;
+  for (const auto& [track, point] : seen.matches) out.push_back(map.find(point));
+  return out;
+}
+
+// Depth of the camera's own map at a track: of its point, or of that of the nearest track not far from it.
+std::optional<double> own_depth(const Map& map, const MapCamera& camera, const ServerTrack& track, bool exact) {
+  constexpr double kNear = 0.025;  // of the image width
+  const MapPoint* best = map.find(track.point);
+  if (best == nullptr && !exact) {
+    float nearest = static_cast<float>(kNear * camera.model.width_px);
+    for (const auto& [id, t] : camera.tracks) {
+      const MapPoint* p = map.find(t.point);
+      if (p == nullptr || !p->rests()) continue;
+      const float d = (t.seen.back().undistorted_px - track.seen.back().undistorted_px).norm();
+      if (d >= nearest) continue;
+      nearest = d;
+      best = p;
+    }
+  }
+  if (best == nullptr || !best->rests()) return std::nullopt;
+  return (camera.frames.back().cam_from_world * best->position).z();
+}
+
+// Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
+std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
+  constexpr std::size_t kLeast = 10;
+  constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
+  std::vector<double> ratios;
+  for (const bool exact : {true, false}) {
+    ratios.clear();
+    for (const auto& [track, point] : seen.matches) {
+      const auto own = own_depth(map, camera, camera.tracks.at(track), exact);
+      const double other = (seen.cam_from_world * map.find(point)->position).z();
+      if (own && *own > 0 && other > 0) ratios.push_back(std::log(other / *own));
+    }
+    if (ratios.size() >= kLeast) break;
+  }
+  if (ratios.size() < kLeast) return std::nullopt;
+  std::sort(ratios.begin(), ratios.end());
+  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > kMostSpread) return std::nullopt;
+  return std::exp(ratios[ratios.size() / 2]);
+}
+
+// From the camera's pose in both.
+std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
+  const auto scale = scale_of(map, camera, seen);
+  if (!scale) return std::nullopt;
+  const Rigid3& own = camera.frames.back().cam_from_world;
+  Similarity3 s;
+  s.scale = *scale;
+  s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
+  s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own.center());
+  return s;
+}
+
+// It had a pose in that map not long ago, and not far from there.
+bool where_it_was_lost(const MapCamera& camera, const Recognition& seen) {
+  constexpr double kLately_s = 10, kNear = 1.0;  // of the distance of what it sees
+  const TimeNs now_ns = camera.frames.back().capture_ns;
+  for (std::size_t i = camera.frames.size(); i-- > 0;) {
+    const FramePose& f = camera.frames[i];
+    if (to_seconds(now_ns - f.capture_ns) > kLately_s) return false;
+    if (!f.valid()) continue;
+    return f.map == seen.map &&
+           (f.cam_from_world.center() - seen.cam_from_world.center()).norm() < kNear * seen.median_depth;
+  }
+  return false;
+}
+
+bool may_be_placed(const Map& map, const MapCamera& camera, const Recognition& seen) {
+  return has_relief(points_of(map, seen), seen.median_depth) || where_it_was_lost(camera, seen);
+}
+
+// The known points lie where the camera's own pose expects them.
+bool as_expected(const Map& map, const MapCamera& camera, const Recognition& seen, double most_px) {
+  std::vector<double> errors;
+  for (const auto& [track, point] : seen.matches) {
+    Eigen::Vector2d px;
+    if (!project_world(camera.model, camera.frames.back().cam_from_world, map.find(point)->position, &px, nullptr))
+      return false;
+    errors.push_back((px - camera.tracks.at(track).seen.back().undistorted_px.cast<double>()).norm());
+  }
+  return upper_median(errors) < most_px;
+}
+
+}  // namespace
+
+PlaceDecision PlaceJudge::decide(const Map& map, const MapCamera& camera, std::optional<Recognition> seen,
+                                 ExpectedPlace expected, const ViewGraph& graph) {
+  if (!expected.there.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.there)}};
+  const bool unplaced = camera.map == MapId();
+  const bool enough = seen && (unplaced || static_cast<int>(seen->matches.size()) >= config_.min_merge_inliers);
+  if (!enough && expected.beside) seen = std::move(expected.beside);
+  if (!seen) return {PlaceDecision::kUnknown};
+  if (unplaced) return {may_be_placed(map, camera, *seen) ? PlaceDecision::kPlace : PlaceDecision::kDoubtful, *seen};
+  if (!enough && !seen->expected) return {PlaceDecision::kTooFew, *seen};
+  if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
+    return {PlaceDecision::kLink, *seen};
+  }
+  const auto similarity = similarity_of(map, camera, *seen);
+  if (!similarity || !verification_.confirmed(map, camera, *seen, *similarity, graph)) {
+    return {PlaceDecision::kDoubtful, *seen};
+  }
+  return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};
+}
+
+}  // namespace coslam

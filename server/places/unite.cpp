@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/unite.h"
+
+#include <algorithm>
+
+#include "server/associate/register.h"
+
+namespace coslam {
+namespace {
+
+int frames_in(const Map& map, MapId id) {
+  int n = 0;
+  for (const MapCamera& c : map.cameras()) {
+    n += static_cast<int>(
+        std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
+  }
+  return n;
+}
+
+}  // namespace
+
+void bind_matches(MapEdit& edit, const MapCamera& camera, const std::vector<std::pair<TrackId, PointId>>& matches) {
+  const Map& map = edit.map();
+  const Figures agree{static_cast<double>(matches.size()), 0};
+  for (const auto& [track_id, point_id] : matches) {
+    const ServerTrack& t = camera.tracks.at(track_id);
+    const MapPoint* kept = map.find(point_id);
+    if (kept == nullptr || t.point == point_id) continue;
+    if (const MapPoint* own = map.find(t.point); own == nullptr) {
+      if (seen_by(*kept, camera.id)) continue;
+      edit.bind(*kept, camera.id, t, Why::kPlaceRecognised, agree);
+    } else {
+      if (!own->rests() || seen_at_once(*own, *kept)) continue;
+      edit.fuse(point_id, t.point, Why::kPlaceRecognised, agree);
+    }
+    edit.keep_recent(*kept);
+    retriangulate(edit, *kept);
+  }
+}
+
+void place(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const LocaliseConfig& config) {
+  edit.place(camera, camera.frames.back().set, seen.map, seen.cam_from_world, Why::kPlaceRecognised,
+             {static_cast<double>(seen.matches.size()), 0});
+  bind_matches(edit, camera, seen.matches);
+  localise_backwards(edit, camera, camera.frames.back().set, config);
+  edit.raise_epoch();
+}
+
+void join(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own) {
+  const Map& map = edit.map();
+  const MapId own = camera.map, in = seen.map;
+  const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
+  // The larger map keeps its frame; the older one when they are equal.
+  if (own_frames > in_frames || (own_frames == in_frames && own < in)) {
+    edit.merge(in, own, in_from_own.inverse());
+  } else {
+    edit.merge(own, in, in_from_own);
+  }
+  bind_matches(edit, camera, seen.matches);
+}
+
+bool close(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+           const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
+  const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
+  const LoopConstraint loop{camera.id,
+                            seen.key_camera,
+                            camera.frames.back().set,
+                            seen.key_set,
+                            seen.cam_from_world * there->cam_from_world.inverse(),
+                            in_from_own.scale};
+  if (!close_loop(edit, camera.map, loop, *loops, graph.group_with(camera.id))) return false;
+  loops->push_back(loop);
+  bind_matches(edit, camera, seen.matches);
+  return true;
+}
+
+}  // namespace coslam
