@@ -69,6 +69,11 @@ void describe(V& v, MapServerConfig& c) {
   v.field("min_parallax_rad", c.map.min_parallax_rad, {0, 1}, "between the views that a point is made from");
   v.field("check_back_s", c.map.check_back_s, {0.1, 100}, "of a track, in which a point that is to be its has to fit");
   v.field("failures", c.map.failures, {1, 100}, "gate failures in succession that unbind a track, or make it doubted");
+  v.field("few_points", c.map.few_points, {0, 1000},
+          "a camera that sees fewer proven points relies on those on trial and on directions too");
+  v.field("new_view_rad", c.map.new_view_rad, {0, 1},
+          "turn of the viewing ray between two views that tell something: filter updates, key frames, starts");
+  v.field("match_period_s", c.map.match_period_s, {0.001, 10}, "between looks for tracks and points that are one");
   v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
           "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
   v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},

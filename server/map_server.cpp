@@ -77,6 +77,12 @@ MapServerCounts MapServer::counts() const {
   return {frame_sets_, of("merges"), of("inter_pose_calls"), of("refinements"), report_.counts};
 }
 
+MemoryUse MapServer::memory() const {
+  MemoryUse use = memory_of(map());
+  use["places"] = pipeline_.stage<Meetings>().remembered_bytes();
+  return use;
+}
+
 int MapServer::map_count() const { return static_cast<int>(frames_by_map(map()).size()); }
 
 MapId MapServer::largest_map() const {

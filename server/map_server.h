@@ -12,6 +12,7 @@
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
+#include "server/map/memory.h"
 #include "server/map_pipeline.h"
 
 namespace coslam {
@@ -59,6 +60,8 @@ class MapServer {
   // Offset of the camera's clock from that of the first one it shares moving points with.
   ClockOffset clock_offset(CameraId camera) const { return pipeline_.stage<ClockFinder>().offset(camera); }
   MapServerCounts counts() const;
+  // What the map and the stages keep, by what it is for; bytes.
+  MemoryUse memory() const;
   const StageTimes& times() const { return report_.times; }
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;

@@ -103,6 +103,13 @@ Json points_report(const MapServer& server) {
   return by_state;
 }
 
+Json memory_report(const MemoryUse& use) {
+  constexpr double kMib = 1 << 20;
+  Json out = Json::object();
+  for (const auto& [what, bytes] : use) out[what] = static_cast<double>(bytes) / kMib;
+  return out;
+}
+
 Json server_report(const MapServer& server) {
   Json out;
   out["ms"] = times_report(server.times());
@@ -115,6 +122,7 @@ Json server_report(const MapServer& server) {
   out["scale_known"] = server.scale_known();
   if (const auto tags = server.tags(); !tags.empty()) out["tags"] = tags_report(tags);
   out["events"] = server.counts().events;
+  out["memory_mib"] = memory_report(server.memory());
   out["peak_memory_mib"] = peak_memory_mib();
   return out;
 }

@@ -54,7 +54,7 @@ bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& 
   if (!map.key_frames().empty()) {
     const SetId last = map.key_frames().back().set;
     const auto gap = set.id.value - last.value;
-    if (gap < map.sets_in(config.min_s)) return false;
+    if (gap < kLeastFrames) return false;
     bool wanted = false;
     const std::vector<SinceLast> since = since_last(map, last);
     for (const CameraFrame& cf : set.frames) {
@@ -62,8 +62,8 @@ bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& 
       if (!camera.frames.back().valid()) continue;
       const SinceLast& s = since[camera.id.value];
       if (s.then == 0 || s.still < (1.0 - config.drop) * s.then) wanted = true;
-      if (s.median_turn_rad > 2 * config.moved_rad) wanted = true;
-      if (gap >= map.sets_in(config.max_s) && s.median_turn_rad > config.moved_rad) wanted = true;
+      if (s.median_turn_rad > 2 * map.config().new_view_rad) wanted = true;
+      if (gap >= map.sets_in(config.max_s) && s.median_turn_rad > map.config().new_view_rad) wanted = true;
     }
     if (!wanted) return false;
   }

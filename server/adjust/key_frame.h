@@ -7,16 +7,13 @@
 namespace coslam {
 
 struct KeyFrameConfig {
-  double drop = 0.30;       // of a camera's points since the last key frame (paper)
-  double min_s = 0.1;       // between key frames
-  double max_s = 0.67;      // while any camera moves
-  double moved_rad = 0.02;  // median turn of the rays to a camera's points that counts as having moved
+  double drop = 0.30;   // of a camera's points since the last key frame (paper)
+  double max_s = 0.67;  // while any camera moves
 };
 
 template <class V>
 void describe(V& v, KeyFrameConfig& c) {
   v.field("keyframe_drop", c.drop, {0.01, 1}, "of a camera's points since the last key frame");
-  v.field("min_s", c.min_s, {0.001, 100}, "between key frames");
   v.field("max_s", c.max_s, {0.01, 1000}, "between key frames while a camera moves");
 }
 

@@ -279,7 +279,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   if (job.poses.size() < 2) return std::nullopt;
   const std::size_t free_poses = job.poses.size();
   if (extent == RefineExtent::kWindow) {
-    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), config.most_fixed)) {
+    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), 3 * config.window)) {
       add_pose(map, of, set, camera, true, &job, &index);
     }
   }

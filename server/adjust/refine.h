@@ -18,7 +18,6 @@ enum class RefineExtent : std::uint8_t { kWindow, kOutline, kWhole };
 struct RefineConfig {
   bool enabled = true;
   int window = 8;           // K: newest key frames whose poses are free
-  int most_fixed = 24;      // older poses that hold them
   int outline_poses = 400;  // of an outline; more where every third key frame has more
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end

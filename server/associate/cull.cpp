@@ -3,15 +3,10 @@
 #include "server/associate/cull.h"
 
 namespace coslam {
-namespace {
-
-constexpr std::size_t kMostPatches = 6;
-
-}  // namespace
 
 CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config) {
   CullReport report;
-  edit.thin_patches(kMostPatches);
+  edit.thin_patches(kPatchesOfPoint);
   const std::uint32_t probation = edit.map().sets_in(config.probation_s);
   const std::set<PointId> loose = edit.map().loose_points();
   for (const PointId id : loose) {

@@ -3,17 +3,9 @@
 #pragma once
 
 #include "server/map/edit.h"
+#include "server/pipeline/stage.h"
 
 namespace coslam {
-
-struct FuseConfig {
-  double period_s = 0.17;  // between runs
-};
-
-template <class V>
-void describe(V& v, FuseConfig& c) {
-  v.field("period_s", c.period_s, {0.001, 10}, "between runs");
-}
 
 struct FuseReport {
   int candidates = 0, fused = 0;
@@ -31,9 +23,9 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set);
 
 struct Fuse {
   static constexpr std::string_view kName = "fuse";
-  using Config = FuseConfig;
+  using Config = NoConfig<Fuse>;
   Config config;
-  bool due(const Map& map) const { return map.every(config.period_s); }
+  bool due(const Map& map) const { return map.every(map.config().match_period_s); }
   FuseReport run(MapEdit& edit, const FrameSet& set) const { return fuse_points(edit, set); }
 };
 

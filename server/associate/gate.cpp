@@ -84,7 +84,7 @@ void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
   edit.see(point);
   if (stood_still(point, camera, config)) edit.prove(point);
   if (track.patch_set == set.id) edit.give_patch(point, camera.id, track);
-  if (!point.proven() || !turned(edit, point, camera, config.update_turn_rad)) return;
+  if (!point.proven() || !turned(edit, point, camera, edit.map().config().new_view_rad)) return;
   const PointEstimate now =
       kalman_update(point, camera.model, camera.frames.back().cam_from_world,
                     track.seen.back().undistorted_px.cast<double>(), edit.map().covariance_sigma_px(camera));
@@ -118,7 +118,7 @@ VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& conf
         ++report.outside;
       }
     }
-    edit.set_sparse(camera, proven < config.sparse_points);
+    edit.set_sparse(camera, proven < map.config().few_points);
   }
   return report;
 }

@@ -7,17 +7,12 @@
 namespace coslam {
 
 struct VerifyConfig {
-  double prove_s = 0.67;          // inside the gate proves a point of one camera; of several: half as long
-  int sparse_points = 60;         // a camera that sees fewer proven points relies on the others too
-  double update_turn_rad = 0.02;  // the viewing ray must have turned so far since the point's last filter update
+  double prove_s = 0.67;  // inside the gate proves a point of one camera; of several: half as long
 };
 
 template <class V>
 void describe(V& v, VerifyConfig& c) {
   v.field("prove_s", c.prove_s, {0.01, 100}, "inside the gate proves a point of one camera");
-  v.field("sparse_points", c.sparse_points, {0, 1000}, "a camera with fewer proven points relies on the others too");
-  v.field("update_turn_rad", c.update_turn_rad, {0, 1},
-          "turn of the viewing ray between two filter updates of a point");
 }
 
 struct VerifyReport {

@@ -18,11 +18,10 @@ PointState state_for(const MapCamera& camera, const MapPoint& p) {
 
 // So few that the agent needs directions too.
 bool few_points(const Map& map, const MapCamera& camera) {
-  constexpr int kFew = 60;
   return std::ranges::count_if(camera.tracks, [&](const auto& t) {
            const MapPoint* p = map.find(t.second.point);
            return p != nullptr && state_for(camera, *p) == PointState::kStatic;
-         }) < kFew;
+         }) < map.config().few_points;
 }
 
 }  // namespace
@@ -73,12 +72,12 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
 }
 
 void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {
-  constexpr double kSettled_s = 0.13;
   if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
   using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
   Due still, moving;
   for (const auto& [id, t] : camera.tracks) {
-    if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, 2)) continue;  // many do not live longer
+    if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, kLeastFrames))
+      continue;  // many do not live longer
     const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
     const bool keeps = t.bound() && !t.moves();
     if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;

@@ -62,7 +62,7 @@ bool Grouping::see_the_same(bool joined, int shared, CameraId first, CameraId se
   if (!joined && shared < config.least_shared) return false;
   const double share = overlap.between(first, second).least();
   if (share < config.min_overlap) return false;
-  return joined || shared * share >= config.min_shared_overlapping * config.min_overlap;
+  return joined || shared * share >= config.keep_shared * config.min_overlap;
 }
 
 void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns) {

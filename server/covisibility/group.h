@@ -29,23 +29,21 @@ struct ViewGraph {
 ViewGraph view_graph(const Map& map, const FrameSet& set);
 
 struct GroupConfig {
-  int min_shared = 12;             // points that bring two cameras together
-  int keep_shared = 4;             // and that keep them so
-  double min_overlap = 0.1;        // of both views, by the map, that keeps them so without any
-  int min_shared_overlapping = 4;  // points that bring them together if their views overlap so far by the map, and
-  int least_shared = 2;            // at least, where they overlap more: the fewer the farther they do
-  double confirm_s = 0.2;          // that a pair must say so before it is, or is not any more, together
-  double settle_s = 0.3;           // that a new grouping must last: cameras seldom part in one instant
-  double hold_s = 1.0;             // every grouping stays at least so long
+  int min_shared = 12;       // points that bring two cameras together
+  double min_overlap = 0.1;  // of both views, by the map, that keeps them so without any
+  int keep_shared = 4;     // points that keep them so, and that bring them together if their views overlap so far; and
+  int least_shared = 2;    // at least, where they overlap more: the fewer the farther they do
+  double confirm_s = 0.2;  // that a pair must say so before it is, or is not any more, together
+  double settle_s = 0.3;   // that a new grouping must last: cameras seldom part in one instant
+  double hold_s = 1.0;     // every grouping stays at least so long
 };
 
 template <class V>
 void describe(V& v, GroupConfig& c) {
   v.field("min_shared", c.min_shared, {1, 1000}, "points that bring two cameras into one group");
-  v.field("keep_shared", c.keep_shared, {0, 1000}, "points that keep them in it");
+  v.field("keep_shared", c.keep_shared, {0, 1000},
+          "points that keep them in it, and that bring them together where their views overlap");
   v.field("min_overlap", c.min_overlap, {0, 1}, "of both views, by the map, that keeps them in it without any");
-  v.field("min_shared_overlapping", c.min_shared_overlapping, {1, 1000},
-          "points that bring two cameras into one group if their views overlap so far; fewer do if farther");
   v.field("confirm_s", c.confirm_s, {0, 10}, "for so long before they join, and with fewer before they part");
   v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
 }

@@ -29,7 +29,7 @@ const ViewOverlap::Sight& ViewOverlap::sight_of(const MapCamera& camera) {
 }
 
 bool ViewOverlap::should_see(const MapCamera& camera, const Sight& sight, const Eigen::Vector3d& position) {
-  constexpr double kNearer = 0.8, kFarther = 1.25;  // than what it follows around there
+  constexpr double kBeside = 1.25;  // nearer or farther than what it follows around there
   const Rigid3& pose = camera.frames.back().cam_from_world;
   Eigen::Vector2d px;
   if (!project_world(camera.model, pose, position, &px)) return false;
@@ -45,7 +45,7 @@ bool ViewOverlap::should_see(const MapCamera& camera, const Sight& sight, const 
     }
   }
   const double depth = (pose * position).z();
-  return depth > kNearer * around.least && depth < kFarther * around.most;
+  return depth > around.least / kBeside && depth < kBeside * around.most;
 }
 
 double ViewOverlap::share_seen(const MapCamera& of_camera, const Sight& of, const MapCamera& by_camera,

@@ -10,9 +10,6 @@
 namespace coslam {
 namespace {
 
-constexpr double kRetry_s = 0.13;
-constexpr int kFewestViews = 3;
-
 // Cheap bound before anything is solved: angle between the rays of the first and the newest view.
 double ray_angle(const std::vector<View>& views) {
   const double c = world_ray(views.front()).dot(world_ray(views.back()));
@@ -24,12 +21,12 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
                MapIntraReport* report) {
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
-  const int long_enough = camera.frames_in(config.min_track_s, kFewestViews);
-  const int least = track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, kFewestViews);
+  const int long_enough = camera.frames_in(config.min_track_s, kLeastFrames);
+  const int least = track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, kLeastFrames);
   if (static_cast<int>(track.seen.size()) < least) return false;
   const std::vector<View> all = map.views_of(camera, track, 1000);
   if (static_cast<int>(all.size()) < least) return false;
-  edit.map_not_before(track, SetId(map.now().value + map.sets_in(kRetry_s)));
+  edit.map_not_before(track, SetId(map.now().value + map.sets_in(map.config().match_period_s)));
   const bool mature = static_cast<int>(all.size()) >= long_enough;
   const double parallax = mature ? map.config().min_parallax_rad : config.early_parallax_rad;
   if (ray_angle(all) < parallax) return false;

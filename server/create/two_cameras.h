@@ -9,13 +9,11 @@
 namespace coslam {
 
 struct MapInterConfig {
-  double period_s = 0.17;  // between runs
   PairMatchConfig match;
 };
 
 template <class V>
 void describe(V& v, MapInterConfig& c) {
-  v.field("period_s", c.period_s, {0.001, 10}, "between runs");
   v.field("seed_radius", c.match.seed_radius, {0, 1}, "phi_r, of the larger image side");
   v.field("disparity_gate", c.match.disparity_gate, {0, 100}, "phi_d over phi_r");
 }
@@ -39,7 +37,7 @@ struct MapInter {
   static constexpr std::string_view kName = "map_inter";
   using Config = MapInterConfig;
   Config config;
-  bool due(const Map& map) const { return map.every(config.period_s); }
+  bool due(const Map& map) const { return map.every(map.config().match_period_s); }
   MapInterReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph) const {
     return map_inter(edit, set, graph, config);
   }

@@ -14,12 +14,12 @@
 namespace coslam {
 namespace {
 
-constexpr std::size_t kTrackKeepAll = 128;  // newest observations of a track are all kept
-constexpr std::size_t kTrackMost = 256;     // beyond, every other of the old ones goes
-constexpr std::size_t kNewest = 16;         // frames or sets that tell the time between two
+constexpr std::size_t kTrackKeepAll =
+    128;  // newest observations of a track; when it has twice as many, every other older one goes
+constexpr std::size_t kNewest = 16;  // frames or sets that tell the time between two
 
 void thin_out(std::vector<TrackPoint>& seen) {
-  if (seen.size() <= kTrackMost) return;
+  if (seen.size() <= 2 * kTrackKeepAll) return;
   const std::size_t old = seen.size() - kTrackKeepAll;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {

@@ -27,6 +27,10 @@ namespace coslam {
 
 // Between frames, while there is only one.
 inline constexpr double kUsualInterval_s = 1.0 / 30;
+// Frames below which a window of time tells nothing.
+inline constexpr int kLeastFrames = 3;
+// Looks of a point that are kept.
+inline constexpr std::size_t kPatchesOfPoint = 6;
 
 struct TrackPoint {
   SetId set;
@@ -189,6 +193,9 @@ struct MapConfig {
   double min_parallax_rad = 0.017;  // of a new point's views
   double check_back_s = 2.0;        // of a track, in which a point that is to be its has to fit
   int failures = 3;                 // gate failures in succession of a track that count
+  int few_points = 60;              // a camera that sees fewer proven points relies on others and on directions too
+  double new_view_rad = 0.02;       // turn of a viewing ray by which one more view of a point tells something
+  double match_period_s = 0.17;     // between looks for tracks and points that are one, where nothing hurries
 };
 
 class Map {

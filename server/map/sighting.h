@@ -18,6 +18,8 @@ struct Seen {
 };
 
 inline constexpr double kMovingParallax_rad = 0.01;
+// Many tracks do not live longer; by then it is told apart what does not follow any one thing.
+inline constexpr double kSettled_s = 0.13;
 
 // The i-th observation of a track, where its point is.
 Sighting sighting(const MapCamera& camera, const ServerTrack& track, std::size_t i);

@@ -16,8 +16,8 @@ namespace {
 // Sets before and after an instant that tell the speed there: near ones, which follow every turn, and ones farther away
 // as instruments, which noise matters less for.
 constexpr std::uint32_t kNear = 1, kFar = 3;
-constexpr std::uint32_t kLookBack = 60;   // sets, along two tracks that were found to be one point
-constexpr std::size_t kStretch = 30;      // observations whose shift is one
+constexpr std::size_t kStretch =
+    30;  // observations whose shift is one; twice as far back two tracks that were found to be one point are looked at
 constexpr std::size_t kMostOfPair = 200;  // stretches for each pair of cameras, so that time stays bounded
 constexpr double kPrior_s = 0.02;
 constexpr double kPoseShare = 0.1;       // of a residual's variance that comes from the poses: all points have it alike
@@ -133,7 +133,7 @@ void ClockFinder::observe(const Map& map, const MapPoint& point, const BoundTrac
   if (a.map != point.map || b.map != point.map || map.now().value < kFar) return;
   const std::uint32_t last = map.now().value - kFar;
   const Pair pair{first.camera, first.track, second.camera, second.track};
-  std::uint32_t& next = next_.try_emplace(pair, last - std::min(last, kLookBack)).first->second;
+  std::uint32_t& next = next_.try_emplace(pair, last - std::min(last, std::uint32_t{2 * kStretch})).first->second;
   for (; next <= last; ++next) {
     auto o = observation(a, a.tracks.at(first.track), b, b.tracks.at(second.track), SetId(next));
     if (!o) continue;
@@ -183,7 +183,7 @@ void ClockFinder::estimate(MapEdit& edit) {
   for (const MapCamera& c : map.cameras()) {
     const ClockOffset& o = offsets_[c.id.value];
     const double sigma_s = std::hypot(o.sigma_s, kSystematic_s);
-    const bool known = sigma_s < config.max_sigma_s && std::abs(o.offset_s) > config.significance * sigma_s;
+    const bool known = std::abs(o.offset_s) > config.significance * sigma_s;
     edit.set_clock_offset(c, known ? to_ns(o.offset_s) : 0);
   }
 }

@@ -14,17 +14,15 @@ namespace coslam {
 
 struct ClockConfig {
   bool enabled = true;
-  double period_s = 1.0;       // between estimates
-  double memory_s = 60;        // of what was seen
-  double max_sigma_s = 0.004;  // of an offset that is used
-  double significance = 4;     // sigmas from 0 of an offset that is used
+  double period_s = 1.0;    // between estimates
+  double memory_s = 60;     // of what was seen
+  double significance = 4;  // sigmas from 0 of an offset that is used
 };
 
 template <class V>
 void describe(V& v, ClockConfig& c) {
   v.field("enabled", c.enabled, "estimate the offsets of the agents' clocks from what moves");
   v.field("period_s", c.period_s, {0.01, 1000}, "between estimates");
-  v.field("max_sigma_s", c.max_sigma_s, {0, 1}, "of an offset that is used");
 }
 
 struct ClockReport {

@@ -13,7 +13,6 @@
 namespace coslam {
 namespace {
 
-constexpr int kLeastFrames = 3;    // that tell anything about motion
 constexpr double kNearest = 0.15;  // nothing that stands still is expected closer, of the median depth
 
 // Speed in the image at which a track has moved against where its point is now taken to be, over the last frames; empty

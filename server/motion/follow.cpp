@@ -94,12 +94,11 @@ double distance_to_cameras(const Map& map, const MapPoint& p) {
 }
 
 void refresh_patches(MapEdit& edit, const MapPoint& p, const FrameSet& set) {
-  constexpr std::size_t kMost = 12;
   for (const BoundTrack& b : p.bound) {
     const ServerTrack& t = edit.map().track(b);
     if (t.patch_set == set.id) edit.give_patch(p, b.camera, t);
   }
-  edit.keep_newest_patches(p, kMost);
+  edit.keep_newest_patches(p, 2 * kPatchesOfPoint);
 }
 
 // By what its cameras see now; without the one view that is wrong, if there is one.
@@ -219,9 +218,8 @@ struct Look {
 
 // How a track looks beside the newest of the point's patches.
 Look look_of(const MapPoint& p, const ServerTrack& t) {
-  constexpr std::size_t kNewest = 6;
   Look best{&t};
-  for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kNewest;) {
+  for (std::size_t i = p.patches.size(); i-- > 0 && p.patches.size() - i <= kPatchesOfPoint;) {
     const PointPatch& known = p.patches[i];
     const auto peak = peak_in(known.pixels, *t.patch);
     if (peak && peak->zncc > best.zncc) best = {&t, peak->zncc, known.offset_px + peak->shift_px.cast<float>()};

@@ -13,8 +13,7 @@
 namespace coslam {
 namespace {
 
-constexpr double kTogether = 1.5;  // reach within what was one object
-constexpr double kApart = 0.6;     // and between what was two for a while
+constexpr double kLasting = 1.5;  // the reach grows so within what was one object, and shrinks between what was two
 
 double mean_distance(const Map& map, const MapPoint& p) {
   double sum = 0;
@@ -202,8 +201,8 @@ class ObjectFinder::Joining {
   double reach(const Candidate& a, const Candidate& b) const {
     const double least = std::min(a.point->reach, b.point->reach);
     if (a.object == ObjectId() || b.object == ObjectId()) return least;
-    if (a.object == b.object) return kTogether * least;
-    return finder_.lasts(a.object, now_ns_) && finder_.lasts(b.object, now_ns_) ? kApart * least : least;
+    if (a.object == b.object) return kLasting * least;
+    return finder_.lasts(a.object, now_ns_) && finder_.lasts(b.object, now_ns_) ? least / kLasting : least;
   }
   std::optional<double> stretch(const Candidate& a, const Candidate& b) const {
     return stretch_of(a.point->path, b.point->path, finder_.config.path_s);

@@ -10,8 +10,6 @@
 namespace coslam {
 namespace {
 
-constexpr double kHint_s = 0.67;  // in which a place that may have been recognised is looked at closely
-
 std::uint32_t sets_since(const Map& map, const std::optional<SetId>& set) {
   return set ? map.now().value - set->value : 1U << 30U;
 }
@@ -34,7 +32,7 @@ DescriptorRequest Asking::ask(const Map& map, const MapCamera& camera, const Why
   if (unplaced) {
     if (sets_since(map, d.asked) >= map.sets_in(config_.soon_s)) request = DescriptorRequest::kEverywhere;
   } else if (camera.frames.back().valid()) {
-    const bool hinted = d.hinted && sets_since(map, d.hinted) < map.sets_in(kHint_s);
+    const bool hinted = d.hinted && sets_since(map, d.hinted) < map.sets_in(config_.least_period_s);
     const bool confirm = hinted || why.waiting != Verification::Waiting::kNothing;
     if (wanted(map, camera, d, why, confirm) && afford(d, map.now_ns(), confirm)) {
       const bool everywhere = why.apart || hinted || why.waiting == Verification::Waiting::kAnywhere;
@@ -49,21 +47,20 @@ bool Asking::wanted(const Map& map, const MapCamera& camera, const Described& d,
                     bool confirm) const {
   const auto due = [&](double period_s) { return sets_since(map, d.asked) >= map.sets_in(period_s); };
   if (confirm || !d.at) return due(config_.soon_s);
-  if ((why.apart && due(config_.apart_period_s)) || (why.expects && due(config_.soon_s))) return true;
+  if ((why.apart && due(0.5 * config_.least_period_s)) || (why.expects && due(config_.soon_s))) return true;
   const double share = why.parted ? 0.5 : 1.0;  // of the usual change of the view, and of the usual time
   return due(share * config_.least_period_s) && view_changed(map, camera, *d.at, share);
 }
 
 // Whether the uplink has room for an image's descriptors; if so, it is counted. What is about to be confirmed may run
-// into debt.
+// into debt, as far as others may save.
 bool Asking::afford(Described& d, TimeNs now_ns, bool confirm) const {
-  constexpr double kDebt = 2;
   d.images_to_spare =
       d.counted_ns
           ? std::min(config_.image_burst, d.images_to_spare + config_.images_per_s * to_seconds(now_ns - *d.counted_ns))
           : config_.image_burst;
   d.counted_ns = now_ns;
-  if (d.images_to_spare < (confirm ? 1 - kDebt : 1)) return false;
+  if (d.images_to_spare < (confirm ? 1 - config_.image_burst : 1)) return false;
   d.images_to_spare -= 1;
   return true;
 }

@@ -13,8 +13,8 @@ namespace coslam {
 struct AskConfig {
   double soon_s = 0.2;  // between requests of a camera that is to be placed, that waits to confirm a meeting, or
                         // should see what nothing holds it to
-  double apart_period_s = 0.5;  // while there are several maps
-  double least_period_s = 1.0;  // between requests because the view changed
+  double least_period_s = 1.0;  // between requests because the view changed; half of it while there are several maps or
+                                // groups, and the view need not have changed while there are several maps
   double images_per_s = 0.5;    // of a camera that has a map, in the long run: descriptors cost 10 kB an image
   double image_burst = 3;       // and so many ahead of that
   double turned_rad = 0.3;      // of the optical axis, or
@@ -24,8 +24,8 @@ struct AskConfig {
 template <class V>
 void describe(V& v, AskConfig& c) {
   v.field("soon_s", c.soon_s, {0.01, 100}, "between requests for descriptors where much hangs on them");
-  v.field("apart_period_s", c.apart_period_s, {0.01, 100}, "the same while there are several maps");
-  v.field("least_period_s", c.least_period_s, {0.01, 100}, "the same because the view changed");
+  v.field("least_period_s", c.least_period_s, {0.01, 100},
+          "the same because the view changed; half of it while there are several maps or groups");
   v.field("images_per_s", c.images_per_s, {0, 100}, "described by a camera that has a map, in the long run");
 }
 

@@ -68,12 +68,11 @@ std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera
 }
 
 // It had a pose in that map not long ago, and not far from there.
-bool where_it_was_lost(const MapCamera& camera, const Recognition& seen) {
-  constexpr double kLately_s = 10, kNear = 1.0;  // of the distance of what it sees
-  const TimeNs now_ns = camera.frames.back().capture_ns;
+bool where_it_was_lost(const Map& map, const MapCamera& camera, const Recognition& seen) {
+  constexpr double kNear = 1.0;  // of the distance of what it sees
   for (std::size_t i = camera.frames.size(); i-- > 0;) {
     const FramePose& f = camera.frames[i];
-    if (to_seconds(now_ns - f.capture_ns) > kLately_s) return false;
+    if (!map.is_recent(f.set)) return false;
     if (!f.valid()) continue;
     return f.map == seen.map &&
            (f.cam_from_world.center() - seen.cam_from_world.center()).norm() < kNear * seen.median_depth;
@@ -82,7 +81,7 @@ bool where_it_was_lost(const MapCamera& camera, const Recognition& seen) {
 }
 
 bool may_be_placed(const Map& map, const MapCamera& camera, const Recognition& seen) {
-  return has_relief(points_of(map, seen), seen.median_depth) || where_it_was_lost(camera, seen);
+  return has_relief(points_of(map, seen), seen.median_depth) || where_it_was_lost(map, camera, seen);
 }
 
 // The known points lie where the camera's own pose expects them.

@@ -14,7 +14,6 @@ namespace coslam {
 
 struct DecideConfig {
   int min_merge_inliers = 25;  // to join two maps, or to draw one together
-  double slack_sigma = 2.0;    // known points this close to where they are expected need no correction of poses
 };
 
 // What is to be done about a place that a camera saw.
@@ -46,8 +45,9 @@ class PlaceJudge {
   // The map has moved: nothing waits any more.
   void clear() { verification_.clear(); }
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }
-  double slack_px(const Map& map, const MapCamera& camera) const {
-    return config_.slack_sigma * map.gate_sigma_px(camera);
+  // Known points this close to where they are expected need no correction of poses.
+  static double slack_px(const Map& map, const MapCamera& camera) {
+    return map.config().theta * map.gate_sigma_px(camera);
   }
 
  private:

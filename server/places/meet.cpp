@@ -34,7 +34,7 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
   const Map& map = edit.map();
   const ViewGraph& graph = last.of;
   MeetReport report;
-  expect(map, set, graph, group.min_shared);
+  expect(map, set, graph, group);
   for (const CameraFrame& cf : set.frames) {
     if (cf.descriptors) act(edit, cf, graph, localise, &report);
   }
@@ -56,20 +56,19 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
 
 // Which cameras see what a camera should see too without being held to it, by the points that two cameras see at once;
 // looked at now and then.
-void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph, int min_holding) {
-  constexpr double kPeriod_s = 0.13;
-  if (!map.every(kPeriod_s)) return;
+void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group) {
+  if (!map.every(map.config().match_period_s)) return;
   expected_.clear();
   DisjointSets held(map.cameras().size());
   for (const ViewEdge& e : graph.edges) {
-    if (e.shared >= min_holding) held.unite(e.first.value, e.second.value);
+    if (e.shared >= group.min_shared) held.unite(e.first.value, e.second.value);
   }
   ViewOverlap overlap(map);
   for (std::size_t i = 0; i < set.frames.size(); ++i) {
     for (std::size_t j = i + 1; j < set.frames.size(); ++j) {
       const CameraId a = set.frames[i].camera, b = set.frames[j].camera;
       if (held.find(a.value) == held.find(b.value)) continue;
-      if (overlap.between(a, b).least() < config.min_overlap) continue;
+      if (overlap.between(a, b).least() < group.min_overlap) continue;
       expected_[a].push_back(b);
       expected_[b].push_back(a);
     }
@@ -81,7 +80,7 @@ ExpectedPlace Meetings::find_expected(const Map& map, const CameraFrame& frame) 
   if (others == expected_.end()) return {};
   const std::uint32_t lately = 2 * map.sets_in(config.ask.soon_s);
   const SetId since(map.now().value - std::min(map.now().value, lately));
-  return places_.find_expected(map, frame, others->second, since, judge_.slack_px(map, map.camera(frame.camera)));
+  return places_.find_expected(map, frame, others->second, since, PlaceJudge::slack_px(map, map.camera(frame.camera)));
 }
 
 bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,

@@ -18,8 +18,7 @@
 namespace coslam {
 
 struct MeetConfig {
-  bool loops = true;          // own old places too, beside those that other cameras saw lately
-  double min_overlap = 0.08;  // of both views, by the map, by which two cameras should know of each other
+  bool loops = true;  // own old places too, beside those that other cameras saw lately
   RecogniseConfig recognise;
   DecideConfig decide;
   AskConfig ask;
@@ -30,8 +29,6 @@ void describe(V& v, MeetConfig& c) {
   v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
   v.field("min_place_inliers", c.recognise.min_inliers, {8, 1000}, "to place a camera by its descriptors");
   v.field("min_merge_inliers", c.decide.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
-  v.field("min_overlap", c.min_overlap, {0, 1},
-          "of both views, by the map, that two cameras should know of each other by");
   describe(v, c.ask);
 }
 
@@ -70,9 +67,10 @@ class Meetings {
   // After the set's poses are known.
   MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise,
                  const GroupConfig& group);
+  std::size_t remembered_bytes() const { return places_.bytes(); }
 
  private:
-  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, int min_holding);
+  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group);
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
   PlaceDecision decide(const Map& map, const CameraFrame& frame, const ViewGraph& graph);

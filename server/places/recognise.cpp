@@ -11,6 +11,7 @@
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
 #include "server/associate/track_grid.h"
+#include "server/map/memory.h"
 #include "server/solve/root_sift.h"
 #include "server/solve/start.h"
 
@@ -115,7 +116,6 @@ struct NearMatches : Matched {
 NearMatches match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
                        const KnownPoints& known) {
   constexpr double kSearch = 0.03;  // of the image width
-  constexpr float kRatio = 0.8F;    // of the second best distance
   struct Best {
     std::size_t other = 0;
     float first = 2, second = 2;  // squared distances
@@ -130,7 +130,7 @@ NearMatches match_near(const Map& map, const MapCamera& camera, const Descriptor
         second = std::min(second, d2);
       }
     }
-    bool distinct() const { return first < kRatio * kRatio * second; }
+    bool distinct() const { return first < kDistinctRatio * kDistinctRatio * second; }
   };
   const Descriptors features = root_sift(reply.descriptors), points = root_sift(known.descriptors);
   std::vector<Eigen::Vector2d> pixels;
@@ -173,6 +173,12 @@ void PlaceMemory::add(MapEdit& edit, const CameraFrame& frame) {
   edit.add_key_image(set, frame.camera);
   index_.add(frame.descriptors->descriptors);
   images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
+}
+
+std::size_t PlaceMemory::bytes() const {
+  std::size_t bytes = index_.bytes() + bytes_of(images_);
+  for (const KeyImage& i : images_) bytes += bytes_of(i.tracks) + bytes_of(i.descriptors);
+  return bytes;
 }
 
 ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
@@ -230,10 +236,9 @@ std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& 
 }
 
 bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {
-  constexpr double kFlat = 0.03;      // of the distance
-  constexpr double kSigmas = 3;       // of a point along the plane's normal
-  constexpr double kOffShare = 0.05;  // of the points: more than are mismatched
-  constexpr std::size_t kLeastOff = 6;
+  constexpr double kFlat = 0.03;        // of the distance
+  constexpr double kSigmas = 3;         // of a point along the plane's normal
+  constexpr std::size_t kLeastOff = 6;  // points: more than are mismatched
   constexpr int kTries = 100;
   if (points.size() < 4) return false;
   std::mt19937 random(1);
@@ -250,7 +255,7 @@ bool has_relief(const std::vector<const MapPoint*>& points, double median_depth)
     }));
     least_off = std::min(least_off, off);
   }
-  return least_off >= kLeastOff && static_cast<double>(least_off) >= kOffShare * static_cast<double>(points.size());
+  return least_off >= kLeastOff;
 }
 
 }  // namespace coslam

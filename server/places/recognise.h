@@ -57,6 +57,8 @@ class PlaceMemory {
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
                               SetId since, double gate_px) const;
+  // Of the key images and their index.
+  std::size_t bytes() const;
   // Where the camera is by the place that looks most like its image, among the key images that may be asked; these have
   // a pose, in the map that is named.
   std::optional<Recognition> find(const Map& map, const CameraFrame& frame,

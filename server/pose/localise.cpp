@@ -27,8 +27,7 @@ std::vector<PointObservation> bound_observations(const Map& map, const MapCamera
 // Where points are few: tracks without one, by their directions. Beside many points they add little but the error of
 // what is taken to rest.
 void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<PointObservation>* observations) {
-  constexpr std::size_t kEnough = 60;
-  if (observations->size() >= kEnough) return;
+  if (static_cast<int>(observations->size()) >= map.config().few_points) return;
   for (const auto& [id, track] : camera.tracks) {
     if (track.seen.back().set != set) continue;
     const auto far = far_point_of(map, camera, track);
@@ -37,19 +36,17 @@ void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<Poi
   }
 }
 
-double median_depth(const std::vector<PointObservation>& observations, const PoseResult& pose) {
+double median_depth(const std::vector<PointObservation>& observations, const PoseResult& pose, int least) {
   std::vector<double> depths;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (pose.is_inlier[i] && !observations[i].far)
       depths.push_back((pose.cam_from_world * observations[i].point_in_world).z());
   }
-  constexpr std::size_t kLeast = 12;
-  return depths.size() < kLeast ? 0 : upper_median(depths);
+  return static_cast<int>(depths.size()) < least ? 0 : upper_median(depths);
 }
 
-bool good(const PoseResult& r, std::size_t observations, const LocaliseConfig& config) {
-  return r.status == PoseStatus::kOk && r.inliers >= config.min_inliers &&
-         r.inliers >= config.min_inlier_ratio * static_cast<double>(observations);
+bool good(const PoseResult& r, const LocaliseConfig& config) {
+  return r.status == PoseStatus::kOk && r.inliers >= config.min_inliers;
 }
 
 }  // namespace
@@ -79,21 +76,22 @@ LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig
     add_far(map, camera, set.id, &observations);
     const Rigid3 start = start_pose(map, camera, cf.frame);
     PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
-    if (!good(r, observations.size(), config) && !camera.sparse) {
+    if (!good(r, config) && !camera.sparse) {
       edit.set_sparse(camera, true);  // better on points that may move than not at all
       observations = bound_observations(map, camera, set.id, true);
       add_far(map, camera, set.id, &observations);
       r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
     }
-    if (good(r, observations.size(), config)) {
+    if (good(r, config)) {
       edit.set_pose(camera, set.id, r.cam_from_world);
       edit.measure_sigma(camera, r.sigma_px);
-      if (const double depth = median_depth(observations, r); depth > 0) edit.set_scene_depth(camera, depth);
+      if (const double depth = median_depth(observations, r, config.min_inliers); depth > 0)
+        edit.set_scene_depth(camera, depth);
       ++report.tracked;
     } else {
       ++report.lost;
       const int lost = edit.lose_pose(camera, observations.size(), r.inliers);
-      if (lost > camera.frames_in(config.lost_after_s, 3)) edit.leave_map(camera);
+      if (lost > camera.frames_in(config.lost_after_s, kLeastFrames)) edit.leave_map(camera);
     }
   }
   return report;
@@ -105,7 +103,7 @@ bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigi
   if (camera.frame_at(set) == nullptr) return false;
   const auto observations = bound_observations(map, camera, set, true);
   const PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
-  if (!good(r, observations.size(), config)) return false;
+  if (!good(r, config)) return false;
   edit.set_pose(camera, set, r.cam_from_world);
   return true;
 }

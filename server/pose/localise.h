@@ -8,14 +8,12 @@ namespace coslam {
 
 struct LocaliseConfig {
   int min_inliers = 12;
-  double min_inlier_ratio = 0.3;
   double lost_after_s = 0.5;  // without a pose for so long: the camera leaves its map
 };
 
 template <class V>
 void describe(V& v, LocaliseConfig& c) {
   v.field("min_inliers", c.min_inliers, {6, 1000}, "static points that agree with a pose; fewer: lost");
-  v.field("min_inlier_ratio", c.min_inlier_ratio, {0, 1}, "of the static points seen; fewer: lost");
   v.field("lost_after_s", c.lost_after_s, {0.01, 1000}, "without a pose for so long, a camera leaves its map");
 }
 

@@ -61,6 +61,15 @@ int AppearanceIndex::add(const std::vector<std::uint8_t>& descriptors) {
   return image;
 }
 
+std::size_t AppearanceIndex::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& table : tables_) {
+    for (const auto& [key, entries] : table)
+      bytes += sizeof(key) + sizeof(entries) + entries.capacity() * sizeof(Entry);
+  }
+  return bytes;
+}
+
 std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descriptors) const {
   std::vector<int> out(static_cast<std::size_t>(images_), 0);
   if (mean_.empty() || descriptors.empty()) return out;

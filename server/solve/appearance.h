@@ -20,6 +20,7 @@ class AppearanceIndex {
   // For every image, how many of these descriptors have one like them in it.
   std::vector<int> votes(const std::vector<std::uint8_t>& descriptors) const;
   int size() const { return images_; }
+  std::size_t bytes() const;
 
  private:
   static constexpr int kTables = 8;

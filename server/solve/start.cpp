@@ -143,7 +143,7 @@ bool add_image(const std::vector<FeatureImage>& images, int c, const StartConfig
     pixels.push_back(image.undistorted_px[static_cast<std::size_t>(feature)]);
     feature_point.emplace_back(feature, point);
   }
-  const PlaceResult placed = place_camera(image.camera, points, pixels, config.sigma_px, config.min_pnp_inliers);
+  const PlaceResult placed = place_camera(image.camera, points, pixels, config.sigma_px, config.min_matches / 2);
   if (!placed.ok) return false;
   result->cam_from_world[static_cast<std::size_t>(c)] = placed.cam_from_world;
   for (const int i : placed.inliers) {
@@ -197,7 +197,7 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
 }  // namespace
 
 std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
-                                            const std::vector<std::uint8_t>& second, double ratio) {
+                                            const std::vector<std::uint8_t>& second) {
   if (first.empty() || second.empty()) return {};
   Descriptors of_first = root_sift(first), of_second = root_sift(second);
   const auto matrix_of = [](Descriptors& d) {
@@ -215,7 +215,7 @@ std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& fir
     }
   }
   std::vector<FeatureMatch> matches;
-  const auto distinct = [&](const Best& b_) { return b_.first < ratio * ratio * b_.second; };
+  const auto distinct = [](const Best& b_) { return b_.first < kDistinctRatio * kDistinctRatio * b_.second; };
   for (int i = 0; i < a.rows; ++i) {
     const Best& best = of_a[static_cast<std::size_t>(i)];
     if (best.index < 0 || !distinct(best)) continue;

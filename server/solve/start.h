@@ -25,15 +25,16 @@ struct FeatureMatch {
   float distance = 0;
 };
 
-// Mutual nearest neighbours whose distance is below `ratio` times the second best (Lowe), on RootSIFT.
+// A match is nearer than so much of the distance of the second best (Lowe).
+inline constexpr float kDistinctRatio = 0.8F;
+// Mutual nearest neighbours that are distinct, on RootSIFT.
 std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
-                                            const std::vector<std::uint8_t>& second, double ratio = 0.8);
+                                            const std::vector<std::uint8_t>& second);
 
 struct StartConfig {
-  double sigma_px = 1.0;           // of a descriptor's keypoint, at 640 px image width
-  int min_matches = 30;            // inliers of the essential matrix between the best pair
+  double sigma_px = 1.0;  // of a descriptor's keypoint, at 640 px image width
+  int min_matches = 30;   // inliers of the essential matrix between the best pair; half as many for a camera more
   double min_parallax_rad = 0.02;  // median over the pair's points
-  int min_pnp_inliers = 15;
 };
 
 struct StartResult {

@@ -44,7 +44,7 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
     const bool key = step();
     EXPECT_EQ(key, sim_.map.is_key_frame(sim_.set.id));
     if (!key) continue;
-    EXPECT_GE(i - last, static_cast<int>(sim_.map.sets_in(config_.min_s)));
+    EXPECT_GE(i - last, kLeastFrames);
     last = i;
     ++keys;
   }
@@ -54,7 +54,7 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
 
 TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
   decide();
-  for (std::uint32_t i = 0; i < sim_.map.sets_in(config_.min_s); ++i) ASSERT_FALSE(step()) << i;
+  for (int i = 0; i < kLeastFrames; ++i) ASSERT_FALSE(step()) << i;
   const MapCamera& c = sim_.map.camera(CameraId(1));
   int bound = 0, freed = 0;
   for (const auto& [id, t] : c.tracks) bound += t.bound();

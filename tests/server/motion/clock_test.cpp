@@ -78,7 +78,7 @@ TEST_F(ClockTest, ClocksThatAgreeAreLeftAlone) {
 
 TEST_F(ClockTest, WhatIsTooUncertainIsNotUsed) {
   sim().trackers[1].set_clock_behind(test::kPeriodNs / 2);
-  run(91, {.max_sigma_s = 1e-5});
+  run(91, {.significance = 1e4});
   EXPECT_GT(offset_s(kSecond), 0.01);
   EXPECT_EQ(sim().map.camera(kSecond).clock_offset_ns, 0);
 }
