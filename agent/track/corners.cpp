@@ -135,7 +135,7 @@ bool CornerFinder::take_best(Cell& cell) {
     const Eigen::Vector2f px = cell.candidates.back().px;
     cell.candidates.pop_back();
     if (!has_room(px, cell.moving)) continue;
-    found_px_.push_back(px * scale_);
+    found_px_.emplace_back(px * scale_);
     cells_[cell_index(px)].tracks.push_back(px);
     return true;
   }
@@ -171,7 +171,7 @@ const std::vector<Eigen::Vector2f>& CornerFinder::find(const Pyramid& pyramid,
   if (4 * live_px.size() < static_cast<std::size_t>(config_.max_tracks)) {
     for (Cell& cell : cells_) cell.rest_images = 0;  // too few tracks to be choosy: the image may just have come back
   }
-  for (const Eigen::Vector2f& px : live_px) cells_[cell_index(px / scale_)].tracks.push_back(px / scale_);
+  for (const Eigen::Vector2f& px : live_px) cells_[cell_index(px / scale_)].tracks.emplace_back(px / scale_);
   for (const Eigen::Vector2f& px : moving_px) cells_[cell_index(px / scale_)].moving = true;
   serve_moving(static_cast<std::size_t>(wanted));
   // Rounds: cells with no track, then those with one, and so on. The cells of a round in an order that favours no part

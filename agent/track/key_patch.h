@@ -14,7 +14,7 @@ namespace coslam {
 struct KeyPatch {
   using Vector7f = Eigen::Matrix<float, 7, 1>;  // shift x y, affine xu xv yu yv, gain
 
-  Samples grey, dx, dy;
+  Samples grey{}, dx{}, dy{};
   float squares = 0;  // of grey, mean taken out
   Vector7f totals = Vector7f::Zero();
   Eigen::Matrix<float, 7, 7> inverse = Eigen::Matrix<float, 7, 7>::Zero();  // of the damped normal matrix

@@ -167,7 +167,7 @@ void Tracker::State::follow() {
 void Tracker::State::tell_moving() {
   std::vector<Eigen::Vector2f> from, to;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    from.push_back(tracks[i].raw_px - memories[i].motion_px);
+    from.emplace_back(tracks[i].raw_px - memories[i].motion_px);
     to.push_back(tracks[i].raw_px);
   }
   const std::vector<bool> moving = moves_apart(from, to);

@@ -89,6 +89,7 @@ bool window_readable(const PyramidLevel& level, const Eigen::Vector2f& centre_px
 }
 
 void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, WindowTemplate& window) {
+  // Written at once. NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
   alignas(64) std::array<std::int16_t, kTemplateCols * kTemplateRows> samples;
   const FirstSample first = first_sample(level, centre_px.x() - kWindowHalf_px - 1, centre_px.y() - kWindowHalf_px - 1);
   sample<kTemplateCols, kTemplateRows>(first, level.stride(), samples.data());

@@ -11,7 +11,7 @@ namespace coslam {
 
 // A window of one image, to be found in another, with what Gauss-Newton needs of it. Another window is explained as
 // gain * template(moved) + offset: taking means out eliminates the offset, the third row the gain.
-struct WindowTemplate {
+struct WindowTemplate {  // NOLINT(cppcoreguidelines-pro-type-member-init): the samples are written at once
   Samples grey, dx, dy;
   int total_grey = 0, total_dx = 0, total_dy = 0;
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of the products of (dx, dy, grey), means taken out

@@ -134,10 +134,12 @@ std::string unknown_set_reason(const std::string& typed, const Words& known) {
 std::string unknown_file_key_reason(const std::string& section, const std::string& key, const std::string& below,
                                     const Words& known) {
   const std::string tail = below.empty() ? "" : "." + below;
-  if (contains(known, section + key + tail)) return "unknown key: in a file sections are nested, without dots";
+  std::string dotted = section;
+  dotted.append(key).append(tail);
+  if (contains(known, dotted)) return "unknown key: in a file sections are nested, without dots";
   const Words names = names_in(section, known);
   Words nearest;
-  for (const std::string& found : nearest_keys(section + key + tail, known)) {
+  for (const std::string& found : nearest_keys(dotted, known)) {
     const std::string head = found.ends_with(tail) ? found.substr(0, found.size() - tail.size()) : found;
     // Another name for this key, all else being right; or something that belongs elsewhere.
     const bool own = head.starts_with(section) && contains(names, head.substr(section.size())) &&

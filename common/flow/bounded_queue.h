@@ -44,6 +44,7 @@ class BoundedQueue {
   }
   BoundedQueue(const BoundedQueue&) = delete;
   BoundedQueue& operator=(const BoundedQueue&) = delete;
+  ~BoundedQueue() = default;
 
   // False when the item was not taken: refused, or the queue is closed (also while waiting).
   bool push(T item) {

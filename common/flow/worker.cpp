@@ -17,7 +17,7 @@ void run(std::stop_token stop, const std::string& name, const std::function<void
   // The kernel's limit is 15 characters; a longer name would be refused as a whole.
   pthread_setname_np(pthread_self(), name.substr(0, 15).c_str());
   try {
-    body(stop);
+    body(std::move(stop));
   } catch (const std::exception& e) {
     log_error("thread '" + name + "' failed: " + e.what());
     std::abort();
@@ -27,7 +27,9 @@ void run(std::stop_token stop, const std::string& name, const std::function<void
 }  // namespace
 
 Worker::Worker(std::string name, std::function<void(std::stop_token)> body)
-    : thread_([name = std::move(name), body = std::move(body)](std::stop_token stop) { run(stop, name, body); }) {}
+    : thread_([name = std::move(name), body = std::move(body)](std::stop_token stop) {
+        run(std::move(stop), name, body);
+      }) {}
 
 void Worker::join() {
   if (thread_.joinable()) thread_.join();

@@ -44,7 +44,7 @@ struct PoseResult {
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
                        const PoseRefinementConfig& config);
 
-// Area of the convex hull of pixels over the area of the image.
-double hull_fraction(std::vector<Eigen::Vector2d> undistorted_px, const CameraModel& camera);
+// Area of the convex hull of undistorted pixels over the area of the image.
+double hull_fraction(std::vector<Eigen::Vector2d> p, const CameraModel& camera);
 
 }  // namespace coslam

@@ -112,7 +112,7 @@ Problem unpack_tags(const idl::TrackFrame& m, std::vector<TagObservation>& tags)
 }
 
 std::array<float, 21> pack_upper(const Eigen::Matrix<float, 6, 6>& m) {
-  std::array<float, 21> packed;
+  std::array<float, 21> packed{};
   auto out = packed.begin();
   for (int row = 0; row < 6; ++row) {
     for (int col = row; col < 6; ++col) *out++ = m(row, col);
@@ -123,7 +123,7 @@ std::array<float, 21> pack_upper(const Eigen::Matrix<float, 6, 6>& m) {
 Problem unpack_upper(const std::array<float, 21>& packed, Eigen::Matrix<float, 6, 6>& m) {
   auto in = packed.begin();
   for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) m(row, col) = m(col, row) = *in++;
+    for (int col = row; col < 6; ++col) m(row, col) = m(col, row) = *in++;  // NOLINT: symmetric
   }
   if (!m.allFinite()) return Rejection::kNotFinite;
   return m.diagonal().minCoeff() >= 0 ? std::nullopt : Problem(Rejection::kOutOfRange);
@@ -272,7 +272,7 @@ Decoded<DescriptorReply> decode(const idl::DescriptorReply& m) {
   for (const std::uint32_t id : m.tracks()) {
     if (id == 0) return Rejection::kBadId;
     if (!r.tracks.empty() && r.tracks.back().value >= id) return Rejection::kIdsNotAscending;
-    r.tracks.push_back(TrackId(id));
+    r.tracks.emplace_back(id);
   }
   const auto value = [](int step) { return static_cast<std::uint8_t>(step * step); };
   r.descriptors.reserve(m.descriptors().size() * 2);

@@ -27,7 +27,7 @@ fs::path cached_sequence(const RenderOptions& options, const std::function<void(
   const std::string name = options.scene + "-s" + std::to_string(options.seed) + "-c" +
                            std::to_string(scene->cameras()) + "-f" + std::to_string(scene->frames()) + "-v" +
                            std::to_string(sim::kRendererVersion);
-  const fs::path folder = cache_root() / name;
+  fs::path folder = cache_root() / name;
   if (is_complete(folder)) return folder;
   try {
     render_sequence(options, folder, progress);

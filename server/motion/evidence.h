@@ -53,8 +53,8 @@ bool may_rest(const MapCamera& camera, const ServerTrack& track, double median_d
 // What one camera's own motion says of a track that has no point: it moves when no static place explains its newest
 // views, and its neighbours do the same.
 struct TrackJudgement {
-  const ServerTrack* track;
-  TrackMotion motion;
+  const ServerTrack* track = nullptr;
+  TrackMotion motion = TrackMotion::kResting;
   int moving_neighbours = 0, resting_neighbours = 0;  // counted where it is another motion than before
 };
 std::vector<TrackJudgement> judge_tracks(const Map& map, const MapCamera& camera, const EvidenceConfig& config);

@@ -20,7 +20,7 @@ class AllPorts {
       sockaddr_in any{};
       any.sin_family = AF_INET;
       any.sin_port = htons(static_cast<std::uint16_t>(port));
-      bind(sockets_.back(), reinterpret_cast<const sockaddr*>(&any), sizeof(any));
+      (void)bind(sockets_.back(), reinterpret_cast<const sockaddr*>(&any), sizeof(any));
     }
   }
   ~AllPorts() {

@@ -22,6 +22,7 @@ class SimMap {
          const MapConfig& config = {});
   SimMap(const SimMap&) = delete;  // `map` is part of `edit`
   SimMap& operator=(const SimMap&) = delete;
+  ~SimMap() = default;
 
   // The next frame set, not yet in the map: a test may still change it. patches: every track brings its patch.
   FrameSet& look(bool patches = false, bool descriptors = false);

@@ -41,6 +41,7 @@ struct AgentEvaluation {
   std::optional<double> ate_percent;
   std::optional<double> own_scale;
   std::optional<double> live_ate_m;  // under the joint alignment of the live poses
+  std::optional<WorstFrame> worst, live_worst;
   std::optional<MotionError> motion;
   std::optional<double> drift_m;
 };

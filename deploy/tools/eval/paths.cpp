@@ -59,6 +59,7 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) 
 void evaluate_jointly(AgentEvaluation& e, const PosePairs& pairs, const Similarity3& truth_from_map) {
   e.ate_m = position_rmse(pairs, truth_from_map);
   e.ate_percent = percent_of(e.ate_m, e.path_m);
+  e.worst = worst_frame(pairs, truth_from_map);
   e.motion = motion_error({pairs}, truth_from_map.scale, to_ns(1));
   e.drift_m = closing_drift(pairs, truth_from_map);
 }
@@ -74,6 +75,7 @@ void evaluate_live(Evaluation& e, const std::vector<AgentPaths>& agents, TimeNs 
   e.live_scale = alignment.target_from_source->scale;
   for (std::size_t i = 0; i < agents.size(); ++i) {
     e.agents[i].live_ate_m = position_rmse(pairs[i], *alignment.target_from_source);
+    e.agents[i].live_worst = worst_frame(pairs[i], *alignment.target_from_source);
   }
 }
 

@@ -90,6 +90,11 @@ BodyScore sum_of(const Evaluation& e) {
   return sum;
 }
 
+Json json_of(const std::optional<WorstFrame>& w) {
+  if (!w) return nullptr;
+  return {{"error_m", w->error_m}, {"median_m", w->median_m}, {"t_s", to_seconds(w->t_ns)}};
+}
+
 Json json_of(const AgentEvaluation& a) {
   return {{"frames", a.frames},
           {"poses", a.poses},
@@ -101,7 +106,9 @@ Json json_of(const AgentEvaluation& a) {
           {"path_m", json_of(a.path_m)},
           {"rpe", json_of(a.motion)},
           {"drift_m", json_of(a.drift_m)},
-          {"live_ate_m", json_of(a.live_ate_m)}};
+          {"live_ate_m", json_of(a.live_ate_m)},
+          {"worst_frame", json_of(a.worst)},
+          {"live_worst_frame", json_of(a.live_worst)}};
 }
 
 std::string printed(const char* format, auto... values) {

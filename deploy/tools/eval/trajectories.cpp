@@ -63,13 +63,30 @@ Alignment align_centers(const std::vector<PosePairs>& agents) {
   return align_points(estimate, truth, AlignmentScale::kFree);
 }
 
-std::optional<double> position_rmse(const PosePairs& pairs, const Similarity3& truth_from_map) {
-  if (pairs.empty()) return std::nullopt;
+namespace {
+
+std::vector<double> center_distances(const PosePairs& pairs, const Similarity3& truth_from_map) {
   std::vector<double> distances;
   for (const PosePair& pair : pairs) {
     distances.push_back((truth_from_map * pair.estimate.center() - pair.truth.center()).norm());
   }
-  return root_mean_square(distances);
+  return distances;
+}
+
+}  // namespace
+
+std::optional<double> position_rmse(const PosePairs& pairs, const Similarity3& truth_from_map) {
+  if (pairs.empty()) return std::nullopt;
+  return root_mean_square(center_distances(pairs, truth_from_map));
+}
+
+std::optional<WorstFrame> worst_frame(const PosePairs& pairs, const Similarity3& truth_from_map) {
+  if (pairs.empty()) return std::nullopt;
+  std::vector<double> distances = center_distances(pairs, truth_from_map);
+  const auto worst = std::max_element(distances.begin(), distances.end());
+  WorstFrame out{*worst, 0, pairs[static_cast<std::size_t>(worst - distances.begin())].t_ns};
+  out.median_m = percentile(distances, 50);
+  return out;
 }
 
 std::optional<MotionError> motion_error(const std::vector<PosePairs>& agents, double scale, TimeNs delta_ns) {

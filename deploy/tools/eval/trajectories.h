@@ -31,6 +31,13 @@ Alignment align_centers(const std::vector<PosePairs>& agents);
 // Root mean square distance of the centres under a given similarity; empty without pairs.
 std::optional<double> position_rmse(const PosePairs& pairs, const Similarity3& truth_from_map);
 
+// The frame that is farthest off, beside the others of its path; empty without pairs.
+struct WorstFrame {
+  double error_m = 0, median_m = 0;
+  TimeNs t_ns = 0;
+};
+std::optional<WorstFrame> worst_frame(const PosePairs& pairs, const Similarity3& truth_from_map);
+
 // Error of the motion over a fixed time, in the camera frame.
 struct MotionError {
   double translation_rmse_m = 0, translation_median_m = 0;

@@ -23,6 +23,7 @@ Child::Child(std::string name, const std::vector<std::string>& command) : name_(
     throw UserError("cannot make a pipe: " + std::string(std::strerror(errno)));
   std::vector<std::string> words = command;
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   pid_ = fork();

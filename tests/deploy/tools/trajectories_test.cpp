@@ -95,6 +95,20 @@ TEST(Ate, NothingToAlign) {
   EXPECT_EQ(position_rmse({}, {}), std::nullopt);
 }
 
+TEST(WorstFrame, IsTheFarthestBesideTheOthers) {
+  PosePairs pairs;
+  for (int i = 0; i < 9; ++i) {
+    const double off_m = i == 6 ? 0.5 : 0.1;
+    pairs.push_back({i * to_ns(0.1), camera_at({i + off_m, 0, 0}), camera_at({1.0 * i, 0, 0})});
+  }
+  const auto worst = worst_frame(pairs, {});
+  ASSERT_TRUE(worst);
+  EXPECT_NEAR(worst->error_m, 0.5, 1e-9);
+  EXPECT_NEAR(worst->median_m, 0.1, 1e-9);
+  EXPECT_EQ(worst->t_ns, 6 * to_ns(0.1));
+  EXPECT_FALSE(worst_frame({}, {}));
+}
+
 TEST(PathLength, SumsTheSteps) {
   EXPECT_EQ(path_length({}), 0);
   EXPECT_NEAR(path_length({{0, camera_at({0, 0, 0}, 1)}, {1, camera_at({3, 0, 4}, 2)}, {2, camera_at({3, 1, 4})}}), 6,
