@@ -74,6 +74,9 @@ void describe(V& v, MapServerConfig& c) {
   v.field("new_view_rad", c.map.new_view_rad, {0, 1},
           "turn of the viewing ray between two views that tell something: filter updates, key frames, starts");
   v.field("match_period_s", c.map.match_period_s, {0.001, 10}, "between looks for tracks and points that are one");
+  v.field(
+      "rigs", c.map.rigs,
+      "cameras that are fixed to another: [CAMERA FIRST x y z qx qy qz qw, ...], p_in_camera = T * p_in_first, metres");
   v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
           "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
   v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},

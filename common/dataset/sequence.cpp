@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/dataset/sequence.h"
 
+#include <algorithm>
 #include <set>
 
 #include "common/base/error.h"
@@ -87,6 +88,32 @@ std::vector<SequenceAgent> read_agents(const YamlValue& value) {
   return agents;
 }
 
+// Cameras that are fixed to each other: to the first of each rig.
+std::vector<RigCamera> read_rig(const YamlValue& value, const std::vector<SequenceAgent>& agents,
+                                std::set<std::string>* in_rigs) {
+  value.allow_only({"cameras", "cam_from_first"});
+  std::vector<std::string> names;
+  for (const YamlValue& item : value.at("cameras").items()) {
+    names.push_back(item.text());
+    const bool known = std::ranges::any_of(agents, [&](const SequenceAgent& a) { return a.name == names.back(); });
+    if (!known) item.fail("there is no agent '" + names.back() + "'");
+    if (!in_rigs->insert(names.back()).second) item.fail("'" + names.back() + "' is in two places of the rigs");
+  }
+  if (names.size() < 2) value.at("cameras").fail("a rig has at least two cameras");
+  const YamlValue transforms = value.at("cam_from_first");
+  transforms.allow_only({names.begin() + 1, names.end()});
+  std::vector<RigCamera> out;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const YamlValue transform = transforms.at(names[i]);
+    try {
+      out.push_back({names[i], names.front(), rig_transform(transform.numbers())});
+    } catch (const UserError& e) {
+      transform.fail(e.what());
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Sequence load_sequence(const fs::path& path) {
@@ -96,7 +123,8 @@ Sequence load_sequence(const fs::path& path) {
   if (!fs::exists(sequence.file)) throw UserError(path.string() + ": the folder has no sequence.yaml");
 
   const YamlValue root = YamlValue::load(sequence.file);
-  root.allow_only({"name", "rate_hz", "scale", "agents", "truth_points", "masks", "overlap", "scene", "scene_seed"});
+  root.allow_only(
+      {"name", "rate_hz", "scale", "agents", "truth_points", "masks", "overlap", "rigs", "scene", "scene_seed"});
   const auto name = root.find("name");
   sequence.name = name ? name->text() : fs::absolute(sequence.file).stem().string();
   if (const auto rate = root.find("rate_hz")) sequence.rate_hz = rate->number(0.01, 1000);
@@ -113,6 +141,13 @@ Sequence load_sequence(const fs::path& path) {
     }
   }
   sequence.agents = read_agents(root.at("agents"));
+  if (const auto rigs = root.find("rigs")) {
+    if (sequence.baseline_m || sequence.tag_m) rigs->fail("rigs tell lengths: leave out scale");
+    std::set<std::string> in_rigs;
+    for (const YamlValue& rig : rigs->items()) {
+      for (RigCamera& camera : read_rig(rig, sequence.agents, &in_rigs)) sequence.rigs.push_back(std::move(camera));
+    }
+  }
   sequence.truth_points = optional_path(root, "truth_points");
   sequence.masks = optional_path(root, "masks");
   sequence.overlap = optional_path(root, "overlap");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/time.h"
+#include "common/model/rig.h"
 
 namespace coslam {
 
@@ -31,6 +32,7 @@ struct Sequence {
   std::optional<double> tag_m;       // or else the side of every printed tag
   std::string tag_family = "DICT_APRILTAG_36h11";
   std::vector<SequenceAgent> agents;
+  std::vector<RigCamera> rigs;
   std::optional<std::filesystem::path> truth_points;  // t_s,id,x,y,z
   std::optional<std::filesystem::path> masks;         // <masks>/<agent>/<6-digit frame>.png, non-zero = moving
   std::optional<std::filesystem::path> overlap;       // t_s,agent_a,agent_b,share of the view of a that b sees too

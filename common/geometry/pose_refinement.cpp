@@ -24,14 +24,15 @@ struct Residual {
 };
 
 // By the perturbation of retract(): x' = exp(w) x + t, so d x / d w = -[x]_x, d x / d t = I.
-Residual residual_of(const CameraModel& camera, const PointObservation& o, const Rigid3& pose,
-                     const Eigen::Matrix3d& r) {
+Residual residual_of(const RigView& view, const PointObservation& o, const Rigid3& pose, const Eigen::Matrix3d& r) {
   Residual out;
   out.far = o.far;
   const Eigen::Vector3d x = r * o.point_in_world + pose.translation;
-  if (x.z() < 1e-6) return out;
-  const Eigen::Matrix<double, 2, 3> p = camera.project_jacobian(x);
-  out.r = o.undistorted_px - camera.project(x);
+  const Eigen::Matrix3d cam_from_rig = view.cam_from_rig.rotation.toRotationMatrix();
+  const Eigen::Vector3d in_cam = cam_from_rig * x + view.cam_from_rig.translation;
+  if (in_cam.z() < 1e-6) return out;
+  const Eigen::Matrix<double, 2, 3> p = view.camera->project_jacobian(in_cam) * cam_from_rig;
+  out.r = o.undistorted_px - view.camera->project(in_cam);
   out.j.leftCols<3>() = -p * skew(x);
   out.j.rightCols<3>() = p;
   const Eigen::Matrix<double, 2, 3> jp = p * r;
@@ -45,12 +46,12 @@ Residual residual_of(const CameraModel& camera, const PointObservation& o, const
 
 // What is not known of a far point grows with the way of the camera since it was seen. Were that weighed anew at each
 // step, it would draw the camera back to where it grew from: the start says what a far point is worth.
-void evaluate(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& pose,
+void evaluate(std::span<const RigView> rig, std::span<const PointObservation> observations, const Rigid3& pose,
               const std::vector<Residual>& at_start, std::vector<Residual>* residuals) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
   residuals->resize(observations.size());
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    (*residuals)[i] = residual_of(camera, observations[i], pose, r);
+    (*residuals)[i] = residual_of(rig[static_cast<std::size_t>(observations[i].camera)], observations[i], pose, r);
     if (observations[i].far && !at_start.empty()) (*residuals)[i].point_part = at_start[i].point_part;
   }
 }
@@ -125,6 +126,12 @@ void conclude(const System& s, double sigma, PoseResult* out) {
 
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
                        const PoseRefinementConfig& config) {
+  const RigView alone[] = {{&camera, Rigid3()}};
+  return refine_rig_pose(alone, observations, initial, config);
+}
+
+PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointObservation> observations,
+                           const Rigid3& initial, const PoseRefinementConfig& config) {
   PoseResult result;
   result.cam_from_world = initial;
   result.is_inlier.assign(observations.size(), false);
@@ -135,7 +142,7 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
   // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
   // end.
   double cap_px = 1e9;
-  evaluate(camera, observations, result.cam_from_world, {}, &residuals);
+  evaluate(rig, observations, result.cam_from_world, {}, &residuals);
   const std::vector<Residual> at_start = residuals;
   double sigma = measured_sigma(residuals, config, cap_px);
   System s = build(residuals, sigma, &result.is_inlier);
@@ -147,7 +154,7 @@ PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservati
     if (!step.allFinite()) break;
     const Rigid3 candidate = retract(result.cam_from_world, step);
     std::vector<Residual> next;
-    evaluate(camera, observations, candidate, at_start, &next);
+    evaluate(rig, observations, candidate, at_start, &next);
     std::vector<bool> next_inlier(observations.size());
     const System t = build(next, sigma, &next_inlier);
     if (t.cost > s.cost * (1 + 1e-9)) {

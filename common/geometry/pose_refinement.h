@@ -18,6 +18,13 @@ struct PointObservation {
   Eigen::Matrix3d point_covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
   bool far = false;  // a far_point(): its covariance is ignorance, so it says nothing of the camera's noise
+  int camera = 0;    // of a rig: which of its cameras sees it
+};
+
+// A camera of a rig.
+struct RigView {
+  const CameraModel* camera = nullptr;
+  Rigid3 cam_from_rig;
 };
 
 struct PoseRefinementConfig {
@@ -43,6 +50,11 @@ struct PoseResult {
 // sigma_px.
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
                        const PoseRefinementConfig& config);
+
+// The same for cameras that are fixed to each other: the pose is that of the rig, `cam_from_world` of the result
+// rig_from_world.
+PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointObservation> observations,
+                           const Rigid3& initial, const PoseRefinementConfig& config);
 
 // Area of the convex hull of undistorted pixels over the area of the image.
 double hull_fraction(std::vector<Eigen::Vector2d> p, const CameraModel& camera);

@@ -44,6 +44,12 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
   const bool same_pair = chosen.size() >= 2 && sequence.agents.size() >= 2 &&
                          chosen[0].name == sequence.agents[0].name && chosen[1].name == sequence.agents[1].name;
   if (!same_pair) sequence.baseline_m.reset();
+  std::erase_if(sequence.rigs, [&](const RigCamera& r) {
+    const auto plays = [&](const std::string& name) {
+      return std::ranges::any_of(chosen, [&](const SequenceAgent& a) { return a.name == name; });
+    };
+    return !plays(r.camera) || !plays(r.first);
+  });
   sequence.agents = std::move(chosen);
 }
 
@@ -57,6 +63,9 @@ void check_sets(const std::vector<std::string>& sets) {
 void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
   std::vector<std::string> known;
   if (sequence.baseline_m) known.push_back("server.baseline_m=" + format_double(*sequence.baseline_m));
+  std::string rigs;
+  for (const RigCamera& r : sequence.rigs) rigs += (rigs.empty() ? "" : ",") + text_of(r);
+  if (!rigs.empty()) known.push_back("server.rigs=" + rigs);
   if (sequence.tag_m) {
     known.push_back("server.tag_m=" + format_double(*sequence.tag_m));
     known.push_back("agent.tags.family=" + sequence.tag_family);

@@ -262,6 +262,25 @@ void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result
 
 }  // namespace
 
+namespace {
+
+// Cameras of a rig hold each other at each key frame, where lengths are metres.
+void add_ties(const Map& map, RefineJob* job) {
+  if (!map.is_metric(job->map)) return;
+  std::map<std::pair<SetId, std::string>, std::size_t> firsts;
+  for (std::size_t pose = 0; pose < job->poses.size(); ++pose) {
+    const MapCamera& camera = map.camera(job->poses[pose].camera);
+    if (camera.rig.empty()) continue;
+    const auto [at, added] = firsts.try_emplace({job->poses[pose].set, camera.rig}, pose);
+    if (added) continue;
+    const MapCamera& first = map.camera(job->poses[at->second].camera);
+    job->problem.ties.push_back(
+        {static_cast<int>(at->second), static_cast<int>(pose), camera.cam_from_rig * first.cam_from_rig.inverse()});
+  }
+}
+
+}  // namespace
+
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
   const std::vector<SetId> keys = key_frames_to_adjust(map, of, extent, config);
   if (keys.empty()) return std::nullopt;
@@ -284,6 +303,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
     }
   }
   add_points(map, of, keys.front(), index, &job);
+  add_ties(map, &job);
   if (job.points.size() < 20) return std::nullopt;
   if (extent != RefineExtent::kWindow) weigh_observations(&job);
   if (job.poses.size() < free_poses + 2) float_free(&job);

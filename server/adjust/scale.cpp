@@ -3,8 +3,47 @@
 #include "server/adjust/scale.h"
 
 namespace coslam {
+namespace {
+
+const std::vector<std::string>& config_of_rigs(const Map& map) { return map.config().rigs; }
+
+}  // namespace
+
+// A map that cameras of a rig came into from elsewhere has another unit until two of them have a pose in it.
+void Scale::scale_by_rigs(MapEdit& edit) {
+  const Map& map = edit.map();
+  for (const MapCamera& a : map.cameras()) {
+    if (a.rig.empty() || a.frames.empty() || !a.frames.back().valid() || map.is_metric(a.map)) continue;
+    for (const CameraId id : map.rig_mates(a)) {
+      const MapCamera& b = map.camera(id);
+      const FramePose* fb = b.frame_at(a.frames.back().set);
+      if (fb == nullptr || fb->map != a.map) continue;
+      const double length = (a.frames.back().cam_from_world.center() - fb->cam_from_world.center()).norm();
+      const double truth_m = (b.cam_from_rig * a.cam_from_rig.inverse()).translation.norm();
+      if (!(length > 0)) continue;
+      edit.transform(a.map, {truth_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()},
+                     Why::kScaleKnown);
+      edit.set_metric(a.map);
+      break;
+    }
+  }
+}
+
+ScaleReport Scale::by_rigs(const Map& map) {
+  ScaleReport report;
+  for (const MapCamera& c : map.cameras()) {
+    for (const FramePose& f : c.frames) {
+      if (f.valid() && map.is_metric(f.map)) report.in_metres.insert(f.map);
+    }
+  }
+  return report;
+}
 
 ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {
+  if (!config_of_rigs(edit.map()).empty()) {
+    scale_by_rigs(edit);
+    return by_rigs(edit.map());
+  }
   if (config.baseline_m > 0) {
     scale_by_baseline(edit);
     return by_baseline();
@@ -14,6 +53,7 @@ ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met
 
 // The poses that tell the scale are known better now.
 ScaleReport Scale::finish(MapEdit& edit) {
+  if (!config_of_rigs(edit.map()).empty()) return by_rigs(edit.map());
   if (config.baseline_m <= 0) return by_tags(tags_.finish(edit));
   scaled_ = MapId();
   scale_by_baseline(edit);

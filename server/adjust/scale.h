@@ -33,7 +33,7 @@ struct ScaleReport {
   }
 };
 
-// Images alone tell no length. Metres come from a known baseline, or else from printed tags.
+// Images alone tell no length. Metres come from rigs, or else from a known baseline, or else from printed tags.
 class Scale {
  public:
   static constexpr std::string_view kName = "tags";
@@ -47,6 +47,8 @@ class Scale {
   const TagScale& tags() const { return tags_; }
 
  private:
+  static void scale_by_rigs(MapEdit& edit);
+  static ScaleReport by_rigs(const Map& map);
   void scale_by_baseline(MapEdit& edit);
   ScaleReport by_baseline() const;
   ScaleReport by_tags(const TagScaleReport& r) const;

@@ -23,6 +23,8 @@ TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
   TrackFeatures out;
   const MapCamera& camera = map.camera(cf.camera);
   out.image.camera = camera.model;
+  out.image.rig = camera.rig;
+  out.image.cam_from_rig = camera.cam_from_rig;
   if (!cf.descriptors) return out;
   for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
     const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
@@ -83,6 +85,7 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
   }
   const auto together = static_cast<double>(cameras.size());
   const MapId id = edit.new_map(Why::kStartedTogether, together);
+  if (result.metric) edit.set_metric(id);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!result.cam_from_world[i]) continue;
     edit.place(map.camera(cameras[i]), set.id, id, *result.cam_from_world[i], Why::kStartedTogether, {together, 0});
@@ -191,8 +194,9 @@ StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& co
   start_together(edit, set, config, localise, &report);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
-    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(config.alone_after_s)) &&
-        edit.map().every(kTry_s)) {
+    // Cameras of a rig first try together: they know lengths.
+    const double wait_s = config.alone_after_s * (edit.map().rig_mates(camera).empty() ? 1 : 8);
+    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(wait_s)) && edit.map().every(kTry_s)) {
       start_alone(edit, camera, set, config, localise, refine, &report);
     }
   }

@@ -76,6 +76,13 @@ CameraId MapEdit::add_camera(const std::string& name, RunId run, const CameraMod
   camera.name = name;
   camera.run = run;
   camera.model = model;
+  for (const RigCamera& r : map_.rigs_) {
+    if (r.first == name) camera.rig = name;
+    if (r.camera != name) continue;
+    camera.rig = r.first;
+    camera.cam_from_rig = r.cam_from_first;
+    break;
+  }
   map_.cameras_.push_back(std::move(camera));
   note_camera(EventKind::kCameraJoined, map_.cameras_.back(), Why::kHello);
   return map_.cameras_.back().id;

@@ -127,6 +127,8 @@ class MapEdit {
   void merge(MapId from, MapId into, const Similarity3& into_from_from);
   // Moves a whole map, e.g. to a known scale.
   void transform(MapId map, const Similarity3& new_from_old, Why why);
+  // Lengths of that map are metres by now.
+  void set_metric(MapId map) { map_.metric_.insert(map); }
   // Raises the epoch: the map moved under the agents.
   void raise_epoch() { ++map_.epoch_.value; }
   void note_moved(MapId map, Why why, Figures figures);

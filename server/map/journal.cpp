@@ -54,6 +54,7 @@ constexpr std::array<WhyText, kWhys> kTexts{{
     {"restarted", "because its agent was started anew"},
     {"started_together", "with {a} cameras that see one scene"},
     {"started_alone", "from its own motion over {a} frame sets"},
+    {"rig", "because another camera of its rig has a pose there"},
     {"no_pose", "because too few of the {a} known points that it sees agree with any pose ({b} do)"},
     {"pose_again", "after {a} frame sets without one"},
     {"lost_too_long", "because it had no pose for {a} frame sets"},

@@ -81,6 +81,7 @@ enum class Why : std::uint8_t {
   kRestarted,
   kStartedTogether,
   kStartedAlone,
+  kRig,
   kNoPose,
   kPoseAgain,
   kLostTooLong,

@@ -131,8 +131,14 @@ bool seen_at_once(const MapPoint& p, const MapPoint& q) {
   return std::any_of(p.bound.begin(), p.bound.end(), [&](const BoundTrack& b) { return seen_by(q, b.camera); });
 }
 
+Map::Map(const MapConfig& config) : config_(config) {
+  for (const std::string& text : config.rigs) rigs_.push_back(parse_rig_camera(text));
+}
+
 Map::Map(const Map& o)
     : config_(o.config_),
+      rigs_(o.rigs_),
+      metric_(o.metric_),
       cameras_(o.cameras_),
       points_(o.points_),
       motions_(o.motions_),
@@ -159,6 +165,14 @@ Map::Map(const Map& o)
 Map& Map::operator=(const Map& other) {
   if (this != &other) *this = Map(other);
   return *this;
+}
+
+std::vector<CameraId> Map::rig_mates(const MapCamera& camera) const {
+  std::vector<CameraId> out;
+  for (const MapCamera& c : cameras_) {
+    if (!camera.rig.empty() && c.rig == camera.rig && c.id != camera.id) out.push_back(c.id);
+  }
+  return out;
 }
 
 const MapPoint* Map::find(PointId id) const {

@@ -18,6 +18,7 @@
 #include "common/geometry/rigid3.h"
 #include "common/geometry/triangulation.h"
 #include "common/model/map_patch.h"
+#include "common/model/rig.h"
 #include "common/model/track_frame.h"
 #include "server/map/states.h"
 
@@ -85,6 +86,8 @@ struct MapCamera {
   CameraModel model;
   double sigma_px = 1.0;   // measured standard deviation of its observations
   int sigma_frames = 0;    // that it was measured in
+  std::string rig;         // name of the first camera of the rig that it is fixed to; empty: it is free
+  Rigid3 cam_from_rig;     // metres
   MapId map;               // that it is being localised in; 0 = not placed
   bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
   double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
@@ -196,11 +199,13 @@ struct MapConfig {
   int few_points = 60;              // a camera that sees fewer proven points relies on others and on directions too
   double new_view_rad = 0.02;       // turn of a viewing ray by which one more view of a point tells something
   double match_period_s = 0.17;     // between looks for tracks and points that are one, where nothing hurries
+  std::vector<std::string> rigs;    // cameras that are fixed to another: CAMERA FIRST x y z qx qy qz qw each
 };
 
 class Map {
  public:
-  explicit Map(const MapConfig& config) : config_(config) {}
+  // Throws UserError for a rig that is none.
+  explicit Map(const MapConfig& config);
   Map(const Map& other);
   Map& operator=(const Map& other);
   Map(Map&&) = default;
@@ -252,6 +257,11 @@ class Map {
   // Views of all key observations of a point whose frames have poses.
   std::vector<View> key_views_of(const MapPoint& point) const;
 
+  // Lengths of that map are metres, so that cameras of a rig are where the rig has them.
+  bool is_metric(MapId map) const { return metric_.contains(map); }
+  // Other cameras of its rig.
+  std::vector<CameraId> rig_mates(const MapCamera& camera) const;
+
   MapEpoch epoch() const { return epoch_; }
   SetId now() const { return now_; }
   TimeNs now_ns() const { return now_ns_; }
@@ -268,6 +278,8 @@ class Map {
   std::vector<const MapPoint*> found(std::vector<PointId> ids) const;
 
   MapConfig config_;
+  std::vector<RigCamera> rigs_;
+  std::set<MapId> metric_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
   std::unordered_map<PointId, MapPoint*> index_;  // of points_

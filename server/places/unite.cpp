@@ -51,8 +51,9 @@ void join(MapEdit& edit, const MapCamera& camera, const Recognition& seen, const
   const Map& map = edit.map();
   const MapId own = camera.map, in = seen.map;
   const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
-  // The larger map keeps its frame; the older one when they are equal.
-  if (own_frames > in_frames || (own_frames == in_frames && own < in)) {
+  // One in metres keeps its frame; else the larger, the older one when they are equal.
+  const auto rank = [&](MapId id, int frames) { return std::pair(map.is_metric(id), frames); };
+  if (rank(own, own_frames) > rank(in, in_frames) || (rank(own, own_frames) == rank(in, in_frames) && own < in)) {
     edit.merge(in, own, in_from_own.inverse());
   } else {
     edit.merge(own, in, in_from_own);

@@ -3,6 +3,9 @@
 #include "server/pose/localise.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
@@ -36,15 +39,6 @@ void add_far(const Map& map, const MapCamera& camera, SetId set, std::vector<Poi
   }
 }
 
-double median_depth(const std::vector<PointObservation>& observations, const PoseResult& pose, int least) {
-  std::vector<double> depths;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (pose.is_inlier[i] && !observations[i].far)
-      depths.push_back((pose.cam_from_world * observations[i].point_in_world).z());
-  }
-  return static_cast<int>(depths.size()) < least ? 0 : upper_median(depths);
-}
-
 bool good(const PoseResult& r, const LocaliseConfig& config) {
   return r.status == PoseStatus::kOk && r.inliers >= config.min_inliers;
 }
@@ -66,34 +60,131 @@ Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& fra
   return last->cam_from_world * before->cam_from_world.inverse() * last->cam_from_world;
 }
 
-LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config) {
-  const Map& map = edit.map();
-  LocaliseReport report;
+namespace {
+
+// Cameras whose pose is one: a free camera, or those of a rig in a metric map that have a frame now.
+struct Body {
+  std::vector<const CameraFrame*> frames;
+  std::vector<RigView> views;
+};
+
+std::vector<Body> bodies_of(const Map& map, const FrameSet& set) {
+  std::vector<Body> out;
+  std::map<std::string, std::size_t> rigs;
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId()) continue;
-    auto observations = bound_observations(map, camera, set.id, camera.sparse);
-    add_far(map, camera, set.id, &observations);
-    const Rigid3 start = start_pose(map, camera, cf.frame);
-    PoseResult r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
-    if (!good(r, config) && !camera.sparse) {
-      edit.set_sparse(camera, true);  // better on points that may move than not at all
-      observations = bound_observations(map, camera, set.id, true);
-      add_far(map, camera, set.id, &observations);
-      r = refine_pose(camera.model, observations, start, {.sigma_px = map.sigma_bound_px(camera)});
+    const bool in_rig = !camera.rig.empty() && map.is_metric(camera.map);
+    if (!in_rig) {
+      out.push_back({{&cf}, {{&camera.model, Rigid3()}}});
+      continue;
     }
+    const auto [at, added] = rigs.try_emplace(camera.rig + "/" + std::to_string(camera.map.value), out.size());
+    if (added) out.emplace_back();
+    out[at->second].frames.push_back(&cf);
+    out[at->second].views.push_back({&camera.model, camera.cam_from_rig});
+  }
+  return out;
+}
+
+std::vector<PointObservation> observations_of(const Map& map, const Body& body, SetId set) {
+  std::vector<PointObservation> all;
+  for (std::size_t i = 0; i < body.frames.size(); ++i) {
+    const MapCamera& camera = map.camera(body.frames[i]->camera);
+    auto observations = bound_observations(map, camera, set, camera.sparse);
+    add_far(map, camera, set, &observations);
+    for (PointObservation& o : observations) {
+      o.camera = static_cast<int>(i);
+      all.push_back(o);
+    }
+  }
+  return all;
+}
+
+double sigma_bound_px(const Map& map, const Body& body) {
+  double most_px = 0;
+  for (const CameraFrame* cf : body.frames) most_px = std::max(most_px, map.sigma_bound_px(map.camera(cf->camera)));
+  return most_px;
+}
+
+// The newest pose that one of its cameras tells.
+Rigid3 start_of(const Map& map, const Body& body) {
+  std::size_t best = 0;
+  for (std::size_t i = body.frames.size(); i-- > 0;) {
+    if (body.frames[i]->frame.pose_state == PoseState::kTracked) best = i;
+  }
+  const CameraFrame& cf = *body.frames[best];
+  return body.views[best].cam_from_rig.inverse() * start_pose(map, map.camera(cf.camera), cf.frame);
+}
+
+// What its cameras see of the inliers; 0 where one sees too few.
+double depth_of(const std::vector<PointObservation>& observations, const PoseResult& r, const Body& body, std::size_t i,
+                int least) {
+  std::vector<double> depths;
+  const Rigid3 cam_from_world = body.views[i].cam_from_rig * r.cam_from_world;
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const PointObservation& o = observations[k];
+    if (r.is_inlier[k] && !o.far && o.camera == static_cast<int>(i)) {
+      depths.push_back((cam_from_world * o.point_in_world).z());
+    }
+  }
+  return static_cast<int>(depths.size()) < least ? 0 : upper_median(depths);
+}
+
+void localise_body(MapEdit& edit, const FrameSet& set, const Body& body, const LocaliseConfig& config,
+                   LocaliseReport* report) {
+  const Map& map = edit.map();
+  auto observations = observations_of(map, body, set.id);
+  const Rigid3 start = start_of(map, body);
+  const PoseRefinementConfig refinement{.sigma_px = sigma_bound_px(map, body)};
+  PoseResult r = refine_rig_pose(body.views, observations, start, refinement);
+  const auto sparse = [&](const CameraFrame* cf) { return map.camera(cf->camera).sparse; };
+  if (!good(r, config) && !std::ranges::all_of(body.frames, sparse)) {
+    // Better on points that may move than not at all.
+    for (const CameraFrame* cf : body.frames) edit.set_sparse(map.camera(cf->camera), true);
+    observations = observations_of(map, body, set.id);
+    r = refine_rig_pose(body.views, observations, start, refinement);
+  }
+  for (std::size_t i = 0; i < body.frames.size(); ++i) {
+    const MapCamera& camera = map.camera(body.frames[i]->camera);
     if (good(r, config)) {
-      edit.set_pose(camera, set.id, r.cam_from_world);
+      edit.set_pose(camera, set.id, body.views[i].cam_from_rig * r.cam_from_world);
       edit.measure_sigma(camera, r.sigma_px);
-      if (const double depth = median_depth(observations, r, config.min_inliers); depth > 0)
-        edit.set_scene_depth(camera, depth);
-      ++report.tracked;
+      const double depth = depth_of(observations, r, body, i, config.min_inliers);
+      if (depth > 0) edit.set_scene_depth(camera, depth);
+      ++report->tracked;
     } else {
-      ++report.lost;
+      ++report->lost;
       const int lost = edit.lose_pose(camera, observations.size(), r.inliers);
       if (lost > camera.frames_in(config.lost_after_s, kLeastFrames)) edit.leave_map(camera);
     }
   }
+}
+
+// A camera of a rig is where the others of it are.
+void place_mates(MapEdit& edit, const FrameSet& set, LocaliseReport* report) {
+  const Map& map = edit.map();
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (camera.map != MapId()) continue;
+    for (const CameraId id : map.rig_mates(camera)) {
+      const MapCamera& mate = map.camera(id);
+      if (mate.frames.empty() || mate.frames.back().set != set.id || !mate.frames.back().valid()) continue;
+      if (!map.is_metric(mate.map)) continue;
+      const Rigid3 rig_from_world = mate.cam_from_rig.inverse() * mate.frames.back().cam_from_world;
+      edit.place(camera, set.id, mate.map, camera.cam_from_rig * rig_from_world, Why::kRig, {});
+      ++report->tracked;
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config) {
+  LocaliseReport report;
+  for (const Body& body : bodies_of(edit.map(), set)) localise_body(edit, set, body, config, &report);
+  place_mates(edit, set, &report);
   return report;
 }
 

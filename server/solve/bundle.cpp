@@ -28,6 +28,29 @@ Rigid3 from_block(const Block& b) {
   return {Eigen::Map<const Eigen::Quaterniond>(b.data()).normalized(), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
 }
 
+// How far two poses are from what ties them: rotation and translation in standard deviations.
+struct TieCost {
+  Rigid3 second_from_first;
+
+  template <class T>
+  bool operator()(const T* first, const T* second, T* residual) const {
+    constexpr double kTurn_rad = 2e-4, kShift = 1e-3;  // the latter of the distance
+    using Quaternion = Eigen::Quaternion<T>;
+    using Vector = Eigen::Matrix<T, 3, 1>;
+    const Quaternion q1 = Eigen::Map<const Quaternion>(first).normalized();
+    const Quaternion q2 = Eigen::Map<const Quaternion>(second).normalized();
+    const Vector t1 = Eigen::Map<const Vector>(first + 4), t2 = Eigen::Map<const Vector>(second + 4);
+    const Quaternion is = q2 * q1.conjugate();
+    Quaternion off = is * second_from_first.rotation.conjugate().template cast<T>();
+    if (off.w() < T(0)) off.coeffs() = -off.coeffs();
+    const Vector shift = t2 - is * t1 - second_from_first.translation.template cast<T>();
+    Eigen::Map<Vector> turn_out(residual), shift_out(residual + 3);
+    turn_out = off.vec() * T(2 / kTurn_rad);
+    shift_out = shift / T(kShift * second_from_first.translation.norm());
+    return true;
+  }
+};
+
 ceres::Solver::Options solver_options(const BundleConfig& config, const BundleProblem& problem) {
   constexpr std::ptrdiff_t kDenseMost = 120;  // beyond, a whole run: most poses share no point
   const auto free_poses = std::ranges::count(problem.poses, false, &BundleProblem::Pose::fixed);
@@ -90,6 +113,11 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
                                    weighted(o.weight), poses[pose].data(),
                                    result.points[static_cast<std::size_t>(o.point)].data());
   }
+  for (const auto& t : problem.ties) {
+    ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<TieCost, 6, 7, 7>(new TieCost{t.second_from_first}),
+                                   nullptr, poses[static_cast<std::size_t>(t.first)].data(),
+                                   poses[static_cast<std::size_t>(t.second)].data());
+  }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (problem.poses[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());
   }
@@ -114,7 +142,7 @@ void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, Bundle
   const double new_length = distance(result->poses[a], result->poses[b]);
   if (!(old_length > 0 && new_length > 0)) return;
   Similarity3 s;  // old_from_new
-  s.scale = old_length / new_length;
+  s.scale = before.ties.empty() ? old_length / new_length : 1.0;
   s.rotation = (before.poses[a].cam_from_world.rotation.conjugate() * result->poses[a].rotation).normalized();
   s.translation = before.poses[a].cam_from_world.center() - s.scale * (s.rotation * result->poses[a].center());
   for (Rigid3& p : result->poses) p = transform_world(p, s);

@@ -25,10 +25,16 @@ struct BundleProblem {
     double sigma_px = 1.0;
     double weight = 1.0;  // less for one of several that repeat an error
   };
+  // Two poses whose cameras are fixed to each other.
+  struct Tie {
+    int first = 0, second = 0;  // poses
+    Rigid3 second_from_first;
+  };
   std::vector<CameraModel> cameras;
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<Observation> observations;
+  std::vector<Tie> ties;
 };
 
 struct BundleConfig {
@@ -52,7 +58,7 @@ struct BundleResult {
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config);
 
 // Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as
-// before.
+// before; not the distance where ties tell lengths.
 void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, BundleResult* result);
 
 }  // namespace coslam

@@ -42,6 +42,7 @@ struct Pair {
   Rigid3 second_from_first;
   double median_parallax_rad = 0;
   double score = 0;
+  bool metric = false;
 };
 
 std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::vector<FeatureMatch>& matches,
@@ -56,13 +57,30 @@ std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::ve
 
 double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
 
+// What fits a motion that is known.
+std::optional<TwoViewMotion> known_motion(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
+                                          const std::vector<Eigen::Vector2d>& b, double threshold) {
+  TwoViewMotion out;
+  out.second_from_first = second_from_first;
+  const Eigen::Matrix3d essential = skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector3d line = essential * a[i].homogeneous();
+    const double off = std::abs(b[i].homogeneous().dot(line)) / std::max(1e-12, line.head<2>().norm());
+    out.fits.push_back(off < threshold);
+    out.support += out.fits.back() ? 1 : 0;
+  }
+  return out;
+}
+
 std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b,
                                   const std::vector<FeatureMatch>& matches, const StartConfig& config) {
   const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
   if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
   const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
   const double threshold = 2.0 * config.sigma_px * width_scale(ia.camera) / ia.camera.focal_px();
-  const std::optional<TwoViewMotion> motion = two_view_motion(pa, pb, threshold);
+  const std::optional<Rigid3> known = by_rig(ia, ib);
+  const std::optional<TwoViewMotion> motion =
+      known ? known_motion(*known, pa, pb, threshold) : two_view_motion(pa, pb, threshold);
   if (!motion || motion->support < config.min_matches) return std::nullopt;
   Pair pair{.first = a, .second = b};
   pair.second_from_first = motion->second_from_first;
@@ -81,7 +99,9 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
                   static_cast<int>(6 * views[0].undistorted_px.y() / ia.camera.height_px)});
   }
   pair.median_parallax_rad = upper_median(parallax);
-  if (pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
+  pair.metric = known.has_value();
+  // A rig sees far things with little parallax, and knows nonetheless where they are.
+  if (!known && pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
   // Many, spread over the image, and with depth to be gained up to about 8 degrees.
   pair.score = static_cast<double>(pair.inliers.size()) * std::sqrt(static_cast<double>(cells.size())) *
                std::min(pair.median_parallax_rad, 0.14);
@@ -178,6 +198,12 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
       where.emplace_back(p, s);
     }
   }
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    for (std::size_t b = a + 1; b < images.size() && result->metric; ++b) {
+      const auto tie = by_rig(images[a], images[b]);
+      if (tie && pose_of[a] >= 0 && pose_of[b] >= 0) problem.ties.push_back({pose_of[a], pose_of[b], *tie});
+    }
+  }
   BundleResult solved = solve_bundle(problem, {.max_iterations = 30});
   if (!solved.usable) return;
   fix_gauge(problem, pose_of[static_cast<std::size_t>(result->first)],
@@ -195,6 +221,11 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
 }
 
 }  // namespace
+
+std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& second) {
+  if (first.rig.empty() || first.rig != second.rig) return std::nullopt;
+  return second.cam_from_rig * first.cam_from_rig.inverse();
+}
 
 std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
                                             const std::vector<std::uint8_t>& second) {
@@ -234,7 +265,7 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
       const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors,
                                              images[static_cast<std::size_t>(b)].descriptors);
       const std::optional<Pair> pair = relative_pose(images, a, b, matches, config);
-      if (pair && (!best || pair->score > best->score)) best = pair;
+      if (pair && (!best || std::pair(pair->metric, pair->score) > std::pair(best->metric, best->score))) best = pair;
     }
   }
   if (!best) {
@@ -243,6 +274,7 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   }
   result.first = best->first;
   result.second = best->second;
+  result.metric = best->metric;
   result.cam_from_world[static_cast<std::size_t>(best->first)] = Rigid3();
   result.cam_from_world[static_cast<std::size_t>(best->second)] = best->second_from_first;
   Correspondences links(images.size());

@@ -18,7 +18,12 @@ struct FeatureImage {
   CameraModel camera;
   std::vector<Eigen::Vector2d> undistorted_px;
   std::vector<std::uint8_t> descriptors;
+  std::string rig = {};      // that its camera is part of; empty: none
+  Rigid3 cam_from_rig = {};  // metres
 };
+
+// How the second camera lies to the first by their rig; empty when they are not of one.
+std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& second);
 
 struct FeatureMatch {
   int first = 0, second = 0;
@@ -47,11 +52,13 @@ struct StartResult {
   };
   std::vector<Point> points;
   int first = 0, second = 0;  // the best pair; `first` is the origin
+  bool metric = false;        // a rig tells lengths
 };
 
 // Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and
 // enough parallax gives an essential matrix, others are added by PnP, bundle adjustment at the end. The frame is that
-// of the first image of the pair; the length unit is the distance between the pair.
+// of the first image of the pair; the length unit is the distance between the pair. Where two cameras of a rig see the
+// same, they are the pair, their relative pose is the rig's, and lengths are metres.
 StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config);
 
 // The same from two images whose matches are known (two views of one camera's tracks).
