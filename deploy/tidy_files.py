@@ -35,7 +35,7 @@ class Checker:
         self.known_clean.mkdir(parents=True, exist_ok=True)
         self.hashes: dict[str, str] = {}
         version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
-        self.common = version + self.hash_of(str(ROOT / ".clang-tidy"))
+        self.common = version + "".join(self.hash_of(str(ROOT / name)) for name in (".clang-tidy", "tests/.clang-tidy"))
         entries = json.loads((build / "compile_commands.json").read_text())
         self.entries = {str(pathlib.Path(entry["directory"], entry["file"])): entry for entry in entries}
 

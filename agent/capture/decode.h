@@ -10,8 +10,18 @@
 
 namespace coslam {
 
-// The image of a file as CV_8UC1; empty when it is missing, truncated or no image.
-cv::Mat read_grey(const std::filesystem::path& file);
+// The images of one source's files, as CV_8UC1. Of images with 16 bits a pixel the first one tells how many bits the
+// sensor has (10, 12, 14 or 16), and all are brought to 8 by that.
+class GreyReader {
+ public:
+  // Empty when the file is missing, truncated or no image.
+  cv::Mat read(const std::filesystem::path& file);
+  // Bits of the sensor; 0 while no image had more than 8.
+  int deep_bits() const { return deep_bits_; }
+
+ private:
+  int deep_bits_ = 0;
+};
 
 // CV_8UC1 of a frame as a video or camera delivers it; empty for a format that is none.
 cv::Mat to_grey(const cv::Mat& frame);

@@ -27,6 +27,8 @@ FrameList read_list(const fs::path& file, const char* form, const LineReader& re
   FrameList frames;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const std::string_view text = trimmed(line);
     if (text.empty() || text.front() == '#') continue;
     const auto frame = read_line(text);
@@ -130,7 +132,12 @@ FrameList list_images(const fs::path& folder, double rate_hz) {
   const auto files = images_in(folder);
   if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder");
   FrameList frames;
-  if (const fs::path times = folder / "times.txt"; fs::exists(times)) {
+  // KITTI has the times of image_0, image_1, ... beside these folders.
+  const fs::path name = fs::absolute(folder / ".").lexically_normal().parent_path();
+  const bool kitti = name.filename().string().starts_with("image_");
+  const fs::path beside = name.parent_path() / "times.txt";
+  const fs::path times = !fs::exists(folder / "times.txt") && kitti ? beside : folder / "times.txt";
+  if (fs::exists(times)) {
     frames = read_seconds_list(times);
     if (frames.size() != files.size()) {
       throw UserError(times.string() + ": " + std::to_string(frames.size()) + " times for " +
@@ -154,6 +161,8 @@ FrameList list_folder(const fs::path& folder, double rate_hz) {
     if (fs::exists(candidate / "data.csv")) return list_euroc(candidate);
   }
   if (fs::exists(folder / "rgb.txt")) return list_tum(folder / "rgb.txt");
+  if (fs::is_directory(folder / "image_0") && images_in(folder).empty())
+    return list_images(folder / "image_0", rate_hz);
   return list_images(folder, rate_hz);
 }
 

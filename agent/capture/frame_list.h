@@ -22,7 +22,8 @@ FrameList list_tum(const std::filesystem::path& rgb_txt);          // `t_s file`
 FrameList list_euroc(const std::filesystem::path& camera_folder);  // data.csv: `t_ns,file`, images in data/
 FrameList list_images(const std::filesystem::path& folder, double rate_hz);
 
-// Recognises the layout of a folder: EuRoC (the sequence, mav0 or camN), TUM, else images.
+// Recognises the layout of a folder: EuRoC (the sequence, mav0 or camN), TUM, KITTI (the sequence or image_N), else
+// images.
 FrameList list_folder(const std::filesystem::path& folder, double rate_hz);
 
 // One time in seconds a line, ascending. UTC times count from the first.

@@ -17,7 +17,7 @@ class ListSource final : public ImageSource {
   ListSource(const std::string& name, FrameList frames, const SourceOptions& options) : frames_(std::move(frames)) {
     // The first readable image tells the size; it is kept for its turn.
     for (first_ = 0; first_ < frames_.size(); ++first_) {
-      first_image_ = read_grey(frames_[first_].file);
+      first_image_ = reader_.read(frames_[first_].file);
       if (!first_image_.empty()) break;
     }
     if (first_image_.empty()) {
@@ -26,12 +26,15 @@ class ListSource final : public ImageSource {
     }
     require_size(first_image_, options, frames_[first_].file.string());
     size_ = first_image_.size();
+    if (reader_.deep_bits() > 0) {
+      log_info(name + ": images of 16 bits, of which " + std::to_string(reader_.deep_bits()) + " are used");
+    }
   }
 
   std::optional<Image> next() override {
     while (position_ < frames_.size()) {
       const std::size_t i = position_++;
-      cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : read_grey(frames_[i].file);
+      cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : reader_.read(frames_[i].file);
       if (grey.size() == size_) return Image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
       ++unreadable_;
       if (!log_.pass()) continue;
@@ -54,6 +57,7 @@ class ListSource final : public ImageSource {
 
  private:
   FrameList frames_;
+  GreyReader reader_;
   std::size_t position_ = 0;
   std::size_t first_ = 0;
   cv::Mat first_image_;

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <opencv2/videoio.hpp>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -14,10 +16,14 @@ class VideoTimes {
  public:
   VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
       : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
-    std::filesystem::path sidecar = video;
-    sidecar += ".timestamps.csv";
-    if (std::filesystem::exists(sidecar)) stamps_ = read_times(sidecar);
+    // clip.mp4.timestamps.csv or clip.timestamps.csv.
+    for (std::filesystem::path sidecar : {video, std::filesystem::path(video).replace_extension()}) {
+      sidecar += ".timestamps.csv";
+      if (!stamps_ && std::filesystem::exists(sidecar)) stamps_ = read_times(sidecar);
+    }
   }
+  // Of the sidecar; 0 without.
+  std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
   // Empty past the sidecar's last line.
   std::optional<TimeNs> at(std::size_t frame) const {
     if (!stamps_) return to_ns(static_cast<double>(frame) / rate_hz_);
@@ -54,6 +60,11 @@ class VideoSource final : public ImageSource {
       throw UserError(file.string() + ": there is no readable frame in the time span asked for");
     require_size(first_image_, options, file.string());
     size_ = first_image_.size();
+    const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);  // as far as the container knows
+    if (times_.count() > 0 && frames > 0 && frames != static_cast<double>(times_.count())) {
+      log_warn(file.string() + ": " + std::to_string(times_.count()) + " times beside it for " +
+               std::to_string(std::llround(frames)) + " frames; played as far as both go");
+    }
   }
 
   std::optional<Image> next() override {

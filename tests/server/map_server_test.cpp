@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "common/base/error.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_run.h"
@@ -17,6 +18,7 @@
 namespace coslam {
 namespace {
 
+using test::PoseNear;
 using test::SimRun;
 using test::SimWorld;
 
@@ -226,6 +228,67 @@ TEST(MapServer, AKnownBaselineGivesMetres) {
   for (const auto& path : paths) unscaled.add_agent(path);
   unscaled.step(30);
   EXPECT_FALSE(unscaled.last_patches().at(0).scale_known);
+}
+
+// Two cameras on one body, the second one 0.4 m to the right of the first.
+class RigRun : public testing::Test {
+ protected:
+  static const Rigid3& right_from_left() {
+    static const Rigid3 kRight{so3_exp({0.01, -0.05, 0.02}), {-0.4, 0.01, 0.02}};
+    return kRight;
+  }
+  RigRun() : left_(test::paths_side_by_side(2)[0]) {
+    const RigCamera camera{"cam1", "cam0", right_from_left()};
+    config_.map.rigs = {text_of(camera)};
+  }
+  test::CameraPath right() const {
+    return [left = left_](double t_s) { return right_from_left() * left(t_s); };
+  }
+  // Of the newest frames.
+  static Rigid3 relative(const Map& map) {
+    return map.camera(CameraId(1)).frames.back().cam_from_world *
+           map.camera(CameraId(0)).frames.back().cam_from_world.inverse();
+  }
+
+  const SimWorld world_{{}};
+  const test::CameraPath left_;
+  MapServerConfig config_;
+};
+
+TEST_F(RigRun, TellsMetresAndStaysAsItIs) {
+  SimRun run(world_, config_);
+  run.add_agent(left_);
+  run.add_agent(right());
+  for (int i = 0; i < 120; ++i) {
+    run.step();
+    if (i < 30) continue;
+    ASSERT_TRUE(run.map().camera(CameraId(1)).frames.back().valid()) << i;
+    EXPECT_THAT(relative(run.map()), PoseNear(right_from_left(), 1e-9, 1e-9));
+  }
+  EXPECT_TRUE(run.server().scale_known());
+  run.server().finish();
+  EXPECT_NEAR(run.path_error().scale, 1, 0.01);
+  EXPECT_LT(run.path_error().ate, 0.01 * run.path_error().path_m);
+}
+
+TEST_F(RigRun, ACameraThatComesLateIsWhereTheRigHasIt) {
+  SimRun run(world_, config_);
+  run.add_agent(left_);
+  run.step(60);
+  run.add_agent(right());
+  run.step(60);
+  const MapCamera& late = run.map().camera(CameraId(1));
+  EXPECT_EQ(late.map, run.map().camera(CameraId(0)).map);
+  ASSERT_TRUE(late.frames.back().valid());
+  EXPECT_THAT(relative(run.map()), PoseNear(right_from_left(), 1e-6, 1e-6));
+  EXPECT_TRUE(run.server().scale_known());
+  EXPECT_NEAR(run.path_error().scale, 1, 0.02);
+}
+
+TEST(MapServer, ARigThatIsNoneIsRefused) {
+  MapServerConfig config;
+  config.map.rigs = {"cam1 cam0 1 2 3"};
+  EXPECT_THROW(MapServer(RunId(1), config), UserError);
 }
 
 TEST(MapServer, ATagGivesMetresToASingleCamera) {

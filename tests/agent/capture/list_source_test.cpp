@@ -192,5 +192,38 @@ TEST_F(Lists, SaysWhatIsWrong) {
   EXPECT_THAT(test::error_of<UserError>([] { open_source("ftp://x", kOptions); }), HasSubstr("of no known kind"));
 }
 
+TEST_F(Lists, AByteOrderMarkIsPassedOver) {
+  image("0.png", 10);
+  folder_.write("list.csv",
+                "\xEF\xBB\xBF"
+                "0.5,0.png\n");
+  EXPECT_THAT(play(*open("list.csv")), ElementsAre(Pair(0, 500'000'000)));
+}
+
+TEST_F(Lists, OfImagesWith16BitsThoseOfTheSensorCount) {
+  std::filesystem::create_directories(folder_ / "deep");
+  for (int i = 0; i < 2; ++i) {
+    cv::Mat deep(kHeight, kWidth, CV_16UC1, cv::Scalar(i == 0 ? 2048 : 1024));
+    deep.at<std::uint16_t>(0, 0) = i == 0 ? 4000 : 1024;
+    cv::imwrite(folder_ / ("deep/" + std::to_string(i) + ".png"), deep);
+  }
+  const auto source = open("deep");
+  const auto first = source->next(), second = source->next();
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->grey.type(), CV_8UC1);
+  EXPECT_NEAR(first->grey.at<uchar>(5, 5), 128, 1) << "12 bits";
+  EXPECT_NEAR(second->grey.at<uchar>(5, 5), 64, 1) << "by what the first one told";
+}
+
+TEST_F(Lists, KittiHasItsTimesBesideTheFolders) {
+  for (const char* camera : {"image_0", "image_1"}) {
+    for (int i = 0; i < 2; ++i) image("06/" + std::string(camera) + "/00000" + std::to_string(i) + ".png", 50 * i);
+  }
+  folder_.write("06/times.txt", "0.0\n1.037e-01\n");
+  for (const char* source : {"06", "06/image_0", "06/image_1", "06/image_1/"}) {
+    EXPECT_THAT(play(*open(source)), ElementsAre(Pair(0, 0), Pair(1, 103'700'000))) << source;
+  }
+}
+
 }  // namespace
 }  // namespace coslam

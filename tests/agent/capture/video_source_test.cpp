@@ -51,6 +51,17 @@ TEST_F(Video, SidecarGivesTheTimes) {
   EXPECT_FALSE(source->next());  // the rest has no time
 }
 
+TEST_F(Video, SidecarMayLeaveTheExtensionOut) {
+  folder_.write("clip.timestamps.csv", "0.0\n0.2\n");
+  const auto source = open_source(file_, kOptions);
+  EXPECT_EQ(source->next()->capture_ns, 0);
+  EXPECT_EQ(source->next()->capture_ns, 200'000'000);
+  folder_.write("clip.avi.timestamps.csv", "0.0\n0.3\n");
+  const auto whole_name = open_source(file_, kOptions);
+  EXPECT_TRUE(whole_name->skip());
+  EXPECT_EQ(whole_name->next()->capture_ns, 300'000'000) << "the full name goes before";
+}
+
 TEST_F(Video, StartAndDuration) {
   SourceOptions options = kOptions;
   options.start_s = 0.1;

@@ -141,5 +141,40 @@ TEST_F(SequenceFile, MissingFiles) {
   EXPECT_THAT(test::error_of<UserError>([&] { load_sequence(folder_ / "masks"); }), HasSubstr("has no sequence.yaml"));
 }
 
+class RigInSequence : public SequenceFile {
+ protected:
+  // Three agents, and these rigs.
+  std::string with(const std::string& rigs) const {
+    std::string agents = "agents:\n";
+    for (const char* name : {"left", "right", "other"}) {
+      agents += "  - {name: " + std::string(name) + ", source: \"v4l2:0\", calibration: calib.yaml}\n";
+    }
+    return agents + "rigs:\n  - " + rigs + "\n";
+  }
+};
+
+TEST_F(RigInSequence, CamerasAreFixedToTheFirst) {
+  const Sequence s = load(with("{cameras: [left, right], cam_from_first: {right: [-0.5, 0, 0, 0, 0, 0, 1]}}"));
+  ASSERT_EQ(s.rigs.size(), 1U);
+  EXPECT_EQ(s.rigs[0].camera, "right");
+  EXPECT_EQ(s.rigs[0].first, "left");
+  EXPECT_EQ(s.rigs[0].cam_from_first.translation, Eigen::Vector3d(-0.5, 0, 0));
+}
+
+TEST_F(RigInSequence, WhatIsWrongIsNamed) {
+  const std::string right = "right: [-0.5, 0, 0, 0, 0, 0, 1]";
+  EXPECT_THAT(error(with("{cameras: [left, rihgt], cam_from_first: {" + right + "}}")),
+              HasSubstr("there is no agent 'rihgt'"));
+  EXPECT_THAT(error(with("{cameras: [left], cam_from_first: {}}")), HasSubstr("a rig has at least two cameras"));
+  EXPECT_THAT(error(with("{cameras: [left, right, other], cam_from_first: {" + right + "}}")),
+              HasSubstr("the key 'other' is missing"));
+  EXPECT_THAT(error(with("{cameras: [left, right], cam_from_first: {right: [-0.5, 0, 0]}}")),
+              HasSubstr("seven numbers"));
+  EXPECT_THAT(error(with("{cameras: [left, right, left], cam_from_first: {" + right + "}}")),
+              HasSubstr("'left' is in two places"));
+  EXPECT_THAT(error("scale: {baseline_m: 1}\n" + with("{cameras: [left, right], cam_from_first: {" + right + "}}")),
+              HasSubstr("rigs tell lengths: leave out scale"));
+}
+
 }  // namespace
 }  // namespace coslam

@@ -215,5 +215,43 @@ TEST(HullFraction, NothingFromALine) {
   EXPECT_EQ(hull_fraction({{7, 7}, {7, 7}, {7, 7}, {7, 7}}, kCamera), 0);
 }
 
+// Two cameras on one body that look 90 degrees apart; what each sees alone is too little.
+TEST(RefineRigPose, TwoCamerasWithFewPointsEachTellOnePose) {
+  const Rigid3 right_from_rig{so3_exp({0, -1.57, 0}), {0.1, 0.05, -0.02}};
+  const RigView rig[] = {{&kCamera, Rigid3()}, {&kCamera, right_from_rig}};
+  const test::SimWorld world({.seed = 4, .layout = test::Layout::kAround, .points = 2000});
+  std::vector<PointObservation> seen;
+  for (int camera = 0; camera < 2; ++camera) {
+    int n = 0;
+    for (int i = 0; i < world.size() && n < 5; i += 7) {
+      const Eigen::Vector3d in_cam = rig[camera].cam_from_rig * (kTruth * world.position(i));
+      if (in_cam.z() < 0.5 || !kCamera.contains_raw(kCamera.project(in_cam))) continue;
+      seen.push_back(
+          {.point_in_world = world.position(i), .undistorted_px = kCamera.project(in_cam), .camera = camera});
+      ++n;
+    }
+    ASSERT_EQ(n, 5);
+  }
+  Vector6d off;
+  off << 0.02, -0.03, 0.01, 0.1, -0.05, 0.08;
+  const PoseResult r = refine_rig_pose(rig, seen, retract(kTruth, off), {});
+  ASSERT_EQ(r.status, PoseStatus::kOk);
+  EXPECT_EQ(r.inliers, 10);
+  EXPECT_THAT(r.cam_from_world, PoseNear(kTruth, 1e-6, 1e-6));
+  const PoseResult alone = refine_pose(kCamera, std::span(seen).first(5), retract(kTruth, off), {});
+  EXPECT_EQ(alone.status, PoseStatus::kTooFewPoints);
+}
+
+TEST(RefineRigPose, OneCameraAtTheBodyIsRefinePose) {
+  const auto seen = observe(80, {.px = 0.5, .point_m = 0.01, .outliers = 0.1}, 3);
+  const RigView alone[] = {{&kCamera, Rigid3()}};
+  Vector6d off = Vector6d::Constant(0.01);
+  const PoseResult a = refine_pose(kCamera, seen, retract(kTruth, off), {});
+  const PoseResult b = refine_rig_pose(alone, seen, retract(kTruth, off), {});
+  EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
+  EXPECT_EQ(a.inliers, b.inliers);
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
 }  // namespace
 }  // namespace coslam

@@ -196,5 +196,27 @@ TEST_F(BundleTest, APointBehindACameraIsAnOutlier) {
   EXPECT_LT(worst_pose_m(r), 0.02);
 }
 
+// Two cameras a metre apart: what ties them holds the relative pose, and the scale that nothing else tells.
+TEST_F(BundleTest, TiesHoldRelativePosesAndTheScale) {
+  BundleProblem p = make({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002, .fixed = 1});
+  for (int i = 0; i < 12; i += 2) {
+    const auto first = static_cast<std::size_t>(i), second = first + 1;
+    p.ties.push_back({i, i + 1, poses_[second] * poses_[first].inverse()});
+    p.poses[second].cam_from_world = p.ties.back().second_from_first * p.poses[first].cam_from_world;
+  }
+  BundleResult r = solve_bundle(p, {.max_iterations = 50});
+  ASSERT_TRUE(r.usable);
+  fix_gauge(p, 0, 11, &r);
+  for (const auto& t : p.ties) {
+    const Rigid3 is =
+        r.poses[static_cast<std::size_t>(t.second)] * r.poses[static_cast<std::size_t>(t.first)].inverse();
+    EXPECT_THAT(is, PoseNear(t.second_from_first, 1e-3, 5e-3));
+  }
+  const double length = (r.poses[10].center() - r.poses[0].center()).norm();
+  const double truth = (poses_[10].center() - poses_[0].center()).norm();
+  EXPECT_NEAR(length / truth, 1, 0.003);
+  EXPECT_LT(worst_pose_m(r), 0.01);
+}
+
 }  // namespace
 }  // namespace coslam

@@ -208,5 +208,32 @@ TEST(StartFromMatches, APureTurnIsAReason) {
   }
 }
 
+// The first two cameras are a rig; the third one is free and sees the scene from farther away, so that it would be the
+// better one of a pair.
+TEST(StartMap, ARigStartsItInMetres) {
+  const test::SimWorld world({});
+  const std::vector<Rigid3> poses{looking({0, 0, 0}), looking({0.3, 0, 0}), looking({-1.2, 0.1, 0}, 0.05)};
+  Images in = images_of(world, poses);
+  for (const std::size_t i : {0U, 1U}) {
+    in.images[i].rig = "left";
+    in.images[i].cam_from_rig = poses[i] * poses[0].inverse();
+  }
+  const StartResult r = start_map(in.images, {});
+  ASSERT_TRUE(r.ok) << r.reason;
+  EXPECT_TRUE(r.metric);
+  EXPECT_EQ(r.first, 0);
+  EXPECT_EQ(r.second, 1);
+  EXPECT_THAT(*r.cam_from_world[1], PoseNear(in.images[1].cam_from_rig, 1e-3, 2e-3));
+  ASSERT_TRUE(r.cam_from_world[2]);
+  EXPECT_THAT(*r.cam_from_world[2], PoseNear(poses[2] * poses[0].inverse(), 0.01, 0.05)) << "in metres";
+}
+
+TEST(StartMap, WithoutARigNothingIsMetric) {
+  const test::SimWorld world({});
+  const StartResult r = start_map(images_of(world, kThree).images, {});
+  ASSERT_TRUE(r.ok);
+  EXPECT_FALSE(r.metric);
+}
+
 }  // namespace
 }  // namespace coslam
