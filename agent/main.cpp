@@ -13,6 +13,7 @@
 #include "agent/link/dds_agent_link.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/replay_rate.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
 
@@ -25,18 +26,6 @@ RunId draw_run_id() {
   std::random_device device;
   const std::uint64_t high = device(), low = device();
   return RunId((high << 32U | low) | 1U);
-}
-
-// 0: as fast as the server answers.
-double parse_rate(const std::string& text) {
-  if (text == "max") return 0;
-  try {
-    std::size_t used = 0;
-    const double rate = std::stod(text, &used);
-    if (used == text.size() && rate > 0 && rate <= 1000) return rate;
-  } catch (const std::logic_error&) {
-  }
-  throw UsageError("--rate takes a positive number or max, not '" + text + "'");
 }
 
 // Waits until the server says that everybody is here. Returns when to start, or nothing when told to stop.
@@ -65,7 +54,7 @@ std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate
 void run(AgentOptions& o) {
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
   if (o.calibration.empty()) throw UsageError("--calibration is missing (see --help)");
-  const double rate = parse_rate(o.rate);
+  const double rate = parse_replay_rate(o.rate);
   Hello hello;
   hello.agent = o.id;
   hello.agent_run = draw_run_id();

@@ -11,6 +11,7 @@
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/base/replay_rate.h"
 #include "common/base/text.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
@@ -123,6 +124,7 @@ void print_summary(const std::filesystem::path& out) {
 
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
+  parse_replay_rate(options.rate);  // a wrong one is said before anything starts
   check_sets(options.sets);
   options.sequence = sequence_argument(arguments.sequence);
   select_agents(options.sequence, arguments.agents);

@@ -59,6 +59,15 @@ class CoslamCommand : public ::testing::Test {
   std::string sequence_;
 };
 
+TEST_F(CoslamCommand, AWrongRateIsSaidBeforeAnythingStarts) {
+  for (const char* rate : {"fast", "0", "-1", "2x", "nan"}) {
+    const Outcome o = coslam("run " + sequence_ + " --rate " + rate + " --out " + (temp_ / "out").string());
+    EXPECT_EQ(o.exit_code, 2) << rate;
+    EXPECT_THAT(o.text, HasSubstr("--rate takes a positive number or max, not '" + std::string(rate) + "'"));
+    EXPECT_FALSE(std::filesystem::exists(temp_ / "out")) << rate;
+  }
+}
+
 TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("--help").exit_code, 0);
   for (const char* command : {"run", "eval", "explain", "render", "export", "status", "calibrate"}) {
