@@ -3,11 +3,6 @@
 #include "server/adjust/scale.h"
 
 namespace coslam {
-namespace {
-
-const std::vector<std::string>& config_of_rigs(const Map& map) { return map.config().rigs; }
-
-}  // namespace
 
 // A map that cameras of a rig came into from elsewhere has another unit until two of them have a pose in it.
 void Scale::scale_by_rigs(MapEdit& edit) {
@@ -40,7 +35,7 @@ ScaleReport Scale::by_rigs(const Map& map) {
 }
 
 ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {
-  if (!config_of_rigs(edit.map()).empty()) {
+  if (!edit.map().config().rigs.empty()) {
     scale_by_rigs(edit);
     return by_rigs(edit.map());
   }
@@ -53,7 +48,7 @@ ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met
 
 // The poses that tell the scale are known better now.
 ScaleReport Scale::finish(MapEdit& edit) {
-  if (!config_of_rigs(edit.map()).empty()) return by_rigs(edit.map());
+  if (!edit.map().config().rigs.empty()) return by_rigs(edit.map());
   if (config.baseline_m <= 0) return by_tags(tags_.finish(edit));
   scaled_ = MapId();
   scale_by_baseline(edit);
