@@ -19,7 +19,8 @@ std::string text_of(const RigCamera& camera) {
   return out.str();
 }
 
-Rigid3 rig_transform(const std::vector<double>& v) {
+Rigid3 rig_transform(const std::vector<double>& numbers) {
+  const auto& v = numbers;
   if (v.size() != 7) throw UserError("a transform is x y z qx qy qz qw, seven numbers");
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   const Eigen::Vector3d t(v[0], v[1], v[2]);

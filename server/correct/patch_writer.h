@@ -45,9 +45,9 @@ class PatchWriter {
 
   struct Sent {
     PointId point;
-    PointState state;  // as told
-    Eigen::Vector3d position;
-    double trace;
+    PointState state = PointState::kUncertain;  // as told
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    double trace = 0;
   };
   bool worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const;
   void tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,

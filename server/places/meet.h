@@ -65,7 +65,7 @@ class Meetings {
   MeetConfig config;
 
   // After the set's poses are known.
-  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise,
+  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
                  const GroupConfig& group);
   std::size_t remembered_bytes() const { return places_.bytes(); }
 

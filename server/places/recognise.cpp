@@ -29,6 +29,7 @@ struct KnownPoints {
 KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyImage*>& asked) {
   KnownPoints out;
   std::vector<SetId> sets;
+  sets.reserve(asked.size());
   for (const KeyImage* image : asked) sets.push_back(image->set);
   for (const MapPoint* point : map.points_observed_at(sets)) {
     const MapPoint& p = *point;

@@ -65,7 +65,7 @@ std::size_t AppearanceIndex::bytes() const {
   std::size_t bytes = 0;
   for (const auto& table : tables_) {
     for (const auto& [key, entries] : table)
-      bytes += sizeof(key) + sizeof(entries) + entries.capacity() * sizeof(Entry);
+      bytes += sizeof(key) + sizeof(std::vector<Entry>) + entries.capacity() * sizeof(Entry);
   }
   return bytes;
 }
