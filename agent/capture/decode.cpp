@@ -46,10 +46,11 @@ cv::Mat GreyReader::read(const std::filesystem::path& file) {
     cv::Mat grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
     if (grey.depth() == CV_8U) return grey;
     if (grey.depth() != CV_16U) return {};
-    double brightest = 0;
-    cv::minMaxLoc(grey, nullptr, &brightest);
-    if (deep_bits_ == 0)
+    if (deep_bits_ == 0) {
+      double brightest = 0;
+      cv::minMaxLoc(grey, nullptr, &brightest);
       deep_bits_ = brightest < 1 << 10 ? 10 : brightest < 1 << 12 ? 12 : brightest < 1 << 14 ? 14 : 16;
+    }
     cv::Mat out;
     grey.convertTo(out, CV_8U, 255.0 / ((1 << deep_bits_) - 1));
     return out;

@@ -25,13 +25,10 @@ void Scale::scale_by_rigs(MapEdit& edit) {
 }
 
 ScaleReport Scale::by_rigs(const Map& map) {
-  ScaleReport report;
   for (const MapCamera& c : map.cameras()) {
-    for (const FramePose& f : c.frames) {
-      if (f.valid() && map.is_metric(f.map)) report.in_metres.insert(f.map);
-    }
+    if (map.is_metric(c.map)) metric_.insert(c.map);
   }
-  return report;
+  return {.in_metres = metric_};
 }
 
 ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {

@@ -48,14 +48,15 @@ class Scale {
 
  private:
   static void scale_by_rigs(MapEdit& edit);
-  static ScaleReport by_rigs(const Map& map);
+  ScaleReport by_rigs(const Map& map);
   void scale_by_baseline(MapEdit& edit);
   ScaleReport by_baseline() const;
   ScaleReport by_tags(const TagScaleReport& r) const;
 
   TagScale tags_;
-  MapId scaled_;     // the one that the baseline gave its scale; 0 = none
-  SetId scaled_at_;  // the instant of the known baseline
+  std::set<MapId> metric_;  // by rigs, that some camera was in
+  MapId scaled_;            // the one that the baseline gave its scale; 0 = none
+  SetId scaled_at_;         // the instant of the known baseline
 };
 
 }  // namespace coslam

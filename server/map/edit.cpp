@@ -14,8 +14,8 @@
 namespace coslam {
 namespace {
 
-constexpr std::size_t kTrackKeepAll =
-    128;  // newest observations of a track; when it has twice as many, every other older one goes
+// Newest observations of a track; when it has twice as many, every other older one goes.
+constexpr std::size_t kTrackKeepAll = 128;
 constexpr std::size_t kNewest = 16;  // frames or sets that tell the time between two
 
 void thin_out(std::vector<TrackPoint>& seen) {
