@@ -70,11 +70,15 @@ std::vector<std::string> scene_names();
 // Throws UserError for an unknown name (with the list of names). cameras, frames <= 0: the scene's own number.
 std::unique_ptr<Scene> make_scene(const std::string& name, std::uint64_t seed, int cameras = 0, int frames = 0);
 
+// <= 0 or empty: the scene's own.
 struct RenderOptions {
   std::string scene;
   std::uint64_t seed = 1;
   int cameras = 0;
-  int frames = 0;
+  int frames = 0;                   // a camera
+  double rate_hz = 0;               // the same motion, with more or fewer images of it
+  int width_px = 0, height_px = 0;  // another width is another scale, another height shows more or less
+  std::string lens;                 // pinhole, radtan, equidistant, fisheyeN (N degrees from corner to corner)
   int threads = 2;
 };
 
@@ -87,7 +91,7 @@ void render_sequence(const RenderOptions& options, const std::filesystem::path& 
                      const std::function<void(int, int)>& progress);
 
 // The cached rendering of a scene (rendered when missing): $COSLAM_CACHE or ~/.cache/coslam, a folder per scene, seed,
-// size and version of the renderer.
+// size and version of the renderer; of the scene's own rate, images and lenses.
 std::filesystem::path cached_sequence(const RenderOptions& options, const std::function<void(int, int)>& progress);
 
 }  // namespace coslam

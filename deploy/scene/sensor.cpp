@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
 
+#include "common/base/error.h"
 #include "deploy/scene/noise.h"
 
 namespace coslam::sim {
@@ -15,6 +18,7 @@ namespace {
 
 constexpr double kLensBlurPx = 0.6;
 constexpr int kToneSteps = 1 << 14;
+constexpr int kWidthPx = 640, kHeightPx = 480;
 
 // Standard normal quantiles at equal steps of probability, read at a random place. Acklam's rational form is not
 // needed: bisection on erfc is exact and runs once.
@@ -44,33 +48,69 @@ std::array<std::uint8_t, kToneSteps + 1> tone_curve(double gamma) {
   return out;
 }
 
+CameraModel radtan_lens() {
+  CameraModel c;
+  c.fx = 462.4, c.fy = 461.1, c.cx = 322.6, c.cy = 237.8;
+  c.distortion = DistortionModel::kRadTan;
+  c.coefficients = {-0.28, 0.07, 3e-4, -2e-4};
+  return c;
+}
+
+CameraModel second_radtan_lens() {
+  CameraModel c;
+  c.fx = 455.3, c.fy = 455.9, c.cx = 316.2, c.cy = 243.5;
+  c.distortion = DistortionModel::kRadTan;
+  c.coefficients = {-0.265, 0.062, -4e-4, 2.5e-4};
+  return c;
+}
+
+CameraModel equidistant_lens() {
+  CameraModel c;
+  c.fx = 470.8, c.fy = 470.2, c.cx = 318.9, c.cy = 240.7;
+  c.distortion = DistortionModel::kEquidistant;
+  c.coefficients = {-0.012, 0.006, -0.003, 0.0005};
+  return c;
+}
+
+// So that the ray at half the field meets a corner of the image.
+CameraModel fisheye_lens(double field_deg) {
+  CameraModel c = equidistant_lens();
+  c.cx = 0.5 * (kWidthPx - 1), c.cy = 0.5 * (kHeightPx - 1);
+  const double edge = std::tan(0.5 * field_deg * std::numbers::pi / 180);
+  c.fx = c.fy = 0.5 * std::hypot(kWidthPx, kHeightPx) / c.distort_normalized({edge, 0}).x();
+  return c;
+}
+
+CameraModel lens_of(int index, const std::string& name) {
+  constexpr std::string_view kFisheye = "fisheye";
+  if (name.empty()) return std::array{radtan_lens, second_radtan_lens, equidistant_lens}[index % 3]();
+  if (name == "radtan") return radtan_lens();
+  if (name == "equidistant") return equidistant_lens();
+  if (name == "pinhole") {
+    CameraModel c = radtan_lens();
+    c.distortion = DistortionModel::kNone;
+    c.coefficients = {};
+    return c;
+  }
+  if (name.starts_with(kFisheye)) {
+    const char *from = name.data() + kFisheye.size(), *end = name.data() + name.size();
+    int field_deg = 0;
+    const auto [rest, error] = std::from_chars(from, end, field_deg);
+    if (error == std::errc() && rest == end && field_deg >= 60 && field_deg <= 170) return fisheye_lens(field_deg);
+  }
+  throw UserError("unknown lens '" + name + "' (known: pinhole, radtan, equidistant, fisheye60 to fisheye170)");
+}
+
 double gain_at(const SensorModel& s, double t_s) {
   return s.gain * (1 + s.drift * std::sin(2 * std::numbers::pi * t_s / s.drift_period_s + s.drift_phase_rad));
 }
 
 }  // namespace
 
-CameraModel simulated_camera(int index, double image_scale) {
-  CameraModel c;
-  switch (index % 3) {
-    case 0:
-      c.fx = 462.4, c.fy = 461.1, c.cx = 322.6, c.cy = 237.8;
-      c.distortion = DistortionModel::kRadTan;
-      c.coefficients = {-0.28, 0.07, 3e-4, -2e-4};
-      break;
-    case 1:
-      c.fx = 455.3, c.fy = 455.9, c.cx = 316.2, c.cy = 243.5;
-      c.distortion = DistortionModel::kRadTan;
-      c.coefficients = {-0.265, 0.062, -4e-4, 2.5e-4};
-      break;
-    default:
-      c.fx = 470.8, c.fy = 470.2, c.cx = 318.9, c.cy = 240.7;
-      c.distortion = DistortionModel::kEquidistant;
-      c.coefficients = {-0.012, 0.006, -0.003, 0.0005};
-      break;
-  }
-  c.width_px = static_cast<int>(std::lround(640 * image_scale));
-  c.height_px = static_cast<int>(std::lround(480 * image_scale));
+CameraModel simulated_camera(int index, double image_scale, const std::string& lens) {
+  CameraModel c = lens_of(index, lens);
+  c.width_px = static_cast<int>(std::lround(kWidthPx * image_scale));
+  c.height_px = static_cast<int>(std::lround(kHeightPx * image_scale));
   c.fx *= image_scale;
   c.fy *= image_scale;
   // Pixel centres at whole numbers: the image starts at -0.5.

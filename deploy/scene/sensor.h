@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <string>
 
 #include "common/geometry/camera_model.h"
 
@@ -23,8 +24,13 @@ struct SensorModel {
   std::uint64_t seed = 0;
 };
 
-// The lens of camera `index`: each of the first three differs, further ones repeat them. Width 640 at scale 1.
-CameraModel simulated_camera(int index, double image_scale = 1.0);
+// A camera with 640 x 480 pixels at scale 1. Lenses:
+//   ""           that of camera `index`: each of the first three differs, further ones repeat them
+//   pinhole      without distortion
+//   radtan, equidistant
+//   fisheyeN     equidistant, N degrees from corner to corner, 60 to 170
+// Throws UserError for another one.
+CameraModel simulated_camera(int index, double image_scale = 1.0, const std::string& lens = {});
 SensorModel simulated_sensor(int index, std::uint64_t seed);
 
 // The 8-bit image of a radiance image. The same sensor and frame give the same noise.

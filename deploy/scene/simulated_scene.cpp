@@ -19,7 +19,7 @@ struct NamedScene {
   SceneDescription (*describe)(std::uint64_t seed, int cameras);
 };
 
-constexpr std::array<NamedScene, 10> kScenes{{{"room", 3, describe_room},
+constexpr std::array<NamedScene, 12> kScenes{{{"room", 3, describe_room},
                                               {"wall", 3, describe_wall},
                                               {"walking-man", 3, describe_walking_man},
                                               {"sitting-man", 4, describe_sitting_man},
@@ -28,10 +28,25 @@ constexpr std::array<NamedScene, 10> kScenes{{{"room", 3, describe_room},
                                               {"strangers", 3, describe_strangers},
                                               {"twins", 2, describe_twins},
                                               {"swarm", 12, describe_swarm},
-                                              {"tag", 1, describe_tag}}};
+                                              {"tag", 1, describe_tag},
+                                              {"street", 2, describe_street},
+                                              {"atrium", 3, describe_atrium}}};
 
 // The instants that are asked for again: those that the cameras and threads work on.
 constexpr std::size_t kInstantsKept = 8;
+
+// Another width is another scale; another height shows more or less above and below.
+CameraModel camera_of(int index, const SceneSize& size, const SceneDescription& own) {
+  const std::string& lens = size.lens.empty() ? own.lens : size.lens;
+  constexpr double kUsualWidthPx = 640;
+  const double scale = size.width_px > 0 ? size.width_px / kUsualWidthPx : size.image_scale * own.image_scale;
+  CameraModel out = simulated_camera(index, scale, lens);
+  if (size.height_px > 0) {
+    out.cy += 0.5 * (size.height_px - out.height_px);
+    out.height_px = size.height_px;
+  }
+  return out;
+}
 
 std::vector<Mesh> parts_of(const std::vector<Body>& bodies) {
   std::vector<Mesh> out;
@@ -43,6 +58,11 @@ std::vector<Mesh> parts_of(const std::vector<Body>& bodies) {
 
 SimulatedScene::SimulatedScene(SceneDescription description, const SceneSize& size)
     : description_(std::move(description)), parts_(parts_of(description_.bodies)), caster_(description_.world, parts_) {
+  if (size.rate_hz > 0) {
+    const double own_s = description_.frames / description_.rate_hz;
+    description_.frames = std::max(1, static_cast<int>(std::lround(own_s * size.rate_hz)));
+    description_.rate_hz = size.rate_hz;
+  }
   if (size.frames > 0) description_.frames = size.frames;
   std::size_t first = 0;
   for (const Body& body : description_.bodies) {
@@ -182,8 +202,7 @@ std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, st
     const int cameras = size.cameras > 0 ? size.cameras : scene.cameras;
     SceneDescription description = scene.describe(seed, cameras);
     for (int i = 0; i < cameras; ++i) {
-      description.cameras[static_cast<std::size_t>(i)].model =
-          simulated_camera(i, size.image_scale * description.image_scale);
+      description.cameras[static_cast<std::size_t>(i)].model = camera_of(i, size, description);
     }
     return std::make_unique<SimulatedScene>(std::move(description), size);
   }

@@ -32,6 +32,7 @@ struct SceneDescription {
   double rate_hz = 30;
   double image_scale = 1;  // of its images against 640 pixels across
   double tag_m = 0;        // side of the printed tag in it; 0: there is none
+  std::string lens;        // as simulated_camera()
 };
 
 inline constexpr int kMaxCameras = 16;
@@ -63,9 +64,20 @@ SceneDescription describe_swarm(std::uint64_t seed, int cameras);
 // A room with a tag of 16 cm on a wall, and one camera that passes it: the scale comes from the tag alone.
 SceneDescription describe_tag(std::uint64_t seed, int cameras);
 
+// A street around a block of houses, 10 images a second. Cars follow each other at 10 m, at up to 60 km/h, with a
+// camera on the front of each; cars come towards them, cyclists are overtaken, people cross. They come back to the
+// start.
+SceneDescription describe_street(std::uint64_t seed, int cameras);
+// A hall. Three drones with lenses of 150 degrees fly fast around a stand, 20 images a second; from 13 to 18 s they
+// turn round on the spot. Two people walk around the stand.
+SceneDescription describe_atrium(std::uint64_t seed, int cameras);
+
 struct SceneSize {
-  int cameras = 0, frames = 0;  // <= 0: the scene's own number
-  double image_scale = 1;       // of the scene's images; tests use small ones
+  int cameras = 0, frames = 0;      // <= 0: the scene's own number; frames: those of its own time at the rate
+  double image_scale = 1;           // of the scene's images; tests use small ones
+  double rate_hz = 0;               // <= 0: the scene's own
+  int width_px = 0, height_px = 0;  // <= 0: the scene's own
+  std::string lens;                 // as simulated_camera(); empty: the scene's own
 };
 
 // A world with what moves in it. Thread-safe.
@@ -113,7 +125,7 @@ class SimulatedScene : public Scene {
   mutable std::vector<std::shared_ptr<const PosedParts>> recent_;  // newest last
 };
 
-// As make_scene(). Throws UserError for an unknown name or too many cameras.
+// As make_scene(). Throws UserError for an unknown name, an unknown lens or too many cameras.
 std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, std::uint64_t seed,
                                                      const SceneSize& size);
 

@@ -11,7 +11,7 @@
 namespace coslam::sim {
 
 // Ids from here on are kept for things that move.
-inline constexpr std::uint32_t kFirstMovingObject = 1000;
+inline constexpr std::uint32_t kFirstMovingObject = 100000;
 
 // A textured parallelogram, seen from both sides. Seen from its front, edge_u runs to the right and edge_v down.
 struct Facet {

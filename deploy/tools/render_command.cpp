@@ -21,8 +21,18 @@ std::string known_scenes() {
 
 struct RenderArguments {
   RenderOptions options;
-  std::string folder;
+  std::string folder, size;
 };
+
+// "WxH" in pixels. An empty text is one that was not given.
+std::string read_size(const std::string& text, RenderOptions& options) {
+  int read = 0;
+  const bool whole = std::sscanf(text.c_str(), "%5dx%5d%n", &options.width_px, &options.height_px, &read) == 2 &&
+                     static_cast<std::size_t>(read) == text.size();
+  const auto fits = [](int side_px) { return side_px >= 64 && side_px <= 8192; };
+  if (whole && fits(options.width_px) && fits(options.height_px)) return {};
+  return "takes WIDTHxHEIGHT in pixels, 64 to 8192 each, not '" + text + "'";
+}
 
 int render(RenderArguments arguments) {
   constexpr std::string_view kSimulated = "sim:";
@@ -50,6 +60,13 @@ void add_render_command(CLI::App& app, Command& chosen) {
       ->check(CLI::PositiveNumber);
   command->add_option("--cameras", options.cameras, "cameras; default: the scene's own")->check(CLI::PositiveNumber);
   command->add_option("--seed", options.seed, "seed of textures, motion and noise")->capture_default_str();
+  command->add_option("--rate-hz", options.rate_hz, "images a second of the same motion; default: the scene's own")
+      ->check(CLI::Range(0.5, 240.0));
+  command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the images in pixels; default: the scene's own")
+      ->check([&options](const std::string& text) { return read_size(text, options); });
+  command->add_option("--lens", options.lens,
+                      "pinhole, radtan, equidistant or fisheyeN (N degrees from corner to corner, 60 to 170); default: "
+                      "the scene's own");
   command->callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

@@ -79,22 +79,34 @@ TEST_P(EveryScene, EveryPixelHasARay) {
     }
     const double left = model.normalized_from_pixel(*model.undistorted_from_raw({0, model.cy})).x();
     const double right = model.normalized_from_pixel(*model.undistorted_from_raw({model.width_px - 1.0, model.cy})).x();
-    EXPECT_NEAR((std::atan(right) - std::atan(left)) * kDegPerRad, 77.5, 3.5);
+    const double across_deg = (std::atan(right) - std::atan(left)) * kDegPerRad;
+    EXPECT_NEAR(across_deg, GetParam() == "atrium" ? 121 : 77.5, 3.5);
   }
+}
+
+// How fast a camera may go and turn.
+struct Pace {
+  double speed_m_s = 1.9, turn_deg_s = 60;
+};
+Pace pace_of(const std::string& scene) {
+  if (scene == "street") return {17.5, 60};  // 60 km/h
+  if (scene == "atrium") return {4.5, 150};
+  return {};
 }
 
 TEST_P(EveryScene, MovesSmoothlyAndStartsSlowly) {
   constexpr double kStepS = 1e-3;
+  const Pace pace = pace_of(GetParam());
   for (int i = 0; i < scene_->cameras(); ++i) {
     double last_speed = NAN;
     for (double t = 0; t < scene_->frames() / scene_->rate_hz(); t += 0.005) {
       const Rigid3 a = scene_->cam_from_world(i, t), b = scene_->cam_from_world(i, t + kStepS);
       const double speed = (a.center() - b.center()).norm() / kStepS;
       const double turn = so3_log(b.rotation * a.rotation.conjugate()).norm() / kStepS * kDegPerRad;
-      ASSERT_LT(turn, 60) << "camera " << i << " at " << t;
+      ASSERT_LT(turn, pace.turn_deg_s) << "camera " << i << " at " << t;
       const double change = std::isnan(last_speed) ? 0 : std::abs(speed - last_speed);
       ASSERT_LT(change, 0.05) << "camera " << i << " at " << t;
-      ASSERT_LT(speed, t < 0.05 ? 0.25 : 1.9) << "camera " << i << " at " << t;
+      ASSERT_LT(speed, t < 0.05 ? 0.25 : pace.speed_m_s) << "camera " << i << " at " << t;
       last_speed = speed;
     }
   }
@@ -182,6 +194,84 @@ TEST_P(SceneOfOneGroup, NeighboursKeepSeeingCommonThingsMostOfTheTime) {
     }
   }
   EXPECT_GT(shared, 0.8 * all);
+}
+
+TEST(MakeScene, AnotherRateIsTheSameMotion) {
+  const auto own = sim::make_simulated_scene("room", 1, {}),
+             slow = sim::make_simulated_scene("room", 1, {.rate_hz = 10}),
+             cut = sim::make_simulated_scene("room", 1, {.frames = 7, .rate_hz = 10});
+  EXPECT_EQ(slow->rate_hz(), 10);
+  EXPECT_EQ(slow->frames(), own->frames() / 3);
+  EXPECT_EQ(cut->frames(), 7);
+  EXPECT_EQ(slow->time_s(50), own->time_s(150));
+  EXPECT_TRUE(slow->cam_from_world(1, 2.5).translation == own->cam_from_world(1, 2.5).translation);
+}
+
+TEST(MakeScene, AnotherSizeSeesTheSameAcross) {
+  const auto own = sim::make_simulated_scene("room", 1, {}),
+             wide = sim::make_simulated_scene("room", 1, {.width_px = 1280, .height_px = 720});
+  for (int i = 0; i < own->cameras(); ++i) {
+    const CameraModel &a = own->camera(i), &b = wide->camera(i);
+    EXPECT_EQ(b.width_px, 1280);
+    EXPECT_EQ(b.height_px, 720);
+    EXPECT_NEAR(b.fx, 2 * a.fx, 1e-9);
+    // The middle row of both looks the same way.
+    const auto angle = [](const CameraModel& c) { return c.normalized_from_pixel({0, 0.5 * (c.height_px - 1)}).y(); };
+    EXPECT_NEAR(angle(a), angle(b), 1e-9);
+  }
+}
+
+TEST(MakeScene, AFisheyeHasItsFieldFromCornerToCorner) {
+  for (const int field_deg : {60, 120, 150, 170}) {
+    const auto scene = sim::make_simulated_scene("room", 1, {.lens = "fisheye" + std::to_string(field_deg)});
+    const CameraModel& camera = scene->camera(0);
+    const auto corner = camera.undistorted_from_raw({-0.5, -0.5});
+    ASSERT_TRUE(corner.has_value()) << field_deg;
+    EXPECT_NEAR(2 * std::atan(camera.normalized_from_pixel(*corner).norm()) * kDegPerRad, field_deg, 0.1);
+  }
+}
+
+TEST(MakeScene, AnUnknownLensIsAUserErrorThatListsThem) {
+  for (const char* lens : {"fisheye", "fisheye59", "fisheye171", "fisheye120x", "fisheye-120", "zoom"}) {
+    try {
+      sim::make_simulated_scene("room", 1, {.lens = lens});
+      FAIL() << lens;
+    } catch (const UserError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("pinhole, radtan, equidistant, fisheye60"));
+    }
+  }
+}
+
+TEST(AtriumScene, TurnsRoundOnTheSpot) {
+  const auto scene = make_scene("atrium", 1);
+  for (int i = 0; i < scene->cameras(); ++i) {
+    double turned_deg = 0;
+    const Eigen::Vector3d spot = scene->cam_from_world(i, 13.7).center();
+    for (double t = 13.7; t < 17.3; t += 0.02) {
+      const Rigid3 a = scene->cam_from_world(i, t), b = scene->cam_from_world(i, t + 0.02);
+      turned_deg += so3_log(b.rotation * a.rotation.conjugate()).norm() * kDegPerRad;
+      ASSERT_LT((b.center() - spot).norm(), 0.03);
+    }
+    EXPECT_GT(turned_deg, 330);
+  }
+}
+
+TEST(StreetScene, CarsFollowEachOtherRoundTheBlockAt60KmH) {
+  const auto scene = make_scene("street", 1);
+  double fastest_m_s = 0, gone_m = 0;
+  Eigen::Vector3d last = scene->cam_from_world(0, 0).center();
+  for (int frame = 1; frame < scene->frames(); ++frame) {
+    const double t_s = frame / scene->rate_hz();
+    const Eigen::Vector3d at = scene->cam_from_world(0, t_s).center();
+    gone_m += (at - last).norm();
+    fastest_m_s = std::max(fastest_m_s, (at - last).norm() * scene->rate_hz());
+    EXPECT_NEAR((at - scene->cam_from_world(1, t_s).center()).norm(), 10, 1.5);
+    last = at;
+  }
+  EXPECT_NEAR(fastest_m_s * 3.6, 60, 1);
+  EXPECT_GT(gone_m, 400);
+  // Past the place where it started.
+  EXPECT_NEAR((last - scene->cam_from_world(0, 0).center()).norm(), 30, 3);
 }
 
 TEST(WallScene, TurnsOnTheSpotFromFrame180To256) {
