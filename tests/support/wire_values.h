@@ -93,7 +93,7 @@ class WireValues {
 
   DescriptorReply descriptors(const TrackFrame& frame, int count) {
     DescriptorReply reply{frame.agent, frame.agent_run, frame.frame, {}, {}};
-    for (int i = 0; i < count; ++i) reply.tracks.push_back(TrackId(static_cast<std::uint32_t>(3 * i + 1)));
+    for (int i = 0; i < count; ++i) reply.tracks.emplace_back(static_cast<std::uint32_t>(3 * i + 1));
     for (int i = 0; i < count * kDescriptorBytes; ++i) {
       reply.descriptors.push_back(quantised_descriptor(static_cast<std::uint8_t>(below(256))));
     }
