@@ -162,7 +162,9 @@ void MapEdit::adjust_pose(const MapCamera& camera, const FramePose& frame, const
 }
 
 void MapEdit::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
-  own(camera).moved = new_from_old * camera.moved;
+  MapCamera& c = own(camera);
+  c.moved = new_from_old * c.moved;
+  c.scene_depth *= new_from_old.scale;
 }
 
 // ---- tracks ----
@@ -310,8 +312,7 @@ void MapEdit::move_map(MapId map, const Similarity3& new_from_old) {
       if (f.map == map) f.cam_from_world = transform_world(f.cam_from_world, new_from_old);
     }
     if (c.map != map) continue;
-    c.moved = new_from_old * c.moved;
-    c.scene_depth *= new_from_old.scale;
+    carry_agent(c, new_from_old);
   }
   raise_epoch();
 }

@@ -122,7 +122,8 @@ void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solu
     if (p.map != of) continue;
     if (const auto node = frame_of(map, nodes, p)) {
       edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
-      retriangulate(edit, p);
+      // What moves is where its cameras saw it last, not where old views would have it.
+      if (p.rests()) retriangulate(edit, p);
     }
   }
   edit.raise_epoch();

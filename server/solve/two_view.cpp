@@ -115,6 +115,8 @@ int explained_by_turn(const cv::Mat& homography, const Points& pa, const Points&
 
 std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>& first,
                                              const std::vector<Eigen::Vector2d>& second, double threshold) {
+  constexpr std::size_t kFewest = 8;  // fewer fit any motion
+  if (first.size() < kFewest) return std::nullopt;
   const std::vector<cv::Point2d> a = to_cv(first), b = to_cv(second);
   const cv::Mat unit = cv::Mat::eye(3, 3, CV_64F);
   std::vector<TwoViewMotion> motions;

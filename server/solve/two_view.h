@@ -19,8 +19,8 @@ struct TwoViewMotion {
 
 // Best of the motions of the essential matrix and of the homography, from matches in normalized coordinates of which
 // part may be wrong; threshold in the same unit. Matches on one plane fit two essential matrices alike, and only the
-// points' depths tell the right one. Empty when nothing fits, when a turn alone explains the matches, or when two
-// different motions explain the same.
+// points' depths tell the right one. Empty when there are fewer than eight, when a turn alone explains the matches, or
+// when two different motions explain the same. Matches of nothing have some best motion too, with little support.
 std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>& first,
                                              const std::vector<Eigen::Vector2d>& second, double threshold);
 

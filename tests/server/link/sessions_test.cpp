@@ -155,6 +155,14 @@ TEST_F(SessionsTest, AGoneRunLeavesWhatItSentAndComesBackWithoutRepeatingIt) {
   EXPECT_EQ(rejections_[Rejection::kDuplicate], 1U);
 }
 
+TEST_F(SessionsTest, AGoneLockstepRunLeavesWhatItSentToo) {
+  join("a", 1, Pacing::kLockstep);
+  frame("a", 1, 4, 3);
+  EXPECT_THAT(events(), IsEmpty()) << "it waits for its patches, however long";
+  is(1, Presence::kGone);
+  EXPECT_THAT(events(), ElementsAre("frame 4", "a gone"));
+}
+
 TEST_F(SessionsTest, ARestartEndsTheRunBefore) {
   join("a", 1);
   hello("a", 2);

@@ -109,6 +109,22 @@ TEST_F(CloseLoopTest, TenCommonPointsDrawTheOtherCameraAlong) {
       << "triangulated anew";
 }
 
+TEST_F(CloseLoopTest, WhatMovesStaysWhereItWasSeenLast) {
+  const MapPoint& p = sim_.create(drift(kLast) * world_.position(common_.front()));
+  for (int c = 0; c < 2; ++c) sim_.bind(p, cam(c), *sim_.track_of(cam(c), common_.front()));
+  sim_.shift(p, {0.3, 0, 0});
+  sim_.set_moving(p);
+  const MapEdit edit = closed({}, {cam(0), cam(1)});
+  const Eigen::Vector3d before = pose(sim_.edit, 0, kLast) * p.position;
+  const Eigen::Vector3d after = pose(edit, 0, kLast) * edit.map().find(p.id)->position;
+  EXPECT_THAT(after, VectorNear(std::exp(-0.1) * before, 1e-6)) << "not triangulated anew";
+}
+
+TEST_F(CloseLoopTest, WhatAgentsKnowOfTheirDepthsGoesWithTheScale) {
+  sim_.edit.set_scene_depth(sim_.map.camera(cam(0)), 5);
+  EXPECT_NEAR(closed().map().camera(cam(0)).scene_depth, 5 * std::exp(-0.1), 1e-9);
+}
+
 TEST_F(CloseLoopTest, CamerasOfTheGroupKeepHowTheySeeEachOther) {
   const auto between = [](const MapEdit& e) { return pose(e, 1, kLast) * pose(e, 0, kLast).inverse(); };
   Rigid3 expected = between(sim_.edit);
