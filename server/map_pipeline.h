@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/config/rigs.h"
 #include "server/adjust/adjustment.h"
 #include "server/adjust/scale.h"
 #include "server/associate/cull.h"
@@ -75,8 +76,9 @@ void describe(V& v, MapServerConfig& c) {
           "turn of the viewing ray between two views that tell something: filter updates, key frames, starts");
   v.field("match_period_s", c.map.match_period_s, {0.001, 10}, "between looks for tracks and points that are one");
   v.field(
-      "rigs", c.map.rigs,
-      "cameras that are fixed to another: [CAMERA FIRST x y z qx qy qz qw, ...], p_in_camera = T * p_in_first, metres");
+      "rigs", c.map.rigs, read_rig_texts,
+      "cameras that are fixed to another: [CAMERA FIRST x y z qx qy qz qw, ...], p_in_camera = T * p_in_first, metres; "
+      "or as in a sequence: [{cameras: [A, B], cam_from_first: {B: [x, y, z, qx, qy, qz, qw]}}]");
   v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
           "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
   v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},

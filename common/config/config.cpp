@@ -118,6 +118,10 @@ void Fields::field(const std::string& name, Words& value, const std::string& com
   add({prefix_ + name, &value, {0, 0}, {}, comment});
 }
 
+void Fields::field(const std::string& name, Words& value, ReadSection read, const std::string& comment) {
+  add({prefix_ + name, &value, {0, 0}, {}, comment, read});
+}
+
 void Fields::add(Field field) {
   for (const Field& other : fields_) COSLAM_CHECK(other.path != field.path, "a configuration key is declared twice");
   fields_.push_back(std::move(field));
@@ -158,7 +162,11 @@ void Fields::read_section(const YamlValue& section, const std::string& prefix) c
 void Fields::read_value(const Field& field, const YamlValue& value) {
   if (auto* const* words = std::get_if<Words*>(&field.value)) {
     (*words)->clear();
-    for (const YamlValue& item : value.items()) (*words)->push_back(item.text());
+    for (const YamlValue& item : value.items()) {
+      const bool section = item.is_map() && field.read_section != nullptr;
+      const Words read = section ? field.read_section(item) : Words{item.text()};
+      (*words)->insert((*words)->end(), read.begin(), read.end());
+    }
     return;
   }
   const std::string problem = problem_of_text(field, value.text());

@@ -45,6 +45,9 @@ class Fields {
   void field(const std::string& name, std::string& value, const std::string& comment);
   void field(const std::string& name, std::string& value, const Words& allowed, const std::string& comment);
   void field(const std::string& name, Words& value, const std::string& comment);
+  // Whose items may also be sections in a file: `read` makes texts of one.
+  using ReadSection = Words (*)(const YamlValue& section);
+  void field(const std::string& name, Words& value, ReadSection read, const std::string& comment);
 
   template <class Section>
   void section(const std::string& name, Section& section) {
@@ -66,6 +69,7 @@ class Fields {
     Bounds<double> bounds{0, 0};  // of numbers
     Words allowed;                // of texts; empty: any
     std::string comment;
+    ReadSection read_section = nullptr;
   };
 
   void add(Field field);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/config/rigs.h"
 #include "common/config/yaml_value.h"
 
 namespace coslam {
@@ -89,27 +90,18 @@ std::vector<SequenceAgent> read_agents(const YamlValue& value) {
 }
 
 // Cameras that are fixed to each other: to the first of each rig.
-std::vector<RigCamera> read_rig(const YamlValue& value, const std::vector<SequenceAgent>& agents,
-                                std::set<std::string>* in_rigs) {
-  value.allow_only({"cameras", "cam_from_first"});
-  std::vector<std::string> names;
-  for (const YamlValue& item : value.at("cameras").items()) {
-    names.push_back(item.text());
-    const bool known = std::ranges::any_of(agents, [&](const SequenceAgent& a) { return a.name == names.back(); });
-    if (!known) item.fail("there is no agent '" + names.back() + "'");
-    if (!in_rigs->insert(names.back()).second) item.fail("'" + names.back() + "' is in two places of the rigs");
-  }
-  if (names.size() < 2) value.at("cameras").fail("a rig has at least two cameras");
-  const YamlValue transforms = value.at("cam_from_first");
-  transforms.allow_only({names.begin() + 1, names.end()});
+std::vector<RigCamera> read_rigs(const YamlValue& rigs, const std::vector<SequenceAgent>& agents) {
   std::vector<RigCamera> out;
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    const YamlValue transform = transforms.at(names[i]);
-    try {
-      out.push_back({names[i], names.front(), rig_transform(transform.numbers())});
-    } catch (const UserError& e) {
-      transform.fail(e.what());
+  std::set<std::string> in_rigs;
+  for (const YamlValue& rig : rigs.items()) {
+    const std::vector<RigCamera> cameras = read_rig(rig);
+    for (const YamlValue& item : rig.at("cameras").items()) {
+      const std::string name = item.text();
+      const bool known = std::ranges::any_of(agents, [&](const SequenceAgent& a) { return a.name == name; });
+      if (!known) item.fail("there is no agent '" + name + "'");
+      if (!in_rigs.insert(name).second) item.fail("'" + name + "' is in two places of the rigs");
     }
+    out.insert(out.end(), cameras.begin(), cameras.end());
   }
   return out;
 }
@@ -143,10 +135,7 @@ Sequence load_sequence(const fs::path& path) {
   sequence.agents = read_agents(root.at("agents"));
   if (const auto rigs = root.find("rigs")) {
     if (sequence.baseline_m || sequence.tag_m) rigs->fail("rigs tell lengths: leave out scale");
-    std::set<std::string> in_rigs;
-    for (const YamlValue& rig : rigs->items()) {
-      for (RigCamera& camera : read_rig(rig, sequence.agents, &in_rigs)) sequence.rigs.push_back(std::move(camera));
-    }
+    sequence.rigs = read_rigs(*rigs, sequence.agents);
   }
   sequence.truth_points = optional_path(root, "truth_points");
   sequence.masks = optional_path(root, "masks");

@@ -171,7 +171,12 @@ TEST_F(RigInSequence, WhatIsWrongIsNamed) {
   EXPECT_THAT(error(with("{cameras: [left, right], cam_from_first: {right: [-0.5, 0, 0]}}")),
               HasSubstr("seven numbers"));
   EXPECT_THAT(error(with("{cameras: [left, right, left], cam_from_first: {" + right + "}}")),
-              HasSubstr("'left' is in two places"));
+              HasSubstr("'left' is in the rig twice"));
+  EXPECT_THAT(error(with("{cameras: [left, right], cam_from_first: {" + right +
+                         "}}\n  - {cameras: [other, right], "
+                         "cam_from_first: {" +
+                         right + "}}")),
+              HasSubstr("'right' is in two places"));
   EXPECT_THAT(error("scale: {baseline_m: 1}\n" + with("{cameras: [left, right], cam_from_first: {" + right + "}}")),
               HasSubstr("rigs tell lengths: leave out scale"));
 }
