@@ -35,7 +35,7 @@ constexpr bool may_become(PointPhase from, PointPhase to) {
 //   resting   moving    it misses every static place by more, and so do its neighbours; or it is bound to what moves
 //   doubtful  moving    the same
 //   doubtful  resting   a static place explains it again
-//   moving    resting   the same; or its point stopped
+//   moving    resting   the same, somewhere near enough to pass by; or its point stopped
 //   moving    doubtful  it misses by less than before
 enum class TrackMotion : std::uint8_t { kResting, kDoubtful, kMoving };
 

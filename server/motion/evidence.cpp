@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "common/geometry/robust.h"
 #include "server/associate/gate.h"
@@ -56,20 +57,25 @@ bool stood_still_for(const Map& map, const MapPoint& p, double time_s, double mo
   return cameras >= 2;
 }
 
-// Largest miss of the best static explanation of a track's newest views, near or infinitely far; pixels.
-double static_miss_px(const std::vector<View>& views) {
-  double near_px = 1e9;
-  const TriangulationResult t = triangulate(views, 1.0, 0.0);
-  if (t.status == TriangulationStatus::kOk) near_px = t.max_error_px;
+constexpr double kBehind_px = 1e9;
+
+// Largest miss of the best direction of these views: of something infinitely far.
+double far_miss_px(std::span<const View> views) {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   for (const View& v : views) direction += world_ray(v);
   double far_px = 0;
   for (const View& v : views) {
     const Eigen::Vector3d in_cam = v.cam_from_world.rotation * direction;
-    if (in_cam.z() <= 0) return near_px;
+    if (in_cam.z() <= 0) return kBehind_px;
     far_px = std::max(far_px, (v.camera->project(in_cam) - v.undistorted_px).norm());
   }
-  return std::min(near_px, far_px);
+  return far_px;
+}
+
+// Largest miss of the best static explanation of a track's newest views, near or infinitely far; pixels.
+double static_miss_px(const std::vector<View>& views) {
+  const TriangulationResult t = triangulate(views, 1.0, 0.0);
+  return std::min(t.status == TriangulationStatus::kOk ? t.max_error_px : kBehind_px, far_miss_px(views));
 }
 
 // How far the newer view is from where a thing that stood still may appear: on the epipolar line of the older view,
@@ -112,6 +118,20 @@ std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track
 
 enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kDoubtful, kMoves };
 
+// How far something at the median depth went in the image meanwhile.
+double parallax_px(std::span<const View> views, double median_depth) {
+  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
+  return median_depth > 0 ? baseline / median_depth * views.front().camera->focal_px() : 0;
+}
+
+// What moved and now hardly moves in the view, while others pass by, keeps its distance: it goes along with the camera,
+// as the car ahead does. What stopped is somewhere.
+bool goes_on_with_camera(const ServerTrack& track, std::span<const View> views, double median_depth, double most_px) {
+  constexpr double kOfParallax = 0.15;
+  const double passed_px = parallax_px(views, median_depth);
+  return track.moves() && passed_px > 2 * most_px && far_miss_px(views) < std::max(most_px, kOfParallax * passed_px);
+}
+
 // Of a track by itself.
 Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double median_depth,
                    const EvidenceConfig& config) {
@@ -119,19 +139,24 @@ Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& t
   const double nearest = kNearest * median_depth, to_640 = 640.0 / camera.model.width_px;
   const auto views = newest_views(camera, track, camera.frames_in(config.test_s, kLeastFrames));
   if (static_cast<int>(views.size()) < camera.frames_in(config.least_s, kLeastFrames)) return Verdict::kYoung;
+  const auto goes_on = [&](std::size_t newest) {
+    return goes_on_with_camera(track, std::span(views).first(newest), median_depth, config.doubtful_px / to_640);
+  };
+  if (goes_on(views.size())) return Verdict::kMoves;
   if (!moves_by_more(views, views.size() - 1, nearest, config.doubtful_px / to_640)) return Verdict::kUndecided;
   const auto few = static_cast<std::size_t>(camera.frames_in(config.still_s, kLeastFrames));
   for (const std::size_t frames : {few, 2 * few}) {  // a longer look for tracks with more noise
     if (views.size() <= frames) break;
-    if (!moves_by_more(views, frames, nearest, still_px(camera, frames, config))) return Verdict::kUndecided;
+    if (moves_by_more(views, frames, nearest, still_px(camera, frames, config))) continue;
+    return goes_on(frames + 1) ? Verdict::kMoves : Verdict::kUndecided;
   }
   // Corners where one thing hides another slide when the camera moves: by a part of the parallax, and not for long.
   constexpr double kMostSlide = 2.5;
-  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
-  const double parallax_px = median_depth > 0 ? baseline / median_depth * camera.model.focal_px() : 0;
-  const double slide_px = std::min(config.motion_parallax * parallax_px, kMostSlide * config.motion_px / to_640);
+  const double slide_px =
+      std::min(config.motion_parallax * parallax_px(views, median_depth), kMostSlide * config.motion_px / to_640);
   const double most_px = std::max(config.motion_px / to_640, slide_px);
-  return moves_by_more(views, views.size() - 1, nearest, most_px) ? Verdict::kMoves : Verdict::kDoubtful;
+  const bool moves = moves_by_more(views, views.size() - 1, nearest, most_px);
+  return moves || goes_on(std::min(few + 1, views.size())) ? Verdict::kMoves : Verdict::kDoubtful;
 }
 
 struct Judged {

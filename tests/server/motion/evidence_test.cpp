@@ -122,6 +122,60 @@ TEST_F(EvidenceTest, WhatMovesAmongItsLikeIsJudgedMoving) {
   }
 }
 
+// Neighbours in the first camera that were seen to move, and then, for more than the time that is looked at, at
+// fixed places: so far away from where the camera began, in its middle.
+class AfterMotion : public EvidenceTest {
+ protected:
+  void stay(double distance) {
+    for (int i = kStatic; tracks_.size() < kTracks; ++i) {
+      if (sim_.track_of(kCam0, i) != nullptr) tracks_.push_back(i);
+    }
+    const Rigid3 began = sim_.truth(kCam0, sim_.set.id);
+    const MapCamera& camera = sim_.map.camera(kCam0);
+    for (int n = 0; n < 40; ++n) {
+      sim_.look();
+      const Rigid3 now = sim_.truth(kCam0, sim_.set.id);
+      for (std::size_t i = 0; i < tracks_.size(); ++i) {
+        TrackObservation* seen = sim_.seen(kCam0, tracks_[i]);
+        ASSERT_NE(seen, nullptr);
+        const Eigen::Vector2d at(290 + 4.0 * static_cast<double>(i), 230);
+        const Eigen::Vector3d place = distance * camera.model.normalized_from_pixel(at).homogeneous();
+        seen->undistorted_px = camera.model.project(now * (began.inverse() * place)).cast<float>();
+      }
+      sim_.take();
+      sim_.place_truly();
+    }
+    clear(sim_.track_of(kCam0, tracks_[kTracks / 2])->seen.back().undistorted_px);
+  }
+  // No point at rest is around there.
+  void clear(const Eigen::Vector2f& there) {
+    for (const auto& [id, t] : sim_.map.camera(kCam0).tracks) {
+      if (!t.bound() || (t.seen.back().undistorted_px - there).norm() > 80) continue;
+      sim_.edit.remove_point(*sim_.map.find(t.point), Why::kTooFewViews);
+    }
+  }
+  std::vector<TrackMotion> judged_after(TrackMotion before) {
+    std::vector<TrackMotion> out;
+    for (const int i : tracks_) sim_.edit.set_motion(kCam0, *sim_.track_of(kCam0, i), before);
+    for (const int i : tracks_) out.push_back(judged(kCam0, i));
+    return out;
+  }
+  static constexpr std::size_t kTracks = 8;
+  std::vector<int> tracks_;
+};
+
+TEST_F(AfterMotion, WhatKeepsItsDistanceToTheCameraGoesOn) {
+  stay(1e5);
+  using enum TrackMotion;
+  EXPECT_EQ(judged_after(kMoving), std::vector(kTracks, kMoving)) << "as the car ahead does";
+  EXPECT_EQ(judged_after(kResting), std::vector(kTracks, kResting)) << "far things that never moved rest";
+}
+
+TEST_F(AfterMotion, WhatStoppedSomewhereRests) {
+  stay(3);
+  EXPECT_EQ(judged_after(TrackMotion::kMoving), std::vector(kTracks, TrackMotion::kResting));
+}
+
 TEST_F(EvidenceTest, TwoTracksOfOneMoverMovedAsOne) {
   int as_ones = 0, movers = 0;
   for (int i = kStatic; i < world_.size(); ++i) {
