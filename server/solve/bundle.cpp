@@ -28,29 +28,6 @@ Rigid3 from_block(const Block& b) {
   return {Eigen::Map<const Eigen::Quaterniond>(b.data()).normalized(), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
 }
 
-// How far two poses are from what ties them: rotation and translation in standard deviations.
-struct TieCost {
-  Rigid3 second_from_first;
-
-  template <class T>
-  bool operator()(const T* first, const T* second, T* residual) const {
-    constexpr double kTurn_rad = 2e-4, kShift = 1e-3;  // the latter of the distance
-    using Quaternion = Eigen::Quaternion<T>;
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const Quaternion q1 = Eigen::Map<const Quaternion>(first).normalized();
-    const Quaternion q2 = Eigen::Map<const Quaternion>(second).normalized();
-    const Vector t1 = Eigen::Map<const Vector>(first + 4), t2 = Eigen::Map<const Vector>(second + 4);
-    const Quaternion is = q2 * q1.conjugate();
-    Quaternion off = is * second_from_first.rotation.conjugate().template cast<T>();
-    if (off.w() < T(0)) off.coeffs() = -off.coeffs();
-    const Vector shift = t2 - is * t1 - second_from_first.translation.template cast<T>();
-    Eigen::Map<Vector> turn_out(residual), shift_out(residual + 3);
-    turn_out = off.vec() * T(2 / kTurn_rad);
-    shift_out = shift / T(kShift * second_from_first.translation.norm());
-    return true;
-  }
-};
-
 ceres::Solver::Options solver_options(const BundleConfig& config, const BundleProblem& problem) {
   constexpr std::ptrdiff_t kDenseMost = 120;  // beyond, a whole run: most poses share no point
   const auto free_poses = std::ranges::count(problem.poses, false, &BundleProblem::Pose::fixed);
@@ -114,8 +91,8 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
                                    result.points[static_cast<std::size_t>(o.point)].data());
   }
   for (const auto& t : problem.ties) {
-    ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<TieCost, 6, 7, 7>(new TieCost{t.second_from_first}),
-                                   nullptr, poses[static_cast<std::size_t>(t.first)].data(),
+    ceres_problem.AddResidualBlock(make_tie_cost(t.second_from_first).release(), nullptr,
+                                   poses[static_cast<std::size_t>(t.first)].data(),
                                    poses[static_cast<std::size_t>(t.second)].data());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {

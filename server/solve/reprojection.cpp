@@ -7,8 +7,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "common/geometry/rigid3.h"
-
 namespace coslam {
 namespace {
 
@@ -87,6 +85,50 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
   double weight_;
 };
 
+class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {
+ public:
+  explicit TieCost(const Rigid3& second_from_first)
+      : tie_(second_from_first), shift_weight_(1.0 / (kShift * second_from_first.translation.norm())) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Rigid3 first = pose_of(parameters[0]), second = pose_of(parameters[1]);
+    const Rigid3 is = second * first.inverse();
+    Eigen::Quaterniond off = is.rotation * tie_.rotation.conjugate();
+    if (off.w() < 0) off.coeffs() = -off.coeffs();
+    Eigen::Map<Eigen::Vector3d> turn(residuals), shift(residuals + 3);
+    turn = 2 * kTurnWeight * off.vec();
+    shift = shift_weight_ * (is.translation - tie_.translation);
+    if (jacobians == nullptr) return true;
+    // exp(w) is * ... : 2 vec(off) changes by (off.w I - [off.vec]) w.
+    const Eigen::Matrix3d by_turn = kTurnWeight * (off.w() * Eigen::Matrix3d::Identity() - skew(off.vec()));
+    const Eigen::Matrix3d r = is.rotation.toRotationMatrix();
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Jacobian> j(jacobians[0]);
+      j.setZero();
+      j.topLeftCorner<3, 3>() = -by_turn * r;
+      j.block<3, 3>(3, 3) = -shift_weight_ * r;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Jacobian> j(jacobians[1]);
+      j.setZero();
+      j.topLeftCorner<3, 3>() = by_turn;
+      j.block<3, 3>(3, 0) = -shift_weight_ * skew(is.translation);
+      j.block<3, 3>(3, 3) = shift_weight_ * Eigen::Matrix3d::Identity();
+    }
+    return true;
+  }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
+  static constexpr double kTurnWeight = 1 / 2e-4, kShift = 1e-3;
+  static Rigid3 pose_of(const double* block) {
+    return {Eigen::Map<const Eigen::Quaterniond>(block).normalized(), Eigen::Map<const Eigen::Vector3d>(block + 4)};
+  }
+
+  Rigid3 tie_;
+  double shift_weight_;
+};
+
 }  // namespace
 
 std::unique_ptr<ceres::Manifold> make_pose_manifold() { return std::make_unique<PoseManifold>(); }
@@ -94,6 +136,10 @@ std::unique_ptr<ceres::Manifold> make_pose_manifold() { return std::make_unique<
 std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
                                                             const Eigen::Vector2d& undistorted_px, double sigma_px) {
   return std::make_unique<ReprojectionCost>(camera, undistorted_px, sigma_px);
+}
+
+std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first) {
+  return std::make_unique<TieCost>(second_from_first);
 }
 
 }  // namespace coslam

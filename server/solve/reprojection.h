@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "common/geometry/camera_model.h"
+#include "common/geometry/rigid3.h"
 
 // What bundle.cpp gives to Ceres. A pose block holds a quaternion (x y z w) and a translation of cam_from_world.
 namespace coslam {
@@ -21,5 +22,9 @@ std::unique_ptr<ceres::Manifold> make_pose_manifold();
 // only. Holds a reference to the camera.
 std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
                                                             const Eigen::Vector2d& undistorted_px, double sigma_px);
+
+// How far two pose blocks are from what ties them, in standard deviations: turn (3) of 0.2 mrad and shift (3) of a
+// thousandth of the distance. The Jacobians are by local coordinates as above.
+std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first);
 
 }  // namespace coslam

@@ -218,5 +218,21 @@ TEST_F(BundleTest, TiesHoldRelativePosesAndTheScale) {
   EXPECT_LT(worst_pose_m(r), 0.01);
 }
 
+// Where the start is 5 % away from them, as in a map that was made without.
+TEST_F(BundleTest, TiesPullASolutionToTheirScale) {
+  BundleProblem p = make({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002, .fixed = 0});
+  for (std::size_t i = 0; i < poses_.size(); i += 2) {
+    p.ties.push_back({static_cast<int>(i), static_cast<int>(i + 1), poses_[i + 1] * poses_[i].inverse()});
+  }
+  for (auto& pose : p.poses) pose.cam_from_world.translation *= 1.05;
+  for (Eigen::Vector3d& point : p.points) point *= 1.05;
+  p.poses[0].fixed = true;
+  const BundleResult r = solve_bundle(p, {.max_iterations = 50});
+  ASSERT_TRUE(r.usable);
+  const double length = (r.poses[10].center() - r.poses[0].center()).norm();
+  const double truth = (poses_[10].center() - poses_[0].center()).norm();
+  EXPECT_NEAR(length / truth, 1, 0.003);
+}
+
 }  // namespace
 }  // namespace coslam

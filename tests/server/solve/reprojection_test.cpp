@@ -107,6 +107,53 @@ TEST(ReprojectionCost, JacobiansNumerically) {
   }
 }
 
+TEST(TieCost, IsZeroWhereTheTieHolds) {
+  std::mt19937 random(4);
+  const Rigid3 tie = retract({}, random_tangent(random, 1)), first = retract({}, random_tangent(random, 1));
+  const auto cost = make_tie_cost(tie);
+  const Block a = block_of(first), b = block_of(tie * first);
+  const double* parameters[] = {a.data(), b.data()};
+  Vector6d r;
+  ASSERT_TRUE(cost->Evaluate(parameters, r.data(), nullptr));
+  EXPECT_LT(r.norm(), 1e-7);
+}
+
+TEST(TieCost, JacobiansNumerically) {
+  const auto manifold = make_pose_manifold();
+  std::mt19937 random(3);
+  constexpr double h = 1e-7;
+  for (int trial = 0; trial < 30; ++trial) {
+    const Rigid3 tie = retract({}, random_tangent(random, 1)), first = retract({}, random_tangent(random, 1.5));
+    const auto cost = make_tie_cost(tie);
+    const Rigid3 second = retract(tie * first, random_tangent(random, 0.3));
+    const std::array<Block, 2> blocks{block_of(first), block_of(second)};
+    const auto residual = [&](const Block& a, const Block& b) {
+      const double* parameters[] = {a.data(), b.data()};
+      Vector6d r;
+      EXPECT_TRUE(cost->Evaluate(parameters, r.data(), nullptr));
+      return r;
+    };
+    std::array<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>, 2> by_block;
+    const double* parameters[] = {blocks[0].data(), blocks[1].data()};
+    double* jacobians[] = {by_block[0].data(), by_block[1].data()};
+    Vector6d r;
+    ASSERT_TRUE(cost->Evaluate(parameters, r.data(), jacobians));
+    for (std::size_t which = 0; which < 2; ++which) {
+      Eigen::Matrix<double, 7, 6, Eigen::RowMajor> plus;
+      ASSERT_TRUE(manifold->PlusJacobian(blocks[which].data(), plus.data()));
+      const Eigen::Matrix<double, 6, 6> by_pose = by_block[which] * plus;
+      for (int i = 0; i < 6; ++i) {
+        const Vector6d d = h * Vector6d::Unit(i), minus_d = -d;
+        std::array<Block, 2> above = blocks, below = blocks;
+        ASSERT_TRUE(manifold->Plus(blocks[which].data(), d.data(), above[which].data()));
+        ASSERT_TRUE(manifold->Plus(blocks[which].data(), minus_d.data(), below[which].data()));
+        const Vector6d numeric = (residual(above[0], above[1]) - residual(below[0], below[1])) / (2 * h);
+        EXPECT_THAT(by_pose.col(i), test::VectorNear(numeric, 1e-5 * by_pose.norm())) << which << " " << i;
+      }
+    }
+  }
+}
+
 TEST(ReprojectionCost, BehindTheCameraIsAConstantThatPullsNothing) {
   const auto cost = make_reprojection_cost(kCamera, kPx, 1.0);
   const Block block = block_of({});
