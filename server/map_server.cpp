@@ -65,7 +65,7 @@ void MapServer::finish() {
   pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
-  adjust_whole(edit_, largest_map(), refine);
+  lenses_ = adjust_whole(edit_, largest_map(), refine);
   take(pipeline_.stage<Scale>().finish(edit_));
 }
 

@@ -68,6 +68,9 @@ class MapServer {
   // Maps that hold a frame of some camera: one, if all could be brought together.
   int map_count() const;
   // Whether the lengths of that map are metres.
+  // How lenses were found to differ from their calibrations, by camera; empty when it was not asked for or is not
+  // known.
+  const std::vector<LensChange>& lenses() const { return lenses_; }
   bool scale_known() const { return in_metres_.contains(largest_map()); }
   // Printed tags in that map, as last measured.
   std::vector<MeasuredTag> tags() const { return pipeline_.stage<Scale>().tags().tags(largest_map()); }
@@ -85,6 +88,7 @@ class MapServer {
   PipelineReport report_;
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
+  std::vector<LensChange> lenses_;
   std::vector<std::string> warnings_;
 };
 

@@ -42,6 +42,17 @@ Json lost_intervals(const MapCamera& camera) {
   return lost;
 }
 
+// The intrinsics that the end of the run found, on the undistorted image (lens.h).
+Json refined_report(const CameraModel& camera, const LensChange& lens) {
+  const double scale = std::exp(lens.log_focal());
+  return {{"fx", scale * camera.fx},
+          {"fy", scale * camera.fy},
+          {"cx", camera.cx + lens.centre_px().x()},
+          {"cy", camera.cy + lens.centre_px().y()},
+          {"k1", lens.values[3]},
+          {"k2", lens.values[4]}};
+}
+
 // An agent as the server saw it.
 Json camera_report(const MapServer& server, CameraId id) {
   const MapCamera& camera = server.map().camera(id);
@@ -69,6 +80,9 @@ Json own_report(const std::string& text) {
 Json agent_report(const MapServer& server, const ServerLink& link, const ReportedAgent& agent) {
   Json out = camera_report(server, agent.camera);
   out["dropped"] = agent.last_status.dropped;
+  if (const auto& lenses = server.lenses(); agent.camera.value < lenses.size()) {
+    out["refined_intrinsics"] = refined_report(server.map().camera(agent.camera).model, lenses[agent.camera.value]);
+  }
   out.update(own_report(agent.last_status.report_json));
   const LinkBytes bytes = link.bytes(agent.name);
   out["bytes_up"] = bytes.up;

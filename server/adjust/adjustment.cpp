@@ -54,12 +54,15 @@ std::optional<RefineJob> PlanAdjustment::take_job() {
   return std::exchange(planned_, std::nullopt);
 }
 
-void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config) {
+std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config) {
+  std::vector<LensChange> lenses(config.intrinsics ? edit.map().cameras().size() : 0);
   for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
-    const auto job = plan_refine(edit.map(), of, extent, config);
+    auto job = plan_refine(edit.map(), of, extent, config);
     if (!job) break;
+    job->problem.lenses = lenses;
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
+    if (result.usable) lenses = result.lenses;
     if (extent != RefineExtent::kWhole || !result.usable) continue;
     const auto share = pose_share(edit.map(), *job, result);
     for (std::size_t i = 0; i < share.size(); ++i) {
@@ -67,6 +70,7 @@ void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config) {
       if (p != nullptr) edit.move_point(*p, p->position, p->covariance + share[i]);
     }
   }
+  return lenses;
 }
 
 }  // namespace coslam

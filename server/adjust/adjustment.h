@@ -70,7 +70,8 @@ class PlanAdjustment {
   int plans_ = 0;
 };
 
-// The last word: all key frames of a map.
-void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config);
+// The last word: all key frames of a map. How each camera's lens was found to differ from its calibration, when that is
+// asked for.
+std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config);
 
 }  // namespace coslam

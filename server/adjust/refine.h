@@ -21,12 +21,15 @@ struct RefineConfig {
   int outline_poses = 400;  // of an outline; more where every third key frame has more
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
+  bool intrinsics = false;    // solve for the lenses too, then
 };
 
 template <class V>
 void describe(V& v, RefineConfig& c) {
   v.field("enabled", c.enabled, "bundle adjustment");
   v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
+  v.field("intrinsics", c.intrinsics,
+          "at the end of a run, solve for focal lengths, principal points and two distortion terms too");
 }
 
 // A bundle adjustment over a copy of part of the map, solved anywhere, applied by the map's owner.

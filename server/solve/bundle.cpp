@@ -3,6 +3,7 @@
 #include "server/solve/bundle.h"
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,16 @@ ceres::Solver::Options solver_options(const BundleConfig& config, const BundlePr
   return o;
 }
 
+// To be solved for, with what is known of nominal calibrations.
+void add_lens(const CameraModel& camera, LensChange& lens, ceres::Problem* problem) {
+  const auto sigmas = nominal_lens_sigma(camera);
+  problem->AddParameterBlock(lens.values.data(), static_cast<int>(lens.values.size()));
+  const ceres::Vector weights = Eigen::Map<const ceres::Vector>(sigmas.data(), std::ssize(sigmas)).cwiseInverse();
+  problem->AddResidualBlock(
+      new ceres::NormalPrior(ceres::Matrix(weights.asDiagonal()), ceres::Vector::Zero(std::ssize(sigmas))), nullptr,
+      lens.values.data());
+}
+
 void judge_observations(const BundleProblem& problem, const BundleConfig& config, BundleResult* result) {
   std::vector<double> norms_px;
   result->is_inlier.resize(problem.observations.size());
@@ -49,9 +60,9 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
     const Eigen::Vector3d x =
         result->poses[static_cast<std::size_t>(o.pose)] * result->points[static_cast<std::size_t>(o.point)];
     if (x.z() < 1e-4) continue;
-    const CameraModel& camera =
-        problem.cameras[static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera)];
-    const double error_px = (camera.project(x) - o.undistorted_px).norm();
+    const auto camera = static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera);
+    const LensChange lens = result->lenses.empty() ? LensChange() : result->lenses[camera];
+    const double error_px = (lens.project(problem.cameras[camera], x) - o.undistorted_px).norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
   }
@@ -83,12 +94,23 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   const auto weighted = [&](double weight) {
     return &losses.try_emplace(weight, &loss, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
   };
+  result.lenses = problem.lenses;
+  for (std::size_t i = 0; i < result.lenses.size(); ++i) {
+    add_lens(problem.cameras[i], result.lenses[i], &ceres_problem);
+    ordering->AddElementToGroup(result.lenses[i].values.data(), 1);
+  }
   for (const auto& o : problem.observations) {
     const auto pose = static_cast<std::size_t>(o.pose);
-    const CameraModel& camera = problem.cameras[static_cast<std::size_t>(problem.poses[pose].camera)];
-    ceres_problem.AddResidualBlock(make_reprojection_cost(camera, o.undistorted_px, o.sigma_px).release(),
-                                   weighted(o.weight), poses[pose].data(),
-                                   result.points[static_cast<std::size_t>(o.point)].data());
+    const auto of = static_cast<std::size_t>(problem.poses[pose].camera);
+    const CameraModel& camera = problem.cameras[of];
+    double* const point = result.points[static_cast<std::size_t>(o.point)].data();
+    if (result.lenses.empty()) {
+      ceres_problem.AddResidualBlock(make_reprojection_cost(camera, o.undistorted_px, o.sigma_px).release(),
+                                     weighted(o.weight), poses[pose].data(), point);
+    } else {
+      ceres_problem.AddResidualBlock(make_lens_reprojection_cost(camera, o.undistorted_px, o.sigma_px).release(),
+                                     weighted(o.weight), poses[pose].data(), point, result.lenses[of].values.data());
+    }
   }
   for (const auto& t : problem.ties) {
     ceres_problem.AddResidualBlock(make_tie_cost(t.second_from_first).release(), nullptr,

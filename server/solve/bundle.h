@@ -7,6 +7,7 @@
 
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "server/solve/lens.h"
 
 namespace coslam {
 
@@ -31,6 +32,7 @@ struct BundleProblem {
     Rigid3 second_from_first;
   };
   std::vector<CameraModel> cameras;
+  std::vector<LensChange> lenses;  // one a camera that are solved for too, or none: the calibrations are right
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<Observation> observations;
@@ -48,6 +50,7 @@ struct BundleResult {
   bool usable = false;  // false: the input poses and points stand
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
+  std::vector<LensChange> lenses;
   std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;

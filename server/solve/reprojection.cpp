@@ -6,6 +6,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/solve/lens.h"
 
 namespace coslam {
 namespace {
@@ -85,6 +89,61 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
   double weight_;
 };
 
+class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
+ public:
+  LensReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
+      : camera_(camera), px_(undistorted_px), weight_(1.0 / sigma_px) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Eigen::Map<const Eigen::Quaterniond> q(parameters[0]);
+    const Eigen::Map<const Eigen::Vector3d> t(parameters[0] + 4), point(parameters[1]);
+    LensChange lens;
+    std::copy_n(parameters[2], lens.values.size(), lens.values.begin());
+    const Eigen::Matrix3d r = q.toRotationMatrix();
+    const Eigen::Vector3d x = r * point + t;
+    Eigen::Map<Eigen::Vector2d> residual(residuals);
+    if (x.z() < 1e-4) {
+      residual.setConstant(1e3);  // as above
+      constexpr std::array<int, 3> kSizes{14, 6, 10};
+      for (std::size_t i = 0; jacobians != nullptr && i < kSizes.size(); ++i) {
+        if (jacobians[i] != nullptr) std::fill_n(jacobians[i], kSizes[i], 0.0);
+      }
+      return true;
+    }
+    residual = weight_ * (lens.project(camera_, x) - px_);
+    if (jacobians == nullptr) return true;
+    const Eigen::Vector2d n = x.hnormalized(), f(camera_.fx, camera_.fy);
+    const double r2 = n.squaredNorm(), k1 = lens.values[3], k2 = lens.values[4], scale = std::exp(lens.log_focal());
+    const double g = 1 + r2 * (k1 + r2 * k2);
+    const Eigen::Matrix2d by_n = weight_ * scale * f.asDiagonal() *
+                                 (g * Eigen::Matrix2d::Identity() + 2 * (k1 + 2 * k2 * r2) * n * n.transpose());
+    Eigen::Matrix<double, 2, 3> n_by_x;
+    n_by_x << 1, 0, -n.x(), 0, 1, -n.y();
+    const Eigen::Matrix<double, 2, 3> p = by_n * n_by_x / x.z();
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
+      j.leftCols<3>() = -p * skew(x);
+      j.middleCols<3>(3) = p;
+      j.col(6).setZero();
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(jacobians[1]);
+      j = p * r;
+    }
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 5, Eigen::RowMajor>> j(jacobians[2]);
+      const Eigen::Vector2d fn = weight_ * scale * f.cwiseProduct(n);
+      j << g * fn, weight_ * Eigen::Matrix2d::Identity(), r2 * fn, r2 * r2 * fn;
+    }
+    return true;
+  }
+
+ private:
+  const CameraModel& camera_;
+  Eigen::Vector2d px_;
+  double weight_;
+};
+
 class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
   explicit TieCost(const Rigid3& second_from_first)
@@ -120,7 +179,7 @@ class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {
 
  private:
   using Jacobian = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
-  static constexpr double kTurnWeight = 1 / 2e-4, kShift = 1e-3;
+  static constexpr double kTurnWeight = 1 / 1e-3, kShift = 1e-3;
   static Rigid3 pose_of(const double* block) {
     return {Eigen::Map<const Eigen::Quaterniond>(block).normalized(), Eigen::Map<const Eigen::Vector3d>(block + 4)};
   }
@@ -136,6 +195,12 @@ std::unique_ptr<ceres::Manifold> make_pose_manifold() { return std::make_unique<
 std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
                                                             const Eigen::Vector2d& undistorted_px, double sigma_px) {
   return std::make_unique<ReprojectionCost>(camera, undistorted_px, sigma_px);
+}
+
+std::unique_ptr<ceres::CostFunction> make_lens_reprojection_cost(const CameraModel& camera,
+                                                                 const Eigen::Vector2d& undistorted_px,
+                                                                 double sigma_px) {
+  return std::make_unique<LensReprojectionCost>(camera, undistorted_px, sigma_px);
 }
 
 std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first) {

@@ -23,8 +23,14 @@ std::unique_ptr<ceres::Manifold> make_pose_manifold();
 std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
                                                             const Eigen::Vector2d& undistorted_px, double sigma_px);
 
-// How far two pose blocks are from what ties them, in standard deviations: turn (3) of 0.2 mrad and shift (3) of a
-// thousandth of the distance. The Jacobians are by local coordinates as above.
+// The same with a third block of five: how the lens differs from the calibration (lens.h).
+std::unique_ptr<ceres::CostFunction> make_lens_reprojection_cost(const CameraModel& camera,
+                                                                 const Eigen::Vector2d& undistorted_px,
+                                                                 double sigma_px);
+
+// How far two pose blocks are from what ties them, in standard deviations: turn (3) of 1 mrad, as well as a rig is
+// calibrated and keeps it, and shift (3) of a thousandth of the distance. The Jacobians are by local coordinates as
+// above.
 std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first);
 
 }  // namespace coslam

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -216,6 +217,28 @@ TEST_F(BundleTest, TiesHoldRelativePosesAndTheScale) {
   const double truth = (poses_[10].center() - poses_[0].center()).norm();
   EXPECT_NEAR(length / truth, 1, 0.003);
   EXPECT_LT(worst_pose_m(r), 0.01);
+}
+
+// Calibrations that are 3 % off in focal length, some pixels in the centre, and lack a distortion.
+TEST_F(BundleTest, LensesAreFound) {
+  BundleProblem p = make({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002});
+  const LensChange truth{{std::log(1.03), 4, -3, -0.04, 0}};
+  for (auto& o : p.observations) {
+    const Eigen::Vector3d x = poses_[static_cast<std::size_t>(o.pose)] * points_[static_cast<std::size_t>(o.point)];
+    o.undistorted_px += truth.project(p.cameras[0], x) - p.cameras[0].project(x);
+  }
+  const BundleResult by_calibration = solve_bundle(p, {.max_iterations = 50});
+  p.lenses.resize(2);
+  const BundleResult r = solve_bundle(p, {.max_iterations = 50});
+  ASSERT_TRUE(r.usable);
+  ASSERT_EQ(r.lenses.size(), 2U);
+  for (const LensChange& lens : r.lenses) {
+    EXPECT_NEAR(std::exp(lens.log_focal()), 1.03, 0.004);
+    EXPECT_THAT(lens.centre_px(), VectorNear(truth.centre_px(), 2));
+    EXPECT_NEAR(lens.values[3] + 0.3 * lens.values[4], truth.values[3], 0.02) << "the two terms are alike";
+  }
+  EXPECT_LT(worst_pose_m(r), 0.3 * worst_pose_m(by_calibration));
+  EXPECT_LT(r.sigma_px, 0.5);
 }
 
 // Where the start is 5 % away from them, as in a map that was made without.

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "common/geometry/rigid3.h"
+#include "server/solve/lens.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
@@ -104,6 +105,66 @@ TEST(ReprojectionCost, JacobiansNumerically) {
           (residual_at(*cost, block, point + d) - residual_at(*cost, block, point - d)) / (2 * h);
       EXPECT_THAT(by_point.col(i), test::VectorNear(numeric, 1e-5 * by_point.norm())) << i;
     }
+  }
+}
+
+TEST(LensReprojectionCost, IsTheOtherWithALensThatIsAsCalibrated) {
+  const auto plain = make_reprojection_cost(kCamera, kPx, 0.7), lens = make_lens_reprojection_cost(kCamera, kPx, 0.7);
+  const Block pose = block_of(test::looking({0.3, 0.1, -0.5}, 0.2));
+  const Eigen::Vector3d point(0.5, -0.4, 5);
+  const LensChange none;
+  const double* parameters[] = {pose.data(), point.data(), none.values.data()};
+  Eigen::Vector2d r, expected;
+  Eigen::Matrix<double, 2, 7, Eigen::RowMajor> by_block, expected_by_block;
+  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point, expected_by_point;
+  double* jacobians[] = {by_block.data(), by_point.data(), nullptr};
+  double* expected_jacobians[] = {expected_by_block.data(), expected_by_point.data()};
+  ASSERT_TRUE(lens->Evaluate(parameters, r.data(), jacobians));
+  ASSERT_TRUE(plain->Evaluate(parameters, expected.data(), expected_jacobians));
+  EXPECT_LT((r - expected).norm(), 1e-9);
+  EXPECT_LT((by_block - expected_by_block).norm(), 1e-9);
+  EXPECT_LT((by_point - expected_by_point).norm(), 1e-9);
+}
+
+TEST(LensReprojectionCost, JacobiansNumerically) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> side(-2, 2), depth(2, 9), unit(-1, 1);
+  const auto cost = make_lens_reprojection_cost(kCamera, kPx, 0.7);
+  constexpr double h = 1e-6;
+  for (int trial = 0; trial < 30; ++trial) {
+    const Rigid3 pose = retract({}, random_tangent(random, 1.5));
+    const Block block = block_of(pose);
+    std::array<double, 3> point{};
+    Eigen::Map<Eigen::Vector3d>(point.data()) =
+        pose.inverse() * Eigen::Vector3d(side(random), side(random), depth(random));
+    std::array<double, 5> lens{0.1 * unit(random), 5 * unit(random), 5 * unit(random), 0.1 * unit(random),
+                               0.05 * unit(random)};
+    const double* parameters[] = {block.data(), point.data(), lens.data()};
+    Eigen::Vector2d r;
+    Eigen::Matrix<double, 2, 7, Eigen::RowMajor> by_block;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+    Eigen::Matrix<double, 2, 5, Eigen::RowMajor> by_lens;
+    double* jacobians[] = {by_block.data(), by_point.data(), by_lens.data()};
+    ASSERT_TRUE(cost->Evaluate(parameters, r.data(), jacobians));
+    const auto numeric = [&](double& value) -> Eigen::Vector2d {
+      Eigen::Vector2d above, below;
+      const double before = value;
+      value = before + h;
+      EXPECT_TRUE(cost->Evaluate(parameters, above.data(), nullptr));
+      value = before - h;
+      EXPECT_TRUE(cost->Evaluate(parameters, below.data(), nullptr));
+      value = before;
+      return (above - below) / (2 * h);
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_THAT(by_point.col(static_cast<int>(i)), test::VectorNear(numeric(point[i]), 1e-5 * by_point.norm()));
+    }
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_THAT(by_lens.col(static_cast<int>(i)), test::VectorNear(numeric(lens[i]), 1e-5 * by_lens.norm())) << i;
+    }
+    // By the pose as the camera moves in its own frame: the point goes the other way.
+    const Eigen::Matrix<double, 2, 3> by_shift = by_block.middleCols<3>(3);
+    EXPECT_LT((by_shift * pose.rotation.toRotationMatrix() - by_point).norm(), 1e-6 * by_point.norm());
   }
 }
 
