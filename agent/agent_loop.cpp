@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/agent_loop.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -36,6 +38,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   AgentOutput out = agent_.finish(patches);
   last_sent_ = out.frame.frame;
   link_.send(std::move(out.frame), out.patches, out.descriptors);
+  warn_when_slow();
   const auto now = now_();
   if (!last_status_ || now - *last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
     last_status_ = now;
@@ -44,6 +47,25 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     link_.send_status(status(AgentState::kRunning));
   }
   return true;
+}
+
+// Once, when what the images need is known.
+void AgentLoop::warn_when_slow() {
+  constexpr std::uint32_t kFramesToTell = 60;
+  if (hello_.pacing != Pacing::kLive || frames_ != kFramesToTell) return;
+  const double taken_ms = mean_frame_ms(), period_ms = 1000 / hello_.rate_hz;
+  if (taken_ms <= period_ms) return;
+  log_warn("a frame of " + std::to_string(hello_.camera.width_px) + "x" + std::to_string(hello_.camera.height_px) +
+           " pixels takes " + std::to_string(std::lround(taken_ms)) + " ms, but the next comes after " +
+           std::to_string(std::lround(period_ms)) +
+           ": images are dropped; use smaller ones, or fewer tracks "
+           "(agent.tracker.max_tracks)");
+}
+
+double AgentLoop::mean_frame_ms() const {
+  double total_ms = 0;
+  for (const auto& [name, h] : agent_.times().stages()) total_ms += h.mean_ms() * static_cast<double>(h.count());
+  return frames_ == 0 ? 0 : total_ms / frames_;
 }
 
 std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) {
@@ -88,24 +110,20 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.frames = frames_;
   s.dropped = feed_->dropped();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
-  double total_ms = 0;
-  for (const auto& [name, h] : agent_.times().stages()) total_ms += h.mean_ms() * static_cast<double>(h.count());
-  s.frame_ms = frames_ == 0 ? 0.0F : static_cast<float>(total_ms / frames_);
+  s.frame_ms = static_cast<float>(mean_frame_ms());
   return s;
 }
 
 std::string AgentLoop::report() const {
   nlohmann::ordered_json ms = nlohmann::ordered_json::object();
-  double total_ms = 0;
   for (const auto& [name, h] : agent_.times().stages()) {
     ms[name] = {{"p50", h.percentile_ms(50)}, {"p95", h.percentile_ms(95)}, {"mean", h.mean_ms()}};
-    total_ms += h.mean_ms() * static_cast<double>(h.count());
   }
   nlohmann::ordered_json out;
   out["frames"] = frames_ + feed_->dropped();
   out["unreadable"] = feed_->unreadable();
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
-  out["ms_per_frame"] = total_ms / std::max(1U, frames_);
+  out["ms_per_frame"] = mean_frame_ms();
   out["ms"] = ms;
   out["peak_memory_mib"] = peak_memory_mib();
   return out.dump();

@@ -37,6 +37,8 @@ class AgentLoop {
  private:
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
   bool server_stops() const;
+  void warn_when_slow();
+  double mean_frame_ms() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
   std::string report() const;

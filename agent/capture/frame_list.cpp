@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/base/text.h"
 
 namespace coslam {
@@ -92,6 +94,40 @@ std::optional<TimeNs> stamp_of(const fs::path& file) {
   return stem.size() >= 12 ? parse_integer(stem) : std::nullopt;
 }
 
+// Numbers of the images' names, where all are numbers and ascend; else empty.
+std::vector<std::int64_t> numbers_of(const std::vector<fs::path>& files) {
+  std::vector<std::int64_t> numbers;
+  for (const fs::path& file : files) {
+    const auto number = parse_integer(file.stem().string());
+    if (!number || (!numbers.empty() && *number <= numbers.back())) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+// Times of images that come at a rate: by their numbers, so that a number that is missing is a gap in time.
+FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, double rate_hz) {
+  std::vector<std::int64_t> numbers = numbers_of(files);
+  if (numbers.empty()) {
+    for (std::size_t i = 0; i < files.size(); ++i) numbers.push_back(static_cast<std::int64_t>(i));
+  }
+  std::int64_t step = numbers.size() > 1 ? numbers[1] - numbers[0] : 1;  // usually 1; 5 where one in five was kept
+  for (std::size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
+  FrameList frames;
+  std::optional<std::size_t> gap;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const double steps = static_cast<double>(numbers[i] - numbers[0]) / static_cast<double>(step);
+    frames.push_back({to_ns(steps / rate_hz), files[i]});
+    if (!gap && i > 0 && numbers[i] - numbers[i - 1] != step) gap = i;
+  }
+  if (gap) {
+    const auto missing = (numbers.back() - numbers.front()) / step + 1 - std::ssize(numbers);
+    log_warn(folder.string() + ": " + std::to_string(missing) + " numbers of images are missing, the first after " +
+             files[*gap - 1].filename().string() + "; played as gaps in time");
+  }
+  return frames;
+}
+
 }  // namespace
 
 FrameList list_csv(const fs::path& file) {
@@ -148,10 +184,10 @@ FrameList list_images(const fs::path& folder, double rate_hz) {
   }
   const bool stamped =
       std::all_of(files.begin(), files.end(), [](const fs::path& f) { return stamp_of(f).has_value(); });
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    frames.push_back({stamped ? *stamp_of(files[i]) : to_ns(static_cast<double>(i) / rate_hz), files[i]});
-  }
-  if (stamped) count_from_first(frames);
+  if (!stamped) return at_rate(folder, files, rate_hz);
+  frames.reserve(files.size());
+  for (const fs::path& file : files) frames.push_back({*stamp_of(file), file});
+  count_from_first(frames);
   return frames;
 }
 

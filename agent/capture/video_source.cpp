@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <opencv2/videoio.hpp>
 
@@ -11,7 +12,8 @@
 namespace coslam {
 namespace {
 
-// Times of a video's frames: the sidecar's, or evenly spaced at the container's rate.
+// Times of a video's frames: the sidecar's, or the stream's, or evenly spaced at the container's rate where the stream
+// has none or such to the millisecond that its format rounds to.
 class VideoTimes {
  public:
   VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
@@ -24,15 +26,23 @@ class VideoTimes {
   }
   // Of the sidecar; 0 without.
   std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
-  // Empty past the sidecar's last line.
-  std::optional<TimeNs> at(std::size_t frame) const {
-    if (!stamps_) return to_ns(static_cast<double>(frame) / rate_hz_);
-    return frame < stamps_->size() ? std::optional((*stamps_)[frame]) : std::nullopt;
+  // stream_ms: that the container gives the frame. Empty past the sidecar's last line.
+  std::optional<TimeNs> at(std::size_t frame, double stream_ms) {
+    if (stamps_) return frame < stamps_->size() ? std::optional((*stamps_)[frame]) : std::nullopt;
+    constexpr TimeNs kRounding_ns = 1'000'000;
+    if (frame == 0) first_ms_ = stream_ms;
+    const TimeNs even_ns = to_ns(static_cast<double>(frame) / rate_hz_);
+    const TimeNs stream_ns = to_ns((stream_ms - first_ms_) / 1000);
+    const bool told = stream_ns > last_ns_ && std::abs(stream_ns - even_ns) > kRounding_ns;
+    last_ns_ = told ? stream_ns : std::max(even_ns, last_ns_ + (frame == 0 ? 0 : 1));
+    return last_ns_;
   }
 
  private:
   std::optional<std::vector<TimeNs>> stamps_;
   double rate_hz_;
+  double first_ms_ = 0;
+  TimeNs last_ns_ = 0;
 };
 
 // Only the readers of files: OpenCV would else ask cameras too.
@@ -40,6 +50,22 @@ cv::VideoCapture open_file(const std::string& file) {
   cv::VideoCapture capture(file, cv::CAP_FFMPEG);
   if (!capture.isOpened()) capture.open(file, cv::CAP_OPENCV_MJPEG);
   return capture;
+}
+
+// Phones note how they were held. The calibration is of the sensor's pixels, so that is not obeyed, unless only the
+// turned image has the calibration's size.
+void settle_rotation(const std::string& file, const SourceOptions& options, cv::VideoCapture* capture) {
+  const int turn_deg = (static_cast<int>(std::lround(capture->get(cv::CAP_PROP_ORIENTATION_META))) % 360 + 360) % 360;
+  if (turn_deg == 0) return;
+  capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
+  const auto width = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_WIDTH)),
+             height = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_HEIGHT));
+  const bool across = turn_deg % 180 != 0;
+  const bool turned = across && width != height && options.width_px == height && options.height_px == width;
+  if (turned) capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 1);
+  log_warn(file + ": the video says that it is to be turned by " + std::to_string(turn_deg) + " degrees; " +
+           (turned ? "it is, as only then it has the calibration's size"
+                   : "its frames are used as the sensor gave them, which is what calibrations are for"));
 }
 
 // A video file. One frame is grabbed ahead, because only the grab tells whether there is another.
@@ -50,6 +76,7 @@ class VideoSource final : public ImageSource {
         span_(options),
         times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
     if (!capture_.isOpened()) throw UserError(file.string() + ": neither a list of images (.csv, .txt) nor a video");
+    settle_rotation(file.string(), options, &capture_);
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
     while (grabbed_ns_ && first_image_.empty()) {
@@ -96,7 +123,8 @@ class VideoSource final : public ImageSource {
 
  private:
   void grab() {
-    grabbed_ns_ = capture_.grab() ? times_.at(position_++) : std::nullopt;
+    const bool is = capture_.grab();
+    grabbed_ns_ = is ? times_.at(position_++, capture_.get(cv::CAP_PROP_POS_MSEC)) : std::nullopt;
     if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();
   }
   cv::Mat retrieve() {

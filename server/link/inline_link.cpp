@@ -20,6 +20,8 @@ class InlineAgent : public AgentLink {
  public:
   InlineAgent(InlineServer& server, const Hello& hello);
   ~InlineAgent() override;
+  InlineAgent(const InlineAgent&) = delete;
+  InlineAgent& operator=(const InlineAgent&) = delete;
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
             const std::optional<DescriptorReply>& descriptors) override;

@@ -93,11 +93,11 @@ void Sessions::receive(const idl::AgentStatus& message, std::uint64_t bytes, Ins
   if (!status) return note(status.rejection());
   const auto found = sessions_.find(status->agent_run);
   if (found == sessions_.end() || !found->second.open) return keep_early(std::move(*status));
-  if (admit_sample(status->agent, status->agent_run, bytes) != nullptr) events_.push_back(std::move(*status));
+  if (admit_sample(status->agent, status->agent_run, bytes) != nullptr) events_.emplace_back(std::move(*status));
 }
 
 void Sessions::deliver_frames(Session& session, Instant now) {
-  while (auto joined = session.joiner.pop(now)) events_.push_back(std::move(*joined));
+  while (auto joined = session.joiner.pop(now)) events_.emplace_back(std::move(*joined));
 }
 
 void Sessions::presence(RunId run, Presence presence) {
@@ -106,7 +106,7 @@ void Sessions::presence(RunId run, Presence presence) {
   if (presence == Presence::kAlive && found != sessions_.end()) found->second.silent = false;
   if (presence == Presence::kSilent) {
     if (found != sessions_.end() && found->second.open && !std::exchange(found->second.silent, true)) {
-      events_.push_back(AgentSilent{found->second.hello.agent, run});
+      events_.emplace_back(AgentSilent{found->second.hello.agent, run});
     }
     admission_.silent(run);
   }
@@ -120,7 +120,7 @@ void Sessions::presence(RunId run, Presence presence) {
 
 void Sessions::end(RunId run, Session& session) {
   deliver_frames(session, Instant::max());  // no reply will come any more
-  if (session.open) events_.push_back(AgentGone{session.hello.agent, run});
+  if (session.open) events_.emplace_back(AgentGone{session.hello.agent, run});
   session.open = false;
 }
 
@@ -145,8 +145,8 @@ void Sessions::open(RunId run) {
   if (found == sessions_.end() || found->second.open) return;
   found->second.open = true;
   found->second.silent = false;
-  events_.push_back(found->second.hello);
-  if (auto early = early_.extract(run)) events_.push_back(std::move(early.mapped()));
+  events_.emplace_back(found->second.hello);
+  if (auto early = early_.extract(run)) events_.emplace_back(std::move(early.mapped()));
 }
 
 void Sessions::refuse(const Hello& hello, const std::string& reason) {

@@ -29,9 +29,9 @@ class ResultStore {
   void finish(const MapServer& server, const nlohmann::ordered_json& report);
 
  private:
-  void record_live(const CameraFrame& frame, const MapServer& server);
+  void record_live(const CameraFrame& cf, const MapServer& server);
   void write_trajectories(const MapServer& server);
-  void record_tracks(const CameraFrame& frame, const MapServer& server);
+  void record_tracks(const CameraFrame& cf, const MapServer& server);
   void record_groups(const FrameSet& set, const MapServer& server);
   void record_objects(const FrameSet& set, const MapServer& server);
   void write_objects(const std::map<PointId, MovingPath>& paths);

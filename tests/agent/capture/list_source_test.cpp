@@ -122,6 +122,22 @@ TEST_F(Lists, NumericNamesAreInNumericalOrder) {
   EXPECT_EQ(open(".")->next()->grey.at<uchar>(0, 0), 9);
 }
 
+TEST_F(Lists, AMissingNumberIsAGapInTime) {
+  const auto times_of = [&](const std::string& folder, const std::vector<std::string>& names) {
+    for (const std::string& name : names) image(folder + "/" + name, 100);
+    const auto source = open(folder);
+    std::vector<TimeNs> times;
+    for (const auto& [frame, t_ns] : play(*source)) times.push_back(t_ns);
+    return times;
+  };
+  // At 10 Hz, as the options say.
+  EXPECT_EQ(times_of("gap", {"000007.png", "000008.png", "000011.png", "000012.png"}),
+            (std::vector<TimeNs>{0, 100'000'000, 400'000'000, 500'000'000}));
+  EXPECT_EQ(times_of("fifth", {"10.png", "15.png", "20.png"}), (std::vector<TimeNs>{0, 100'000'000, 200'000'000}))
+      << "one in five was kept";
+  EXPECT_EQ(times_of("words", {"a1.png", "a2.png", "a5.png"}), (std::vector<TimeNs>{0, 100'000'000, 200'000'000}));
+}
+
 TEST_F(Lists, Euroc) {
   image("mav0/cam0/data/1403638518077829376.png", 9);
   image("mav0/cam0/data/1403638518127829376.png", 9);
