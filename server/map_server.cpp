@@ -65,6 +65,8 @@ void MapServer::finish() {
   pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
+  const std::vector<std::string> doubts = lens_doubts(map(), largest_map());
+  warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
   lenses_ = adjust_whole(edit_, largest_map(), refine);
   take(pipeline_.stage<Scale>().finish(edit_));
 }

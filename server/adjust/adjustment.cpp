@@ -3,6 +3,7 @@
 #include "server/adjust/adjustment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace coslam {
@@ -52,6 +53,23 @@ std::optional<RefineJob> PlanAdjustment::take_job() {
   if (!planned_) return std::nullopt;
   in_flight_ = true;
   return std::exchange(planned_, std::nullopt);
+}
+
+std::vector<std::string> lens_doubts(const Map& map, MapId of) {
+  constexpr double kWrong = 0.1;  // no calibration is so far off
+  const auto job = plan_lens_check(map, of);
+  if (!job) return {};
+  const BundleResult result = solve_refine(*job);
+  if (!result.usable) return {};
+  std::vector<std::string> out;
+  for (const MapCamera& c : map.cameras()) {
+    const double scale = std::exp(result.lenses[c.id.value].log_focal());
+    if (std::abs(scale - 1) < kWrong) continue;
+    out.push_back("the images of agent " + c.name + " fit a focal length of about " +
+                  std::to_string(std::lround(scale * c.model.focal_px())) + " px, not the " +
+                  std::to_string(std::lround(c.model.focal_px())) + " of its calibration: is that the right one?");
+  }
+  return out;
 }
 
 std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "server/adjust/key_frame.h"
 #include "server/adjust/refine.h"
@@ -69,6 +71,9 @@ class PlanAdjustment {
   MapId outline_;  // to be adjusted whole; 0 = none
   int plans_ = 0;
 };
+
+// A sentence for each camera whose images fit a focal length better that is far from its calibration's.
+std::vector<std::string> lens_doubts(const Map& map, MapId of);
 
 // The last word: all key frames of a map. How each camera's lens was found to differ from its calibration, when that is
 // asked for.

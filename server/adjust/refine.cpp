@@ -310,6 +310,25 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   return job;
 }
 
+std::optional<RefineJob> plan_lens_check(const Map& map, MapId of) {
+  constexpr std::size_t kKeyFrames = 40, kLeastPoses = 12;
+  std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, {});
+  keys.resize(std::min(keys.size(), kKeyFrames));
+  RefineJob job;
+  for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
+  job.problem.lenses.resize(job.problem.cameras.size());
+  PoseIndex index;
+  for (const SetId key : keys) {
+    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
+  }
+  if (job.poses.size() < kLeastPoses) return std::nullopt;
+  add_points(map, of, keys.front(), index, &job);
+  weigh_observations(&job);
+  float_free(&job);
+  job.config.max_iterations = 30;
+  return job;
+}
+
 BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = solve_bundle(job.problem, job.config);
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);

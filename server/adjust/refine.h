@@ -62,6 +62,9 @@ struct RefineReport {
 
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
+// What solves for the lenses over the first key frames of a map, to be looked at and not applied; empty when there is
+// too little.
+std::optional<RefineJob> plan_lens_check(const Map& map, MapId of);
 BundleResult solve_refine(const RefineJob& job);
 // What the uncertain poses of a solution add to the covariances of its points (point_uncertainty.h), in the order of
 // job.points. Each track counts for two views, as in Map::covariance_of().

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <tuple>
 
+#include "server/adjust/adjustment.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -343,6 +345,28 @@ TEST_F(RefineWithOutliers, TheyAreTakenOut) {
   }
   EXPECT_LE(left, 1);
   EXPECT_LT(worst_m(18, 60), 0.02);
+}
+
+TEST_F(RefineTest, AWrongFocalLengthIsSeenInTheImages) {
+  EXPECT_TRUE(lens_doubts(sim_.map, sim_.id).empty()) << "all are right";
+  auto job = plan_lens_check(sim_.map, sim_.id);
+  ASSERT_TRUE(job.has_value());
+  job->problem.cameras[1].fx *= 1.25;
+  job->problem.cameras[1].fy *= 1.25;
+  const BundleResult result = solve_refine(*job);
+  ASSERT_TRUE(result.usable);
+  EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 0.8, 0.02);
+  for (const std::size_t other : {0, 2}) EXPECT_NEAR(std::exp(result.lenses[other].log_focal()), 1, 0.02);
+}
+
+TEST_F(RefineTest, LensesAreSolvedForAtTheEndWhenAsked) {
+  config_.intrinsics = true;
+  MapEdit edit = sim_.edit;
+  const std::vector<LensChange> lenses = adjust_whole(edit, sim_.id, config_);
+  ASSERT_EQ(lenses.size(), 3U);
+  for (const LensChange& lens : lenses) EXPECT_NEAR(lens.log_focal(), 0, 0.01);
+  config_.intrinsics = false;
+  EXPECT_TRUE(adjust_whole(edit, sim_.id, config_).empty());
 }
 
 TEST_F(RefineTest, TooLittleIsNoJob) {
