@@ -18,6 +18,7 @@ void describe(V& v, TrackerConfig& c) {
   v.field("forward_backward_px", c.forward_backward_px, {0.05, 10}, "largest return error of a track");
   v.field("min_zncc", c.min_zncc, {0, 1}, "of a track with the image before and with where it started");
   v.field("min_eigenvalue", c.min_eigenvalue, {0, 1}, "of a corner, relative to the strongest of recent images");
+  v.field("most_width_px", c.most_width_px, {160, 16384}, "wider images are shrunk to that for tracking");
   v.field("border_px", c.border_px, {1, 100}, "tracks end this close to the image border");
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "agent/track/descriptors.h"
@@ -16,22 +17,36 @@ constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that
 constexpr float kNearPx = 4.0F;  // the strongest SIFT feature this close to a track tells what is there
 constexpr double kSiftBorderPx = 14;
 
+// Pixel centres are at whole numbers, so the corner of the image, at -0.5, is the fixed point of a scaling.
+Eigen::Vector2f scaled(const Eigen::Vector2f& px, double scale) {
+  return ((px.array() + 0.5F) * static_cast<float>(scale) - 0.5F).matrix();
+}
+
+// The tracker works on images of a usual size: its windows are so many pixels, whatever they show. Places outside are
+// of the raw image.
 class KltFeatureTracker final : public FeatureTracker {
  public:
   KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family)
-      : pixel_scale_(pixel_scale(camera)), tracker_(config) {
+      : pixel_scale_(pixel_scale(camera)), work_scale_(working_scale(camera.width_px, config)), tracker_(config) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
   }
 
   const std::vector<Track>& step(const Image& image) override {
-    grey_ = image.grey;
-    return tracker_.step(grey_);
+    grey_ = work_ = image.grey;
+    if (work_scale_ != 1) {
+      cv::resize(grey_, work_, {}, work_scale_, work_scale_, work_scale_ < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+    }
+    tracker_.step(work_);
+    return refresh();
   }
-  const std::vector<Track>& live() const override { return tracker_.live(); }
-  void thin(int at_most) override { tracker_.thin(at_most); }
+  const std::vector<Track>& live() const override { return work_scale_ == 1 ? tracker_.live() : live_; }
+  void thin(int at_most) override {
+    tracker_.thin(at_most);
+    refresh();
+  }
 
   std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override {
-    const std::vector<Track> wanted = live_among(tracks);
+    const std::vector<Track> wanted = live_among(live(), tracks);
     if (wanted.empty()) return {};
     const cv::Mat small = shrink_for_patches(grey_);
     std::vector<ImagePatch> out;
@@ -41,13 +56,13 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
   DescribedTracks describe_strongest(int most, int most_new) override {
-    return at_tracks(describe(grey_, most, kSiftBorderPx), kSamePx, most_new);
+    return at_tracks(describe(work_, most, kSiftBorderPx), kSamePx, most_new);
   }
 
   DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) override {
     std::vector<Eigen::Vector2f> places;
-    for (const Track& t : live_among(tracks)) places.push_back(t.raw_px);
-    return at_tracks(describe_near(grey_, places, kNearPx, most, kSiftBorderPx), kNearPx, most_new);
+    for (const Track& t : live_among(tracker_.live(), tracks)) places.push_back(t.raw_px);
+    return at_tracks(describe_near(work_, places, kNearPx, most, kSiftBorderPx), kNearPx, most_new);
   }
 
   std::vector<TagObservation> tags() override {
@@ -63,9 +78,16 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
  private:
-  std::vector<Track> live_among(const std::vector<TrackId>& ids) const {
+  const std::vector<Track>& refresh() {
+    if (work_scale_ == 1) return tracker_.live();
+    live_ = tracker_.live();
+    for (Track& t : live_) t.raw_px = scaled(t.raw_px, 1 / work_scale_);
+    return live_;
+  }
+
+  static std::vector<Track> live_among(const std::vector<Track>& live, const std::vector<TrackId>& ids) {
     std::vector<Track> out;
-    for (const Track& t : tracker_.live()) {
+    for (const Track& t : live) {
       if (std::ranges::binary_search(ids, t.id)) out.push_back(t);
     }
     return out;
@@ -74,6 +96,7 @@ class KltFeatureTracker final : public FeatureTracker {
   // Gives each feature its track: the live one closer than same_px, or a new one.
   DescribedTracks at_tracks(const DescribedFeatures& features, float same_px, int most_new) {
     const std::vector<TrackId> ids = tracker_.add(features.raw_px, same_px, most_new);
+    refresh();
     std::map<TrackId, std::size_t> feature_of;  // the first, and strongest, of several at one track
     for (std::size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] != TrackId()) feature_of.emplace(ids[i], i);
@@ -88,12 +111,20 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
   double pixel_scale_;
+  double work_scale_;  // of the image that is worked on, against the raw one
   Tracker tracker_;
+  std::vector<Track> live_;  // raw pixels, where that is not the same
   std::optional<TagFinder> tag_finder_;
-  cv::Mat grey_;  // of the newest image
+  cv::Mat grey_, work_;  // the newest image, and as it is worked on
 };
 
 }  // namespace
+
+double working_scale(int width_px, const TrackerConfig& config) {
+  constexpr int kSmall_px = 480;
+  if (width_px <= kSmall_px) return 2;
+  return width_px > config.most_width_px ? static_cast<double>(config.most_width_px) / width_px : 1;
+}
 
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
                                                     const std::string& tag_family) {

@@ -20,6 +20,7 @@ struct TrackerConfig {
   double forward_backward_px = 0.5;  // largest return error
   double min_zncc = 0.75;            // of a track's window with the one in the previous image, and with its first
   double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
+  int most_width_px = 1280;          // wider images are shrunk to that
   double border_px = 8;              // tracks end this close to the image border
 };
 

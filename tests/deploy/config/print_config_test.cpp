@@ -46,6 +46,10 @@ class ChangeAll {
     value = {name, "", "a, b", "10.0.0.1", "# c"};
     ++keys_;
   }
+  void field(const std::string& name, std::vector<std::string>& value, config::Fields::ReadSection,
+             const std::string& comment) {
+    field(name, value, comment);
+  }
   template <class Section>
   void section(const std::string&, Section& section) {
     describe(*this, section);

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/track/klt_feature_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "agent/track/tags.h"
+#include "tests/support/synthetic_view.h"
+
+namespace coslam {
+namespace {
+
+CameraModel camera_of(const cv::Size& image) {
+  CameraModel c;
+  c.width_px = image.width;
+  c.height_px = image.height;
+  c.fx = c.fy = 0.75 * image.width;
+  c.cx = 0.5 * (image.width - 1);
+  c.cy = 0.5 * (image.height - 1);
+  return c;
+}
+
+TEST(WorkingScale, UsualWidthsStayAsTheyAre) {
+  const TrackerConfig config;
+  for (const int width : {481, 512, 640, 752, 1241, 1280}) EXPECT_EQ(working_scale(width, config), 1) << width;
+  EXPECT_EQ(working_scale(376, config), 2);
+  EXPECT_DOUBLE_EQ(working_scale(1920, config), 1280.0 / 1920);
+  EXPECT_DOUBLE_EQ(working_scale(3840, config), 1280.0 / 3840);
+}
+
+// Small images that are doubled, usual ones, and ones that are shrunk.
+class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
+ protected:
+  Image image(int frame) const {
+    const test::View view = test::View::at({400 + kStepX * frame, 300 + kStepY * frame}, 0, 1, size_);
+    return {FrameId(static_cast<std::uint32_t>(frame)), frame * 33'000'000, test::render(texture_, view, size_, 1)};
+  }
+  static constexpr double kStepX = 3.3, kStepY = 1.7;
+  const cv::Size size_{GetParam(), GetParam() * 3 / 4};
+  const cv::Mat texture_ = test::plane_texture(900, 700, 4);
+};
+INSTANTIATE_TEST_SUITE_P(Widths, KltFeatureTrackerAtWidth, testing::Values(320, 500, 640));
+
+TEST_P(KltFeatureTrackerAtWidth, TracksAreInRawPixels) {
+  const auto tracker = klt_feature_tracker(camera_of(size_), {.most_width_px = 560}, kNoTags);
+  std::map<TrackId, Eigen::Vector2f> began;
+  for (const Track& t : tracker->step(image(0))) began[t.id] = t.raw_px;
+  ASSERT_GT(began.size(), 80U);
+  std::vector<double> errors_px;
+  for (int i = 1; i < 6; ++i) {
+    tracker->step(image(i));
+    for (const Track& t : tracker->live()) {
+      if (!began.contains(t.id)) continue;
+      const Eigen::Vector2f moved = t.raw_px - began[t.id];
+      if (i == 5) errors_px.push_back((moved.cast<double>() + 5 * Eigen::Vector2d(kStepX, kStepY)).norm());
+      EXPECT_GE(t.raw_px.x(), 0);
+      EXPECT_LT(t.raw_px.x(), size_.width);
+    }
+  }
+  ASSERT_GT(errors_px.size(), 50U);
+  std::ranges::nth_element(errors_px, errors_px.begin() + std::ssize(errors_px) / 2);
+  EXPECT_LT(errors_px[errors_px.size() / 2], 0.15);
+}
+
+TEST_P(KltFeatureTrackerAtWidth, PatchesAreCutFromTheRawImage) {
+  const auto tracker = klt_feature_tracker(camera_of(size_), {.most_width_px = 560}, kNoTags);
+  const Image first = image(0);
+  tracker->step(first);
+  const std::vector<Track> live = tracker->live();
+  const auto patches = tracker->patches({live[3].id, live[40].id});
+  ASSERT_EQ(patches.size(), 2U);
+  const cv::Mat small = shrink_for_patches(first.grey);
+  EXPECT_EQ(patches[0].grey, cut_patch(small, live[3]).grey);
+  EXPECT_EQ(patches[1].grey, cut_patch(small, live[40]).grey);
+}
+
+TEST_P(KltFeatureTrackerAtWidth, DescribedFeaturesStartTracksInRawPixels) {
+  const auto tracker = klt_feature_tracker(camera_of(size_), {.max_tracks = 20, .most_width_px = 560}, kNoTags);
+  tracker->step(image(0));
+  const std::size_t before = tracker->live().size();
+  const DescribedTracks described = tracker->describe_strongest(100, 100);
+  EXPECT_GT(tracker->live().size(), before);
+  EXPECT_GT(described.tracks.size(), 30U);
+  float farthest = 0;
+  for (const Track& t : tracker->live()) farthest = std::max(farthest, t.raw_px.x() / static_cast<float>(size_.width));
+  EXPECT_GT(farthest, 0.8);
+  EXPECT_LT(farthest, 1);
+}
+
+}  // namespace
+}  // namespace coslam
