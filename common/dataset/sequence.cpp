@@ -94,13 +94,13 @@ std::vector<RigCamera> read_rigs(const YamlValue& rigs, const std::vector<Sequen
   std::vector<RigCamera> out;
   std::set<std::string> in_rigs;
   for (const YamlValue& rig : rigs.items()) {
-    const std::vector<RigCamera> cameras = read_rig(rig);
     for (const YamlValue& item : rig.at("cameras").items()) {
       const std::string name = item.text();
       const bool known = std::ranges::any_of(agents, [&](const SequenceAgent& a) { return a.name == name; });
       if (!known) item.fail("there is no agent '" + name + "'");
       if (!in_rigs.insert(name).second) item.fail("'" + name + "' is in two places of the rigs");
     }
+    const std::vector<RigCamera> cameras = read_rig(rig);
     out.insert(out.end(), cameras.begin(), cameras.end());
   }
   return out;

@@ -171,7 +171,7 @@ TEST_F(RigInSequence, WhatIsWrongIsNamed) {
   EXPECT_THAT(error(with("{cameras: [left, right], cam_from_first: {right: [-0.5, 0, 0]}}")),
               HasSubstr("seven numbers"));
   EXPECT_THAT(error(with("{cameras: [left, right, left], cam_from_first: {" + right + "}}")),
-              HasSubstr("'left' is in the rig twice"));
+              HasSubstr("'left' is in two places"));
   EXPECT_THAT(error(with("{cameras: [left, right], cam_from_first: {" + right +
                          "}}\n  - {cameras: [other, right], "
                          "cam_from_first: {" +
