@@ -29,7 +29,7 @@ start=$SECONDS
 coslam=$(build_dir release)/bin/coslam
 
 step "run: three agents and a server on $scene"
-"$coslam" run "$scene" --out "$out" || die "the run failed: the sentence above says why"
+"$coslam" run "$scene" --out "$out" --force || die "the run failed: the sentence above says why"
 
 step "result: accuracy against the simulation's truth"
 "$coslam" eval "$out" "$scene" || die "the evaluation failed: the sentence above says why"

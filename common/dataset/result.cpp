@@ -105,6 +105,26 @@ std::filesystem::path ResultFolder::separate(const char* what, MapId map) const 
   return folder_ / what / (std::string(kMapFolder) + std::to_string(map.value));
 }
 
+namespace {
+
+constexpr std::array<const char*, 12> kOfARun{"trajectory",  "live",        "tracks",     "points.csv",
+                                              "dynamic.csv", "objects.csv", "groups.csv", "events.csv",
+                                              "map.ply",     "report.json", "eval.json",  "top_view.png"};
+
+}  // namespace
+
+bool ResultFolder::holds_run() const {
+  return std::ranges::any_of(kOfARun, [this](const char* name) { return std::filesystem::exists(folder_ / name); });
+}
+
+void ResultFolder::remove_run() const {
+  for (const char* name : kOfARun) {
+    std::error_code error;
+    std::filesystem::remove_all(folder_ / name, error);
+    if (error) throw UserError("cannot remove " + (folder_ / name).string() + ": " + error.message());
+  }
+}
+
 std::vector<MapId> ResultFolder::separate_maps() const {
   std::vector<MapId> maps;
   std::error_code none;

@@ -47,6 +47,11 @@ class ResultFolder {
   std::filesystem::path evaluation() const { return folder_ / "eval.json"; }
   std::filesystem::path top_view() const { return folder_ / "top_view.png"; }
 
+  // Something of a run is in it, whole or not.
+  bool holds_run() const;
+  // Removes what a run and its evaluation write; other files stay.
+  void remove_run() const;
+
  private:
   std::filesystem::path separate(const char* what, MapId map) const;
   std::filesystem::path folder_;

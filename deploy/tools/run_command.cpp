@@ -28,7 +28,7 @@ struct RunArguments {
   std::string out = "result";
   std::vector<std::string> agents;
   CoverArguments covered;
-  bool in_one_process = false;
+  bool in_one_process = false, force = false;
   RunOptions options;
 };
 
@@ -90,7 +90,16 @@ int check_inputs(const Sequence& sequence) {
   return most;
 }
 
-void make_result_folder(const std::filesystem::path& folder) {
+// A folder holds one run.
+void make_result_folder(const std::filesystem::path& folder, bool force) {
+  const ResultFolder result(folder);
+  if (result.holds_run()) {
+    if (!force) {
+      throw UserError(folder.string() +
+                      " holds a run already: name another folder with --out, or replace it with --force");
+    }
+    result.remove_run();
+  }
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error && access(folder.c_str(), W_OK) != 0) error.assign(errno, std::generic_category());
@@ -117,6 +126,11 @@ void print_summary(const std::filesystem::path& out) {
                 number(a, "kb_per_s_down"));
   }
   const auto& s = report["server"];
+  if (number(s, "maps") > 1) {
+    std::printf(
+        "%.0f maps that never met; the summary and the files are of the largest, paths in the others are in %s\n",
+        number(s, "maps"), (out / "trajectory" / "map<ID>").c_str());
+  }
   std::printf("server: %.1f ms a frame set (p99 %.0f), %.0f static points, %.0f key frames, %.0f merges\nresult: %s\n",
               number(s, "ms", "frame_set", "mean"), number(s, "ms", "frame_set", "p99"), number(s, "points", "static"),
               number(s, "key_frames"), number(s, "merges"), out.c_str());
@@ -133,7 +147,7 @@ int run(RunArguments arguments) {
   options.frame_sets = check_inputs(options.sequence);
   options.out = arguments.out;
   if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
-  make_result_folder(options.out);
+  make_result_folder(options.out, arguments.force);
   const int code = arguments.in_one_process ? run_inline(options) : run_processes(options);
   if (std::filesystem::exists(ResultFolder(options.out).report())) print_summary(options.out);
   return code;
@@ -148,6 +162,7 @@ void add_run_command(CLI::App& app, Command& chosen) {
   command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, or sim:NAME")
       ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
+  command->add_flag("--force", arguments->force, "replace the run that the folder holds");
   command->add_option("--agents", arguments->agents, "only these, in this order: a,b")->delimiter(',');
   add_cover_option(*command, arguments->covered);
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")

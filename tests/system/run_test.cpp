@@ -69,6 +69,22 @@ TEST_F(Run, WritesTheResult) {
   for (const char* agent : {"cam0", "cam1"}) EXPECT_EQ(evaluation["agents"][agent]["tracked_percent"], 100.0) << agent;
 }
 
+TEST_F(Run, AFolderHoldsOneRun) {
+  const std::vector<std::string> inline_run = arguments("result", {"--inline", "--agents", "cam0,cam1"});
+  ASSERT_EQ(Program("coslam", inline_run).exit_code(), 0);
+  const ResultFolder r = result("result");
+  std::ofstream(r.path() / "notes.txt") << "mine";
+  const std::string before = content_of(r.report());
+  Program again("coslam", arguments("result", {"--inline", "--agents", "cam0"}));
+  EXPECT_EQ(again.exit_code(), 1);
+  EXPECT_THAT(again.err(), ::testing::HasSubstr("holds a run already"));
+  EXPECT_EQ(content_of(r.report()), before) << "nothing is touched";
+  Program forced("coslam", arguments("result", {"--inline", "--agents", "cam0", "--force"}));
+  EXPECT_EQ(forced.exit_code(), 0) << forced.err();
+  EXPECT_FALSE(std::filesystem::exists(r.trajectory("cam1"))) << "nothing of the run before";
+  EXPECT_TRUE(std::filesystem::exists(r.path() / "notes.txt"));
+}
+
 TEST_F(Run, ProcessesAndInlineAgree) {
   Program processes("coslam", arguments("processes", {"--domain", std::to_string(domain_.number())}));
   ASSERT_EQ(processes.exit_code(), 0) << processes.err();
