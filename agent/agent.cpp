@@ -27,6 +27,7 @@ Agent::Agent(std::string name, RunId run, const CameraModel& camera, const Agent
       config_(config),
       pixel_scale_(pixel_scale(camera)),
       tracker_(std::move(tracker)),
+      shutter_(camera, config.readout_s),
       pose_(camera, config.pose),
       map_(run) {}
 
@@ -54,12 +55,15 @@ void Agent::look_for_tags() {
 }
 
 void Agent::observe() {
-  observations_.clear();
+  std::vector<SeenPlace> places;
   for (const Track& t : tracker_->live()) {
-    if (observations_.size() == kMaxTracks) break;  // the oldest go, which are known
+    if (places.size() == kMaxTracks) break;  // the oldest go, which are known
     const auto px = camera_.undistorted_from_raw(t.raw_px.cast<double>());
-    if (px) observations_.push_back({t.id, quantised_px(*px, pixel_scale_)});
+    if (px) places.push_back({t.id, t.raw_px.y(), *px});
   }
+  shutter_.correct(capture_ns_, &places);
+  observations_.clear();
+  for (const SeenPlace& p : places) observations_.push_back({p.track, quantised_px(p.undistorted_px, pixel_scale_)});
 }
 
 std::vector<TrackId> Agent::observed() const {

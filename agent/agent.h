@@ -11,6 +11,7 @@
 
 #include "agent/correct/local_map.h"
 #include "agent/pose/pose_tracker.h"
+#include "agent/pose/rolling_shutter.h"
 #include "agent/track/feature_tracker.h"
 #include "agent/track/image.h"
 #include "agent/track/tags.h"
@@ -27,6 +28,7 @@ struct AgentConfig {
   int descriptor_features = 400;  // most, in an answer to a request for descriptors everywhere
   int place_features = 160;       // the same at tracks
   TagConfig tags;
+  double readout_s = 0;  // of a rolling shutter, from the first row to the last
 };
 
 // What an agent sends for one image.
@@ -73,6 +75,7 @@ class Agent {
   AgentConfig config_;
   double pixel_scale_;
   std::unique_ptr<FeatureTracker> tracker_;
+  RollingShutter shutter_;
   PoseTracker pose_;
   LocalMap map_;
 
