@@ -96,7 +96,7 @@ void opencv_step(const Sequence& s, std::size_t i) {
 void BM_OpenCvLucasKanade(benchmark::State& state) {
   const Sequence& s = Sequence::get();
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     i = i % (s.images.size() - 1) + 1;
     opencv_step(s, i);
   }
@@ -108,7 +108,7 @@ void BM_TrackerStep(benchmark::State& state) {
   Tracker tracker({});
   tracker.step(s.images[0]);
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     i = i % (s.images.size() - 1) + 1;
     benchmark::DoNotOptimize(tracker.step(s.images[i]).data());
   }
@@ -122,7 +122,7 @@ void BM_TrackerOverOpenCv(benchmark::State& state) {
   tracker.step(s.images[0]);
   double opencv_s = 0, tracker_s = 0, tracks = 0;
   std::size_t i = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     i = i % (s.images.size() - 1) + 1;
     const double start = cpu_s();
     opencv_step(s, i);
