@@ -17,7 +17,7 @@ namespace coslam::test {
 template <class T>
 void expect_same_bits(const T& a, const T& b, const char* what) {
   static_assert(std::is_trivially_copyable_v<T>);
-  EXPECT_EQ(std::memcmp(&a, &b, sizeof(T)), 0) << what;
+  EXPECT_EQ(std::memcmp(&a, &b, sizeof(T)), 0) << what;  // NOLINT(bugprone-suspicious-memory-comparison): bits
 }
 
 template <class Matrix>
