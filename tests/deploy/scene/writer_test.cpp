@@ -119,7 +119,7 @@ TEST_F(WriterTest, TruthIsTheCameraInTheWorld) {
   for (int frame = 0; frame < kFrames; ++frame) {
     std::getline(in, line);
     std::istringstream fields(line);
-    double t, x, y, z, qx, qy, qz, qw;
+    double t = 0, x = 0, y = 0, z = 0, qx = 0, qy = 0, qz = 0, qw = 0;
     fields >> t >> x >> y >> z >> qx >> qy >> qz >> qw;
     const Rigid3 expected = scene->cam_from_world(1, frame / 30.0).inverse();
     EXPECT_NEAR(t, frame / 30.0, 1e-9);

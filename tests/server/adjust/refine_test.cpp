@@ -338,10 +338,9 @@ TEST_F(RefineWithOutliers, TheyAreTakenOut) {
   EXPECT_GE(report.outliers, 19);
   EXPECT_LT(report.outliers, 60);
   int left = 0;
-  for (const auto& [id, o] : spoilt_) {
+  for (const auto& [id, spoilt] : spoilt_) {
     const auto& all = sim_.map.find(id)->key_observations;
-    left += std::any_of(all.begin(), all.end(),
-                        [&](const KeyObservation& k) { return k.undistorted_px == o.undistorted_px; });
+    left += static_cast<int>(std::ranges::count(all, spoilt.undistorted_px, &KeyObservation::undistorted_px) > 0);
   }
   EXPECT_LE(left, 1);
   EXPECT_LT(worst_m(18, 60), 0.02);

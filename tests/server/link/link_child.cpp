@@ -4,18 +4,22 @@
 // One end of a link in a process of its own, for tests that kill it:
 //   link_child agent DOMAIN NAME RUN    plays frames in lock-step until it is killed
 //   link_child server DOMAIN RUN        answers every frame until it is killed
+#include <chrono>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "agent/link/dds_agent_link.h"
 #include "common/wire/participant.h"
 #include "tests/server/link/echo_server.h"
 #include "tests/support/wire_values.h"
 
-using namespace coslam;
 using namespace std::chrono_literals;
 
-int main(int argc, char** argv) {
+namespace coslam {
+namespace {
+
+[[noreturn]] void run_end(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   const WireConfig config = loopback_config(std::stoi(arguments.at(1)));
   if (arguments[0] == "server") {
@@ -28,7 +32,12 @@ int main(int argc, char** argv) {
   const auto link = open_agent_link(config, values.hello(name, run));
   for (std::uint32_t i = 0;; ++i) {
     link->send(values.frame(name, run, i), {}, {});
-    while (auto patch = link->wait_patch(FrameId(i), 60s)) {
+    while (link->wait_patch(FrameId(i), 60s)) {
     }
   }
 }
+
+}  // namespace
+}  // namespace coslam
+
+int main(int argc, char** argv) { coslam::run_end(argc, argv); }
