@@ -23,7 +23,7 @@ RefineJob job_of(int points = 40) {
   }
   for (int p = 0; p < points; ++p) {
     const Eigen::Vector3d place(std::sin(1.3 * p), std::cos(2.1 * p), 5 + 0.5 * std::sin(0.7 * p));
-    job.problem.points.push_back(place + Eigen::Vector3d(0.05, -0.05, 0.05));
+    job.problem.points.emplace_back(place + Eigen::Vector3d(0.05, -0.05, 0.05));
     for (int i = 0; i < 4; ++i) {
       const Rigid3& pose = job.problem.poses[static_cast<std::size_t>(i)].cam_from_world;
       const Eigen::Vector2d px = kCamera.pixel_from_normalized((pose * place).hnormalized());

@@ -221,8 +221,8 @@ TEST(ReprojectionCost, BehindTheCameraIsAConstantThatPullsNothing) {
   const Eigen::Vector3d point(0.1, 0.1, -2);
   const double* parameters[] = {block.data(), point.data()};
   Eigen::Vector2d r;
-  std::array<double, 14> by_block;
-  std::array<double, 6> by_point;
+  std::array<double, 14> by_block{};
+  std::array<double, 6> by_point{};
   by_block.fill(7);
   by_point.fill(7);
   double* jacobians[] = {by_block.data(), by_point.data()};
