@@ -48,7 +48,7 @@ class BundleTest : public testing::Test {
     for (int j = 0; j < world.size(); ++j) {
       points_.push_back(world.position(j));
       p.points.emplace_back(world.position(j) +
-                         scene.off_m * Eigen::Vector3d(normal(random), normal(random), normal(random)));
+                            scene.off_m * Eigen::Vector3d(normal(random), normal(random), normal(random)));
       for (int i = 0; i < 12; ++i) {
         const Eigen::Vector3d x = poses_[static_cast<std::size_t>(i)] * world.position(j);
         if (x.z() < 0.5 || !p.cameras[0].contains_raw(p.cameras[0].project(x))) continue;

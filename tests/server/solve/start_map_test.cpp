@@ -35,7 +35,7 @@ Images images_of(const test::SimWorld& world, const std::vector<Rigid3>& poses, 
     image.descriptors = tracker.describe(f).descriptors;
     std::vector<int>& of = out.world_points.emplace_back();
     for (const TrackObservation& o : f.tracks) {
-      image.undistorted_px.push_back(o.undistorted_px.cast<double>());
+      image.undistorted_px.emplace_back(o.undistorted_px.cast<double>());
       of.push_back(tracker.point_of(o.track));
     }
   }
