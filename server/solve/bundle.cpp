@@ -69,6 +69,14 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
   result->sigma_px = robust_sigma_2d(norms_px);
 }
 
+void add_ties(const BundleProblem& problem, std::vector<Block>* poses, ceres::Problem* ceres_problem) {
+  for (const auto& t : problem.ties) {
+    ceres_problem->AddResidualBlock(make_tie_cost(t.second_from_first).release(), nullptr,
+                                    (*poses)[static_cast<std::size_t>(t.first)].data(),
+                                    (*poses)[static_cast<std::size_t>(t.second)].data());
+  }
+}
+
 }  // namespace
 
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config) {
@@ -112,11 +120,7 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
                                      weighted(o.weight), poses[pose].data(), point, result.lenses[of].values.data());
     }
   }
-  for (const auto& t : problem.ties) {
-    ceres_problem.AddResidualBlock(make_tie_cost(t.second_from_first).release(), nullptr,
-                                   poses[static_cast<std::size_t>(t.first)].data(),
-                                   poses[static_cast<std::size_t>(t.second)].data());
-  }
+  add_ties(problem, &poses, &ceres_problem);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (problem.poses[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());
   }

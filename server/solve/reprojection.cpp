@@ -49,6 +49,21 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
+// by_x: of the weighted residual, by the point x in the camera frame that the rotation r leads to.
+void write_pose_and_point(const Eigen::Matrix<double, 2, 3>& by_x, const Eigen::Vector3d& x, const Eigen::Matrix3d& r,
+                          double** jacobians) {
+  if (jacobians[0] != nullptr) {
+    Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
+    j.leftCols<3>() = -by_x * skew(x);
+    j.middleCols<3>(3) = by_x;
+    j.col(6).setZero();
+  }
+  if (jacobians[1] != nullptr) {
+    Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(jacobians[1]);
+    j = by_x * r;
+  }
+}
+
 class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
  public:
   ReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
@@ -70,16 +85,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
     residual = weight_ * (camera_.project(x) - px_);
     if (jacobians == nullptr) return true;
     const Eigen::Matrix<double, 2, 3> p = weight_ * camera_.project_jacobian(x);
-    if (jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
-      j.leftCols<3>() = -p * skew(x);
-      j.middleCols<3>(3) = p;
-      j.col(6).setZero();
-    }
-    if (jacobians[1] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(jacobians[1]);
-      j = p * r;
-    }
+    write_pose_and_point(p, x, r, jacobians);
     return true;
   }
 
@@ -120,16 +126,7 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
     Eigen::Matrix<double, 2, 3> n_by_x;
     n_by_x << 1, 0, -n.x(), 0, 1, -n.y();
     const Eigen::Matrix<double, 2, 3> p = by_n * n_by_x / x.z();
-    if (jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
-      j.leftCols<3>() = -p * skew(x);
-      j.middleCols<3>(3) = p;
-      j.col(6).setZero();
-    }
-    if (jacobians[1] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(jacobians[1]);
-      j = p * r;
-    }
+    write_pose_and_point(p, x, r, jacobians);
     if (jacobians[2] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, 5, Eigen::RowMajor>> j(jacobians[2]);
       const Eigen::Vector2d fn = weight_ * scale * f.cwiseProduct(n);
