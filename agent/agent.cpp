@@ -10,6 +10,7 @@
 namespace coslam {
 namespace {
 
+constexpr double kAlone_s = 0.5;  // without a word of the server
 constexpr int kShedAfterFrames = 20;
 constexpr int kShedPerFrame = 15;
 
@@ -72,7 +73,7 @@ std::vector<TrackId> Agent::observed() const {
   return ids;
 }
 
-AgentOutput Agent::finish(std::span<const MapPatch> patches) {
+AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   AgentOutput out;
   {
     const auto timer = times_.measure("correct");
@@ -81,12 +82,13 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches) {
   }
   {
     const auto timer = times_.measure("pose");
-    pose_.step(frame_, observations_, map_);
+    if (!patches.empty()) heard_ns_ = capture_ns_;
+    pose_.step(frame_, observations_, map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   const auto timer = times_.measure("answer");
-  out.descriptors = describe_image();  // may start tracks, so before the frame is made
-  out.patches = cut_patches();
+  out.descriptors = describe_image(answers.described_one_in);  // may start tracks, so before the frame is made
+  out.patches = cut_patches(answers.patches);
   out.frame = make_frame();
   out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
   out.frame.descriptors_sent = out.descriptors.has_value();
@@ -114,14 +116,16 @@ int Agent::room_for_described() const {
   return std::max(0, most - static_cast<int>(tracker_->live().size()));
 }
 
-std::optional<DescriptorReply> Agent::describe_image() {
+std::optional<DescriptorReply> Agent::describe_image(int one_in) {
+  if (one_in == 0) return std::nullopt;
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
   if (wanted == DescriptorRequest::kNone) return std::nullopt;
   const bool everywhere = wanted == DescriptorRequest::kEverywhere;
   if (everywhere) since_described_ = 0;
   const int room = room_for_described();
-  const DescribedTracks described = everywhere ? tracker_->describe_strongest(config_.descriptor_features, room)
-                                               : tracker_->describe_at(observed(), config_.place_features, room);
+  const DescribedTracks described = everywhere
+                                        ? tracker_->describe_strongest(config_.descriptor_features / one_in, room)
+                                        : tracker_->describe_at(observed(), config_.place_features / one_in, room);
   observe();
   const std::vector<TrackId> ids = observed();
   DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};
@@ -134,12 +138,18 @@ std::optional<DescriptorReply> Agent::describe_image() {
   return reply;
 }
 
-std::optional<PatchReply> Agent::cut_patches() {
+std::optional<PatchReply> Agent::cut_patches(std::size_t most) {
   std::vector<TrackId> wanted;
+  std::set<TrackId> left;
   for (const TrackObservation& o : observations_) {
-    if (patch_requests_.contains(o.track)) wanted.push_back(o.track);
+    if (!patch_requests_.contains(o.track)) continue;
+    if (wanted.size() < most) {
+      wanted.push_back(o.track);
+    } else {
+      left.insert(o.track);
+    }
   }
-  patch_requests_.clear();
+  patch_requests_ = std::move(left);
   if (wanted.empty()) return std::nullopt;
   return PatchReply{.agent = name_, .agent_run = run_, .frame = frame_, .patches = tracker_->patches(wanted)};
 }
@@ -155,7 +165,7 @@ TrackFrame Agent::make_frame() const {
   f.epoch = map_.epoch();
   const PoseResult& r = pose_.result();
   f.cam_from_world = r.cam_from_world;
-  f.pose_covariance = r.covariance.cast<float>();
+  f.pose_covariance = quantised_pose_covariance(r.covariance);
   f.pose_inliers = static_cast<std::uint16_t>(r.inliers);
   f.hull_fraction = static_cast<float>(pose_.inlier_hull_fraction());
   f.applied_patch = map_.applied_sequence();

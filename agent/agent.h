@@ -31,6 +31,17 @@ struct AgentConfig {
   double readout_s = 0;  // of a rolling shutter, from the first row to the last
 };
 
+// How much of what the server asked for goes with an image; the rest waits for a later one.
+struct Answers {
+  std::size_t patches = kMaxTracks;  // most
+  int described_one_in = 1;          // one feature in so many is described; 0: none, the request waits
+
+  static constexpr Answers all() { return {}; }
+  static constexpr Answers few() { return {4, 2}; }  // a link that carries little
+  static constexpr Answers patches_alone() { return {4, 0}; }
+  static constexpr Answers none() { return {0, 0}; }
+};
+
 // What an agent sends for one image.
 struct AgentOutput {
   TrackFrame frame;
@@ -50,7 +61,7 @@ class Agent {
         std::unique_ptr<FeatureTracker> tracker);
 
   void track(const Image& image);
-  AgentOutput finish(std::span<const MapPatch> patches);
+  AgentOutput finish(std::span<const MapPatch> patches, Answers answers = {});
 
   PoseState pose_state() const { return pose_.state(); }
   const PoseResult& pose() const { return pose_.result(); }  // of the newest step
@@ -63,8 +74,8 @@ class Agent {
   void take(const MapPatch& patch);
   void observe();
   void look_for_tags();
-  std::optional<DescriptorReply> describe_image();
-  std::optional<PatchReply> cut_patches();
+  std::optional<DescriptorReply> describe_image(int one_in);
+  std::optional<PatchReply> cut_patches(std::size_t most);
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;
   int room_for_described() const;
@@ -81,6 +92,7 @@ class Agent {
 
   FrameId frame_;
   TimeNs capture_ns_ = 0;
+  TimeNs heard_ns_ = 0;                         // capture time of the newest image when a patch came last
   std::vector<TrackObservation> observations_;  // live tracks that have an undistorted place
   std::vector<TagObservation> tags_;
   std::optional<TimeNs> tags_sought_ns_;

@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/flow/clock.h"
 
 namespace coslam {
 namespace {
@@ -26,7 +27,8 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
       feed_(std::move(feed)),
       hello_(hello),
       agent_(hello.agent, hello.agent_run, hello.camera, config, std::move(tracker)),
-      now_(std::move(now)) {}
+      now_(std::move(now)),
+      send_rate_(hello.rate_hz) {}
 
 bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::optional<Image> image = feed_->next(stop);
@@ -35,9 +37,14 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   agent_.track(*image);
   const std::vector<MapPatch> patches = collect_patches(stop);
   if (stop || server_stops()) return false;
-  AgentOutput out = agent_.finish(patches);
-  last_sent_ = out.frame.frame;
-  link_.send(std::move(out.frame), out.patches, out.descriptors);
+  if (stamps_are_utc_ && !patches.empty()) exchange_ = {patches.back().sent_ns, patches.back().received_ns};
+  if (adapts_) watch_link(patches);
+  const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
+  AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
+  if (sends) {
+    last_sent_ = out.frame.frame;
+    link_.send(std::move(out.frame), out.patches, out.descriptors);
+  }
   warn_when_slow();
   const auto now = now_();
   if (!last_status_ || now - *last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
@@ -47,6 +54,23 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     link_.send_status(status(AgentState::kRunning));
   }
   return true;
+}
+
+// New ones wait for the old ones.
+Answers AgentLoop::answers() const {
+  if (!adapts_) return Answers::all();
+  if (link_.replies_wait()) return Answers::patches_alone();
+  return send_rate_.narrow() ? Answers::few() : Answers::all();
+}
+
+void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
+  for (const MapPatch& p : patches) {
+    if (p.sent_ns == 0) continue;
+    send_rate_.heard(p.uplink_wait_s, to_seconds(p.received_ns - p.sent_ns), now_());
+    reply_rate_.heard(p.uplink_wait_s, link_.replies_wait(), now_());
+  }
+  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);
+  if (link_.server_alive()) send_rate_.tick(now_());
 }
 
 // Once, when what the images need is known.
@@ -111,6 +135,8 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.dropped = feed_->dropped();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
   s.frame_ms = static_cast<float>(mean_frame_ms());
+  s.exchange = exchange_;
+  s.exchange.replied_ns = utc_now_ns();
   return s;
 }
 

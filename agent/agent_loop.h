@@ -12,6 +12,8 @@
 #include "agent/agent.h"
 #include "agent/feed.h"
 #include "agent/link/agent_link.h"
+#include "agent/link/reply_rate.h"
+#include "agent/link/send_rate.h"
 #include "common/model/session.h"
 
 namespace coslam {
@@ -28,6 +30,12 @@ class AgentLoop {
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config,
             std::unique_ptr<FeatureTracker> tracker, Clock now = std::chrono::steady_clock::now);
 
+  // The stamps of its images are of this machine's clock: the server may correct them.
+  void stamps_are_utc() { stamps_are_utc_ = true; }
+
+  // Sends no more than the link carries (live; images come as fast as time).
+  void adapt_to_link() { adapts_ = true; }
+
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
   // UserError when the server is gone in lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
@@ -37,6 +45,8 @@ class AgentLoop {
  private:
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
   bool server_stops() const;
+  Answers answers() const;
+  void watch_link(const std::vector<MapPatch>& patches);
   void warn_when_slow();
   double mean_frame_ms() const;
   void throw_if_refused() const;
@@ -48,7 +58,11 @@ class AgentLoop {
   Hello hello_;
   Agent agent_;
   Clock now_;
+  SendRate send_rate_;
+  ReplyRate reply_rate_;
   std::optional<FrameId> last_sent_;
+  bool stamps_are_utc_ = false, adapts_ = false;
+  ClockExchange exchange_;  // begun by the newest patch
   std::uint32_t frames_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;
   PoseState last_pose_state_ = PoseState::kNone;

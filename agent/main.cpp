@@ -16,6 +16,7 @@
 #include "common/base/replay_rate.h"
 #include "common/config/config.h"
 #include "common/dataset/calibration.h"
+#include "common/flow/clock.h"
 
 namespace coslam {
 namespace {
@@ -28,6 +29,18 @@ RunId draw_run_id() {
   return RunId((high << 32U | low) | 1U);
 }
 
+// The instant of the server's by this machine's clock. What a word takes by both clocks is more than clocks differ by;
+// a little more than nothing may all be the way.
+TimeNs start_by_own_clock(TimeNs start_utc_ns, double clock_ahead_s) {
+  constexpr double kMostUsual_s = 0.25, kWorthAWord_s = 3.0;
+  if (clock_ahead_s >= 0 && clock_ahead_s < kMostUsual_s) return start_utc_ns;
+  if (std::abs(clock_ahead_s) >= kWorthAWord_s) {
+    log_warn("the clock of this machine is " + std::to_string(std::lround(std::abs(clock_ahead_s))) + " s " +
+             (clock_ahead_s > 0 ? "ahead of" : "behind") + " the server's; set it");
+  }
+  return start_utc_ns + to_ns(clock_ahead_s);
+}
+
 // Waits until the server says that everybody is here. Returns when to start, or nothing when told to stop.
 std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
   auto told = std::chrono::steady_clock::now();
@@ -35,7 +48,7 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
     const auto status = link.wait_server_status(std::chrono::milliseconds(200));
     if (status) {
       if (const auto reason = refusal_of(*status, hello.agent_run)) throw UserError(*reason);
-      if (status->started) return status->start_utc_ns;
+      if (status->started) return start_by_own_clock(status->start_utc_ns, link.clock_ahead_s().value_or(0));
     }
     if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
       told = std::chrono::steady_clock::now();
@@ -67,7 +80,8 @@ void run(AgentOptions& o) {
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
   const std::unique_ptr<AgentLink> link = open_agent_link(o.wire, hello);
   TimeNs start_utc_ns = 0;
-  if (!source->live()) {
+  const bool live = source->live();
+  if (!live) {
     const auto start = wait_for_start(*link, hello, o.wire);
     if (!start) return;
     start_utc_ns = *start;
@@ -76,6 +90,8 @@ void run(AgentOptions& o) {
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
       hello, o.agent);
+  if (live) loop.stamps_are_utc();
+  if (live || rate == 1) loop.adapt_to_link();
   while (!stop_requested && loop.step(stop_requested)) {
   }
   loop.finish(stop_requested);

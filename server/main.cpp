@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <csignal>
 #include <iostream>
 #include <random>
@@ -10,13 +9,14 @@
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "server/link/dds_server_link.h"
+#include "server/record/recording_link.h"
+#include "server/recorded_config.h"
 #include "server/server_loop.h"
 #include "server/server_options.h"
+#include "server/stop_signals.h"
 
 namespace coslam {
 namespace {
-
-std::atomic<bool> stop_requested{false};
 
 RunId draw_run_id() {
   std::random_device device;
@@ -63,17 +63,52 @@ void print_config(const ServerOptions& options) {
   if (!std::cout) throw UserError("the configuration cannot be written to standard output");
 }
 
+struct ServeOptions {
+  ServerOptions keys;
+  std::string runs, result, map, record;  // empty: none
+  bool progress = false;
+};
+
+void serve(const ServeOptions& options) {
+  const ServerOptions& keys = options.keys;
+  const RunId run = draw_run_id();
+  const auto wire = open_server_link(keys.wire, run);
+  std::optional<RecordingLink> recording;
+  if (!options.record.empty()) {
+    recording.emplace(*wire, options.record, recording_head(run, {keys.agents, keys.server}));
+  }
+  ServerLink& link = recording ? *recording : *wire;
+  ServerLoop loop(link, run,
+                  {.server = keys.server,
+                   .expected_agents = keys.agents,
+                   .out = options.result,
+                   .runs = options.runs,
+                   .map = options.map});
+  Announcer announcer(options.progress);
+  while (!stop_requested() && loop.poll(std::chrono::milliseconds(20))) announcer.show(link, loop);
+  announcer.show(link, loop);
+  if (recording) recording->end();
+  log_info(stop_requested() ? "stopped" : "all agents have ended");
+  loop.finish(config::dump_json(keys));
+}
+
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
-  std::string file, out;
+  ServeOptions options;
+  std::string file;
   std::optional<int> domain;
   std::vector<std::string> sets;
-  bool loopback = false, progress = false, print = false;
+  bool loopback = false, print = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
-  app.add_option("--out", out, "RESULT folder")->type_name("DIR");
+  auto* out =
+      app.add_option("--out", options.runs, "where the RESULT of each run gets a folder; DIR/latest is the newest");
+  out->type_name("DIR");
+  app.add_option("--result", options.result, "for programs: the RESULT folder itself")->type_name("DIR")->excludes(out);
+  app.add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
+  app.add_option("--record", options.record, "new file: what the agents send, for coslam replay")->type_name("FILE");
   app.add_flag("--loopback", loopback, "talk on this machine only");
-  app.add_flag("--report-progress", progress,
+  app.add_flag("--report-progress", options.progress,
                "for programs: 'ready', 'started' and 'progress DONE' on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
   app.add_flag("--print-config", print, "only print all keys with values, bounds and meaning, as a file for --config");
@@ -83,24 +118,16 @@ int main_of(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   init_log("server");
-  ServerOptions o;
+  ServerOptions& o = options.keys;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
   if (domain) o.wire.domain = *domain;
   if (print) {
     print_config(o);
-    return 0;
+  } else {
+    serve(options);
   }
-
-  const RunId run = draw_run_id();
-  const auto link = open_server_link(o.wire, run);
-  ServerLoop loop(*link, run, {.server = o.server, .expected_agents = o.agents, .out = out});
-  Announcer announcer(progress);
-  while (!stop_requested && loop.poll(std::chrono::milliseconds(20))) announcer.show(*link, loop);
-  announcer.show(*link, loop);
-  log_info(stop_requested ? "stopped; adjusting the whole map" : "all agents have ended; adjusting the whole map");
-  loop.finish(config::dump_json(o));
   return 0;
 }
 
@@ -108,8 +135,7 @@ int main_of(int argc, char** argv) {
 }  // namespace coslam
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
-  std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  coslam::catch_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // a result is written even when nobody reads the progress any more
   try {
     return coslam::main_of(argc, argv);

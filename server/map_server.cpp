@@ -4,17 +4,28 @@
 
 #include <algorithm>
 
+#include "server/adjust/settle.h"
+
 namespace coslam {
 namespace {
 
-std::map<MapId, int> frames_by_map(const Map& map) {
-  std::map<MapId, int> frames;
+std::map<MapId, MapFrames> frames_by_map(const Map& map) {
+  std::map<MapId, MapFrames> all;
   for (const MapCamera& c : map.cameras()) {
     for (const FramePose& f : c.frames) {
-      if (f.valid()) ++frames[f.map];
+      if (!f.valid()) continue;
+      MapFrames& m = all[f.map];
+      m.map = f.map;
+      ++m.frames[c.id];
     }
   }
-  return frames;
+  return all;
+}
+
+int sum_of(const MapFrames& m) {
+  int sum = 0;
+  for (const auto& [camera, n] : m.frames) sum += n;
+  return sum;
 }
 
 }  // namespace
@@ -25,6 +36,9 @@ MapServer::MapServer(RunId run, const MapServerConfig& config)
 CameraId MapServer::admit(const Hello& hello) {
   for (const MapCamera& c : map().cameras()) {
     if (c.name != hello.agent) continue;
+    if (restored_until_) {
+      met_since_.try_emplace(c.id, c.run == hello.agent_run ? c.run_since : SetId(restored_until_->value + 1));
+    }
     if (c.run != hello.agent_run) {
       edit_.restart_camera(c.id, hello.agent_run, hello.camera);
       pipeline_.stage<ClockFinder>().forget(c.id);
@@ -68,6 +82,9 @@ void MapServer::finish() {
   const std::vector<std::string> doubts = lens_doubts(map(), largest_map());
   warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
   lenses_ = adjust_whole(edit_, largest_map(), refine);
+  const SettleReport settled = settle_frames(edit_, largest_map());
+  report_.counts["frames_settled"] += settled.changed;
+  report_.counts["frames_placed_late"] += settled.placed;
   take(pipeline_.stage<Scale>().finish(edit_));
 }
 
@@ -85,17 +102,18 @@ MemoryUse MapServer::memory() const {
   return use;
 }
 
-int MapServer::map_count() const { return static_cast<int>(frames_by_map(map()).size()); }
+std::vector<MapFrames> MapServer::maps() const {
+  std::vector<MapFrames> all;
+  for (auto& [id, frames] : frames_by_map(map())) all.push_back(frames);
+  const auto largest =
+      std::ranges::max_element(all, [](const MapFrames& a, const MapFrames& b) { return sum_of(a) < sum_of(b); });
+  if (largest != all.end()) std::rotate(all.begin(), largest, std::next(largest));
+  return all;
+}
 
 MapId MapServer::largest_map() const {
-  MapId best;
-  int most = 0;
-  for (const auto& [id, n] : frames_by_map(map())) {
-    if (n <= most) continue;
-    most = n;
-    best = id;
-  }
-  return best;
+  const std::vector<MapFrames> all = maps();
+  return all.empty() ? MapId() : all.front().map;
 }
 
 }  // namespace coslam

@@ -17,6 +17,12 @@
 
 namespace coslam {
 
+// A map, and how many frames of whom have a pose in it.
+struct MapFrames {
+  MapId map;
+  std::map<CameraId, int> frames;
+};
+
 struct MapServerCounts {
   int frame_sets = 0;
   int merges = 0;
@@ -49,6 +55,19 @@ class MapServer {
   void finish();
 
   const Map& map() const { return edit_.map(); }
+  // All that outlives the server, as rows, as far as it changed since the last call. They belong together.
+  std::vector<Row> changed_rows();
+  // Goes on with the map of these rows; before anything else. gap_s: how long nothing was seen since. Cameras are
+  // known again by their names, and by their runs if these still live. Throws UserError when the rows are none.
+  void restore(const Tables& tables, double gap_s);
+  // The newest frame set of what was restored.
+  std::optional<SetId> restored_until() const { return restored_until_; }
+  // The frames of a camera from this set on are of agents that this server met; empty: none are.
+  std::optional<SetId> met_since(CameraId camera) const;
+  void meet_all();  // all frames count, of whatever day
+  // See MapEdit::shift_times().
+  void shift_times(TimeNs by_ns) { edit_.shift_times(by_ns); }
+
   // What the last step changed, with what happened since the one before; after finish(), what came after the last step.
   const Journal& journal() const { return edit_.journal(); }
   void keep_journal(bool on) { edit_.journal().enable(on); }
@@ -65,13 +84,14 @@ class MapServer {
   const StageTimes& times() const { return report_.times; }
   // The map with the most frames: its frame is that of the result.
   MapId largest_map() const;
-  // Maps that hold a frame of some camera: one, if all could be brought together.
-  int map_count() const;
-  // Whether the lengths of that map are metres.
+  // Maps that hold a frame of some camera, the largest first: one, if all could be brought together.
+  std::vector<MapFrames> maps() const;
   // How lenses were found to differ from their calibrations, by camera; empty when it was not asked for or is not
   // known.
   const std::vector<LensChange>& lenses() const { return lenses_; }
-  bool scale_known() const { return in_metres_.contains(largest_map()); }
+  // Whether the lengths of a map are metres.
+  bool scale_known(MapId map) const { return in_metres_.contains(map); }
+  bool scale_known() const { return scale_known(largest_map()); }
   // Printed tags in that map, as last measured.
   std::vector<MeasuredTag> tags() const { return pipeline_.stage<Scale>().tags().tags(largest_map()); }
   // What the user should know of, each once: sentences since the last call.
@@ -90,6 +110,10 @@ class MapServer {
   std::set<MapId> in_metres_;
   std::vector<LensChange> lenses_;
   std::vector<std::string> warnings_;
+  MapRows rows_;
+  std::optional<SetId> restored_until_;
+  std::size_t restored_cameras_ = 0;
+  std::map<CameraId, SetId> met_since_;  // of cameras that were restored
 };
 
 }  // namespace coslam

@@ -53,14 +53,16 @@ Json refined_report(const CameraModel& camera, const LensChange& lens) {
           {"k2", lens.values[4]}};
 }
 
-// An agent as the server saw it.
+// An agent as the server saw it. Tracked: in the common map, where the others are.
 Json camera_report(const MapServer& server, CameraId id) {
   const MapCamera& camera = server.map().camera(id);
-  const auto tracked =
-      std::count_if(camera.frames.begin(), camera.frames.end(), [](const FramePose& f) { return f.valid(); });
+  const MapId common = server.largest_map();
+  const auto tracked = std::count_if(camera.frames.begin(), camera.frames.end(),
+                                     [&](const FramePose& f) { return f.valid() && f.map == common; });
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
   const ClockOffset clock = server.clock_offset(id);
   return {{"frames", camera.frames.size()},
+          {"frames_received", camera.frames.size()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
           {"sigma_px", camera.sigma_px},
           {"clock_offset_ms", 1000 * clock.offset_s},
@@ -109,12 +111,24 @@ Json tags_report(const std::vector<MeasuredTag>& tags) {
   return out;
 }
 
-// Of the result's map.
-Json points_report(const MapServer& server) {
+Json points_report(const MapServer& server, MapId of) {
   std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
-  const MapId of = server.largest_map();
   for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
   return by_state;
+}
+
+// Who is in which map, the common one first.
+Json maps_report(const MapServer& server) {
+  Json out = Json::array();
+  for (const MapFrames& m : server.maps()) {
+    Json agents = Json::object();
+    for (const auto& [camera, frames] : m.frames) agents[server.map().camera(camera).name] = frames;
+    out.push_back({{"map", m.map.value},
+                   {"agents", agents},
+                   {"points", points_report(server, m.map)},
+                   {"scale_known", server.scale_known(m.map)}});
+  }
+  return out;
 }
 
 Json memory_report(const MemoryUse& use) {
@@ -127,10 +141,10 @@ Json memory_report(const MemoryUse& use) {
 Json server_report(const MapServer& server) {
   Json out;
   out["ms"] = times_report(server.times());
-  out["points"] = points_report(server);
+  out["points"] = points_report(server, server.largest_map());
   out["key_frames"] = server.map().key_frames().size();
   out["merges"] = server.counts().merges;
-  out["maps"] = server.map_count();
+  out["maps"] = server.maps().size();
   out["inter_pose_calls"] = server.counts().inter_pose_calls;
   out["refinements"] = server.counts().refinements;
   out["scale_known"] = server.scale_known();
@@ -158,24 +172,29 @@ Json rejected_report(const RejectionCounts& counts) {
 
 }  // namespace
 
-Json make_report(const MapServer& server, const FrameSetSync& sync, const ServerLink& link,
-                 const std::vector<ReportedAgent>& agents, const Json& configuration) {
+Json make_report(const MapServer& server, const ServerLink& link, const FrameCounts& counts,
+                 const std::vector<ReportedAgent>& agents, bool adjusted, const Json& configuration) {
   std::uint64_t frames = 0, dropped = 0;
   Json by_agent = Json::object();
   for (const ReportedAgent& agent : agents) {
     by_agent[agent.name] = agent_report(server, link, agent);
+    by_agent[agent.name]["stamp_correction_ms"] = 1000 * to_seconds(counts.stamps.correction_ns(agent.camera));
     frames += agent.last_status.frames;
     dropped += agent.last_status.dropped;
   }
   Json report;
   report["version"] = COSLAM_VERSION;
+  report["adjusted"] = adjusted;
   report["frame_sets"] = server.counts().frame_sets;
   report["frames"] = frames;
   report["dropped"] = dropped;
-  report["late_frames"] = sync.late();
-  report["overflowed_frames"] = sync.overflowed();
+  report["late_frames"] = counts.late;
+  report["overflowed_frames"] = counts.overflowed;
+  report["frame_sets_left_out"] = counts.sets_left_out;
+  report["frames_out_of_time"] = counts.stamps.refused();
   report["link"] = link_report(link.counts());
   report["agents"] = by_agent;
+  report["maps"] = maps_report(server);
   report["server"] = server_report(server);
   report["rejected"] = rejected_report(link.rejections());
   report["configuration"] = configuration;

@@ -8,7 +8,7 @@
 
 #include "server/link/server_link.h"
 #include "server/map_server.h"
-#include "server/sync/frame_set_sync.h"
+#include "server/sync/stamp_watch.h"
 
 namespace coslam {
 
@@ -19,9 +19,18 @@ struct ReportedAgent {
   AgentStatus last_status;
 };
 
-// report.json: what a run did, how long it took and what it cost. configuration: the one in effect.
-nlohmann::ordered_json make_report(const MapServer& server, const FrameSetSync& sync, const ServerLink& link,
-                                   const std::vector<ReportedAgent>& agents,
+// Frames that did not become part of a frame set that was used.
+struct FrameCounts {
+  std::uint32_t late = 0;        // their instant was over
+  std::uint32_t overflowed = 0;  // too many waited
+  std::uint32_t sets_left_out = 0;
+  const StampWatch& stamps;
+};
+
+// report.json: what a run did, how long it took and what it cost. adjusted: the map is, as a whole; configuration: the
+// one in effect.
+nlohmann::ordered_json make_report(const MapServer& server, const ServerLink& link, const FrameCounts& counts,
+                                   const std::vector<ReportedAgent>& agents, bool adjusted,
                                    const nlohmann::ordered_json& configuration);
 
 }  // namespace coslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "server/map_keeper.h"
 #include "server/map_pipeline.h"
 #include "server/observe/event_store.h"
 #include "server/sync/frame_set_sync.h"
@@ -14,6 +15,7 @@ struct ServerConfig {
   MapServerConfig map;
   SyncConfig sync;
   EventsConfig events;
+  KeepConfig map_file;
 };
 
 template <class V>
@@ -21,6 +23,7 @@ void describe(V& v, ServerConfig& c) {
   describe(v, c.map);
   v.section("sync", c.sync);
   v.section("events", c.events);
+  v.section("map_file", c.map_file);
 }
 
 }  // namespace coslam

@@ -7,23 +7,15 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "server/observe/run_folder.h"
 #include "server/report.h"
+#include "server/stop_signals.h"
 
 namespace coslam {
 namespace {
 
-constexpr auto kStatusPeriod = std::chrono::seconds(1);
+constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
 constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
-
-TimeNs utc_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-TimeNs monotonic_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 
@@ -32,26 +24,93 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
       config_(config),
       server_(run, config.server.map),
       sync_(config.server.sync),
+      stamps_({config.clock.utc_ns() - config.clock.monotonic_ns()}),
       refiner_(config.refine_in_thread) {
-  if (!config.out.empty()) store_.emplace(config.out, config.server.events);
-  server_.keep_journal(store_ && config.server.events.enabled);
+  if (!config.map.empty()) {
+    keeper_.emplace(config.map, config.server.map_file, &server_);
+    if (server_.restored_until()) sync_.begin_after(server_.map().now());
+    if (const auto date_ns = keeper_->date_now_ns()) stamps_.expect(*date_ns - config_.clock.monotonic_ns());
+  }
+  server_.keep_journal(!(config.out.empty() && config.runs.empty()) && config.server.events.enabled);
   if (config_.expected_agents.empty()) {
     started_ = true;
-    start_utc_ns_ = utc_ns();
+    start_utc_ns_ = config_.clock.utc_ns();
+    stamps_.expect(-config_.clock.monotonic_ns());
   }
   send_status();
 }
 
 bool ServerLoop::poll(std::chrono::milliseconds timeout) {
-  std::optional<ServerEvent> event = link_.next_event(timeout);
-  while (event) {
-    handle(*event);
-    event = link_.next_event(std::chrono::milliseconds(0));
+  constexpr int kMostSets = 32;  // whoever stops the server is heard in between
+  take_events(timeout);
+  for (int i = 0; i < kMostSets; ++i) {
+    const std::optional<FrameSet> set = next_set();
+    if (!set) break;
+    run_set(*set);
+    take_events(std::chrono::milliseconds(0));
   }
-  while (const std::optional<FrameSet> set = sync_.pop(monotonic_ns())) run_set(*set);
-  if (std::chrono::steady_clock::now() - last_status_ > kStatusPeriod) send_status();
-  if (!started_ || config_.expected_agents.empty()) return true;
+  if (!started_ || config_.expected_agents.empty() || !ready_.empty()) return true;
   return !std::all_of(agents_.begin(), agents_.end(), [](const auto& a) { return a.second.ended; });
+}
+
+void ServerLoop::take_events(std::chrono::milliseconds timeout) {
+  for (auto event = link_.next_event(ready_.empty() ? timeout : std::chrono::milliseconds(0)); event;
+       event = link_.next_event(std::chrono::milliseconds(0))) {
+    handle(*event);
+  }
+  if (!store_) open_result();
+  for (const std::string& warning : stamps_.take_warnings()) log_warn(warning);
+  if (config_.clock.monotonic_ns() - last_status_ns_ > kStatusPeriod_ns) send_status();
+}
+
+// Not before the link is at work: a server that is refused for its domain touches nothing. A folder of the run's own
+// waits for an agent besides, so that `latest` names a run that has something.
+void ServerLoop::open_result() {
+  if ((config_.out.empty() && config_.runs.empty()) || !link_.at_work()) return;
+  if (config_.runs.empty()) {
+    store_.emplace(config_.out, config_.server.events);
+    return;
+  }
+  if (!std::exchange(runs_made_, true)) make_folder_of_runs(config_.runs);
+  if (agents_.empty()) return;
+  const std::filesystem::path folder = make_run_folder(config_.runs, config_.clock.utc_ns(), server_.run());
+  store_.emplace(folder, config_.server.events);
+  link_latest(folder);
+  log_info("the result goes to " + folder.string());
+}
+
+// Live, a server that is too slow leaves out the oldest sets: one in so many, since each set takes as long as the
+// others.
+std::optional<FrameSet> ServerLoop::next_set() {
+  constexpr double kBacklog_s = 0.5;  // what a slow set and jitter heap up
+  const TimeNs now_ns = config_.clock.monotonic_ns();
+  if (lockstep_) return sync_.pop(now_ns);
+  while (auto set = sync_.pop(now_ns)) ready_.push_back(std::move(*set));
+  const std::size_t most = std::max(2U, server_.map().sets_in(kBacklog_s));
+  while (ready_.size() > most) {
+    FrameSet oldest = std::move(ready_.front());
+    ready_.pop_front();
+    leave_out(std::move(oldest));
+  }
+  if (ready_.empty()) return std::nullopt;
+  std::optional<FrameSet> next(std::move(ready_.front()));
+  ready_.pop_front();
+  return next;
+}
+
+// But for what was asked for: it rides with the next frame.
+void ServerLoop::leave_out(FrameSet set) {
+  ++left_out_;
+  if (left_out_log_.pass()) {
+    log_warn("the server is too slow for its agents: " + std::to_string(left_out_) +
+             " frame sets were left out so far");
+  }
+  for (CameraFrame& left : set.frames) {
+    const auto next = std::ranges::find(ready_.front().frames, left.camera, &CameraFrame::camera);
+    if (next == ready_.front().frames.end()) continue;
+    if (!next->patches) next->patches = std::move(left.patches);
+    if (!next->descriptors) next->descriptors = std::move(left.descriptors);
+  }
 }
 
 void ServerLoop::handle(const ServerEvent& event) {
@@ -88,7 +147,8 @@ void ServerLoop::start_if_complete() {
   for (const std::string& name : config_.expected_agents) admit(waiting_.at(name));
   waiting_.clear();
   started_ = true;
-  start_utc_ns_ = utc_ns() + to_ns(kStartDelay_s);
+  start_utc_ns_ = config_.clock.utc_ns() + to_ns(kStartDelay_s);
+  stamps_.expect(-(config_.clock.monotonic_ns() + to_ns(kStartDelay_s)));  // recordings begin at played time 0
   send_status();
 }
 
@@ -102,6 +162,7 @@ void ServerLoop::admit(const Hello& hello) {
   const bool waits = hello.pacing == Pacing::kLockstep;
   lockstep_ |= waits;
   sync_.add(agent.camera, hello.rate_hz, waits);
+  stamps_.add(agent.camera, hello.agent);
   log_info("agent " + hello.agent + (back ? " is back" : " joined"));
 }
 
@@ -116,7 +177,14 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
   CameraFrame frame{agent->camera, joined.frame, joined.patches, joined.descriptors};
   // A pose in the map of a server before this one says nothing here.
   if (frame.frame.server_run != server_.run()) frame.frame.pose_state = PoseState::kNone;
-  const bool used = sync_.push(std::move(frame), monotonic_ns());
+  const TimeNs now_ns = config_.clock.monotonic_ns();
+  if (!lockstep_) {
+    const auto taken_ns = stamps_.place(agent->camera, frame.frame.capture_ns, now_ns);
+    if (!taken_ns) return;
+    frame.frame.capture_ns = *taken_ns;
+  }
+  if (keeper_) keeper_->before_frame(frame.frame.capture_ns);
+  const bool used = sync_.push(std::move(frame), now_ns);
   // A replay that joined late or began anew catches up with the others.
   if (!used && lockstep_) link_.send(server_.acknowledge(agent->camera, joined.frame));
 }
@@ -125,6 +193,7 @@ void ServerLoop::on_status(const AgentStatus& status) {
   Agent* agent = find(status.agent, status.agent_run);
   if (agent == nullptr) return;
   agent->last_status = status;
+  if (status.exchange.sent_ns != 0) stamps_.exchange(agent->camera, status.exchange);
   if (status.state != AgentState::kFinished || agent->ended) return;
   log_info("agent " + status.agent + " has ended");
   end(*agent);
@@ -154,11 +223,18 @@ void ServerLoop::end(Agent& agent) {
 
 void ServerLoop::run_set(const FrameSet& set) {
   give_refined(refiner_.take_due(set.id, lockstep_));
-  for (const MapPatch& patch : server_.step(set)) link_.send(patch);
+  for (MapPatch& patch : server_.step(set)) {
+    if (!lockstep_) {
+      patch.sent_ns = config_.clock.monotonic_ns();
+      patch.uplink_wait_s = static_cast<float>(stamps_.wait_s(agents_[patch.agent].camera));
+    }
+    link_.send(patch);
+  }
   for (const MovingState& state : server_.moving()) link_.send(state);
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
   if (store_) store_->record(set, server_);
+  if (keeper_) keeper_->after_set();
 }
 
 void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
@@ -166,7 +242,7 @@ void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
 }
 
 void ServerLoop::send_status() {
-  last_status_ = std::chrono::steady_clock::now();
+  last_status_ns_ = config_.clock.monotonic_ns();
   ServerStatus status;
   status.server_run = server_.run();
   status.started = started_;
@@ -182,16 +258,46 @@ void ServerLoop::send_status() {
   link_.send_status(status);
 }
 
-void ServerLoop::finish(const nlohmann::ordered_json& configuration) {
-  give_refined(refiner_.take(true));
-  server_.finish();
-  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
+void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configuration) {
   std::vector<ReportedAgent> agents;
   for (const auto& [name, agent] : agents_) agents.push_back({name, agent.camera, agent.last_status});
-  report_ = make_report(server_, sync_, link_, agents, configuration);
-  if (store_) store_->finish(server_, report_);
+  report_ = make_report(server_, link_, {sync_.late(), sync_.overflowed(), left_out_, stamps_}, agents, adjusted,
+                        configuration);
+}
+
+// False: not all of it. There may be room when it is written again.
+bool ServerLoop::write_first() {
+  if (!store_ && !keeper_) return true;
+  bool written = true;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const UserError& e) {
+      log_warn(e.what());
+      written = false;
+    }
+  };
+  if (store_) attempt([&] { store_->write(server_, report_); });
+  if (keeper_) attempt([&] { keeper_->finish(); });
+  if (written) log_info("the result is written; adjusting the whole map, which Ctrl-C leaves out");
+  return written;
+}
+
+void ServerLoop::finish(const nlohmann::ordered_json& configuration) {
+  for (const FrameSet& set : std::exchange(ready_, {})) run_set(set);
+  report_now(false, configuration);
+  const bool written = write_first();
   stopping_ = true;
   send_status();
+  {
+    const EndsAtOnce at_a_signal(written ? 0 : 1);
+    give_refined(refiner_.take(true));
+    server_.finish();
+  }
+  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
+  report_now(config_.server.map.of<RefineConfig>().enabled, configuration);
+  if (store_) store_->finish(server_, report_);
+  if (keeper_) keeper_->finish();
 }
 
 }  // namespace coslam

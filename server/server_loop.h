@@ -3,25 +3,41 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/base/log.h"
+#include "common/flow/clock.h"
 #include "server/link/server_link.h"
+#include "server/map_keeper.h"
 #include "server/observe/result_store.h"
 #include "server/refiner.h"
 #include "server/server_config.h"
+#include "server/sync/frame_set_sync.h"
+#include "server/sync/stamp_watch.h"
 
 namespace coslam {
+
+// What time it is, in ns. Neither may be called from another thread than the loop's.
+struct ServerClock {
+  std::function<TimeNs()> monotonic_ns = monotonic_now_ns;
+  std::function<TimeNs()> utc_ns = utc_now_ns;
+};
 
 struct ServerLoopConfig {
   ServerConfig server;
   std::vector<std::string>
-      expected_agents;        // wait for all of these, number cameras in this order, end when they have; empty: run on
-  std::filesystem::path out;  // RESULT folder; empty: none
+      expected_agents;         // wait for all of these, number cameras in this order, end when they have; empty: run on
+  std::filesystem::path out;   // RESULT folder; empty: none
+  std::filesystem::path runs;  // or where to make one for this run, when its first agent has joined
+  std::filesystem::path map;   // file that the map is kept in; empty: none
   bool refine_in_thread = true;  // false: in the caller's thread, where its result is due
+  ServerClock clock;             // another one for a recording
 };
 
 // The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
@@ -38,8 +54,9 @@ class ServerLoop {
   // Handles one event (waiting for it up to `timeout`) and every frame set that became complete. False once it is done:
   // all expected agents have ended and their frames are used.
   bool poll(std::chrono::milliseconds timeout);
-  // Adjusts the whole run, writes the result, tells the agents that the server stops. configuration: the one in
-  // effect, for the report.
+  // Writes the result, tells the agents that the server stops, adjusts the whole run and writes the result again. While
+  // it adjusts EndsAtOnce holds (stop_signals.h). configuration: the one in effect, for the report. Throws UserError
+  // when something could not be written.
   void finish(const nlohmann::ordered_json& configuration);
 
   bool started() const { return started_; }
@@ -62,22 +79,34 @@ class ServerLoop {
   void on_gone(const std::string& name, RunId run);
   void admit(const Hello& hello);
   void start_if_complete();
+  void take_events(std::chrono::milliseconds timeout);
+  std::optional<FrameSet> next_set();
+  void leave_out(FrameSet set);
   void run_set(const FrameSet& set);
   Agent* find(const std::string& name, RunId run);  // null: no such run now
   void end(Agent& agent);
   void give_refined(std::optional<RefineSolution> solution);
   void send_status();
+  void open_result();
+  void report_now(bool adjusted, const nlohmann::ordered_json& configuration);
+  bool write_first();
 
   ServerLink& link_;
   ServerLoopConfig config_;
   MapServer server_;
   FrameSetSync sync_;
+  StampWatch stamps_;
+  std::deque<FrameSet> ready_;  // live: what there was no time for yet
+  std::uint32_t left_out_ = 0;  // sets
+  LogLimiter left_out_log_;
   std::optional<ResultStore> store_;
+  std::optional<MapKeeper> keeper_;
   Refiner refiner_;
   std::map<std::string, Hello> waiting_;  // before the start
   std::map<std::string, Agent> agents_;
+  bool runs_made_ = false;
   bool started_ = false, stopping_ = false, lockstep_ = false;
-  std::chrono::steady_clock::time_point last_status_{};
+  TimeNs last_status_ns_ = 0;
   TimeNs start_utc_ns_ = 0;
   nlohmann::ordered_json report_;
 };

@@ -12,17 +12,13 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
+#include "common/flow/clock.h"
 
 namespace coslam {
 namespace {
 
 constexpr const char* kV4l2 = "v4l2:";
 constexpr const char* kGst = "gst:";
-
-TimeNs utc_now_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
 
 bool open_v4l2(cv::VideoCapture& capture, const std::string& device) {
   const auto index = parse_integer(device);

@@ -21,10 +21,14 @@ class AgentLink {
  public:
   virtual ~AgentLink() = default;
 
-  // Sends one frame and the replies that belong to it; sets the frame's patches_sent and descriptors_sent from them.
+  // Sends one frame and the replies that belong to it; sets the frame's patches_sent and descriptors_sent from those
+  // that leave with it.
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
   virtual void send_status(const AgentStatus& status) = 0;
+  // From now on replies of no more than so many bytes go with a frame; the rest waits for the next frames.
+  virtual void limit_replies(double /*bytes_a_frame*/) {}
+  virtual bool replies_wait() const { return false; }
 
   // Lock-step replay. The next patch in order of sequence; waits while there is none. Empty at the timeout, and at once
   // when the patch that answers `after_frame` was returned before. While the answer is due, the last frame sent is sent
@@ -40,6 +44,10 @@ class AgentLink {
   virtual std::optional<ServerStatus> wait_server_status(std::chrono::milliseconds timeout) = 0;
   // False before the first status and while the server is silent (killed, or the network is cut).
   virtual bool server_alive() const = 0;
+
+  // How far this machine's clock is ahead of the server's, or less: the least that a status took by both clocks. Empty
+  // while there is but one that may have been kept for who comes late.
+  virtual std::optional<double> clock_ahead_s() const { return std::nullopt; }
 
   virtual LinkBytes bytes() const = 0;
   virtual const RejectionCounts& rejections() const = 0;

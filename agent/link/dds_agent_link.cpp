@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 
 #include "agent/link/inbox.h"
+#include "common/flow/clock.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
+#include "common/wire/reply_parts.h"
+#include "common/wire/track_codec.h"
 
 namespace coslam {
 namespace {
@@ -18,6 +22,9 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kResend{300};
+// The middleware drops a best-effort sample that comes after a later one of the same writer. With several in turn, a
+// link may let frames overtake each other by as many.
+constexpr int kWays = 6;
 constexpr int kRepliesEvery = 10;  // replies travel reliably: send them again in every 10th repetition only
 
 // Three signs of life within the time after which their absence counts.
@@ -34,37 +41,43 @@ std::uint64_t sum(const std::array<TopicCounts, kTopicCount>& counts, std::uint6
 class DdsAgentLink : public AgentLink {
  public:
   DdsAgentLink(const WireConfig& config, const Hello& hello)
-      : px_scale_(pixel_scale(hello.camera)),
+      : encoder_(pixel_scale(hello.camera)),
         inbox_(hello.agent_run),
         participant_(config, "coslam-agent " + hello.agent),
-        tracks_(participant_),
         patches_(participant_),
         descriptors_(participant_),
         hello_(participant_),
         status_(participant_),
         loop_(participant_, "agent-link", heartbeat(config), [this] { hello_.assert_alive(); }) {
-    loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive(decode(m), [] {}); }, {},
+    loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
                               partition_of(hello.agent_run));
-    loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s.writer); },
+    loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
                                   [this](const WriterId& w, Presence p) { server_presence(w, p); });
+    const int ways = hello.pacing == Pacing::kLive ? kWays : 1;
+    for (int i = 0; i < ways; ++i) tracks_.emplace_back(participant_);
     loop_.start();
     hello_.write(encode(hello));
   }
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
             const std::optional<DescriptorReply>& descriptors) override {
-    frame.patches_sent = patches ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
-    frame.descriptors_sent = descriptors.has_value();
     last_ = {};
-    if (frame.patches_sent > 0) last_.patches = encode(*patches);
-    if (descriptors) last_.descriptors = encode(*descriptors);
-    last_.frame = encode(frame, px_scale_);
+    if (patches) put_parts(*patches, patches_waiting_, last_.patches);
+    if (descriptors) put_parts(*descriptors, descriptors_waiting_, last_.descriptors);
     last_.sent = Clock::now();
-    write_replies();
-    tracks_.write(*last_.frame);
+    write_waiting();
+    // What waits rides with a later frame, so that this one does not wait for it.
+    const bool patches_gone = patches && patches_waiting_.empty();
+    frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
+    frame.descriptors_sent = descriptors && descriptors_waiting_.empty();
+    tracks_[frame.frame.value % tracks_.size()].write(encoder_.encode(frame, acknowledged()));
+    last_.frame = std::move(frame);
   }
 
   void send_status(const AgentStatus& status) override { status_.write(encode(status)); }
+
+  void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
+  bool replies_wait() const override { return !patches_waiting_.empty() || !descriptors_waiting_.empty(); }
 
   std::optional<MapPatch> wait_patch(FrameId after_frame, milliseconds timeout) override {
     const Instant deadline = Clock::now() + timeout;
@@ -103,6 +116,11 @@ class DdsAgentLink : public AgentLink {
     return server_alive_;
   }
 
+  std::optional<double> clock_ahead_s() const override {
+    const std::lock_guard lock(mutex_);
+    return least_took_s_;
+  }
+
   LinkBytes bytes() const override {
     const auto counts = participant_.counts();
     return {sum(counts, &TopicCounts::sent_bytes), sum(counts, &TopicCounts::received_bytes)};
@@ -113,23 +131,52 @@ class DdsAgentLink : public AgentLink {
  private:
   // What went out last, for repetition.
   struct Outgoing {
-    std::optional<idl::TrackFrame> frame;
-    std::optional<idl::PatchReply> patches;
-    std::optional<idl::DescriptorReply> descriptors;
+    std::optional<TrackFrame> frame;
+    std::vector<idl::PatchReply> patches;
+    std::vector<idl::DescriptorReply> descriptors;
     Instant sent = Clock::now();
     int repetitions = 0;
   };
 
+  std::optional<FrameId> acknowledged() const {
+    const std::lock_guard lock(mutex_);
+    return inbox_.acknowledged();
+  }
+
+  template <class Reply, class Message>
+  void put_parts(const Reply& reply, std::deque<Message>& waiting, std::vector<Message>& last) {
+    for (const Reply& part : in_parts(reply)) {
+      waiting.push_back(encode(part));
+      if (!reply_bytes_a_frame_) last.push_back(waiting.back());
+    }
+  }
+
+  // Patches first: they are small, and what moves soon looks different.
+  void write_waiting() {
+    constexpr double kUnlimited = 1e12, kMostLeft = 1500;  // bytes that were not used last time
+    reply_room_ = reply_bytes_a_frame_ ? std::min(reply_room_, kMostLeft) + *reply_bytes_a_frame_ : kUnlimited;
+    write_waiting(patches_waiting_, patches_);
+    write_waiting(descriptors_waiting_, descriptors_);
+  }
+  template <class Message>
+  void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
+    for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
+      reply_room_ -= static_cast<double>(writer.write(waiting.front()));
+    }
+  }
+
+  // Lock-step.
   void write_replies() {
-    if (last_.patches) patches_.write(*last_.patches);
-    if (last_.descriptors) descriptors_.write(*last_.descriptors);
+    for (const auto& part : last_.patches) patches_.write(part);
+    for (const auto& part : last_.descriptors) descriptors_.write(part);
   }
 
   void send_again(Instant now) {
     last_.sent = now;
     if (!last_.frame) return;
     if (++last_.repetitions % kRepliesEvery == 0) write_replies();
-    tracks_.write(*last_.frame);
+    // What it was coded against may be what the server lacks.
+    tracks_.front().write(encoder_.encode_alone(*last_.frame));
   }
 
   // On the loop's thread from here on. taken(): before anybody hears of the value.
@@ -147,29 +194,51 @@ class DdsAgentLink : public AgentLink {
     arrived_.notify_all();
   }
 
-  void receive_status(const idl::ServerStatus& message, const WriterId& writer) {
+  void receive_patch(Decoded<MapPatch> patch) {
+    if (patch) patch->received_ns = utc_now_ns();
+    receive(std::move(patch), [] {});
+  }
+
+  void receive_status(const idl::ServerStatus& message, const Sample& sample) {
     receive(decode(message), [&] {
-      server_ = writer;
-      server_alive_ = true;
+      const double took_s = to_seconds(utc_now_ns() - sample.written_ns);
+      const bool first = sample.writer != server_;
+      // Nothing takes less than no time, none is kept for three seconds, and the word to start is written before it.
+      const bool at_start = message.started() && message.start_utc_ns() > sample.written_ns;
+      const bool is_new = !first || took_s < 0 || took_s > 3 || at_start;
+      if (first) least_took_s_.reset();
+      if (is_new) least_took_s_ = std::min(least_took_s_.value_or(took_s), took_s);
+      server_ = sample.writer;
+      set_server_alive(true);
     });
   }
 
   void server_presence(const WriterId& writer, Presence presence) {
     const std::lock_guard lock(mutex_);
-    if (writer == server_) server_alive_ = presence == Presence::kAlive;
+    if (writer == server_) set_server_alive(presence == Presence::kAlive);
   }
 
-  const double px_scale_;
-  Outgoing last_;  // of the sending thread
+  void set_server_alive(bool alive) {
+    server_alive_ = alive;
+    inbox_.set_server_alive(alive);
+  }
 
-  mutable std::mutex mutex_;  // for the four below
+  TrackEncoder encoder_;  // of the sending thread, as are the next
+  Outgoing last_;
+  std::deque<idl::PatchReply> patches_waiting_;
+  std::deque<idl::DescriptorReply> descriptors_waiting_;
+  std::optional<double> reply_bytes_a_frame_;
+  double reply_room_ = 0;
+
+  mutable std::mutex mutex_;  // for the five below
   std::condition_variable arrived_;
   Inbox inbox_;
   WriterId server_;
+  std::optional<double> least_took_s_;  // of the new statuses of this server
   bool server_alive_ = false;
 
   Participant participant_;
-  Writer<idl::TrackFrame> tracks_;
+  std::deque<Writer<idl::TrackFrame>> tracks_;  // in turn
   Writer<idl::PatchReply> patches_;
   Writer<idl::DescriptorReply> descriptors_;
   Writer<idl::Hello> hello_;

@@ -11,11 +11,13 @@ constexpr std::size_t kMaxFormer = 64;
 
 bool Inbox::from_our_server(RunId run) {
   if (run == server_run_) return true;
+  if (server_alive_) return false;
   if (std::ranges::find(former_, run) != former_.end()) return false;
   if (server_run_.value != 0) former_.push_back(server_run_);
   if (former_.size() > kMaxFormer) former_.erase(former_.begin());
   server_run_ = run;
   newest_ = 0;
+  acknowledged_.reset();
   patches_.clear();
   return true;
 }
@@ -24,6 +26,7 @@ std::optional<Rejection> Inbox::add(MapPatch patch) {
   if (patch.agent_run != agent_run_ || !from_our_server(patch.server_run)) return Rejection::kWrongRun;
   if (patch.sequence <= newest_) return Rejection::kDuplicate;
   newest_ = patch.sequence;
+  acknowledged_ = std::max(acknowledged_.value_or(FrameId()), patch.after_frame);
   patches_.push_back(std::move(patch));
   if (patches_.size() <= kCapacity) return std::nullopt;
   patches_.pop_front();

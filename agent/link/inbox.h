@@ -13,9 +13,9 @@
 
 namespace coslam {
 
-// What an agent received from its server: patches in order of sequence, and the newest status. The first message of a
-// new server run replaces the run before for good, so that two servers at once cannot toss the agent to and fro.
-// Thread-compatible.
+// What an agent received from its server: patches in order of sequence, and the newest status. While its server gives
+// signs of life, no other run is heard; then the first message of a new one replaces it for good, so that two servers
+// at once cannot toss the agent to and fro. Thread-compatible.
 class Inbox {
  public:
   static constexpr std::size_t kCapacity =
@@ -23,11 +23,15 @@ class Inbox {
 
   explicit Inbox(RunId agent_run) : agent_run_(agent_run) {}
 
+  void set_server_alive(bool alive) { server_alive_ = alive; }
+
   // Not taken, or something was lost, when the result names a reason.
   std::optional<Rejection> add(MapPatch patch);
   std::optional<Rejection> add(ServerStatus status);
 
   std::optional<MapPatch> pop();
+  // Newest frame that the present server has answered, whether the answer was popped or not.
+  std::optional<FrameId> acknowledged() const { return acknowledged_; }
   // True when the patch that answers this frame, or a later one, was popped.
   bool answered(FrameId frame) const { return credit_ && *credit_ >= frame; }
 
@@ -40,9 +44,10 @@ class Inbox {
 
   const RunId agent_run_;
   RunId server_run_;
+  bool server_alive_ = false;
   std::vector<RunId> former_;  // server runs that were replaced
   std::uint32_t newest_ = 0;   // sequence number of the newest patch taken
-  std::optional<FrameId> credit_;
+  std::optional<FrameId> credit_, acknowledged_;
   std::deque<MapPatch> patches_;
   std::optional<ServerStatus> status_;
   bool fresh_status_ = false;

@@ -10,19 +10,28 @@ constexpr std::size_t kHistory = 64;
 }
 
 PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
-    : camera_(camera), config_(config) {}
+    : camera_(camera), config_(config), own_(camera) {}
 
-void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map) {
+std::vector<PointObservation> PoseTracker::known_points(const std::vector<TrackObservation>& tracks,
+                                                        const LocalMap& map, bool alone) const {
+  std::vector<PointObservation> observations;
+  for (const TrackObservation& t : tracks) {
+    const LocalMap::Entry* e = map.find(t.track);
+    if (e != nullptr && (e->state == PointState::kStatic || e->is_direction())) {
+      observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>(), e->is_direction()});
+    } else if (const auto own = alone && e == nullptr ? own_.find(t.track) : std::nullopt) {
+      observations.push_back({own->position, own->covariance, t.undistorted_px.cast<double>()});
+    }
+  }
+  return observations;
+}
+
+void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map, bool alone) {
   if (past_.empty()) {
     result_ = {};
     return;  // never placed, or lost and waiting for the server
   }
-  std::vector<PointObservation> observations;
-  for (const TrackObservation& t : tracks) {
-    const LocalMap::Entry* e = map.find(t.track);
-    if (e == nullptr || !(e->state == PointState::kStatic || e->is_direction())) continue;
-    observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>(), e->is_direction()});
-  }
+  const std::vector<PointObservation> observations = known_points(tracks, map, alone);
   const PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
   result_ = refine_pose(camera_, observations, predicted(), refinement);
 
@@ -40,6 +49,7 @@ void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& track
   hull_ = hull_fraction(std::move(inliers), camera_);
   if (state_ == PoseState::kLost) past_.clear();  // the motion across the gap is unknown
   state_ = PoseState::kTracked;
+  own_.observe(result_.cam_from_world, tracks);
   past_.push_back({frame, result_.cam_from_world});
   if (past_.size() > kHistory) past_.pop_front();
 }
@@ -54,6 +64,7 @@ Rigid3 PoseTracker::predicted() const {
 
 void PoseTracker::rebase(const Similarity3& new_from_old) {
   for (Past& p : past_) p.cam_from_world = transform_world(p.cam_from_world, new_from_old);
+  own_.move(new_from_old);
 }
 
 void PoseTracker::place(const PlacedPose& placed) {
@@ -62,14 +73,18 @@ void PoseTracker::place(const PlacedPose& placed) {
     // Rigid change of the world that moves that pose to the given one; the frames since keep their motion.
     const Rigid3 old_from_new = same->cam_from_world.inverse() * placed.cam_from_world;
     for (Past& p : past_) p.cam_from_world = p.cam_from_world * old_from_new;
+    const Rigid3 new_from_old = old_from_new.inverse();
+    own_.move({1.0, new_from_old.rotation, new_from_old.translation});
     return;
   }
   past_ = {{placed.frame, placed.cam_from_world}};
+  own_.clear();
   if (state_ == PoseState::kNone) state_ = PoseState::kLost;  // placed, not yet tracked
 }
 
 void PoseTracker::reset() {
   past_.clear();
+  own_.clear();
   state_ = PoseState::kNone;
   result_ = {};
   hull_ = 0;

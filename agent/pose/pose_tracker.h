@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "agent/correct/local_map.h"
+#include "agent/pose/own_map.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/pose_refinement.h"
 #include "common/model/track_frame.h"
@@ -19,13 +20,14 @@ struct PoseTrackerConfig {
 };
 
 // Where the agent is, frame by frame, from the static points bound to its tracks (paper 4.1). Keeps a short history of
-// its own poses so that a pose that the server gives for an earlier frame can be carried to now.
+// its own poses so that a pose that the server gives for an earlier frame can be carried to now. Alone, it rests on
+// points of its own as well.
 class PoseTracker {
  public:
   PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config);
 
-  // Estimates the pose of `frame`. `tracks` are its undistorted tracks.
-  void step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map);
+  // Estimates the pose of `frame`. `tracks` are its undistorted tracks. alone: the server has been silent for a while.
+  void step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map, bool alone = false);
   // The map moved under the agent: every pose so far is re-expressed. What was published stays published.
   void rebase(const Similarity3& new_from_old);
   // The server's pose for an earlier frame; the motion since then is kept when it is known.
@@ -39,12 +41,15 @@ class PoseTracker {
 
  private:
   Rigid3 predicted() const;
+  std::vector<PointObservation> known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map,
+                                             bool alone) const;
 
   CameraModel camera_;
   PoseTrackerConfig config_;
   PoseState state_ = PoseState::kNone;
   PoseResult result_;
   double hull_ = 0;
+  OwnMap own_;
   struct Past {
     FrameId frame;
     Rigid3 cam_from_world;

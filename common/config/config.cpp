@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <sstream>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
@@ -134,6 +135,11 @@ Fields::Words Fields::paths() const {
 }
 
 void Fields::load(const std::filesystem::path& file) const { read_section(YamlValue::load(file), ""); }
+
+void Fields::load_text(const std::string& text, const std::filesystem::path& file) const {
+  std::istringstream stream(text);
+  read_section(YamlValue::parse(stream, file), "");
+}
 
 void Fields::read_section(const YamlValue& section, const std::string& prefix) const {
   Words known;

@@ -58,6 +58,7 @@ class Fields {
   }
 
   void load(const std::filesystem::path& file) const;
+  void load_text(const std::string& text, const std::filesystem::path& file) const;
   void apply_set(std::string_view assignment) const;
   nlohmann::ordered_json json() const;
   std::string yaml() const;
@@ -94,6 +95,12 @@ Fields fields_of(Config& config) {
 template <class Config>
 void load(Config& config, const std::filesystem::path& file) {
   fields_of(config).load(file);
+}
+
+// The same from a text, which stands in `file`.
+template <class Config>
+void load_text(Config& config, const std::string& text, const std::filesystem::path& file) {
+  fields_of(config).load_text(text, file);
 }
 
 // "agent.tracker.max_tracks=200", a list as "a,b". Throws UsageError.

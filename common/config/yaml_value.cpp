@@ -23,8 +23,12 @@ std::string shortest(double v) {
 YamlValue YamlValue::load(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream || std::filesystem::is_directory(file)) throw UserError(file.string() + ": cannot be read");
+  return parse(stream, file);
+}
+
+YamlValue YamlValue::parse(std::istream& text, const std::filesystem::path& file) {
   try {
-    YamlValue root(YAML::Load(stream), std::make_shared<const std::filesystem::path>(file), "");
+    YamlValue root(YAML::Load(text), std::make_shared<const std::filesystem::path>(file), "");
     if (!root.is_map()) root.fail("a YAML map (key: value) is expected");
     return root;
   } catch (const YAML::Exception& e) {

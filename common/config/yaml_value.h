@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,8 @@ class YamlValue {
  public:
   // Reads the file; its top level must be a map.
   static YamlValue load(const std::filesystem::path& file);
+  // The same of a text; errors name `file`, where it is from.
+  static YamlValue parse(std::istream& text, const std::filesystem::path& file);
 
   bool is_map() const { return node_.IsMap(); }
   bool is_sequence() const { return node_.IsSequence(); }

@@ -57,6 +57,10 @@ const char* name_of(DistortionModel model) {
       return "radtan";
     case DistortionModel::kEquidistant:
       return "equidistant";
+    case DistortionModel::kDoubleSphere:
+      return "double_sphere";
+    case DistortionModel::kOmni:
+      return "omni";
     case DistortionModel::kNone:
       break;
   }
@@ -64,11 +68,21 @@ const char* name_of(DistortionModel model) {
 }
 
 std::size_t coefficient_count(const CameraModel& camera) {
-  if (camera.distortion == DistortionModel::kNone) return 0;
-  if (camera.distortion == DistortionModel::kEquidistant) return 4;
   const auto& k = camera.coefficients;
-  if (k[5] != 0 || k[6] != 0 || k[7] != 0) return 8;
-  return k[4] != 0 ? 5 : 4;
+  switch (camera.distortion) {
+    case DistortionModel::kRadTan:
+      if (k[5] != 0 || k[6] != 0 || k[7] != 0) return 8;
+      return k[4] != 0 ? 5 : 4;
+    case DistortionModel::kEquidistant:
+      return 4;
+    case DistortionModel::kDoubleSphere:
+      return 2;
+    case DistortionModel::kOmni:
+      return 5;
+    case DistortionModel::kNone:
+      break;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -84,7 +98,9 @@ void save_calibration(const std::filesystem::path& file, const CameraModel& came
   std::ofstream stream = create_file(file);
   stream << std::setprecision(17);
   stream << "width: " << camera.width_px << "\nheight: " << camera.height_px;
-  stream << "\nfx: " << camera.fx << "\nfy: " << camera.fy << "\ncx: " << camera.cx << "\ncy: " << camera.cy;
+  const double sphere = calibration::sphere_scale(camera);
+  stream << "\nfx: " << camera.fx * sphere << "\nfy: " << camera.fy * sphere << "\ncx: " << camera.cx
+         << "\ncy: " << camera.cy;
   stream << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
   for (std::size_t i = 0; i < coefficient_count(camera); ++i) stream << (i == 0 ? "" : ", ") << camera.coefficients[i];
   stream << "]\n";

@@ -59,6 +59,54 @@ void set_radtan(CameraModel& camera, const YamlValue& place, std::vector<double>
   std::copy(k.begin(), k.end(), camera.coefficients.begin());
 }
 
+void set_exactly(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
+                 const std::vector<double>& k, std::size_t count) {
+  if (k.size() != count) place.fail(std::string(expected) + " are expected");
+  camera.distortion = model;
+  std::copy(k.begin(), k.end(), camera.coefficients.begin());
+}
+
+// The files give the focal lengths of the sphere's image, CameraModel those of the middle.
+void set_sphere(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
+                const std::vector<double>& k, std::size_t count) {
+  set_exactly(camera, place, model, expected, k, count);
+  if (!(k[0] > -1)) place.fail("xi of the lens must be above -1");
+  camera.fx /= 1 + k[0];
+  camera.fy /= 1 + k[0];
+}
+
+// Kalibr's projection and distortion models as one lens, its first numbers before fx fy cx cy.
+void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
+  const YamlValue model = section.at("camera_model"), intrinsics = section.at("intrinsics");
+  const std::string name = model.text();
+  const std::size_t before = name == "ds" ? 2 : name == "omni" ? 1 : 0;
+  if (before == 0 && name != "pinhole") {
+    model.fail("the camera model '" + name + "' is not supported, only pinhole, ds and omni are");
+  }
+  const auto v = intrinsics.numbers();
+  if (v.size() != before + 4) {
+    intrinsics.fail(before == 2   ? "[xi, alpha, fx, fy, cx, cy] is expected"
+                    : before == 1 ? "[xi, fx, fy, cx, cy] is expected"
+                                  : "[fx, fy, cx, cy] is expected");
+  }
+  camera.fx = v[before], camera.fy = v[before + 1], camera.cx = v[before + 2], camera.cy = v[before + 3];
+  const auto coefficients = section.find("distortion_coeffs");
+  auto k = coefficients ? coefficients->numbers() : std::vector<double>();
+  if (before == 0) {
+    const YamlValue distortion = section.at("distortion_model");
+    return set_distortion(camera, distortion, distortion.text(), k);
+  }
+  if (const auto distortion = section.find("distortion_model")) {
+    const std::string bent = distortion->text();
+    if (bent != "none" && !(name == "omni" && bent == "radtan")) {
+      distortion->fail("the distortion model '" + bent + "' is not supported with the camera model '" + name + "'");
+    }
+  }
+  if (before == 1) k.resize(k.empty() ? 4 : k.size());
+  k.insert(k.begin(), v.begin(), v.begin() + static_cast<std::ptrdiff_t>(before));
+  set_distortion(camera, section, name, k);
+}
+
 }  // namespace
 
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
@@ -73,22 +121,37 @@ void set_distortion(CameraModel& camera, const YamlValue& place, const std::stri
       {"equi", DistortionModel::kEquidistant},
       {"fisheye", DistortionModel::kEquidistant},
       {"KannalaBrandt8", DistortionModel::kEquidistant},
+      {"double_sphere", DistortionModel::kDoubleSphere},
+      {"ds", DistortionModel::kDoubleSphere},
+      {"omni", DistortionModel::kOmni},
+      {"mei", DistortionModel::kOmni},
   };
   const auto found = kModels.find(model);
   if (found == kModels.end()) {
-    place.fail("the distortion model '" + model + "' is not supported, only none, radtan and equidistant are");
+    place.fail("the distortion model '" + model +
+               "' is not supported, only none, radtan, equidistant, double_sphere and omni are");
   }
   camera.distortion = DistortionModel::kNone;
   camera.coefficients.fill(0);
-  if (found->second == DistortionModel::kRadTan) {
-    set_radtan(camera, place, coefficients);
-  } else if (found->second == DistortionModel::kEquidistant) {
-    if (coefficients.size() != 4) place.fail("4 equidistant coefficients are expected (k1 k2 k3 k4)");
-    camera.distortion = DistortionModel::kEquidistant;
-    std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
-  } else if (!coefficients.empty()) {
-    place.fail("the distortion model 'none' has no coefficients");
+  switch (found->second) {
+    case DistortionModel::kNone:
+      if (!coefficients.empty()) place.fail("the distortion model 'none' has no coefficients");
+      return;
+    case DistortionModel::kRadTan:
+      return set_radtan(camera, place, coefficients);
+    case DistortionModel::kEquidistant:
+      return set_exactly(camera, place, found->second, "4 equidistant coefficients (k1 k2 k3 k4)", coefficients, 4);
+    case DistortionModel::kDoubleSphere:
+      return set_sphere(camera, place, found->second, "2 double_sphere coefficients (xi alpha)", coefficients, 2);
+    case DistortionModel::kOmni:
+      return set_sphere(camera, place, found->second, "5 omni coefficients (xi k1 k2 p1 p2)", coefficients, 5);
   }
+}
+
+double sphere_scale(const CameraModel& camera) {
+  const bool sphere =
+      camera.distortion == DistortionModel::kDoubleSphere || camera.distortion == DistortionModel::kOmni;
+  return sphere ? 1 + camera.coefficients[0] : 1.0;
 }
 
 CameraModel read_plain(const YamlValue& root) {
@@ -170,16 +233,9 @@ CameraModel read_ros(const YamlValue& root) {
 
 CameraModel read_kalibr(const YamlValue& root, const std::string& camera_name) {
   const YamlValue section = root.at(camera_name.empty() ? root.keys().front() : camera_name);
-  const YamlValue model = section.at("camera_model");
-  if (model.text() != "pinhole") {
-    model.fail("the camera model '" + model.text() + "' is not supported, only pinhole is");
-  }
   CameraModel camera;
   set_size(camera, section.at("resolution"));
-  set_intrinsics(camera, section.at("intrinsics"));
-  const YamlValue distortion = section.at("distortion_model");
-  const auto coefficients = section.find("distortion_coeffs");
-  set_distortion(camera, distortion, distortion.text(), coefficients ? coefficients->numbers() : std::vector<double>());
+  set_kalibr_lens(camera, section);
   return camera;
 }
 

@@ -24,4 +24,7 @@ CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::str
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
                     const std::vector<double>& coefficients);
 
+// The focal length that files give for a lens over that of CameraModel.
+double sphere_scale(const CameraModel& camera);
+
 }  // namespace coslam::calibration

@@ -63,7 +63,7 @@ std::optional<EventRow> row_of(std::string_view line) {
 }  // namespace
 
 EventWriter::EventWriter(const std::filesystem::path& file)
-    : CsvWriter(file, kEventHeader), bytes_(kEventHeader.size() + 1) {}
+    : CsvWriter(file, kEventHeader, OutputFile::Shows::kAtOnce) {}
 
 void EventWriter::write(const EventRow& r) {
   line_ = format_seconds(r.t_ns);
@@ -80,8 +80,7 @@ void EventWriter::write(const EventRow& r) {
   append_figure(&line_, r.a);
   append_figure(&line_, r.b);
   line_.push_back('\n');
-  stream_.write(line_.data(), static_cast<std::streamsize>(line_.size()));
-  bytes_ += line_.size();
+  file_.write(line_);
 }
 
 EventFileReport for_each_event_row(const std::filesystem::path& file, const std::function<bool(const EventRow&)>& row) {

@@ -36,11 +36,9 @@ class EventWriter : public CsvWriter {
  public:
   explicit EventWriter(const std::filesystem::path& file);
   void write(const EventRow& row);
-  std::uintmax_t bytes() const { return bytes_; }
-
- private:
-  std::string line_;  // one buffer for all rows: there are many
-  std::uintmax_t bytes_ = 0;
+  std::uintmax_t bytes() const { return file_.bytes(); }
+  // Takes back the rows after the first `bytes`.
+  void cut(std::uintmax_t bytes) { file_.cut(bytes); }
 };
 
 struct EventFileReport {

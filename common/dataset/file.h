@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace coslam {
 
@@ -11,5 +15,46 @@ namespace coslam {
 std::ofstream create_file(const std::filesystem::path& file, std::ios::openmode mode = std::ios::out);
 // Throws UserError when something written to the file did not get there.
 void close_file(std::ofstream& stream, const std::filesystem::path& file);
+
+// A file of a result while it is written, buffered. Each write() gets there whole or not at all: where a full disk ends
+// the file it ends with one, and nothing is written after that.
+class OutputFile {
+ public:
+  enum class Shows : std::uint8_t {
+    kAtOnce,  // under its name from the start, and growing
+    kWhole    // when close() puts it in the place of what had its name, in one step; until then it is <name>.new
+  };
+
+  // Creates it, and its folders. Throws UserError with the cause.
+  OutputFile(std::filesystem::path file, Shows shows);
+  ~OutputFile();  // what was not closed: kAtOnce is complete all the same, kWhole leaves nothing
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::string_view text);
+  // Gets the file out to where others can read it.
+  void flush();
+  // Takes back what was written after the first `bytes`.
+  void cut(std::uintmax_t bytes);
+  std::uintmax_t bytes() const { return written_ + buffer_.size(); }
+
+  // Once, when something could not be written: a sentence with file and cause.
+  std::optional<std::string> take_problem();
+  // Flushes. Throws UserError when something could not be written so far.
+  void check();
+  // Throws UserError when something could not be written; then kWhole has left what was there before as it was.
+  void close();
+
+ private:
+  void fail(int error);
+
+  const std::filesystem::path file_, opened_;
+  const Shows shows_;
+  int descriptor_ = -1;
+  std::uintmax_t written_ = 0;
+  std::string buffer_;
+  std::string problem_;  // empty: none
+  bool told_ = false;
+};
 
 }  // namespace coslam

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
@@ -21,8 +22,6 @@ constexpr std::string_view kTrackHeader = "frame,t_s,track,u,v,point,state";
 constexpr std::string_view kDynamicHeader = "t_s,id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,views";
 constexpr std::string_view kObjectHeader = "t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members";
 constexpr std::string_view kGroupHeader = "t_s,group,agents";
-
-constexpr std::string_view kMapFolder = "map";
 
 constexpr std::array<PointState, 3> kStates = {PointState::kStatic, PointState::kUncertain, PointState::kDynamic};
 
@@ -101,43 +100,6 @@ void read_csv(const std::filesystem::path& file, std::string_view header,
 
 }  // namespace
 
-std::filesystem::path ResultFolder::separate(const char* what, MapId map) const {
-  return folder_ / what / (std::string(kMapFolder) + std::to_string(map.value));
-}
-
-namespace {
-
-constexpr std::array<const char*, 12> kOfARun{"trajectory",  "live",        "tracks",     "points.csv",
-                                              "dynamic.csv", "objects.csv", "groups.csv", "events.csv",
-                                              "map.ply",     "report.json", "eval.json",  "top_view.png"};
-
-}  // namespace
-
-bool ResultFolder::holds_run() const {
-  return std::ranges::any_of(kOfARun, [this](const char* name) { return std::filesystem::exists(folder_ / name); });
-}
-
-void ResultFolder::remove_run() const {
-  for (const char* name : kOfARun) {
-    std::error_code error;
-    std::filesystem::remove_all(folder_ / name, error);
-    if (error) throw UserError("cannot remove " + (folder_ / name).string() + ": " + error.message());
-  }
-}
-
-std::vector<MapId> ResultFolder::separate_maps() const {
-  std::vector<MapId> maps;
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "trajectory", none)) {
-    const std::string name = entry.path().filename().string();
-    if (!entry.is_directory() || !name.starts_with(kMapFolder)) continue;
-    const auto id = parse_integer(std::string_view(name).substr(kMapFolder.size()));
-    if (id && *id > 0) maps.emplace_back(static_cast<std::uint32_t>(*id));
-  }
-  std::sort(maps.begin(), maps.end());
-  return maps;
-}
-
 const char* state_name(std::optional<PointState> state) {
   if (!state) return "none";
   switch (*state) {
@@ -151,52 +113,63 @@ const char* state_name(std::optional<PointState> state) {
   return "dynamic";
 }
 
-CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header)
-    : stream_(create_file(file)), file_(file) {
-  stream_ << header << '\n';
+CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header, OutputFile::Shows shows)
+    : file_(file, shows) {
+  file_.write(std::string(header) + '\n');
 }
 
-void CsvWriter::close() { close_file(stream_, file_); }
-
-PointWriter::PointWriter(const std::filesystem::path& file) : CsvWriter(file, kPointHeader) {}
-TrackWriter::TrackWriter(const std::filesystem::path& file) : CsvWriter(file, kTrackHeader) {}
-DynamicWriter::DynamicWriter(const std::filesystem::path& file) : CsvWriter(file, kDynamicHeader) {}
-ObjectWriter::ObjectWriter(const std::filesystem::path& file) : CsvWriter(file, kObjectHeader) {}
-GroupWriter::GroupWriter(const std::filesystem::path& file) : CsvWriter(file, kGroupHeader) {}
+PointWriter::PointWriter(const std::filesystem::path& file)
+    : CsvWriter(file, kPointHeader, OutputFile::Shows::kWhole) {}
+TrackWriter::TrackWriter(const std::filesystem::path& file)
+    : CsvWriter(file, kTrackHeader, OutputFile::Shows::kAtOnce) {}
+DynamicWriter::DynamicWriter(const std::filesystem::path& file)
+    : CsvWriter(file, kDynamicHeader, OutputFile::Shows::kWhole) {}
+ObjectWriter::ObjectWriter(const std::filesystem::path& file)
+    : CsvWriter(file, kObjectHeader, OutputFile::Shows::kWhole) {}
+GroupWriter::GroupWriter(const std::filesystem::path& file)
+    : CsvWriter(file, kGroupHeader, OutputFile::Shows::kAtOnce) {
+  file_.flush();
+}
 
 void PointWriter::write(const ResultPoint& p) {
-  stream_ << p.id.value << ',' << position_text(p.position, p.covariance) << ',' << state_name(p.state) << ','
-          << format_seconds(p.first_ns) << ',' << format_seconds(p.last_ns) << ',' << p.views << '\n';
+  line_ = std::to_string(p.id.value) + ',' + position_text(p.position, p.covariance) + ',' + state_name(p.state) + ',' +
+          format_seconds(p.first_ns) + ',' + format_seconds(p.last_ns) + ',' + std::to_string(p.views) + '\n';
+  file_.write(line_);
 }
 
 void TrackWriter::write(const ResultTrackRow& r) {
   char pixel[64];
   std::snprintf(pixel, sizeof pixel, "%.3f,%.3f", r.raw_px.x(), r.raw_px.y());
-  stream_ << r.frame.value << ',' << format_seconds(r.t_ns) << ',' << r.track.value << ',' << pixel << ','
-          << r.point.value << ',' << state_name(r.state) << '\n';
+  line_ = std::to_string(r.frame.value) + ',' + format_seconds(r.t_ns) + ',' + std::to_string(r.track.value) + ',' +
+          pixel + ',' + std::to_string(r.point.value) + ',' + state_name(r.state) + '\n';
+  file_.write(line_);
 }
 
 void DynamicWriter::write(const ResultDynamicRow& r) {
-  stream_ << format_seconds(r.t_ns) << ',' << r.id.value << ',' << position_text(r.position, r.covariance) << ','
-          << r.views << '\n';
+  line_ = format_seconds(r.t_ns) + ',' + std::to_string(r.id.value) + ',' + position_text(r.position, r.covariance) +
+          ',' + std::to_string(r.views) + '\n';
+  file_.write(line_);
 }
 
 void ObjectWriter::write(const ResultObjectRow& r) {
-  stream_ << format_seconds(r.t_ns) << ',' << r.object.value;
+  line_ = format_seconds(r.t_ns) + ',' + std::to_string(r.object.value);
   char text[128];
   for (const Eigen::Vector3d& v : {r.position, r.velocity_per_s, r.extent}) {
     std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g", v.x(), v.y(), v.z());
-    stream_ << text;
+    line_ += text;
   }
-  for (std::size_t i = 0; i < r.members.size(); ++i) stream_ << (i == 0 ? ',' : ' ') << r.members[i].value;
-  stream_ << (r.members.empty() ? ",\n" : "\n");
+  line_ += ',';
+  for (std::size_t i = 0; i < r.members.size(); ++i) line_ += (i == 0 ? "" : " ") + std::to_string(r.members[i].value);
+  line_ += '\n';
+  file_.write(line_);
 }
 
 void GroupWriter::write(const ResultGroupRow& r) {
-  stream_ << format_seconds(r.t_ns) << ',' << r.group.value << ',';
-  for (std::size_t i = 0; i < r.agents.size(); ++i) stream_ << (i == 0 ? "" : " ") << r.agents[i];
-  stream_ << '\n';
-  stream_.flush();  // rare, and of use while the run goes on
+  line_ = format_seconds(r.t_ns) + ',' + std::to_string(r.group.value) + ',';
+  for (std::size_t i = 0; i < r.agents.size(); ++i) line_ += (i == 0 ? "" : " ") + r.agents[i];
+  line_ += '\n';
+  file_.write(line_);
+  file_.flush();  // rare, and of use while the run goes on
 }
 
 std::vector<ResultPoint> read_points(const std::filesystem::path& file) {
@@ -282,22 +255,24 @@ std::vector<ResultGroupRow> read_groups(const std::filesystem::path& file) {
 
 void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points) {
   static_assert(std::endian::native == std::endian::little, "the PLY is written as it lies in memory");
-  std::ofstream stream = create_file(file, std::ios::binary);
   const auto is_static = [](const ResultPoint& p) { return p.state == PointState::kStatic; };
-  stream << "ply\nformat binary_little_endian 1.0\ncomment CoSLAM map, static points, metres where the scale is known\n"
-         << "element vertex " << std::count_if(points.begin(), points.end(), is_static)
-         << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-         << "property uchar blue\nproperty float sqrt_trace_sigma\nend_header\n";
+  OutputFile out(file, OutputFile::Shows::kWhole);
+  out.write(
+      "ply\nformat binary_little_endian 1.0\ncomment CoSLAM map, static points, metres where the scale is known\n"
+      "element vertex " +
+      std::to_string(std::count_if(points.begin(), points.end(), is_static)) +
+      "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+      "property uchar blue\nproperty float sqrt_trace_sigma\nend_header\n");
   for (const ResultPoint& p : points) {
     if (!is_static(p)) continue;
     const Eigen::Vector3f position = p.position.cast<float>();
     const std::array<std::uint8_t, 3> colour = {p.grey, p.grey, p.grey};
     const float sigma = static_cast<float>(std::sqrt(p.covariance.trace()));
-    stream.write(reinterpret_cast<const char*>(position.data()), 3 * sizeof(float));
-    stream.write(reinterpret_cast<const char*>(colour.data()), colour.size());
-    stream.write(reinterpret_cast<const char*>(&sigma), sizeof sigma);
+    out.write({reinterpret_cast<const char*>(position.data()), 3 * sizeof(float)});
+    out.write({reinterpret_cast<const char*>(colour.data()), colour.size()});
+    out.write({reinterpret_cast<const char*>(&sigma), sizeof sigma});
   }
-  close_file(stream, file);
+  out.close();
 }
 
 nlohmann::json read_json(const std::filesystem::path& file) {
@@ -311,9 +286,9 @@ nlohmann::json read_json(const std::filesystem::path& file) {
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
-  std::ofstream stream = create_file(file);
-  stream << json.dump(2) << '\n';
-  close_file(stream, file);
+  OutputFile out(file, OutputFile::Shows::kWhole);
+  out.write(json.dump(2) + '\n');
+  out.close();
 }
 
 }  // namespace coslam

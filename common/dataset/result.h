@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,47 +14,12 @@
 
 #include "common/base/ids.h"
 #include "common/base/time.h"
+#include "common/dataset/file.h"
+#include "common/dataset/result_folder.h"
 #include "common/model/map_patch.h"
 
 // The files of a RESULT folder, see docs/configuration.md. Readers throw UserError with file and line.
 namespace coslam {
-
-// Where each file of a result lies.
-class ResultFolder {
- public:
-  explicit ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  const std::filesystem::path& path() const { return folder_; }
-  std::filesystem::path trajectory(const std::string& agent) const { return folder_ / "trajectory" / (agent + ".tum"); }
-  std::filesystem::path live(const std::string& agent) const { return folder_ / "live" / (agent + ".tum"); }
-  // The same of a map that has no known relation to the common one: its coordinates and its unit of length are its own.
-  std::filesystem::path trajectory(MapId map, const std::string& agent) const {
-    return separate("trajectory", map) / (agent + ".tum");
-  }
-  std::filesystem::path live(MapId map, const std::string& agent) const {
-    return separate("live", map) / (agent + ".tum");
-  }
-  // Of which the result holds trajectories, beside the common one; ascending.
-  std::vector<MapId> separate_maps() const;
-  std::filesystem::path tracks(const std::string& agent) const { return folder_ / "tracks" / (agent + ".csv"); }
-  std::filesystem::path points() const { return folder_ / "points.csv"; }
-  std::filesystem::path dynamic() const { return folder_ / "dynamic.csv"; }
-  std::filesystem::path objects() const { return folder_ / "objects.csv"; }
-  std::filesystem::path groups() const { return folder_ / "groups.csv"; }
-  std::filesystem::path events() const { return folder_ / "events.csv"; }
-  std::filesystem::path map() const { return folder_ / "map.ply"; }
-  std::filesystem::path report() const { return folder_ / "report.json"; }
-  std::filesystem::path evaluation() const { return folder_ / "eval.json"; }
-  std::filesystem::path top_view() const { return folder_ / "top_view.png"; }
-
-  // Something of a run is in it, whole or not.
-  bool holds_run() const;
-  // Removes what a run and its evaluation write; other files stay.
-  void remove_run() const;
-
- private:
-  std::filesystem::path separate(const char* what, MapId map) const;
-  std::filesystem::path folder_;
-};
 
 // static, dynamic, uncertain, false; none for a track without a point.
 const char* state_name(std::optional<PointState> state);
@@ -103,18 +67,20 @@ struct ResultGroupRow {  // from t_ns on these agents form the group
   std::vector<std::string> agents;
 };
 
-// Writes rows as they come, in constant memory. A full disk shows in close(), never while running.
+// Writes rows as they come, in constant memory. write() never throws, see OutputFile for what could not be written.
 class CsvWriter {
  public:
-  void close();  // throws UserError when something could not be written
+  std::optional<std::string> take_problem() { return file_.take_problem(); }
+  void check() { file_.check(); }  // throws UserError when something could not be written so far
+  void close() { file_.close(); }  // the same
 
  protected:
-  CsvWriter(const std::filesystem::path& file, std::string_view header);
-  std::ofstream stream_;
-
- private:
-  std::filesystem::path file_;
+  CsvWriter(const std::filesystem::path& file, std::string_view header, OutputFile::Shows shows);
+  OutputFile file_;
+  std::string line_;  // one buffer for all rows: there are many
 };
+
+// Those of points, paths and objects show when they are closed, those of tracks and groups at once.
 
 class PointWriter : public CsvWriter {
  public:

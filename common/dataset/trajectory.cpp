@@ -53,16 +53,16 @@ Trajectory load_tum(const std::filesystem::path& file) {
 }
 
 void save_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::ofstream stream = create_file(file);
-  stream << "# t_s tx ty tz qx qy qz qw, camera to world\n";
+  OutputFile out(file, OutputFile::Shows::kWhole);
+  out.write("# t_s tx ty tz qx qy qz qw, camera to world\n");
   for (const StampedPose& pose : trajectory) {
     const Rigid3 w = pose.cam_from_world.inverse();
     char text[256];
     std::snprintf(text, sizeof text, " %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", w.translation.x(), w.translation.y(),
                   w.translation.z(), w.rotation.x(), w.rotation.y(), w.rotation.z(), w.rotation.w());
-    stream << format_seconds(pose.t_ns) << text;
+    out.write(format_seconds(pose.t_ns) + text);
   }
-  close_file(stream, file);
+  out.close();
 }
 
 std::optional<Rigid3> pose_at(const Trajectory& trajectory, TimeNs t_ns, TimeNs max_gap_ns) {

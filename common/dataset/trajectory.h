@@ -20,6 +20,7 @@ struct StampedPose {
 using Trajectory = std::vector<StampedPose>;
 
 Trajectory load_tum(const std::filesystem::path& file);  // throws UserError with file and line
+// The file is there whole or as it was before. Throws UserError.
 void save_tum(const std::filesystem::path& file, const Trajectory& trajectory);
 
 // The pose at t_ns: the stamped one, or interpolated between two neighbours at most max_gap_ns apart; empty outside.

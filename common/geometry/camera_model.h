@@ -9,14 +9,16 @@
 
 namespace coslam {
 
-enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant };
+enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubleSphere, kOmni };
 
 // Pinhole camera. Three spaces, each named in identifiers:
 //   raw px          the image as captured (distorted)
 //   undistorted px  the ideal pinhole image with the same fx, fy, cx, cy (what the estimator and the wire use)
 //   normalized      x / z, y / z in the camera frame (x right, y down, z forward)
 // radtan coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 (4, 5 or 8 used, the rest 0);
-// equidistant k1..k4 (Kannala-Brandt, as Kalibr and OpenCV fisheye).
+// equidistant k1..k4 (Kannala-Brandt, as Kalibr and OpenCV fisheye); double sphere xi, alpha; omni (Mei's unified
+// sphere) xi, then radtan k1 k2 p1 p2. For the last two fx and fy are the focal lengths in the middle of the image, as
+// for every other lens: what Kalibr calls fx, fy divided by 1 + xi.
 struct CameraModel {
   int width_px = 0;
   int height_px = 0;
@@ -41,6 +43,10 @@ struct CameraModel {
 
   Eigen::Vector2d distort_normalized(const Eigen::Vector2d& n) const;
   Eigen::Vector2d raw_from_undistorted(const Eigen::Vector2d& undistorted_px) const;
+  // 2x2 Jacobian of the above. Noise is even in the raw image only: towards the edge of a wide lens an undistorted
+  // pixel is a small part of a raw one, outwards more than across. Multiplied by this a residual in undistorted px is
+  // in raw px.
+  Eigen::Matrix2d raw_by_undistorted(const Eigen::Vector2d& undistorted_px) const;
   // Inverse of the above; empty where the model cannot be inverted (outside its valid field).
   std::optional<Eigen::Vector2d> undistorted_from_raw(const Eigen::Vector2d& raw_px) const;
 };

@@ -27,9 +27,10 @@ FarPoint far_point(std::span<const View> views, double usual_depth, double sigma
       const View& v = *view;
       const Eigen::Vector3d x = from_first.rotation * ray + rho * from_first.translation;
       if (x.z() < 1e-3) continue;
-      const Eigen::Vector2d j = v.camera->project_jacobian(x) * from_first.translation;
+      const Eigen::Matrix2d raw = v.camera->raw_by_undistorted(v.undistorted_px);
+      const Eigen::Vector2d j = raw * v.camera->project_jacobian(x) * from_first.translation;
       information += j.squaredNorm() / (sigma_px * sigma_px);
-      gradient += j.dot(v.undistorted_px - v.camera->project(x)) / (sigma_px * sigma_px);
+      gradient += j.dot(raw * (v.undistorted_px - v.camera->project(x))) / (sigma_px * sigma_px);
     }
     rho = std::max(rho + gradient / information, kLeast * usual);
   }

@@ -31,8 +31,9 @@ Residual residual_of(const RigView& view, const PointObservation& o, const Rigid
   const Eigen::Matrix3d cam_from_rig = view.cam_from_rig.rotation.toRotationMatrix();
   const Eigen::Vector3d in_cam = cam_from_rig * x + view.cam_from_rig.translation;
   if (in_cam.z() < 1e-6) return out;
-  const Eigen::Matrix<double, 2, 3> p = view.camera->project_jacobian(in_cam) * cam_from_rig;
-  out.r = o.undistorted_px - view.camera->project(in_cam);
+  const Eigen::Matrix2d raw = view.camera->raw_by_undistorted(o.undistorted_px);
+  const Eigen::Matrix<double, 2, 3> p = raw * view.camera->project_jacobian(in_cam) * cam_from_rig;
+  out.r = raw * (o.undistorted_px - view.camera->project(in_cam));
   out.j.leftCols<3>() = -p * skew(x);
   out.j.rightCols<3>() = p;
   const Eigen::Matrix<double, 2, 3> jp = p * r;

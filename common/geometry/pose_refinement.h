@@ -45,9 +45,9 @@ struct PoseResult {
   int iterations = 0;
 };
 
-// Intra-camera pose (1), (2): argmin sum rho(|m_i - pi(M_i)|), Tukey, by IRLS from `initial`. Each residual is weighted
-// by its own covariance sigma^2 I + J Sigma_i J^T, and sigma is measured from the residuals (median), not above
-// sigma_px.
+// Intra-camera pose (1), (2): argmin sum rho(|m_i - pi(M_i)|) in raw px, Tukey, by IRLS from `initial`. Each residual
+// is weighted by its own covariance sigma^2 I + J Sigma_i J^T, and sigma is measured from the residuals (median), not
+// above sigma_px.
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
                        const PoseRefinementConfig& config);
 

@@ -58,7 +58,9 @@ bool accumulate(std::span<const View> views, const Eigen::Vector3d& point, Norma
     Eigen::Vector2d px;
     Eigen::Matrix<double, 2, 3> j;
     if (!project_world(*v.camera, v.cam_from_world, point, &px, &j)) return false;
-    const Eigen::Vector2d r = v.undistorted_px - px;
+    const Eigen::Matrix2d raw = v.camera->raw_by_undistorted(v.undistorted_px);
+    const Eigen::Vector2d r = raw * (v.undistorted_px - px);
+    j = (raw * j).eval();
     n->jtj += j.transpose() * j;
     n->jtr += j.transpose() * r;
     n->cost += r.squaredNorm();

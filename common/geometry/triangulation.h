@@ -31,11 +31,11 @@ struct TriangulationResult {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();    // world
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // (J^T J)^-1 sigma^2 (4)
   double parallax_rad = 0;                               // widest angle between two rays
-  double max_error_px = 0;                               // largest reprojection error
+  double max_error_px = 0;                               // largest reprojection error, raw px
 };
 
 // Least squares point of all views: linear start from the rays, Gauss-Newton on the reprojection error.
-// sigma_px: standard deviation of one coordinate of an observation.
+// sigma_px: standard deviation of one coordinate of an observation in the raw image.
 TriangulationResult triangulate(std::span<const View> views, double sigma_px, double min_parallax_rad);
 
 // Covariance (4) of a point seen in these views.

@@ -24,6 +24,10 @@ struct BoundPoint {
   PointState state = PointState::kStatic;
   Eigen::Vector3f position = Eigen::Vector3f::Zero();                          // map frame, metres when scale_known
   Eigen::Matrix<float, 6, 1> covariance = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz
+
+  bool is_direction() const { return state == PointState::kUncertain && point == PointId(); }
+  // Agents rest on it: it has a place. Of others the wire carries none.
+  bool has_place() const { return state == PointState::kStatic || is_direction(); }
 };
 
 Eigen::Matrix3d unpack_covariance(const Eigen::Matrix<float, 6, 1>& packed);
@@ -59,6 +63,9 @@ struct MapPatch {
   DescriptorRequest descriptor_request = DescriptorRequest::kNone;  // answer with DescriptorReply at the next frame
   GroupId group;
   bool scale_known = false;
+  TimeNs sent_ns = 0;       // by the server's clock; 0 in lock-step
+  float uplink_wait_s = 0;  // how much longer than at best the agent's newest frame was under way
+  TimeNs received_ns = 0;   // by the agent's, UTC; not on the wire
 };
 
 }  // namespace coslam

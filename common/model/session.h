@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 5;
+constexpr std::uint16_t kProtocolVersion = 7;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {
@@ -34,6 +34,14 @@ struct Hello {
 
 enum class AgentState : std::uint8_t { kWaiting, kRunning, kFinished };
 
+// A word from the server and the agent's answer, for what their clocks differ by. All 0: none.
+struct ClockExchange {
+  TimeNs sent_ns = 0;      // by the server's clock
+  TimeNs received_ns = 0;  // by the agent's
+  TimeNs replied_ns = 0;   // by the agent's
+  TimeNs arrived_ns = 0;   // by the server's; not on the wire
+};
+
 // Heartbeat of an agent, once a second and on every change of state.
 struct AgentStatus {
   std::string agent;
@@ -44,6 +52,7 @@ struct AgentStatus {
   std::uint32_t dropped = 0;  // images skipped for lack of time
   std::uint32_t tracks = 0;
   float frame_ms = 0;       // mean time of one step
+  ClockExchange exchange;   // of agents whose stamps are of their clock
   std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
 };
 

@@ -12,6 +12,7 @@
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "common/model/pose_covariance.h"
 
 // The plain values that agents and server exchange. Numbers are held at wire precision, so that a run in one process
 // and a run over DDS compute with the same bits.
@@ -43,7 +44,7 @@ enum class PoseState : std::uint8_t {
   kLost,     // was placed; the pose is the last good one and must not be used
 };
 
-// One image of one agent, understandable alone: a track missing from it has ended or is out of view.
+// One image of one agent, complete in itself: a track missing from it has ended or is out of view.
 struct TrackFrame {
   std::string agent;  // name, at most 32 characters
   RunId agent_run;
@@ -54,8 +55,8 @@ struct TrackFrame {
   RunId server_run;  // whose map the pose is in; 0 before the first patch
   MapEpoch epoch;    // the map epoch in which the pose is expressed
   Rigid3 cam_from_world;
-  Eigen::Matrix<float, 6, 6> pose_covariance =
-      Eigen::Matrix<float, 6, 6>::Zero();  // order of retract(): rotation, translation
+  // Order of retract(): rotation, translation; as quantised_pose_covariance() leaves it.
+  PoseCovariance pose_covariance = PoseCovariance::Zero();
   std::uint16_t pose_inliers = 0;
   float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
 
@@ -83,11 +84,17 @@ constexpr int kPatchSteps = 16;
 int patch_shift(const PatchGrey& grey);
 PatchGrey quantised_patch(const PatchGrey& grey);
 
+// Which part of an answer: the wire carries them in parts, see common/wire/reply_parts.h.
+struct ReplyPart {
+  std::uint16_t number = 0, of = 1;
+};
+
 struct PatchReply {  // answer to MapPatch::patch_requests, cut from the image of `frame`
   std::string agent;
   RunId agent_run;
   FrameId frame;
   std::vector<ImagePatch> patches;
+  ReplyPart part = {};
 };
 
 // SIFT descriptors of one image (OpenCV, 128 bytes, RootSIFT-normalised by the receiver).
@@ -107,6 +114,7 @@ struct DescriptorReply {
   FrameId frame;
   std::vector<TrackId> tracks;            // ascending; each starts or goes on at its feature in this frame
   std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each, as quantised_descriptor() leaves them
+  ReplyPart part = {};
 };
 
 }  // namespace coslam

@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "common/wire/coded_tracks.h"
 #include "common/wire/counters.h"
 #include "common/wire/messages.h"
 
@@ -31,8 +32,9 @@ class Decoded {
   std::variant<T, Rejection> content_;
 };
 
-// px_scale: pixel_scale(camera) of the agent; it travels with the frame.
-idl::TrackFrame encode(const TrackFrame& frame, double px_scale);
+// px_scale: pixel_scale(camera) of the agent; it travels with the frame. Without a reference the message can be
+// understood alone; see TrackEncoder for which reference to take.
+idl::TrackFrame encode(const TrackFrame& frame, double px_scale, const TrackReference& reference = {});
 idl::DescriptorReply encode(const DescriptorReply& reply);
 idl::PatchReply encode(const PatchReply& reply);
 idl::Hello encode(const Hello& hello);
@@ -41,7 +43,9 @@ idl::MapPatch encode(const MapPatch& patch);
 idl::MovingState encode(const MovingState& state);
 idl::ServerStatus encode(const ServerStatus& status);
 
-Decoded<TrackFrame> decode(const idl::TrackFrame& message);
+// kMissingReference when the message needs another reference than this one.
+Decoded<TrackFrame> decode(const idl::TrackFrame& message, const TrackReference& reference = {});
+Decoded<TrackFrame> decode_header(const idl::TrackFrame& message);  // all but the tracks and tags, for who only listens
 Decoded<DescriptorReply> decode(const idl::DescriptorReply& message);
 Decoded<PatchReply> decode(const idl::PatchReply& message);
 Decoded<Hello> decode(const idl::Hello& message);  // of any protocol version, see Admission

@@ -114,7 +114,7 @@ Decoded<Hello> decode(const idl::Hello& m) {
   h.rate_hz = m.rate_hz();
   h.camera = camera_of(m);
   const Problem problem = first_of({check_sender(h.agent, h.agent_run), check_enum(m.pacing(), Pacing::kLockstep),
-                                    check_enum(m.distortion(), DistortionModel::kEquidistant),
+                                    check_enum(m.distortion(), DistortionModel::kOmni),
                                     check_number(h.rate_hz, 0.001, 10000), check_camera(h.camera)});
   if (problem) return *problem;
   return h;
@@ -128,6 +128,9 @@ idl::AgentStatus encode(const AgentStatus& s) {
   m.dropped(s.dropped);
   m.tracks(s.tracks);
   m.frame_ms(s.frame_ms);
+  m.patch_sent_ns(s.exchange.sent_ns);
+  m.patch_received_ns(s.exchange.received_ns);
+  m.sent_ns(s.exchange.replied_ns);
   m.state(static_cast<std::uint8_t>(s.state));
   m.pose_state(static_cast<std::uint8_t>(s.pose_state));
   m.agent(s.agent);
@@ -149,6 +152,7 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   s.dropped = m.dropped();
   s.tracks = m.tracks();
   s.frame_ms = m.frame_ms();
+  s.exchange = {m.patch_sent_ns(), m.patch_received_ns(), m.sent_ns(), 0};
   s.report_json.assign(m.report_json().begin(), m.report_json().end());
   return s;
 }

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "common/base/check.h"
+#include "common/model/pose_covariance.h"
 #include "common/wire/checks.h"
 #include "common/wire/packing.h"
+#include "common/wire/track_bits.h"
 
 namespace coslam {
 namespace {
@@ -17,62 +18,37 @@ namespace {
 // Of pixel_scale() for images of 16 to 16384 pixels a side.
 constexpr int kMinPxBits = -1;
 constexpr int kMaxPxBits = 10;
-constexpr std::int16_t kCoordinateLimit = 32767;  // -32768 is never sent, see quantised_px()
 
 std::int16_t px_bits(double px_scale) { return static_cast<std::int16_t>(std::ilogb(px_scale)); }
 
 std::int16_t quantise(float px, double px_scale) {
   COSLAM_CHECK(std::isfinite(px), "coordinates must be finite");
-  const double limit = kCoordinateLimit;
+  const double limit = kMostUnits;  // -32768 is never sent, see quantised_px()
   return static_cast<std::int16_t>(std::lround(std::clamp(static_cast<double>(px) * px_scale, -limit, limit)));
 }
 
-float dequantise(std::int16_t units, int bits) { return std::ldexp(static_cast<float>(units), -bits); }
+float dequantise(std::int32_t units, int bits) { return std::ldexp(static_cast<float>(units), -bits); }
 
 Problem check_units(std::int16_t x, std::int16_t y) {
-  return std::min(x, y) >= -kCoordinateLimit ? std::nullopt : Problem(Rejection::kOutOfRange);
+  return std::min(x, y) >= -kMostUnits ? std::nullopt : Problem(Rejection::kOutOfRange);
 }
 
-std::vector<std::uint8_t> pack_tracks(const std::vector<TrackObservation>& tracks, double px_scale) {
-  std::vector<std::uint8_t> octets;
-  octets.reserve(6 * tracks.size());
-  Packer packer(octets);
-  TrackId before;
-  for (const TrackObservation& t : tracks) {
-    COSLAM_CHECK(t.track > before, "track ids must ascend");
-    packer.put_varint(t.track.value - before.value);
-    before = t.track;
-  }
-  for (const TrackObservation& t : tracks) {
-    packer.put(quantise(t.undistorted_px.x(), px_scale));
-    packer.put(quantise(t.undistorted_px.y(), px_scale));
-  }
-  return octets;
-}
-
-Problem unpack_ids(Unpacker& in, std::size_t count, std::vector<TrackObservation>& tracks) {
-  std::uint32_t id = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto step = in.get_varint();
-    if (!step) return Rejection::kMalformed;
-    if (*step == 0 || *step > std::numeric_limits<std::uint32_t>::max() - id) return Rejection::kIdsNotAscending;
-    id += *step;
-    tracks.emplace_back().track = TrackId(id);
-  }
-  return std::nullopt;
-}
-
-Problem unpack_tracks(const idl::TrackFrame& m, std::vector<TrackObservation>& tracks) {
+Problem unpack_tracks(const idl::TrackFrame& m, const TrackReference& reference,
+                      std::vector<TrackObservation>& tracks) {
   if (const Problem p = check_count(m.track_count(), idl::MAX_TRACKS)) return p;
   if (const Problem p = check_number(m.px_bits(), kMinPxBits, kMaxPxBits)) return p;
-  Unpacker in(m.tracks());
-  tracks.reserve(m.track_count());
-  if (const Problem p = unpack_ids(in, m.track_count(), tracks)) return p;
-  if (in.left() != 4u * m.track_count()) return Rejection::kSizeMismatch;
-  for (TrackObservation& t : tracks) {
-    const std::int16_t x = *in.get<std::int16_t>(), y = *in.get<std::int16_t>();
-    if (const Problem p = check_units(x, y)) return p;
-    t.undistorted_px = {dequantise(x, m.px_bits()), dequantise(y, m.px_bits())};
+  const bool needs_one = m.reference_age() > 0;
+  if (needs_one && (reference.tracks == nullptr || m.frame() - m.reference_age() != reference.frame.value)) {
+    return Rejection::kMissingReference;
+  }
+  CodedTracks coded;
+  if (const Problem p =
+          unpack_tracks(m.tracks(), m.track_count(), needs_one ? *reference.tracks : CodedTracks(), coded)) {
+    return p;
+  }
+  tracks.reserve(coded.size());
+  for (const CodedTrack& t : coded) {
+    tracks.push_back({TrackId(t.track), {dequantise(t.at.x, m.px_bits()), dequantise(t.at.y, m.px_bits())}});
   }
   return std::nullopt;
 }
@@ -111,27 +87,22 @@ Problem unpack_tags(const idl::TrackFrame& m, std::vector<TagObservation>& tags)
   return std::nullopt;
 }
 
-std::array<float, 21> pack_upper(const Eigen::Matrix<float, 6, 6>& m) {
-  std::array<float, 21> packed{};
-  auto out = packed.begin();
-  for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) *out++ = m(row, col);
-  }
-  return packed;
-}
-
-Problem unpack_upper(const std::array<float, 21>& packed, Eigen::Matrix<float, 6, 6>& m) {
-  auto in = packed.begin();
-  for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) m(row, col) = m(col, row) = *in++;  // NOLINT: symmetric
-  }
-  if (!m.allFinite()) return Rejection::kNotFinite;
-  return m.diagonal().minCoeff() >= 0 ? std::nullopt : Problem(Rejection::kOutOfRange);
+Problem unpack_pose_covariance(const std::array<std::uint8_t, 21>& code, Eigen::Matrix<float, 6, 6>& m) {
+  if (!is_valid(code)) return Rejection::kOutOfRange;
+  m = decoded_pose_covariance(code);
+  return std::nullopt;
 }
 
 // Two patch pixels an octet, the first in the low half.
 constexpr std::size_t kPatchRecordBytes = 2 + (kPatchBytes + 1) / 2;
-static_assert(idl::MAX_PATCH_BYTES == kPatchRecordBytes * idl::MAX_TRACKS);
+static_assert(idl::MAX_PATCH_BYTES == kPatchRecordBytes * idl::MAX_PART);
+static_assert(idl::MAX_DESCRIPTOR_BYTES == kDescriptorBytes / 2 * idl::MAX_PART);
+
+template <class Message>
+Problem check_part(const Message& m, std::uint32_t most_parts) {
+  if (m.parts() < 1 || m.parts() > most_parts || m.part() >= m.parts()) return Rejection::kOutOfRange;
+  return check_count(m.tracks().size(), idl::MAX_PART);
+}
 
 void pack_patch(const PatchGrey& grey, Packer& out) {
   const int shift = patch_shift(grey);
@@ -161,7 +132,20 @@ Problem unpack_patch(Unpacker& in, PatchGrey& grey) {
 
 }  // namespace
 
-idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
+CodedTracks coded_tracks(const TrackFrame& frame, double px_scale) {
+  CodedTracks tracks;
+  tracks.reserve(frame.tracks.size());
+  TrackId before;
+  for (const TrackObservation& t : frame.tracks) {
+    COSLAM_CHECK(t.track > before, "track ids must ascend");
+    before = t.track;
+    tracks.push_back(
+        {t.track.value, {quantise(t.undistorted_px.x(), px_scale), quantise(t.undistorted_px.y(), px_scale)}});
+  }
+  return tracks;
+}
+
+idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReference& reference) {
   COSLAM_CHECK(f.tracks.size() <= idl::MAX_TRACKS, "more tracks than a frame may carry");
   COSLAM_CHECK(f.tags.size() <= kMaxTags, "more tags than a frame may carry");
   const Eigen::Quaterniond& q = f.cam_from_world.rotation;
@@ -172,7 +156,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
   m.capture_ns(f.capture_ns);
   m.rotation({q.w(), q.x(), q.y(), q.z()});
   m.translation({t.x(), t.y(), t.z()});
-  m.covariance(pack_upper(f.pose_covariance));
+  m.covariance(code_of_pose_covariance(f.pose_covariance));
   m.hull_fraction(f.hull_fraction);
   m.frame(f.frame.value);
   m.epoch(f.epoch.value);
@@ -185,12 +169,14 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale) {
   m.wants_snapshot(f.wants_snapshot);
   m.descriptors_sent(f.descriptors_sent);
   m.agent(f.agent);
-  m.tracks(pack_tracks(f.tracks, px_scale));
+  const bool has_one = reference.tracks != nullptr;
+  m.reference_age(static_cast<std::uint16_t>(has_one ? f.frame.value - reference.frame.value : 0));
+  m.tracks(pack_tracks(coded_tracks(f, px_scale), has_one ? *reference.tracks : CodedTracks()));
   m.tags(pack_tags(f.tags, px_scale));
   return m;
 }
 
-Decoded<TrackFrame> decode(const idl::TrackFrame& m) {
+Decoded<TrackFrame> decode_header(const idl::TrackFrame& m) {
   TrackFrame f;
   f.agent = m.agent().to_string();
   f.agent_run = RunId(m.agent_run());
@@ -208,18 +194,27 @@ Decoded<TrackFrame> decode(const idl::TrackFrame& m) {
   f.descriptors_sent = m.descriptors_sent();
   f.pose_state = static_cast<PoseState>(m.pose_state());
   // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
-  const Problem problem =
-      first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
-                check_pose(f.cam_from_world), unpack_upper(m.covariance(), f.pose_covariance),
-                check_number(f.hull_fraction, 0, 100), check_count(f.pose_inliers, idl::MAX_TRACKS),
-                check_count(f.patches_sent, idl::MAX_TRACKS), unpack_tracks(m, f.tracks), unpack_tags(m, f.tags)});
+  const Problem problem = first_of(
+      {check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost), check_pose(f.cam_from_world),
+       unpack_pose_covariance(m.covariance(), f.pose_covariance), check_number(f.hull_fraction, 0, 100),
+       check_count(f.pose_inliers, idl::MAX_TRACKS), check_count(f.patches_sent, idl::MAX_TRACKS)});
   if (problem) return *problem;
   return f;
 }
 
+Decoded<TrackFrame> decode(const idl::TrackFrame& m, const TrackReference& reference) {
+  auto frame = decode_header(m);
+  if (!frame) return frame;
+  if (const Problem p = unpack_tracks(m, reference, frame->tracks)) return *p;
+  if (const Problem p = unpack_tags(m, frame->tags)) return *p;
+  return frame;
+}
+
 idl::PatchReply encode(const PatchReply& r) {
-  COSLAM_CHECK(r.patches.size() <= idl::MAX_TRACKS, "more patches than a reply may carry");
+  COSLAM_CHECK(r.patches.size() <= idl::MAX_PART, "more patches than a part may carry");
   idl::PatchReply m;
+  m.part(r.part.number);
+  m.parts(r.part.of);
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
   m.agent(r.agent);
@@ -233,9 +228,9 @@ idl::PatchReply encode(const PatchReply& r) {
 }
 
 Decoded<PatchReply> decode(const idl::PatchReply& m) {
-  PatchReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}};
-  if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
-  if (const Problem p = check_count(m.tracks().size(), idl::MAX_TRACKS)) return *p;
+  PatchReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {m.part(), m.parts()}};
+  if (const Problem p = first_of({check_sender(r.agent, r.agent_run), check_part(m, idl::MAX_TRACKS / idl::MAX_PART)}))
+    return *p;
   if (m.grey().size() != m.tracks().size() * kPatchRecordBytes) return Rejection::kSizeMismatch;
   Unpacker in(m.grey());
   for (const std::uint32_t id : m.tracks()) {
@@ -248,9 +243,11 @@ Decoded<PatchReply> decode(const idl::PatchReply& m) {
 }
 
 idl::DescriptorReply encode(const DescriptorReply& r) {
-  COSLAM_CHECK(r.tracks.size() <= idl::MAX_KEYPOINTS, "more descriptors than a reply may carry");
+  COSLAM_CHECK(r.tracks.size() <= idl::MAX_PART, "more descriptors than a part may carry");
   COSLAM_CHECK(r.descriptors.size() == r.tracks.size() * kDescriptorBytes, "one descriptor a track");
   idl::DescriptorReply m;
+  m.part(r.part.number);
+  m.parts(r.part.of);
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
   m.agent(r.agent);
@@ -265,9 +262,8 @@ idl::DescriptorReply encode(const DescriptorReply& r) {
 }
 
 Decoded<DescriptorReply> decode(const idl::DescriptorReply& m) {
-  DescriptorReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {}};
-  if (const Problem p = check_sender(r.agent, r.agent_run)) return *p;
-  if (const Problem p = check_count(m.tracks().size(), idl::MAX_KEYPOINTS)) return *p;
+  DescriptorReply r{m.agent().to_string(), RunId(m.agent_run()), FrameId(m.frame()), {}, {}, {m.part(), m.parts()}};
+  if (const Problem p = first_of({check_sender(r.agent, r.agent_run), check_part(m, idl::MAX_PARTS)})) return *p;
   if (m.descriptors().size() != m.tracks().size() * kDescriptorBytes / 2) return Rejection::kSizeMismatch;
   for (const std::uint32_t id : m.tracks()) {
     if (id == 0) return Rejection::kBadId;

@@ -6,9 +6,9 @@ namespace coslam {
 
 std::string_view name_of(Rejection reason) {
   constexpr std::array<std::string_view, kRejectionCount> kNames = {
-      "malformed",         "not_finite", "out_of_range", "too_many", "size_mismatch",
-      "ids_not_ascending", "bad_id",     "bad_rotation", "bad_text", "wrong_protocol",
-      "unknown_agent",     "wrong_run",  "duplicate",    "overflow"};
+      "malformed", "not_finite",   "out_of_range",      "too_many",       "size_mismatch", "ids_not_ascending",
+      "bad_id",    "bad_rotation", "bad_text",          "wrong_protocol", "unknown_agent", "wrong_run",
+      "duplicate", "overflow",     "missing_reference", "unauthentic",    "replayed"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

@@ -17,7 +17,8 @@ struct LinkBytes {
   std::uint64_t down = 0;
 };
 
-// Why a sample was not used. The decoder finds the first group, Admission and the joiner the second.
+// Why a sample was not used. The decoder finds the first group, Admission and the joiner the second, the guard
+// around the middleware the third.
 enum class Rejection : std::uint8_t {
   kMalformed,        // not decodable: truncated or overlong
   kNotFinite,        // NaN or infinity
@@ -29,13 +30,17 @@ enum class Rejection : std::uint8_t {
   kBadRotation,      // quaternion far from unit norm
   kBadText,          // empty, too long or unprintable name or text
 
-  kWrongProtocol,  // another protocol version
-  kUnknownAgent,   // no hello from this run (yet)
-  kWrongRun,       // a run that was replaced, refused, or is not the addressee
-  kDuplicate,      // seen before
-  kOverflow,       // a bounded buffer was full
+  kWrongProtocol,     // another protocol version
+  kUnknownAgent,      // no hello from this run (yet)
+  kWrongRun,          // a run that was replaced, refused, or is not the addressee
+  kDuplicate,         // seen before
+  kOverflow,          // a bounded buffer was full
+  kMissingReference,  // coded against a frame that is not here
+
+  kUnauthentic,  // a datagram without the seal of the fleet's key
+  kReplayed,     // a sealed datagram that was here before, or is too old to tell
 };
-constexpr std::size_t kRejectionCount = 14;
+constexpr std::size_t kRejectionCount = 17;
 
 std::string_view name_of(Rejection reason);  // for logs and reports, e.g. "ids_not_ascending"
 

@@ -107,7 +107,7 @@ class Source {
       auto& counts = participant_.counts[topic_];
       counts.received.fetch_add(1, std::memory_order_relaxed);
       counts.received_bytes.fetch_add(bytes, std::memory_order_relaxed);
-      inlet_->hand_on({id_of(info.publication_handle), bytes});
+      inlet_->hand_on({id_of(info.publication_handle), bytes, info.source_timestamp.to_ns()});
     }
   }
 

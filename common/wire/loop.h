@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/time.h"
 #include "common/wire/participant.h"
 
 namespace coslam {
@@ -28,6 +29,7 @@ enum class Presence : std::uint8_t {
 struct Sample {
   WriterId writer;
   std::uint64_t bytes = 0;
+  TimeNs written_ns = 0;  // UTC by the clock of the writer's machine
 };
 
 // One thread that waits for samples and for changes of presence of any number of topics and hands them on, the samples

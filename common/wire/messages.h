@@ -56,10 +56,10 @@ inline constexpr std::tuple kMessageTypes{
         {.name = "coslam/tracks", .way = Way::kUp, .reliable = false, .writer_depth = 4, .reader_depth = 8}},
     // Must arrive, must not crowd out the tracks.
     MessageType<PatchReply, class PatchReplyPubSubType, coslam::PatchReply>{
-        {.name = "coslam/patches", .way = Way::kUp, .writer_depth = 16, .reader_depth = 16, .paced = true}},
-    // Likewise, 100 kB each.
+        {.name = "coslam/patches", .way = Way::kUp, .writer_depth = 128, .reader_depth = 128, .paced = true}},
+    // Likewise, 64 parts each at most.
     MessageType<DescriptorReply, class DescriptorReplyPubSubType, coslam::DescriptorReply>{
-        {.name = "coslam/descriptors", .way = Way::kUp, .writer_depth = 4, .reader_depth = 4, .paced = true}},
+        {.name = "coslam/descriptors", .way = Way::kUp, .writer_depth = 256, .reader_depth = 256, .paced = true}},
     // The newest state.
     MessageType<AgentStatus, class AgentStatusPubSubType, coslam::AgentStatus>{
         {.name = "coslam/agent", .way = Way::kUp, .late_joiners = true, .reader_depth = 2}},

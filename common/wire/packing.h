@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-// Packed octets, little endian. For the codec only.
+// Packed octets, little endian. For the codec and for files of messages.
 namespace coslam {
 
 static_assert(std::endian::native == std::endian::little, "packed octets are copied as they lie in memory");
@@ -24,6 +24,7 @@ class Packer {
     out_.insert(out_.end(), bytes, bytes + sizeof(T));
   }
 
+  // Seven bits an octet, low ones first; the high bit says that more follow.
   void put_varint(std::uint32_t value) {
     for (; value >= 0x80; value >>= 7) out_.push_back(static_cast<std::uint8_t>(value | 0x80));
     out_.push_back(static_cast<std::uint8_t>(value));

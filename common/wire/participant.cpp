@@ -21,6 +21,8 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/wire/guard.h"
 #include "common/wire/middleware_log.h"
 #include "idl/coslamPubSubTypes.h"
 
@@ -116,6 +118,14 @@ void require_usable(const WireConfig& c) {
   require_certificates(c.certificates);
 }
 
+void warn_when_open(const WireConfig& c) {
+  const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
+  const bool alone = !c.interfaces.empty() && std::ranges::all_of(c.interfaces, is_loopback);
+  if (alone || !c.key_file.empty() || !c.certificates.empty()) return;
+  log_warn("no key: whoever can send datagrams to DDS domain " + std::to_string(c.domain) +
+           " can join it, read it and stop this process; set wire.key_file, see docs/security.md");
+}
+
 // Participants of one process talk through the network like all others, so that tests within one process are true.
 void turn_off_intraprocess() {
   eprosima::fastrtps::LibrarySettingsAttributes settings;
@@ -175,7 +185,6 @@ WireConfig loopback_config(int domain) {
   config.interfaces = {"127.0.0.1"};
   config.peers = {"127.0.0.1"};
   config.peer_range = kMostPerHost;
-  config.multicast = false;
   config.bulk_bytes_per_s = 0;
   return config;
 }
@@ -186,20 +195,22 @@ std::string partition_of(RunId agent_run) {
   return text.data();
 }
 
-std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes) {
-  const std::uint64_t room = max_message_bytes - kReserved;
-  if (sample_bytes <= room) return sample_bytes + kDatagramOverhead;
-  return sample_bytes + (sample_bytes + room - 1) / room * kFragmentOverhead;
+std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key) {
+  const std::uint64_t seal = with_key ? kSealBytes : 0;
+  const std::uint64_t room = max_message_bytes - kReserved - seal;
+  if (sample_bytes <= room) return sample_bytes + kDatagramOverhead + seal;
+  return sample_bytes + (sample_bytes + room - 1) / room * (kFragmentOverhead + seal);
 }
 
 Participant::Participant(const WireConfig& config, const std::string& name) : impl_(std::make_unique<Impl>()) {
   require_usable(config);
   impl_->config = config;
+  warn_when_open(config);
   capture_middleware_log();
   turn_off_intraprocess();
   static std::mutex one_at_a_time;  // or two threads choose the same number
   const std::lock_guard lock(one_at_a_time);
-  dds::DomainParticipantQos qos = participant_qos(config, name);
+  dds::DomainParticipantQos qos = participant_qos(config, name, impl_->rejections);
   qos.wire_protocol().participant_id = free_participant_id(config.domain);
   ErrorWatch errors;
   auto* factory = dds::DomainParticipantFactory::get_instance();

@@ -22,14 +22,16 @@ struct TopicCounts {
   std::uint64_t received = 0, received_bytes = 0;
 };
 
-// Bytes that a sample costs on the network: its serialized form and the headers of the datagrams that carry it.
-std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes);
+// Bytes that a sample costs on the network: its serialized form and the headers of the datagrams that carry it, with
+// the seals where there is a key.
+std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key = false);
 
 // This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
 class Participant {
  public:
   // `name` is what other participants and operators' tools see. Throws UserError, in one sentence: domain out of
-  // range, no such interface, certificates missing or refused, no port.
+  // range, no such interface, certificates missing or refused, key file missing or not fit, no port. Without
+  // certificates and key, on more than the loopback device, one warning is logged.
   Participant(const WireConfig& config, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -39,7 +41,8 @@ class Participant {
   std::array<TopicCounts, kTopicCount> counts() const;
   // Names of the other participants that are known now. One is known before anything it says can be heard.
   std::vector<std::string> others() const;
-  // Samples that could not be decoded are counted here; links add what they turn down later.
+  // Samples that could not be decoded and datagrams without the key are counted here; links add what they turn down
+  // later.
   RejectionCounts& rejections() const;
 
   struct Impl;

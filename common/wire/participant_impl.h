@@ -50,7 +50,9 @@ struct Participant::Impl : dds::DomainParticipantListener {
   // One of kTopics, created at first use.
   dds::Topic* topic(std::size_t index);
 
-  std::uint64_t cost(std::size_t sample_bytes) const { return link_bytes(sample_bytes, config.max_message_bytes); }
+  std::uint64_t cost(std::size_t sample_bytes) const {
+    return link_bytes(sample_bytes, config.max_message_bytes, !config.key_file.empty());
+  }
 };
 
 }  // namespace coslam

@@ -11,6 +11,8 @@
 #include <memory>
 #include <string>
 
+#include "common/wire/guarded_transport.h"
+
 namespace coslam {
 namespace {
 
@@ -37,7 +39,7 @@ Locator_t udp(const std::string& address, std::uint32_t port) {
   return locator;
 }
 
-std::shared_ptr<rtps::UDPv4TransportDescriptor> transport_of(const WireConfig& c) {
+std::shared_ptr<rtps::UDPv4TransportDescriptor> carrier_of(const WireConfig& c) {
   auto udp4 = std::make_shared<rtps::UDPv4TransportDescriptor>();
   // Above the MTU (default 65500) the loss of one IP fragment loses the whole datagram: nothing large gets through.
   udp4->maxMessageSize =
@@ -49,10 +51,15 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> transport_of(const WireConfig& c
   return udp4;
 }
 
+std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, RejectionCounts& refused) {
+  if (c.key_file.empty()) return carrier_of(c);
+  return guarded_transport(carrier_of(c), load_fleet_key(c.key_file, c.domain), refused);
+}
+
 // A period must have room for one datagram, since fragments are cut to it: slow paces get longer periods.
 std::shared_ptr<rtps::FlowControllerDescriptor> pace_of(const WireConfig& c) {
   const double bytes_per_ms = 1e-3 * c.bulk_bytes_per_s;
-  const double period_ms = std::ceil(std::max(kPacePeriodMs, transport_of(c)->maxMessageSize / bytes_per_ms));
+  const double period_ms = std::ceil(std::max(kPacePeriodMs, carrier_of(c)->maxMessageSize / bytes_per_ms));
   auto flow = std::make_shared<rtps::FlowControllerDescriptor>();
   flow->name = kBulkFlow;
   flow->scheduler = rtps::FlowControllerSchedulerPolicy::FIFO;
@@ -66,11 +73,9 @@ void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
   // Defaults of 20 s and 3 s: a dead agent would stay for 20 s, and one lost reply would cost a late joiner 3 s.
   builtin.discovery_config.leaseDuration = duration(c.lease_s);
   builtin.discovery_config.leaseDuration_announcementperiod = duration(c.announce_s);
+  // In the place of the multicast address: agents that call their server need not know each other, and what they would
+  // tell each other fills a third of a narrow link.
   for (const std::string& peer : c.peers) builtin.initialPeersList.push_back(udp(peer, 0));
-  // A list of peers replaces the multicast address: put it back.
-  if (!c.peers.empty() && c.multicast) {
-    builtin.initialPeersList.push_back(udp("239.255.0.1", static_cast<std::uint32_t>(7400 + 250 * c.domain)));
-  }
 }
 
 void set_security(const WireConfig& c, dds::DomainParticipantQos& qos) {
@@ -115,12 +120,12 @@ void set_common(const Topic& topic, const WireConfig& c, Qos& qos) {
 
 }  // namespace
 
-dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name) {
+dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name, RejectionCounts& refused) {
   dds::DomainParticipantQos qos;
   qos.name(name.c_str());
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(transport_of(c));
+  qos.transport().user_transports.push_back(transport_of(c, refused));
   qos.transport().listen_socket_buffer_size = c.receive_buffer_bytes;
   qos.transport().send_socket_buffer_size = c.send_buffer_bytes;
   set_discovery(c, qos);

@@ -8,6 +8,7 @@
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 
+#include "common/wire/counters.h"
 #include "common/wire/messages.h"
 #include "common/wire/wire_config.h"
 
@@ -18,7 +19,10 @@ namespace coslam {
 // Participants of one domain on one host: what callers on the loopback device reach.
 constexpr int kMostPerHost = 32;
 
-eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name);
+// Datagrams without the key of `config` are counted in `refused`, which outlives the participant. Throws UserError: the
+// file of the key.
+eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name,
+                                                             RejectionCounts& refused);
 eprosima::fastdds::dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& config);
 eprosima::fastdds::dds::DataReaderQos reader_qos(const Topic& topic, const WireConfig& config);
 

@@ -13,11 +13,12 @@ namespace coslam {
 struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
-  std::vector<std::string> peers;       // IPv4 addresses to call: on agents, the server's
+  std::vector<std::string> peers;       // IPv4 addresses to call instead of multicast: on agents, the server's
   int peer_range = 4;                   // participants on each peer that are called; every announcement goes to all
-  bool multicast = true;                // find each other by multicast too
   std::string certificates;  // directory with ca.pem, cert.pem, key.pem, governance.p7s, permissions.p7s of this
                              // process; empty = no security
+  std::string key_file;      // the fleet's key, see guard.h; the same content on all hosts; empty = whoever can send
+                             // datagrams to this process can stop it
 
   double lease_s = 3.0;         // a participant unheard for this long is gone
   double announce_s = 0.5;      // period of announcements; at most a third of lease_s

@@ -78,7 +78,7 @@ struct RenderOptions {
   int frames = 0;                   // a camera
   double rate_hz = 0;               // the same motion, with more or fewer images of it
   int width_px = 0, height_px = 0;  // another width is another scale, another height shows more or less
-  std::string lens;                 // pinhole, radtan, equidistant, fisheyeN (N degrees from corner to corner)
+  std::string lens;                 // as simulated_camera()
   int threads = 2;
 };
 

@@ -73,12 +73,19 @@ CameraModel equidistant_lens() {
 }
 
 // So that the ray at half the field meets a corner of the image.
-CameraModel fisheye_lens(double field_deg) {
-  CameraModel c = equidistant_lens();
+CameraModel wide_lens(CameraModel c, double field_deg) {
   c.cx = 0.5 * (kWidthPx - 1), c.cy = 0.5 * (kHeightPx - 1);
   const double edge = std::tan(0.5 * field_deg * std::numbers::pi / 180);
   c.fx = c.fy = 0.5 * std::hypot(kWidthPx, kHeightPx) / c.distort_normalized({edge, 0}).x();
   return c;
+}
+
+CameraModel sphere_lens(DistortionModel model) {
+  CameraModel c;
+  c.distortion = model;
+  c.coefficients = {-0.2, 0.6};
+  if (model == DistortionModel::kOmni) c.coefficients = {0.9, -0.1, 0.02, 3e-4, -2e-4};
+  return wide_lens(c, 150);
 }
 
 CameraModel lens_of(int index, const std::string& name) {
@@ -86,6 +93,8 @@ CameraModel lens_of(int index, const std::string& name) {
   if (name.empty()) return std::array{radtan_lens, second_radtan_lens, equidistant_lens}[index % 3]();
   if (name == "radtan") return radtan_lens();
   if (name == "equidistant") return equidistant_lens();
+  if (name == "double_sphere") return sphere_lens(DistortionModel::kDoubleSphere);
+  if (name == "omni") return sphere_lens(DistortionModel::kOmni);
   if (name == "pinhole") {
     CameraModel c = radtan_lens();
     c.distortion = DistortionModel::kNone;
@@ -96,9 +105,12 @@ CameraModel lens_of(int index, const std::string& name) {
     const char *from = name.data() + kFisheye.size(), *end = name.data() + name.size();
     int field_deg = 0;
     const auto [rest, error] = std::from_chars(from, end, field_deg);
-    if (error == std::errc() && rest == end && field_deg >= 60 && field_deg <= 170) return fisheye_lens(field_deg);
+    if (error == std::errc() && rest == end && field_deg >= 60 && field_deg <= 170) {
+      return wide_lens(equidistant_lens(), field_deg);
+    }
   }
-  throw UserError("unknown lens '" + name + "' (known: pinhole, radtan, equidistant, fisheye60 to fisheye170)");
+  throw UserError("unknown lens '" + name +
+                  "' (known: pinhole, radtan, equidistant, double_sphere, omni, fisheye60 to fisheye170)");
 }
 
 double gain_at(const SensorModel& s, double t_s) {

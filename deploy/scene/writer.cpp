@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "common/base/error.h"
+#include "common/dataset/calibration.h"
 #include "deploy/scene/marked_spots.h"
 #include "deploy/scene/parallel.h"
 #include "deploy/scene/renderer.h"
@@ -45,14 +46,6 @@ void write_image(const fs::path& file, const cv::Mat& image) {
   if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
     throw UserError("cannot write " + file.string());
   }
-}
-
-std::string calibration_text(const CameraModel& c) {
-  const bool fisheye = c.distortion == DistortionModel::kEquidistant;
-  std::string out = formatted("width: %d\nheight: %d\nfx: %.10g\nfy: %.10g\n", c.width_px, c.height_px, c.fx, c.fy);
-  out += formatted("cx: %.10g\ncy: %.10g\ndistortion_model: %s\n", c.cx, c.cy, fisheye ? "equidistant" : "radtan");
-  const auto& k = c.coefficients;
-  return out + formatted("distortion: [%.10g, %.10g, %.10g, %.10g]\n", k[0], k[1], k[2], k[3]);
 }
 
 std::string truth_text(const SimulatedScene& scene, int camera) {
@@ -132,7 +125,7 @@ void write_descriptions(const SimulatedScene& scene, const WriteOptions& options
     const std::string name = agent_name(camera);
     fs::create_directories(folder / name);
     fs::create_directories(folder / "depth" / name);
-    write_text(folder / (name + ".yaml"), calibration_text(scene.camera(camera)));
+    save_calibration(folder / (name + ".yaml"), scene.camera(camera));
     write_text(folder / (name + ".tum"), truth_text(scene, camera));
     write_text(folder / name / "times.txt", times_text(scene));
     if (scene.bodies() > 0) fs::create_directories(folder / "masks" / name);

@@ -15,8 +15,10 @@ void add_calibrate_command(CLI::App& app, Command& chosen);
 void add_eval_command(CLI::App& app, Command& chosen);
 void add_explain_command(CLI::App& app, Command& chosen);
 void add_export_command(CLI::App& app, Command& chosen);
+void add_map_command(CLI::App& app, Command& chosen);
 void add_run_command(CLI::App& app, Command& chosen);
 void add_render_command(CLI::App& app, Command& chosen);
+void add_replay_command(CLI::App& app, Command& chosen);
 void add_status_command(CLI::App& app, Command& chosen);
 
 }  // namespace coslam

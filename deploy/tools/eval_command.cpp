@@ -10,6 +10,7 @@
 #include "deploy/tools/eval/evaluation.h"
 #include "deploy/tools/eval/report.h"
 #include "deploy/tools/plot/top_view.h"
+#include "deploy/tools/result_argument.h"
 #include "deploy/tools/sequence_argument.h"
 
 namespace coslam {
@@ -67,9 +68,7 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
 }
 
 int evaluate_result(const EvalArguments& arguments) {
-  const ResultFolder result(arguments.result);
-  if (!std::filesystem::is_directory(result.path()))
-    throw UserError(arguments.result + ": there is no such result folder");
+  const ResultFolder result = result_argument(arguments.result);
   Sequence sequence = sequence_argument(arguments.sequence);
   cover_lenses(sequence, arguments.covered);
   const auto agents = eval::load_paths(result, sequence);
@@ -94,7 +93,7 @@ int evaluate_result(const EvalArguments& arguments) {
 void add_eval_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* command = app.add_subcommand("eval", "Measure a result against the sequence's truth");
-  command->add_option("RESULT", arguments->result, "folder written by a run")->required();
+  command->add_option("RESULT", arguments->result, "folder of a run, or of a server's runs: the latest")->required();
   command->add_option("SEQUENCE", arguments->sequence, "YAML file, folder with sequence.yaml, or sim:NAME")->required();
   add_cover_option(*command, arguments->covered);
   command->add_flag("--json", arguments->json, "print eval.json instead of a screen of text");

@@ -17,9 +17,7 @@ struct ExplainArguments {
 };
 
 int explain_result(const ExplainArguments& arguments) {
-  const ResultFolder result(arguments.result);
-  if (!std::filesystem::is_directory(result.path()))
-    throw UserError(arguments.result + ": there is no such result folder");
+  const ResultFolder result = find_result(arguments.result);
   const explain::Answer answer = explain::answer(result, arguments.question);
   std::fputs(answer.text.c_str(), stdout);
   if (answer.caution.empty()) return 0;
@@ -32,7 +30,7 @@ int explain_result(const ExplainArguments& arguments) {
 void add_explain_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<ExplainArguments>();
   CLI::App* command = app.add_subcommand("explain", "Tell what became of a point, a track or a camera, and why");
-  command->add_option("RESULT", arguments->result, "folder written by a run")->required();
+  command->add_option("RESULT", arguments->result, "folder of a run, or of a server's runs: the latest")->required();
   command->add_option("KIND", arguments->question.kind, "point, track or camera")
       ->required()
       ->check(CLI::IsMember({"point", "track", "camera"}));

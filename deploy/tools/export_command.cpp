@@ -7,6 +7,7 @@
 #include "common/base/error.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/export/export.h"
+#include "deploy/tools/result_argument.h"
 #include "deploy/tools/sequence_argument.h"
 
 namespace coslam {
@@ -19,22 +20,23 @@ struct ExportArguments {
   std::string sequence;
 };
 
-exporting::Files export_as(const std::string& format, const ResultFolder& result, const ExportArguments& arguments) {
-  if (format == "tum") return exporting::export_tum(result, arguments.folder);
-  if (format == "euroc") return exporting::export_euroc(result, arguments.folder);
-  if (format == "kitti") return exporting::export_kitti(result, arguments.folder);
-  if (format == "ply") return exporting::export_ply(result, arguments.folder);
+exporting::MapExport exporter(const ExportArguments& arguments) {
+  if (arguments.format == "tum") return exporting::export_tum;
+  if (arguments.format == "euroc") return exporting::export_euroc;
+  if (arguments.format == "kitti") return exporting::export_kitti;
+  if (arguments.format == "ply") return exporting::export_ply;
   if (arguments.sequence.empty()) {
     throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
-  return exporting::export_colmap(result, sequence_argument(arguments.sequence), arguments.folder);
+  return [sequence = sequence_argument(arguments.sequence)](const ResultMap& map, const std::filesystem::path& folder) {
+    return exporting::export_colmap(map, sequence, folder);
+  };
 }
 
 int export_result(const ExportArguments& arguments) {
-  const ResultFolder result(arguments.result);
-  if (!std::filesystem::is_directory(result.path()))
-    throw UserError(arguments.result + ": there is no such result folder");
-  for (const auto& file : export_as(arguments.format, result, arguments)) std::printf("%s\n", file.c_str());
+  const exporting::MapExport as = exporter(arguments);
+  const ResultContents contents = contents_of(result_argument(arguments.result));
+  for (const auto& file : exporting::export_maps(contents, arguments.folder, as)) std::printf("%s\n", file.c_str());
   return 0;
 }
 
@@ -43,11 +45,14 @@ int export_result(const ExportArguments& arguments) {
 void add_export_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write a result in the form of another program");
-  command->add_option("RESULT", arguments->result, "folder written by a run")->required();
+  command->add_option("RESULT", arguments->result, "folder of a run, or of a server's runs: the latest")->required();
   command->add_option("--format", arguments->format, "form to write")
       ->required()
       ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti"}));
-  command->add_option("DIR", arguments->folder, "folder to write")->required();
+  command
+      ->add_option("DIR", arguments->folder,
+                   "folder to write; what could not be brought together with the largest map goes to DIR/maps/ID")
+      ->required();
   command->add_option("--sequence", arguments->sequence, "what was played; for colmap, which needs its cameras");
   command->callback([arguments, &chosen] { chosen = [arguments] { return export_result(*arguments); }; });
 }

@@ -17,10 +17,12 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   coslam::Command chosen;
   coslam::add_run_command(app, chosen);
+  coslam::add_replay_command(app, chosen);
   coslam::add_render_command(app, chosen);
   coslam::add_eval_command(app, chosen);
   coslam::add_explain_command(app, chosen);
   coslam::add_export_command(app, chosen);
+  coslam::add_map_command(app, chosen);
   coslam::add_status_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);
   try {

@@ -64,9 +64,10 @@ void add_render_command(CLI::App& app, Command& chosen) {
       ->check(CLI::Range(0.5, 240.0));
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the images in pixels; default: the scene's own")
       ->check([&options](const std::string& text) { return read_size(text, options); });
-  command->add_option("--lens", options.lens,
-                      "pinhole, radtan, equidistant or fisheyeN (N degrees from corner to corner, 60 to 170); default: "
-                      "the scene's own");
+  command->add_option(
+      "--lens", options.lens,
+      "pinhole, radtan, equidistant, double_sphere, omni or fisheyeN (N degrees from corner to corner, 60 to "
+      "170); default: the scene's own");
   command->callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

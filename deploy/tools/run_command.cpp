@@ -1,12 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "agent/capture/source.h"
@@ -17,6 +13,7 @@
 #include "common/dataset/calibration.h"
 #include "common/dataset/result.h"
 #include "deploy/tools/commands.h"
+#include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/run.h"
 #include "deploy/tools/sequence_argument.h"
 
@@ -90,56 +87,13 @@ int check_inputs(const Sequence& sequence) {
   return most;
 }
 
-// A folder holds one run.
-void make_result_folder(const std::filesystem::path& folder, bool force) {
-  const ResultFolder result(folder);
-  if (result.holds_run()) {
-    if (!force) {
-      throw UserError(folder.string() +
-                      " holds a run already: name another folder with --out, or replace it with --force");
-    }
-    result.remove_run();
-  }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error && access(folder.c_str(), W_OK) != 0) error.assign(errno, std::generic_category());
-  if (error) throw UserError("cannot make the result folder " + folder.string() + ": " + error.message());
-}
-
-double number(const nlohmann::json& j, const char* a, const char* b = nullptr, const char* c = nullptr) {
-  const nlohmann::json* at = &j;
-  for (const char* key : {a, b, c}) {
-    if (key == nullptr) break;
-    if (!at->contains(key)) return 0;
-    at = &(*at)[key];
-  }
-  return at->is_number() ? at->get<double>() : 0;
-}
-
-void print_summary(const std::filesystem::path& out) {
-  const nlohmann::json report = read_json(ResultFolder(out).report());
-  std::printf("%-12s %7s %8s %9s %9s %10s %10s\n", "agent", "frames", "dropped", "tracked", "ms/frame", "kB/s up",
-              "kB/s down");
-  for (const auto& [name, a] : report["agents"].items()) {
-    std::printf("%-12s %7.0f %8.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"),
-                number(a, "dropped"), number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"),
-                number(a, "kb_per_s_down"));
-  }
-  const auto& s = report["server"];
-  if (number(s, "maps") > 1) {
-    std::printf(
-        "%.0f maps that never met; the summary and the files are of the largest, paths in the others are in %s\n",
-        number(s, "maps"), (out / "trajectory" / "map<ID>").c_str());
-  }
-  std::printf("server: %.1f ms a frame set (p99 %.0f), %.0f static points, %.0f key frames, %.0f merges\nresult: %s\n",
-              number(s, "ms", "frame_set", "mean"), number(s, "ms", "frame_set", "p99"), number(s, "points", "static"),
-              number(s, "key_frames"), number(s, "merges"), out.c_str());
-}
-
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
   parse_replay_rate(options.rate);  // a wrong one is said before anything starts
   check_sets(options.sets);
+  if (std::filesystem::exists(options.record)) {
+    throw UserError(options.record.string() + " exists already: name another file for the recording");
+  }
   options.sequence = sequence_argument(arguments.sequence);
   select_agents(options.sequence, arguments.agents);
   know_scale(options.sequence, options.sets);
@@ -149,7 +103,7 @@ int run(RunArguments arguments) {
   if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
   make_result_folder(options.out, arguments.force);
   const int code = arguments.in_one_process ? run_inline(options) : run_processes(options);
-  if (std::filesystem::exists(ResultFolder(options.out).report())) print_summary(options.out);
+  print_summary(options.out);
   return code;
 }
 
@@ -168,6 +122,9 @@ void add_run_command(CLI::App& app, Command& chosen) {
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
       ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");
+  command->add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
+  command->add_option("--record", options.record, "new file: what the map server hears, for coslam replay")
+      ->type_name("FILE");
   command->add_option("--domain", options.domain, "DDS domain, 0 to 232; default: one that depends on the process")
       ->check(CLI::Range(0, 232));
   command->add_option("--set", options.sets,

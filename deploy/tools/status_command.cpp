@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include "deploy/tools/commands.h"
 #include "deploy/tools/status/listen.h"
@@ -12,11 +13,13 @@ namespace {
 struct StatusArguments {
   int domain = 0;
   bool loopback = false;
+  std::string key_file;
 };
 
 int status(const StatusArguments& arguments) {
   WireConfig config = arguments.loopback ? loopback_config(arguments.domain) : WireConfig();
   config.domain = arguments.domain;
+  config.key_file = arguments.key_file;
   std::fputs(listen_for_status(config).c_str(), stdout);
   return 0;
 }
@@ -31,6 +34,7 @@ void add_status_command(CLI::App& app, Command& chosen) {
       ->check(CLI::Range(0, 232))
       ->capture_default_str();
   command->add_flag("--loopback", arguments->loopback, "look on this machine only, as for coslam run");
+  command->add_option("--key", arguments->key_file, "file with the fleet's key, where it has one")->type_name("FILE");
   command->callback([arguments, &chosen] { chosen = [arguments] { return status(*arguments); }; });
 }
 

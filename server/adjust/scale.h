@@ -45,6 +45,9 @@ class Scale {
   // By the final poses.
   ScaleReport finish(MapEdit& edit);
   const TagScale& tags() const { return tags_; }
+  // What outlives the server, as rows; and back.
+  void save(std::vector<Row>* rows) const;
+  void restore(const Tables& tables);
 
  private:
   static void scale_by_rigs(MapEdit& edit);

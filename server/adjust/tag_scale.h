@@ -53,18 +53,25 @@ class TagScale {
   std::set<MapId> in_metres() const;
   // As last measured; empty when no tag was seen in that map.
   std::vector<MeasuredTag> tags(MapId map) const;
+  // For the map file.
+  template <class Archive>
+  void serialize(Archive& archive);
 
  private:
   struct TagSighting {
     CameraId camera;
     SetId set;
     std::array<Eigen::Vector2f, 4> undistorted_px;
+    template <class Archive>
+    void serialize(Archive& archive);
   };
   struct State {
     bool in_metres = false;
     double sigma = 0;  // relative, of the scale in use
     int doubted = 0;   // measurements in succession
     std::vector<MeasuredTag> tags;
+    template <class Archive>
+    void serialize(Archive& archive);
   };
   // What the tags of a map say together.
   struct Verdict {

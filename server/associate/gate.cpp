@@ -14,8 +14,10 @@ std::optional<double> gate_distance2(const PointEstimate& point, const CameraMod
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
   if (!project_world(camera, cam_from_world, point.position, &px, &j)) return std::nullopt;
-  const Eigen::Matrix2d s = j * point.covariance * j.transpose() + sigma_px * sigma_px * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d r = undistorted_px - px;
+  const Eigen::Matrix2d raw = camera.raw_by_undistorted(undistorted_px);
+  const Eigen::Matrix<double, 2, 3> rj = raw * j;
+  const Eigen::Matrix2d s = rj * point.covariance * rj.transpose() + sigma_px * sigma_px * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d r = raw * (undistorted_px - px);
   return r.dot(s.inverse() * r);
 }
 
@@ -48,12 +50,14 @@ PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, co
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
   if (!project_world(camera, cam_from_world, point.position, &px, &j)) return {point.position, point.covariance};
+  const Eigen::Matrix2d raw = camera.raw_by_undistorted(undistorted_px);
+  j = (raw * j).eval();
   const Eigen::Matrix2d noise = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d s = j * point.covariance * j.transpose() + noise;
   const Eigen::Matrix<double, 3, 2> gain = point.covariance * j.transpose() * s.inverse();
   const Eigen::Matrix3d keep = Eigen::Matrix3d::Identity() - gain * j;
   PointEstimate now{point.position, point.covariance};
-  now.position += gain * (undistorted_px - px);
+  now.position += gain * (raw * (undistorted_px - px));
   now.covariance = keep * now.covariance * keep.transpose() + gain * noise * gain.transpose();
   return now;
 }

@@ -121,13 +121,7 @@ Eigen::Matrix2d raw_by_plane(const Look& look, const Eigen::Vector3d& position,
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
   if (!project_world(model, look.pose, position, &px, &j)) return Eigen::Matrix2d::Zero();
-  const Eigen::Matrix2d undistorted_by_plane = j * tangents;
-  Eigen::Matrix2d raw_by_undistorted;
-  for (int k = 0; k < 2; ++k) {
-    const Eigen::Vector2d step = Eigen::Vector2d::Unit(k);
-    raw_by_undistorted.col(k) = 0.5 * (model.raw_from_undistorted(px + step) - model.raw_from_undistorted(px - step));
-  }
-  return raw_by_undistorted * undistorted_by_plane;
+  return model.raw_by_undistorted(px) * j * tangents;
 }
 
 Eigen::Matrix2d image_from_other(const Look& image, const Look& other, const Eigen::Vector3d& position) {

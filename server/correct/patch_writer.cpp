@@ -28,6 +28,7 @@ bool few_points(const Map& map, const MapCamera& camera) {
 
 bool PatchWriter::worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const {
   if (told.point != now.point || told.state != now.state) return true;
+  if (now.state != PointState::kStatic && now.point != PointId()) return false;  // its place is not told
   if (now.trace > told.trace * config_.covariance_ratio || now.trace * config_.covariance_ratio < told.trace)
     return true;
   const FramePose& f = camera.frames.back();
@@ -71,7 +72,9 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
   });
 }
 
-void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const {
+void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) {
+  const std::uint32_t patience = map.sets_in(config_.patch_patience_s);
+  std::erase_if(asked_, [&](const auto& a) { return a.second.value + patience <= map.now().value; });
   if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
   using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
   Due still, moving;
@@ -81,13 +84,18 @@ void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPat
     const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
     const bool keeps = t.bound() && !t.moves();
     if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
+    const auto asked = asked_.find(id);
+    if (asked != asked_.end() && !(t.patch && t.patch_set >= asked->second)) continue;  // the answer is on its way
     (t.moves() ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
   }
   // What moves soon looks different or is gone: it doesn't wait behind what stays.
   for (Due* due : {&moving, &still}) {
     const auto most = std::min(due->size(), static_cast<std::size_t>(config_.patches_per_request));
     std::partial_sort(due->begin(), due->begin() + static_cast<std::ptrdiff_t>(most), due->end());
-    for (std::size_t i = 0; i < most; ++i) patch->patch_requests.push_back((*due)[i].second);
+    for (std::size_t i = 0; i < most; ++i) {
+      patch->patch_requests.push_back((*due)[i].second);
+      asked_[(*due)[i].second] = map.now();
+    }
   }
   std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
 }
@@ -97,6 +105,7 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
     agent_run_ = frame.agent_run;
     sequence_ = 0;
     sent_.clear();
+    asked_.clear();
     epoch_ = map.epoch();
   }
   MapPatch patch;

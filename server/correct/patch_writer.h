@@ -17,6 +17,7 @@ struct PatchWriterConfig {
   int patches_per_request = 16;          // of tracks that move and of others each, at most
   double patch_refresh_s = 2.0;          // and again after so long while it has no point
   double moving_patch_refresh_s = 0.33;  // or while it moves
+  double patch_patience_s = 1.0;         // an answer may take so long before it is asked for again
 };
 
 template <class V>
@@ -53,7 +54,7 @@ class PatchWriter {
   void tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
             MapPatch* patch);
   void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
-  void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) const;
+  void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch);
 
   RunId server_run_;
   PatchWriterConfig config_;
@@ -62,6 +63,7 @@ class PatchWriter {
   MapEpoch epoch_;
   MapId map_;
   std::map<TrackId, Sent> sent_;
+  std::map<TrackId, SetId> asked_;  // for patches, lately
 };
 
 }  // namespace coslam

@@ -9,6 +9,8 @@
 #include "common/base/check.h"
 #include "common/wire/codec.h"
 #include "common/wire/participant.h"
+#include "common/wire/reply_parts.h"
+#include "common/wire/track_codec.h"
 #include "server/link/sessions.h"
 
 namespace coslam {
@@ -43,10 +45,14 @@ class InlineAgent : public AgentLink {
  private:
   template <class Message>
   void pass_up(const Message& message);
+  template <class Reply>
+  void pass_up_parts(const Reply& reply) {
+    for (const Reply& part : in_parts(reply)) pass_up(encode(part));
+  }
 
   InlineServer& server_;
   const RunId run_;
-  const double px_scale_;
+  TrackEncoder encoder_;
   Inbox inbox_;
   LinkBytes bytes_;
   RejectionCounts rejections_;
@@ -126,7 +132,7 @@ class InlineServer : public ServerLink {
 };
 
 InlineAgent::InlineAgent(InlineServer& server, const Hello& hello)
-    : server_(server), run_(hello.agent_run), px_scale_(pixel_scale(hello.camera)), inbox_(hello.agent_run) {
+    : server_(server), run_(hello.agent_run), encoder_(pixel_scale(hello.camera)), inbox_(hello.agent_run) {
   server_.connect(run_, *this);
   pass_up(encode(hello));
 }
@@ -157,9 +163,9 @@ void InlineAgent::send(TrackFrame frame, const std::optional<PatchReply>& patche
                        const std::optional<DescriptorReply>& descriptors) {
   frame.patches_sent = patches ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
   frame.descriptors_sent = descriptors.has_value();
-  if (frame.patches_sent > 0) pass_up(encode(*patches));
-  if (descriptors) pass_up(encode(*descriptors));
-  pass_up(encode(frame, px_scale_));
+  if (patches) pass_up_parts(*patches);
+  if (descriptors) pass_up_parts(*descriptors);
+  pass_up(encoder_.encode(frame, inbox_.acknowledged()));
 }
 
 void InlineAgent::send_status(const AgentStatus& status) { pass_up(encode(status)); }

@@ -27,8 +27,8 @@ void Sessions::receive(const idl::Hello& message, std::uint64_t bytes, Instant n
 // Brings the sessions in line with what was admitted and refused.
 void Sessions::settle() {
   for (Hello& hello : admission_.take_admitted()) {
-    // A run that was gone keeps its joiner, which knows what was delivered already.
-    sessions_.try_emplace(hello.agent_run, Session{hello, FrameJoiner(hello.pacing)});
+    // A run that was gone keeps its joiner, which knows what was delivered already, and its decoder.
+    sessions_.try_emplace(hello.agent_run, Session{hello, FrameJoiner(hello.pacing), {}});
   }
   std::erase_if(sessions_, [this](const auto& entry) {
     if (knows(entry.first)) return false;
@@ -51,12 +51,14 @@ Sessions::Session* Sessions::admit_sample(const std::string& agent, RunId run, s
 }
 
 void Sessions::receive(const idl::TrackFrame& message, std::uint64_t bytes, Instant now) {
-  auto frame = decode(message);
-  if (!frame) return note(frame.rejection());
-  const RunId run = frame->agent_run;
-  const FrameId number = frame->frame;
-  Session* session = admit_sample(frame->agent, run, bytes);
+  const RunId run(message.agent_run());
+  const FrameId number(message.frame());
+  const auto header = decode_header(message);
+  if (!header) return note(header.rejection());
+  Session* session = admit_sample(message.agent().to_string(), run, bytes);
   if (session == nullptr) return;
+  auto frame = session->decoder.decode(message);
+  if (!frame) return note(frame.rejection());
   const auto reason = session->joiner.add(std::move(*frame), now);
   note(reason);
   if (reason == Rejection::kDuplicate && session->hello.pacing == Pacing::kLockstep)
@@ -88,9 +90,10 @@ void Sessions::receive(const idl::DescriptorReply& message, std::uint64_t bytes,
   receive_reply(decode(message), bytes, now);
 }
 
-void Sessions::receive(const idl::AgentStatus& message, std::uint64_t bytes, Instant) {
+void Sessions::receive(const idl::AgentStatus& message, std::uint64_t bytes, Instant now) {
   auto status = decode(message);
   if (!status) return note(status.rejection());
+  status->exchange.arrived_ns = std::chrono::nanoseconds(now.time_since_epoch()).count();
   const auto found = sessions_.find(status->agent_run);
   if (found == sessions_.end() || !found->second.open) return keep_early(std::move(*status));
   if (admit_sample(status->agent, status->agent_run, bytes) != nullptr) events_.emplace_back(std::move(*status));

@@ -9,6 +9,7 @@
 
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
+#include "common/wire/track_codec.h"
 #include "server/link/admission.h"
 #include "server/link/frame_joiner.h"
 #include "server/link/server_link.h"
@@ -52,6 +53,7 @@ class Sessions {
   struct Session {
     Hello hello;
     FrameJoiner joiner;
+    TrackDecoder decoder;
     bool open = false;
     bool silent = false;
   };

@@ -3,6 +3,7 @@
 #include "server/map/edit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -26,6 +27,25 @@ void thin_out(std::vector<TrackPoint>& seen) {
     if (i >= old || i % 2 == 0) seen[kept++] = seen[i];
   }
   seen.resize(kept);
+}
+
+// Of each part of the image the track that was followed longest.
+std::vector<HeldTrack> held_tracks(const MapCamera& camera) {
+  constexpr int kAcross = 8, kDown = 6;
+  std::array<const ServerTrack*, std::size_t{kAcross} * kDown> longest{};
+  for (const auto& [id, track] : camera.tracks) {
+    const Eigen::Vector2d raw = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
+    const int x = std::clamp(static_cast<int>(raw.x() * kAcross / camera.model.width_px), 0, kAcross - 1);
+    const int y = std::clamp(static_cast<int>(raw.y() * kDown / camera.model.height_px), 0, kDown - 1);
+    const ServerTrack*& best = longest[static_cast<std::size_t>(y * kAcross + x)];
+    if (best == nullptr || track.seen.front().set < best->seen.front().set) best = &track;
+  }
+  std::vector<HeldTrack> out;
+  for (const ServerTrack* track : longest) {
+    if (track != nullptr) out.push_back({track->id, track->seen.back().undistorted_px});
+  }
+  out.shrink_to_fit();
+  return out;
 }
 
 // Median of what passed between these; empty when there are fewer than two.
@@ -93,6 +113,7 @@ void MapEdit::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   for (auto& [track_id, track] : c.tracks) end_track(id, track, Why::kRestarted);
   c.tracks.clear();
   c.run = run;
+  c.run_since = SetId(map_.now_.value + 1);
   c.model = model;
   c.map = MapId();
   c.clock_offset_ns = 0;
@@ -161,6 +182,11 @@ void MapEdit::adjust_pose(const MapCamera& camera, const FramePose& frame, const
   own(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].cam_from_world = cam_from_world;
 }
 
+void MapEdit::place_past(const MapCamera& camera, const FramePose& frame, MapId map, const Rigid3& cam_from_world) {
+  own(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].map = map;
+  adjust_pose(camera, frame, cam_from_world);
+}
+
 void MapEdit::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
   MapCamera& c = own(camera);
   c.moved = new_from_old * c.moved;
@@ -200,6 +226,7 @@ void MapEdit::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {
     if (!alive) end_track(cf.camera, at->second, Why::kImageEnded);
     at = alive ? std::next(at) : c.tracks.erase(at);
   }
+  c.frames.back().held = held_tracks(c);
   if (!cf.patches) return;
   for (const ImagePatch& p : cf.patches->patches) {
     const auto at = c.tracks.find(p.track);
@@ -272,6 +299,21 @@ void MapEdit::set_motion(CameraId camera, const ServerTrack& track, TrackMotion 
 }
 
 // ---- the whole ----
+
+void MapEdit::shift_times(TimeNs by_ns) {
+  map_.now_ns_ += by_ns;
+  for (TimeNs& t_ns : map_.set_times_ns_) t_ns += by_ns;
+  for (MapCamera& c : map_.cameras_) {
+    for (FramePose& f : c.frames) f.capture_ns += by_ns;
+  }
+  for (auto& [id, p] : map_.points_) {
+    p.first_ns += by_ns;
+    p.last_ns += by_ns;
+  }
+  for (auto& [id, samples] : map_.motions_) {
+    for (MotionSample& s : samples) s.t_ns += by_ns;
+  }
+}
 
 MapId MapEdit::new_map(Why why, double figure) {
   Event e = event(EventKind::kMapStarted, why, {figure, 0});

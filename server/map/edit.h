@@ -8,6 +8,7 @@
 
 #include "server/map/journal.h"
 #include "server/map/map.h"
+#include "server/map/map_rows.h"
 
 namespace coslam {
 
@@ -52,6 +53,8 @@ class MapEdit {
   void leave_map(const MapCamera& camera);
   // Another estimate of an earlier pose.
   void adjust_pose(const MapCamera& camera, const FramePose& frame, const Rigid3& cam_from_world);
+  // The same, also of a frame that had no pose.
+  void place_past(const MapCamera& camera, const FramePose& frame, MapId map, const Rigid3& cam_from_world);
   // The camera's world moved, and its agent is to move along.
   void carry_agent(const MapCamera& camera, const Similarity3& new_from_old);
 
@@ -118,6 +121,12 @@ class MapEdit {
   void record_motion(PointId point, MotionSample sample) { map_.motions_[point].push_back(std::move(sample)); }
 
   // ---- the whole ----
+  // An empty map becomes the one of these rows. Throws UserError when they contradict each other.
+  void restore(const Tables& tables) { MapRows::restore(tables, &map_); }
+  // Nothing was seen for so many frame sets.
+  void pass_sets(std::uint32_t sets) { map_.now_.value += sets; }
+  // All times that are known are so much later than they were given.
+  void shift_times(TimeNs by_ns);
   // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
   // already.
   void add_key_frame(SetId set);

@@ -25,7 +25,9 @@ class Information {
   void add(const MapCamera& camera, const Rigid3& pose, double sigma_px) {
     Eigen::Vector2d px;
     Eigen::Matrix<double, 2, 3> j;
-    if (project_world(camera.model, pose, position_, &px, &j)) sum_ += j.transpose() * j / (sigma_px * sigma_px);
+    if (!project_world(camera.model, pose, position_, &px, &j)) return;
+    j = (camera.model.raw_by_undistorted(px) * j).eval();
+    sum_ += j.transpose() * j / (sigma_px * sigma_px);
   }
   Eigen::Matrix3d covariance() const {
     Eigen::Matrix3d a = sum_;

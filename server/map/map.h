@@ -60,6 +60,12 @@ struct ServerTrack {
   std::optional<std::size_t> index_at(SetId set) const;
 };
 
+// Where a camera saw a track in one image.
+struct HeldTrack {
+  TrackId track;
+  Eigen::Vector2f undistorted_px;
+};
+
 // Where one camera was at one frame set.
 struct FramePose {
   SetId set;
@@ -67,7 +73,8 @@ struct FramePose {
   TimeNs capture_ns = 0;
   MapId map;  // whose frame the pose is in; 0 = no pose
   Rigid3 cam_from_world;
-  bool joint = false;  // rests on moving points too: the static ones alone would not hold it
+  bool joint = false;           // rests on moving points too: the static ones alone would not hold it
+  std::vector<HeldTrack> held;  // some tracks, spread over the image, to solve the pose again when all is known
 
   bool valid() const { return map != MapId(); }
 };
@@ -96,6 +103,7 @@ struct MapCamera {
   Similarity3 moved;       // how its world was moved since the last patch to its agent
   MapId merged_from;       // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
+  SetId run_since;                             // of the frames of this run of its agent
   TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
   double frame_interval_s = kUsualInterval_s;  // median of its newest ones
   std::vector<FramePose> frames;               // ascending sets, the whole run
@@ -119,7 +127,7 @@ struct KeyObservation {
   Eigen::Vector2f undistorted_px;
 };
 
-struct PointPatch {
+struct PointPatch {  // NOLINT(cppcoreguidelines-pro-type-member-init): never without its pixels
   CameraId camera;
   SetId set;  // of the image it was cut from
   PatchGrey pixels;
@@ -274,6 +282,7 @@ class Map {
 
  private:
   friend class MapEdit;
+  friend class MapRows;
   bool keeps_observations_of(SetId set, CameraId camera) const;
   std::vector<const MapPoint*> found(std::vector<PointId> ids) const;
 

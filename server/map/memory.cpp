@@ -5,9 +5,11 @@
 namespace coslam {
 
 MemoryUse memory_of(const Map& map) {
-  MemoryUse use{{"poses", 0}, {"tracks", 0}, {"points", 0}, {"key_observations", 0}, {"patches", 0}, {"paths", 0}};
+  MemoryUse use{{"poses", 0},   {"held_tracks", 0}, {"tracks", 0}, {"points", 0}, {"key_observations", 0},
+                {"patches", 0}, {"paths", 0}};
   for (const MapCamera& c : map.cameras()) {
     use["poses"] += bytes_of(c.frames);
+    for (const FramePose& f : c.frames) use["held_tracks"] += bytes_of(f.held);
     for (const auto& [id, t] : c.tracks) use["tracks"] += sizeof t + bytes_of(t.seen);
   }
   for (const auto& [id, p] : map.points()) {

@@ -85,6 +85,9 @@ class ObjectFinder {
 
   // Of the last step, ascending id.
   const std::vector<MovingObject>& objects() const { return objects_; }
+  // The id of the next new one.
+  std::uint32_t next_object() const { return next_object_; }
+  void number_from(std::uint32_t next) { next_object_ = next; }
 
  private:
   struct Candidate;

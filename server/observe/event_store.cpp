@@ -21,12 +21,7 @@ std::optional<double> figure(const Event& e, std::size_t i) {
 }  // namespace
 
 EventStore::EventStore(const std::filesystem::path& file, const EventsConfig& config) : config_(config) {
-  if (config.enabled) {
-    writer_.emplace(file);
-    return;
-  }
-  std::error_code none;
-  std::filesystem::remove(file, none);
+  if (config.enabled) writer_.emplace(file);
 }
 
 void EventStore::record(SetId set, TimeNs t_ns, const Journal& journal, const Map& map) {
@@ -39,14 +34,30 @@ void EventStore::record(SetId set, TimeNs t_ns, const Journal& journal, const Ma
   }
 }
 
+void EventStore::end_for_now() {
+  if (!writer_) return;
+  if (!ended_) {
+    goes_on_at_ = writer_->bytes();
+    end("run_is_over");
+  }
+  writer_->check();
+}
+
 void EventStore::finish(const Journal& journal, const Map& map) {
   if (!writer_) return;
+  if (goes_on_at_) {
+    writer_->cut(*goes_on_at_);
+    ended_ = false;
+  }
   for (const Event& e : journal.events()) write(e, map);
   if (!ended_) end("run_is_over");
   writer_->close();
 }
 
-std::optional<std::string> EventStore::take_warning() { return std::exchange(warning_, std::nullopt); }
+std::optional<std::string> EventStore::take_warning() {
+  if (warning_) return std::exchange(warning_, std::nullopt);
+  return writer_ ? writer_->take_problem() : std::nullopt;
+}
 
 void EventStore::write(const Event& e, const Map& map) {
   if (!writer_ || ended_) return;

@@ -27,15 +27,18 @@ void describe(V& v, EventsConfig& c) {
 // Writes the journal to events.csv, set by set, up to its bound.
 class EventStore {
  public:
-  // Begins the file, or removes that of a run before when it is not to be written. Throws UserError.
+  // Begins the file. Throws UserError.
   EventStore(const std::filesystem::path& file, const EventsConfig& config);
 
   // Events of one frame set; those noted before it began are dated with it.
   void record(SetId set, TimeNs t_ns, const Journal& journal, const Map& map);
-  // The rest. Throws UserError when something could not be written.
+  // Ends the file for now, so that it is whole whatever becomes of this process. Throws UserError when something could
+  // not be written.
+  void end_for_now();
+  // The rest of the journal, in place of that end. Throws UserError likewise.
   void finish(const Journal& journal, const Map& map);
 
-  // A sentence for the log, once, when the bound was reached.
+  // A sentence for the log, once, when the bound was reached or something could not be written.
   std::optional<std::string> take_warning();
 
  private:
@@ -47,6 +50,7 @@ class EventStore {
   SetId set_;
   TimeNs t_ns_ = 0;
   bool ended_ = false;
+  std::optional<std::uintmax_t> goes_on_at_;  // where the end for now is
   std::optional<std::string> warning_;
 };
 

@@ -25,47 +25,72 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   return out;
 }
 
-// Paths of moving points, by the final poses.
-std::map<PointId, MovingPath> write_dynamic(const Map& map, MapId of, DynamicWriter* writer) {
-  std::map<PointId, MovingPath> paths;
-  std::vector<ResultDynamicRow> rows;
+// Of moving points, by the poses that cameras have now.
+struct MovingPaths {
+  std::vector<ResultDynamicRow> rows;  // ascending time
+  std::map<PointId, MovingPath> by_point;
+};
+
+MovingPaths moving_paths(const Map& map, MapId of) {
+  MovingPaths out;
   for (const auto& [id, path] : map.motions()) {
     for (const MotionSample& sample : path) {
       const auto seen = position_of(map, of, sample);
       if (!seen) continue;
-      rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
-      paths[id].push_back({sample.set, sample.t_ns, seen->at.position});
+      out.rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
+      out.by_point[id].push_back({sample.set, sample.t_ns, seen->at.position});
     }
   }
-  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
-  for (const ResultDynamicRow& row : rows) writer->write(row);
-  return paths;
+  std::ranges::stable_sort(out.rows, {}, &ResultDynamicRow::t_ns);
+  return out;
 }
 
-Trajectory final_trajectory(const MapCamera& camera, MapId of) {
+Trajectory final_trajectory(const MapCamera& camera, MapId of, SetId since) {
   Trajectory t;
   for (const FramePose& f : camera.frames) {
-    if (f.map == of) t.push_back({f.capture_ns, f.cam_from_world});
+    if (f.valid() && f.map == of && f.set >= since) t.push_back({f.capture_ns, f.cam_from_world});
   }
   return t;
 }
 
+ResultFolder new_result(const std::filesystem::path& folder) {
+  ResultFolder result(folder);
+  if (result.holds_run()) throw UserError(folder.string() + " holds a run already");
+  for (const char* sub : {"trajectory", "live", "tracks"}) {
+    std::error_code error;
+    std::filesystem::create_directories(folder / sub, error);
+    if (error) throw UserError("cannot make the result folder " + (folder / sub).string() + ": " + error.message());
+  }
+  return result;
+}
+
 }  // namespace
 
+// Writes one file after the other, whatever becomes of each.
+class ResultStore::Attempts {
+ public:
+  template <class Write>
+  void operator()(Write&& write) {
+    try {
+      write();
+    } catch (const UserError& e) {
+      if (++failed_ == 1) first_ = e.what();
+    }
+  }
+  void raise() const {
+    if (failed_ == 1) throw UserError(first_);
+    if (failed_ > 1) throw UserError(first_ + "; nor can " + std::to_string(failed_ - 1) + " more files of the result");
+  }
+
+ private:
+  std::string first_;
+  int failed_ = 0;
+};
+
 ResultStore::ResultStore(const std::filesystem::path& folder, const EventsConfig& events)
-    : folder_([&] {
-        std::error_code error;
-        for (const char* sub : {"trajectory", "live", "tracks"}) {
-          std::filesystem::create_directories(folder / sub, error);
-          if (error)
-            throw UserError("cannot make the result folder " + (folder / sub).string() + ": " + error.message());
-        }
-        return folder;
-      }()),
-      groups_(folder_.groups()),
-      dynamic_(folder_.dynamic()),
-      object_rows_(folder_.objects()),
-      events_(folder_.events(), events) {}
+    : folder_(new_result(folder)), groups_(folder_.groups()), events_(folder_.events(), events) {
+  groups_.check();
+}
 
 void ResultStore::record(const FrameSet& set, const MapServer& server) {
   for (const CameraFrame& cf : set.frames) {
@@ -75,7 +100,18 @@ void ResultStore::record(const FrameSet& set, const MapServer& server) {
   record_groups(set, server);
   record_objects(set, server);
   events_.record(set.id, set.t_ns, server.journal(), server.map());
+  say_problems();
+}
+
+void ResultStore::say_problems() {
   if (const auto warning = events_.take_warning()) log_warn(*warning);
+  const auto say = [](CsvWriter& file) {
+    if (const auto problem = file.take_problem()) log_warn(*problem + "; mapping goes on, the file ends here");
+  };
+  say(groups_);
+  for (const auto& [name, tracks] : tracks_) {
+    if (tracks) say(*tracks);
+  }
 }
 
 // In the frame of the map that the agent had been told of when it took the pose: it hears of a merge later.
@@ -92,10 +128,22 @@ void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
   if (told.empty() || told.back().second != now) told.emplace_back(server.map().epoch(), now);
 }
 
+TrackWriter* ResultStore::tracks_of(const std::string& agent) {
+  const auto [at, is_new] = tracks_.try_emplace(agent);
+  if (!is_new) return at->second.get();
+  try {
+    at->second = std::make_unique<TrackWriter>(folder_.tracks(agent));
+  } catch (const UserError& e) {
+    log_warn(std::string(e.what()) + "; mapping goes on without the file");
+    not_made_.emplace_back(e.what());
+  }
+  return at->second.get();
+}
+
 void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) {
   const MapCamera& camera = server.map().camera(cf.camera);
-  auto& writer = tracks_[camera.name];
-  if (!writer) writer = std::make_unique<TrackWriter>(folder_.tracks(camera.name));
+  TrackWriter* writer = tracks_of(camera.name);
+  if (writer == nullptr) return;
   for (const auto& [id, track] : camera.tracks) {
     ResultTrackRow row;
     row.frame = cf.frame.frame;
@@ -126,7 +174,7 @@ void ResultStore::record_objects(const FrameSet& set, const MapServer& server) {
 
 // Where the members were by the final poses, and how fast by their paths before and after the instant: without the lag
 // of what was known at the time.
-void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths) {
+void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths, ObjectWriter* writer) const {
   constexpr double kBeside_s = 0.25, kMinSpan_s = 0.2;
   for (const SeenObject& o : objects_) {
     std::vector<PointMotion> motions;
@@ -145,56 +193,101 @@ void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths) {
     row.position = body.centroid;
     row.velocity_per_s = body.velocity;
     row.extent = body.extent;
-    object_rows_.write(row);
+    writer->write(row);
   }
 }
 
-// What has no relation to the common map goes beside it, each map by itself.
-void ResultStore::write_trajectories(const MapServer& server) {
-  const auto save = [](const std::filesystem::path& file, const Trajectory& trajectory) {
-    std::error_code error;
-    std::filesystem::create_directories(file.parent_path(), error);  // when not, saving fails
-    save_tum(file, trajectory);
-  };
-  for (const MapId old : folder_.separate_maps()) {
-    for (const auto& file : {folder_.trajectory(old, ""), folder_.live(old, "")}) {
-      std::error_code error;
-      std::filesystem::remove_all(file.parent_path(), error);
-    }
-  }
-  const MapId of = server.largest_map();
+// Of all maps; what has no relation to the common one goes beside it, each map by itself.
+void ResultStore::write_paths(const MapServer& server, Attempts& attempts) {
+  const std::vector<MapFrames> maps = server.maps();
+  const MapId common = server.largest_map();
   for (const MapCamera& c : server.map().cameras()) {
-    std::set<MapId> maps;
-    for (const FramePose& f : c.frames) {
-      if (f.valid() && f.map != of) maps.insert(f.map);
-    }
-    save_tum(folder_.trajectory(c.name), final_trajectory(c, of));
-    for (const MapId m : maps) save(folder_.trajectory(m, c.name), final_trajectory(c, m));
+    const auto since = server.met_since(c.id);
+    if (!since) continue;  // of another day
     auto& live = live_[c.id];
-    save_tum(folder_.live(c.name), live[of]);
-    for (const auto& [m, trajectory] : live) {
-      if (m != of) save(folder_.live(m, c.name), trajectory);
+    attempts([&] { save_tum(folder_.trajectory(c.name), final_trajectory(c, common, *since)); });
+    attempts([&] { save_tum(folder_.live(c.name), live[common]); });
+    std::set<MapId> apart;
+    for (const MapFrames& m : maps) {
+      if (m.map == common) continue;
+      apart.insert(m.map);
+      const ResultFolder folder = folder_.of_map(m.map);
+      if (m.frames.contains(c.id)) {
+        attempts([&] { save_tum(folder.trajectory(c.name), final_trajectory(c, m.map, *since)); });
+      }
+      if (live.contains(m.map)) attempts([&] { save_tum(folder.live(c.name), live[m.map]); });
+    }
+    for (const auto& past : live) {
+      const MapId m = past.first;
+      if (m != common && !apart.contains(m)) attempts([&] { save_tum(folder_.live_before(m, c.name), past.second); });
     }
   }
+}
+
+void ResultStore::write_map(const MapServer& server, MapId map, const ResultFolder& folder, Attempts& attempts) {
+  const std::vector<ResultPoint> points = result_points(server.map(), map);
+  attempts([&] {
+    PointWriter writer(folder.points());
+    for (const ResultPoint& p : points) writer.write(p);
+    writer.close();
+  });
+  attempts([&] { write_ply(folder.map(), points); });
+  write_moving(server, map, folder, attempts);
+}
+
+void ResultStore::write_moving(const MapServer& server, MapId map, const ResultFolder& folder,
+                               Attempts& attempts) const {
+  const MovingPaths paths = moving_paths(server.map(), map);
+  attempts([&] {
+    DynamicWriter writer(folder.dynamic());
+    for (const ResultDynamicRow& row : paths.rows) writer.write(row);
+    writer.close();
+  });
+  attempts([&] {
+    ObjectWriter writer(folder.objects());
+    write_objects(paths.by_point, &writer);
+    writer.close();
+  });
+}
+
+// The files that grew during the run.
+void ResultStore::check_streams(bool last, Attempts& attempts) {
+  const auto check = [&](CsvWriter& file) { attempts([&] { last ? file.close() : file.check(); }); };
+  check(groups_);
+  for (const auto& [name, tracks] : tracks_) {
+    if (tracks) check(*tracks);
+  }
+  for (const std::string& sentence : not_made_) attempts([&] { throw UserError(sentence); });
+}
+
+// The report comes last: with it the result is whole.
+void ResultStore::write_maps(const MapServer& server, const nlohmann::ordered_json& report, Attempts& attempts) {
+  const MapId common = server.largest_map();
+  write_map(server, common, folder_, attempts);
+  for (const MapFrames& m : server.maps()) {
+    if (m.map != common) write_map(server, m.map, folder_.of_map(m.map), attempts);
+  }
+  attempts([&] { write_json(folder_.report(), report); });
+}
+
+// The paths first: they are small, and matter most when the disk is full.
+void ResultStore::write(const MapServer& server, const nlohmann::ordered_json& report) {
+  Attempts attempts;
+  write_paths(server, attempts);
+  check_streams(false, attempts);
+  attempts([&] { events_.end_for_now(); });
+  write_maps(server, report, attempts);
+  attempts.raise();
 }
 
 void ResultStore::finish(const MapServer& server, const nlohmann::ordered_json& report) {
-  const MapId of = server.largest_map();
-  write_trajectories(server);
-  const std::vector<ResultPoint> points = result_points(server.map(), of);
-  PointWriter writer(folder_.points());
-  for (const ResultPoint& p : points) writer.write(p);
-  writer.close();
-  write_ply(folder_.map(), points);
-  for (auto& [name, tracks] : tracks_) tracks->close();
-  groups_.close();
-  const std::map<PointId, MovingPath> paths = write_dynamic(server.map(), of, &dynamic_);
-  dynamic_.close();
-  write_objects(paths);
-  object_rows_.close();
-  events_.finish(server.journal(), server.map());
+  Attempts attempts;
+  write_paths(server, attempts);
+  check_streams(true, attempts);
+  attempts([&] { events_.finish(server.journal(), server.map()); });
   if (const auto warning = events_.take_warning()) log_warn(*warning);
-  write_json(folder_.report(), report);
+  write_maps(server, report, attempts);
+  attempts.raise();
 }
 
 }  // namespace coslam

@@ -19,22 +19,33 @@ namespace coslam {
 // Writes the RESULT folder: what belongs to an instant as it happens, the rest at the end.
 class ResultStore {
  public:
-  // Makes the folder. Throws UserError when it cannot be written.
+  // Makes the folder. Throws UserError when it cannot be written, or holds a run already.
   explicit ResultStore(const std::filesystem::path& folder, const EventsConfig& events = {});
 
-  // After each step of the server.
+  // After each step of the server. What cannot be written is said in the log, once for each file.
   void record(const FrameSet& set, const MapServer& server);
-  // After the server's own finish: trajectories, points and the report (see make_report). Throws UserError, e.g. for a
-  // full disk.
+  // The whole result as it stands: paths, points and the report (see make_report) of all maps. Each file takes the
+  // place of the one before in one step. Throws UserError, one sentence, when some could not be written; all others
+  // are.
+  void write(const MapServer& server, const nlohmann::ordered_json& report);
+  // The same for the last time, after the server's own finish.
   void finish(const MapServer& server, const nlohmann::ordered_json& report);
 
  private:
+  class Attempts;
   void record_live(const CameraFrame& cf, const MapServer& server);
-  void write_trajectories(const MapServer& server);
   void record_tracks(const CameraFrame& cf, const MapServer& server);
   void record_groups(const FrameSet& set, const MapServer& server);
   void record_objects(const FrameSet& set, const MapServer& server);
-  void write_objects(const std::map<PointId, MovingPath>& paths);
+  TrackWriter* tracks_of(const std::string& agent);  // null: its file cannot be made
+  void say_problems();
+
+  void write_paths(const MapServer& server, Attempts& attempts);
+  void check_streams(bool last, Attempts& attempts);
+  void write_maps(const MapServer& server, const nlohmann::ordered_json& report, Attempts& attempts);
+  void write_map(const MapServer& server, MapId map, const ResultFolder& folder, Attempts& attempts);
+  void write_moving(const MapServer& server, MapId map, const ResultFolder& folder, Attempts& attempts) const;
+  void write_objects(const std::map<PointId, MovingPath>& paths, ObjectWriter* writer) const;
 
   struct SeenObject {
     TimeNs t_ns = 0;
@@ -48,9 +59,8 @@ class ResultStore {
   std::map<CameraId, std::vector<std::pair<MapEpoch, MapId>>>
       told_;  // which map an agent was told of, from each epoch on
   std::map<std::string, std::unique_ptr<TrackWriter>> tracks_;
+  std::vector<std::string> not_made_;  // what was wrong with the others
   GroupWriter groups_;
-  DynamicWriter dynamic_;
-  ObjectWriter object_rows_;
   EventStore events_;
   std::vector<SeenObject> objects_;
   std::vector<std::vector<CameraId>> last_groups_;

@@ -30,7 +30,7 @@ DescriptorRequest Asking::ask(const Map& map, const MapCamera& camera, const Why
   DescriptorRequest request = DescriptorRequest::kNone;
   const bool unplaced = camera.map == MapId();
   if (unplaced) {
-    if (sets_since(map, d.asked) >= map.sets_in(config_.soon_s)) request = DescriptorRequest::kEverywhere;
+    if (sets_since(map, d.asked) >= map.sets_in(soon_s(d))) request = DescriptorRequest::kEverywhere;
   } else if (camera.frames.back().valid()) {
     const bool hinted = d.hinted && sets_since(map, d.hinted) < map.sets_in(config_.least_period_s);
     const bool confirm = hinted || why.waiting != Verification::Waiting::kNothing;
@@ -43,11 +43,17 @@ DescriptorRequest Asking::ask(const Map& map, const MapCamera& camera, const Why
   return request;
 }
 
+// While an answer is on its way, on a slow link, another question brings nothing sooner.
+double Asking::soon_s(const Described& d) const {
+  const bool answered = !d.asked || (d.at && *d.at > *d.asked);
+  return answered ? config_.soon_s : std::max(config_.soon_s, config_.least_period_s);
+}
+
 bool Asking::wanted(const Map& map, const MapCamera& camera, const Described& d, const WhyAsk& why,
                     bool confirm) const {
   const auto due = [&](double period_s) { return sets_since(map, d.asked) >= map.sets_in(period_s); };
-  if (confirm || !d.at) return due(config_.soon_s);
-  if ((why.apart && due(0.5 * config_.least_period_s)) || (why.expects && due(config_.soon_s))) return true;
+  if (confirm || !d.at) return due(soon_s(d));
+  if ((why.apart && due(0.5 * config_.least_period_s)) || (why.expects && due(soon_s(d)))) return true;
   const double share = why.parted ? 0.5 : 1.0;  // of the usual change of the view, and of the usual time
   return due(share * config_.least_period_s) && view_changed(map, camera, *d.at, share);
 }

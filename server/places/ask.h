@@ -52,6 +52,7 @@ class Asking {
     double images_to_spare = 0;
     std::optional<TimeNs> counted_ns;
   };
+  double soon_s(const Described& d) const;
   bool wanted(const Map& map, const MapCamera& camera, const Described& d, const WhyAsk& why, bool confirm) const;
   bool afford(Described& d, TimeNs now_ns, bool confirm) const;
   bool view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const;

@@ -68,6 +68,9 @@ class Meetings {
   MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
                  const GroupConfig& group);
   std::size_t remembered_bytes() const { return places_.bytes(); }
+  // What outlives the server, as rows, as far as it was not given out before; and back.
+  void save(std::vector<Row>* rows);
+  void restore(const Tables& tables);
 
  private:
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group);

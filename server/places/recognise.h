@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/map/edit.h"
+#include "server/map/rows.h"
 #include "server/solve/appearance.h"
 
 namespace coslam {
@@ -59,6 +60,9 @@ class PlaceMemory {
                               SetId since, double gate_px) const;
   // Of the key images and their index.
   std::size_t bytes() const;
+  // The key images as rows, those that were not given out before; and back, in a memory without any.
+  void save(std::vector<Row>* rows);
+  void restore(const Tables& tables);
   // Where the camera is by the place that looks most like its image, among the key images that may be asked; these have
   // a pose, in the map that is named.
   std::optional<Recognition> find(const Map& map, const CameraFrame& frame,
@@ -68,6 +72,7 @@ class PlaceMemory {
   RecogniseConfig config_;
   AppearanceIndex index_;
   std::vector<KeyImage> images_;  // as in the index
+  std::size_t saved_ = 0;
 };
 
 // Whether some of these points stand off the plane through most of them, by more than their standard deviations allow:

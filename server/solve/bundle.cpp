@@ -62,7 +62,9 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
     if (x.z() < 1e-4) continue;
     const auto camera = static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera);
     const LensChange lens = result->lenses.empty() ? LensChange() : result->lenses[camera];
-    const double error_px = (lens.project(problem.cameras[camera], x) - o.undistorted_px).norm();
+    const CameraModel& model = problem.cameras[camera];
+    const double error_px =
+        (model.raw_by_undistorted(o.undistorted_px) * (lens.project(model, x) - o.undistorted_px)).norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
   }

@@ -26,8 +26,9 @@ bool project(const CameraModel& camera, const Rigid3& pose, const Eigen::Matrix3
              const Eigen::Vector3d& point, const Eigen::Vector2d& px, Projected* out) {
   const Eigen::Vector3d x = rotation * point + pose.translation;
   if (x.z() < 1e-6) return false;
-  const Eigen::Matrix<double, 2, 3> j = camera.project_jacobian(x);
-  out->r = px - camera.project(x);
+  const Eigen::Matrix2d raw = camera.raw_by_undistorted(px);
+  const Eigen::Matrix<double, 2, 3> j = raw * camera.project_jacobian(x);
+  out->r = raw * (px - camera.project(x));
   out->by_pose << -j * skew(x), j;
   out->by_point = j * rotation;
   return true;
@@ -67,7 +68,8 @@ Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
   const auto add = [&](std::size_t c, const Eigen::Vector3d& point, const Eigen::Vector2d& px,
                        std::vector<double>* to) {
     const Eigen::Vector3d x = state.poses[c] * point;
-    if (x.z() > 1e-6) to->push_back((px - problem.cameras[c].model->project(x)).norm());
+    const CameraModel& model = *problem.cameras[c].model;
+    if (x.z() > 1e-6) to->push_back((model.raw_by_undistorted(px) * (px - model.project(x))).norm());
   };
   for (std::size_t c = 0; c < cameras; ++c) {
     for (const PointObservation& o : problem.cameras[c].statics) add(c, o.point_in_world, o.undistorted_px, &still[c]);

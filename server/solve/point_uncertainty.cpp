@@ -83,8 +83,9 @@ std::vector<Eigen::Matrix3d> pose_share_of_points(const BundleProblem& problem, 
     if (!use[i] || (at < 0 && !pose.fixed)) continue;
     const Eigen::Vector3d in_cam = pose.cam_from_world * problem.points[static_cast<std::size_t>(o.point)];
     if (in_cam.z() <= 0) continue;
+    const CameraModel& camera = problem.cameras[static_cast<std::size_t>(pose.camera)];
     const Eigen::Matrix<double, 2, 3> by_cam =
-        problem.cameras[static_cast<std::size_t>(pose.camera)].project_jacobian(in_cam) / o.sigma_px;
+        camera.raw_by_undistorted(o.undistorted_px) * camera.project_jacobian(in_cam) / o.sigma_px;
     const Eigen::Matrix<double, 2, 3> by_point = by_cam * pose.cam_from_world.rotation.toRotationMatrix();
     PointBlocks& b = blocks[static_cast<std::size_t>(o.point)];
     b.own += by_point.transpose() * by_point;

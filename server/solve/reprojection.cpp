@@ -67,7 +67,7 @@ void write_pose_and_point(const Eigen::Matrix<double, 2, 3>& by_x, const Eigen::
 class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
  public:
   ReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
-      : camera_(camera), px_(undistorted_px), weight_(1.0 / sigma_px) {}
+      : camera_(camera), px_(undistorted_px), weight_(camera.raw_by_undistorted(undistorted_px) / sigma_px) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::Map<const Eigen::Quaterniond> q(parameters[0]);
@@ -92,13 +92,13 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
  private:
   const CameraModel& camera_;
   Eigen::Vector2d px_;
-  double weight_;
+  Eigen::Matrix2d weight_;  // raw px by undistorted px, over sigma
 };
 
 class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
  public:
   LensReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
-      : camera_(camera), px_(undistorted_px), weight_(1.0 / sigma_px) {}
+      : camera_(camera), px_(undistorted_px), weight_(camera.raw_by_undistorted(undistorted_px) / sigma_px) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::Map<const Eigen::Quaterniond> q(parameters[0]);
@@ -121,7 +121,7 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
     const Eigen::Vector2d n = x.hnormalized(), f(camera_.fx, camera_.fy);
     const double r2 = n.squaredNorm(), k1 = lens.values[3], k2 = lens.values[4], scale = std::exp(lens.log_focal());
     const double g = 1 + r2 * (k1 + r2 * k2);
-    const Eigen::Matrix2d by_n = weight_ * scale * f.asDiagonal() *
+    const Eigen::Matrix2d by_n = scale * weight_ * f.asDiagonal() *
                                  (g * Eigen::Matrix2d::Identity() + 2 * (k1 + 2 * k2 * r2) * n * n.transpose());
     Eigen::Matrix<double, 2, 3> n_by_x;
     n_by_x << 1, 0, -n.x(), 0, 1, -n.y();
@@ -129,8 +129,8 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
     write_pose_and_point(p, x, r, jacobians);
     if (jacobians[2] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, 5, Eigen::RowMajor>> j(jacobians[2]);
-      const Eigen::Vector2d fn = weight_ * scale * f.cwiseProduct(n);
-      j << g * fn, weight_ * Eigen::Matrix2d::Identity(), r2 * fn, r2 * r2 * fn;
+      const Eigen::Vector2d fn = scale * weight_ * f.cwiseProduct(n);
+      j << g * fn, weight_, r2 * fn, r2 * r2 * fn;
     }
     return true;
   }
@@ -138,7 +138,7 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
  private:
   const CameraModel& camera_;
   Eigen::Vector2d px_;
-  double weight_;
+  Eigen::Matrix2d weight_;  // raw px by undistorted px, over sigma
 };
 
 class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {

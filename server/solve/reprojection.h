@@ -17,9 +17,9 @@ namespace coslam {
 // Moves a pose block by retract().
 std::unique_ptr<ceres::Manifold> make_pose_manifold();
 
-// (projection - observation) / sigma_px of a pose block (7) and a point block (3). Its Jacobian by the pose is by the
-// six local coordinates of the manifold above and stands in the first six columns; it is of use with that manifold
-// only. Holds a reference to the camera.
+// (projection - observation), in raw px, / sigma_px of a pose block (7) and a point block (3). Its Jacobian by the pose
+// is by the six local coordinates of the manifold above and stands in the first six columns; it is of use with that
+// manifold only. Holds a reference to the camera.
 std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
                                                             const Eigen::Vector2d& undistorted_px, double sigma_px);
 

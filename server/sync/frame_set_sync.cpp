@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace coslam {
+namespace {
+
+constexpr double kForget = 0.1;                // of a second, each second
+constexpr TimeNs kLongest_ns = 1'000'000'000;  // an agent that is later than the others by more is not waited for
+
+}  // namespace
 
 void FrameSetSync::add(CameraId camera, double rate_hz, bool lockstep) {
   Member& m = members_[camera];
@@ -29,6 +35,10 @@ bool FrameSetSync::push(CameraFrame frame, TimeNs now_ns) {
   if (at == members_.end()) return false;
   Member& m = at->second;
   m.silent = false;
+  const TimeNs lag_ns = now_ns - frame.frame.capture_ns;
+  const auto forgotten_ns = static_cast<TimeNs>(kForget * static_cast<double>(now_ns - m.lag_at_ns));
+  m.lag_ns = m.lag_at_ns == 0 ? lag_ns : std::max(lag_ns, m.lag_ns - forgotten_ns);
+  m.lag_at_ns = now_ns;
   const TimeNs tolerance_ns = static_cast<TimeNs>(config_.tolerance_frames * static_cast<double>(m.period_ns));
   if (last_t_ns_ && frame.frame.capture_ns < *last_t_ns_ - tolerance_ns) {
     ++late_;
@@ -50,24 +60,32 @@ std::vector<CameraId> FrameSetSync::blocking() const {
   return out;
 }
 
+// Whether nobody else is to be waited for. since_ns: when the first of them arrived.
+bool FrameSetSync::overdue(const Waiting& oldest, TimeNs since_ns, TimeNs now_ns) const {
+  const TimeNs deadline_ns = to_ns(config_.deadline_s);
+  return std::ranges::all_of(blocking(), [&](const CameraId id) {
+    const Member& m = members_.at(id);
+    if (m.lockstep) return false;
+    // One whose clock or link is behind the others' is late by as much, and no more.
+    const TimeNs usual_ns = m.lag_at_ns == 0 ? since_ns : oldest.frame.frame.capture_ns + m.lag_ns;
+    return now_ns - std::clamp(usual_ns, since_ns, since_ns + kLongest_ns) > deadline_ns;
+  });
+}
+
 std::optional<FrameSet> FrameSetSync::pop(TimeNs now_ns) {
-  const CameraFrame* oldest = nullptr;
+  const Waiting* oldest = nullptr;
   TimeNs waiting_since_ns = now_ns;
   for (const auto& [id, m] : members_) {
     if (m.queue.empty()) continue;
     const Waiting& head = m.queue.front();
-    if (oldest == nullptr || head.frame.frame.capture_ns < oldest->frame.capture_ns) oldest = &head.frame;
+    if (oldest == nullptr || head.frame.frame.capture_ns < oldest->frame.frame.capture_ns) oldest = &head;
     waiting_since_ns = std::min(waiting_since_ns, head.arrived_ns);
   }
-  if (oldest == nullptr) return std::nullopt;
-  const bool overdue = now_ns - waiting_since_ns > to_ns(config_.deadline_s);
-  for (const CameraId id : blocking()) {
-    if (members_.at(id).lockstep || !overdue) return std::nullopt;
-  }
+  if (oldest == nullptr || !overdue(*oldest, waiting_since_ns, now_ns)) return std::nullopt;
 
   FrameSet set;
   set.id = SetId(next_set_++);
-  const TimeNs first_ns = oldest->frame.capture_ns;
+  const TimeNs first_ns = oldest->frame.frame.capture_ns;
   TimeNs sum_ns = 0;
   for (auto& [id, m] : members_) {
     if (m.queue.empty()) continue;

@@ -27,13 +27,16 @@ void describe(V& v, SyncConfig& c) {
   v.field("queue_frames", c.queue_frames, {1, 10000}, "waiting per agent at most");
 }
 
-// Gathers the frames of all agents into frame sets, in the order of capture time. Pure: the time comes as an argument.
+// Gathers the frames of all agents into frame sets, in the order of capture time. Live, a set waits for an agent as
+// long as its link usually takes, and the deadline more. Pure: the time comes as an argument.
 class FrameSetSync {
  public:
   explicit FrameSetSync(const SyncConfig& config) : config_(config) {}
 
   // lockstep: this agent's frames are waited for as long as it takes.
   void add(CameraId camera, double rate_hz, bool lockstep);
+  // Sets are numbered on from this one.
+  void begin_after(SetId set) { next_set_ = set.value + 1; }
   // It will send no more; what it sent is still used.
   void finish(CameraId camera);
   // Not waited for until it sends again.
@@ -57,8 +60,11 @@ class FrameSetSync {
   struct Member {
     bool lockstep = false, finished = false, silent = false;
     TimeNs period_ns = 0;
+    TimeNs lag_ns = 0, lag_at_ns = 0;  // how long after their capture its frames arrive, at most lately
     std::deque<Waiting> queue;
   };
+
+  bool overdue(const Waiting& oldest, TimeNs since_ns, TimeNs now_ns) const;
 
   SyncConfig config_;
   std::map<CameraId, Member> members_;

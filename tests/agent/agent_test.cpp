@@ -11,6 +11,7 @@
 #include "common/base/error.h"
 #include "common/config/config.h"
 #include "common/wire/codec.h"
+#include "common/wire/reply_parts.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_tracker.h"
 
@@ -351,9 +352,9 @@ TEST(AgentFrames, NeverCarryMoreThanTheWire) {
   EXPECT_EQ(out.frame.tracks.front().track, TrackId(1)) << "the oldest: those that are known";
   EXPECT_TRUE(decode(encode(out.frame, pixel_scale(test::sim_camera()))));
   ASSERT_TRUE(out.patches);
-  EXPECT_TRUE(decode(encode(*out.patches)));
+  for (const PatchReply& part : in_parts(*out.patches)) EXPECT_TRUE(decode(encode(part)));
   ASSERT_TRUE(out.descriptors);
-  EXPECT_TRUE(decode(encode(*out.descriptors)));
+  for (const DescriptorReply& part : in_parts(*out.descriptors)) EXPECT_TRUE(decode(encode(part)));
   EXPECT_EQ(out.descriptors->tracks, ids_of(out.frame)) << "of no track that the frame does not have";
 }
 

@@ -120,6 +120,45 @@ TEST_F(Agents, FollowAServerThatRestarts) {
   expect_good();
 }
 
+// Killed and started again on its map: as if nothing had been, but for what was not saved.
+TEST_F(Agents, AreKnownToAServerThatWasKilled) {
+  add(3);
+  run_.step(60);
+  run_.save();
+  run_.step(20);
+  run_.save();
+  const std::size_t points = run_.map().points().size();
+  const MapId map = run_.server().largest_map();
+  run_.step(30);  // not saved
+  run_.restore_server(60);
+  EXPECT_EQ(run_.map().points().size(), points);
+  EXPECT_EQ(run_.server().largest_map(), map);
+  EXPECT_EQ(run_.map().cameras().size(), 3U);
+  run_.step(10);
+  for (int c = 0; c < 3; ++c) EXPECT_TRUE(tracked(run_, c)) << c;
+  EXPECT_EQ(run_.server().largest_map(), map);
+  EXPECT_EQ(run_.server().maps().size(), 1U);
+  run_.step(60);
+  EXPECT_EQ(run_.path_error().frames, 3 * (80 + 70)) << "those before are there, too";
+  expect_good();
+}
+
+// Yesterday's map: other tracks, other runs; the frame and the unit of length are those of yesterday.
+TEST_F(Agents, ComeBackAnotherDay) {
+  add(3);
+  run_.step(90);
+  run_.save();
+  const MapId map = run_.server().largest_map();
+  for (int c = 0; c < 3; ++c) run_.restart(cam(c));
+  run_.restore_server(3000);
+  for (int c = 0; c < 3; ++c) EXPECT_NE(run_.server().met_since(cam(c)), SetId(0));
+  run_.step(30);
+  for (int c = 0; c < 3; ++c) EXPECT_EQ(run_.map().camera(cam(c)).map, map) << c;
+  run_.step(60);
+  EXPECT_EQ(run_.server().maps().size(), 1U);
+  expect_good();
+}
+
 TEST_F(Agents, AdmittedTwiceAreTheSame) {
   add(2);
   const Hello hello = run_.agent(cam(1)).tracker().hello();

@@ -104,7 +104,7 @@ TEST(MapServer, ACameraThatTurnsOnTheSpotStaysInItsMap) {
     }
     EXPECT_LT(worst_rad, 0.02);
     EXPECT_LT(worst, 0.01 * c.scene_depth) << "no false way";
-    EXPECT_EQ(run.server().map_count(), 1);
+    EXPECT_EQ(run.server().maps().size(), 1U);
     EXPECT_EQ(run.agent(camera).pose_state(), PoseState::kTracked);
   }
 }

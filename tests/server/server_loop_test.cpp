@@ -77,6 +77,42 @@ TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
     EXPECT_TRUE(report.contains(part)) << part;
 }
 
+// All come at once, as after a pause of the server.
+TEST_F(ServerLoopTest, LeavesOutTheOldestFrameSetsThatItHasNoTimeFor) {
+  const auto agent = join("cam0");
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    TrackFrame frame = values_.frame("cam0", RunId(last_run_), i, 20);
+    frame.capture_ns = 33'333'333LL * i;
+    agent->send(frame, {}, {});
+  }
+  EXPECT_TRUE(loop_.poll(0ms));
+  loop_.finish({});
+  const auto& report = loop_.report();
+  EXPECT_EQ(report["frame_sets"].get<int>() + report["frame_sets_left_out"].get<int>(), 40);
+  EXPECT_GE(report["frame_sets"], 15) << "half a second is worked off";
+  EXPECT_LE(report["frame_sets"], 17);
+  EXPECT_EQ(report["frames_out_of_time"], 0);
+}
+
+// Whatever its clock says, it cannot make the frames of others late.
+TEST_F(ServerLoopTest, AnAgentOfAnotherTimeHurtsNobody) {
+  const auto right = join("right");
+  const RunId right_run(last_run_);
+  const auto wrong = join("wrong");
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    TrackFrame ahead = values_.frame("wrong", RunId(last_run_), i, 20);
+    ahead.capture_ns = 3'600'000'000'000LL + 33'333'333LL * i;
+    wrong->send(ahead, {}, {});
+    TrackFrame frame = values_.frame("right", right_run, i, 20);
+    frame.capture_ns = 33'333'333LL * i;
+    right->send(frame, {}, {});
+    EXPECT_TRUE(loop_.poll(0ms));
+  }
+  loop_.finish({});
+  EXPECT_EQ(loop_.report()["frames_out_of_time"], 10);
+  EXPECT_EQ(loop_.report()["late_frames"], 0);
+}
+
 TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
   const std::string deep = R"({"a":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
   for (const std::string& text : {deep, std::string("[1,2]"), std::string("{\"a\":"), std::string("\xff\xfe")}) {

@@ -6,9 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace coslam::test {
@@ -31,6 +34,18 @@ class ChildProcess {
   ~ChildProcess() { kill(SIGKILL); }
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // Its status, as of waitpid(), when it ends within this time.
+  std::optional<int> wait_for(std::chrono::milliseconds most) {
+    const auto end = std::chrono::steady_clock::now() + most;
+    int status = 0;
+    while (waitpid(pid_, &status, WNOHANG) == 0) {
+      if (std::chrono::steady_clock::now() > end) return std::nullopt;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    pid_ = -1;
+    return status;
+  }
 
   // Sends the signal and waits for the end.
   void kill(int signal) {

@@ -75,14 +75,39 @@ void SimRun::restart_server() {
   for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());
 }
 
+void SimRun::save() {
+  for (Row& row : server_.changed_rows()) {
+    if (row.bytes.empty()) {
+      saved_[row.table].erase(row.key);
+    } else {
+      saved_[row.table][row.key] = std::move(row.bytes);
+    }
+  }
+}
+
+void SimRun::restore_server(int missed_sets) {
+  for (int i = 0; i < missed_sets; ++i) look();
+  server_ = MapServer(RunId(server_.run().value + 1), server_config_);
+  server_.restore(saved_, 1e-9 * static_cast<double>(kPeriodNs * next_set_ - server_.map().now_ns()));
+  next_set_ = std::max(next_set_, server_.map().now().value + 1);
+  refiner_.emplace(false);
+  for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());
+}
+
+// The agents' next images.
+FrameSet SimRun::look() {
+  FrameSet set{SetId(next_set_), kPeriodNs * next_set_, {}};
+  ++next_set_;
+  for (std::size_t c = 0; c < slots_.size(); ++c) {
+    if (!slots_[c].running) continue;
+    set.frames.push_back(slots_[c].agent->step(CameraId(static_cast<std::uint16_t>(c)), set.t_ns));
+  }
+  return set;
+}
+
 void SimRun::step(int sets) {
   for (int i = 0; i < sets; ++i) {
-    FrameSet set{SetId(next_set_), kPeriodNs * next_set_, {}};
-    ++next_set_;
-    for (std::size_t c = 0; c < slots_.size(); ++c) {
-      if (!slots_[c].running) continue;
-      set.frames.push_back(slots_[c].agent->step(CameraId(static_cast<std::uint16_t>(c)), set.t_ns));
-    }
+    const FrameSet set = look();
     exchange_refinement();
     last_patches_ = server_.step(set);
     last_set_ = set;

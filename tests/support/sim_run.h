@@ -83,6 +83,9 @@ class SimRun {
   void resume(CameraId camera);
   void restart(CameraId camera);  // as another run of the same name
   void restart_server();          // another process, with an empty map; the agents go on
+  void save();                    // the map, as its file would be
+  // The server is killed; after so many frame sets that nobody answers there is another one, with the map as saved.
+  void restore_server(int missed_sets);
   void step(int sets = 1);
 
   MapServer& server() { return server_; }
@@ -111,6 +114,7 @@ class SimRun {
   };
   std::unique_ptr<SimAgent> make_agent(const Slot& slot, RunId run) const;
   void exchange_refinement();
+  FrameSet look();
 
   const SimWorld& world_;
   TrackingConfig tracking_;
@@ -122,6 +126,7 @@ class SimRun {
   std::optional<Refiner> refiner_;
   std::vector<MapPatch> last_patches_;
   FrameSet last_set_;
+  Tables saved_;
 };
 
 }  // namespace coslam::test

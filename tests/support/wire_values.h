@@ -41,10 +41,18 @@ class WireValues {
     const Vector6d d = Vector6d::NullaryExpr([this] { return uniform(-2, 2); });
     return retract({}, d);
   }
-  Eigen::Matrix<float, 6, 6> pose_covariance() {
+  // As the wire carries it, to the bit.
+  Eigen::Matrix<float, 6, 1> point_covariance() {
+    Eigen::Matrix3d l = Eigen::Matrix3d::Zero();
+    for (int row = 0; row < 3; ++row) {
+      for (int col = 0; col < row; ++col) l(row, col) = Eigen::half(static_cast<float>(uniform(-0.1, 0.1)));
+      l(row, row) = Eigen::half(static_cast<float>(uniform(0.1, 0.3)));
+    }
+    return pack_covariance(l * l.transpose());
+  }
+  PoseCovariance pose_covariance() {
     const Matrix6d a = Matrix6d::NullaryExpr([this] { return uniform(-1e-2, 1e-2); });
-    const Matrix6d symmetric = a * a.transpose();
-    return Matrix6d(symmetric.selfadjointView<Eigen::Upper>()).cast<float>();
+    return quantised_pose_covariance(a * a.transpose());
   }
 
   Hello hello(const std::string& agent, RunId run, Pacing pacing = Pacing::kLockstep) {
@@ -128,8 +136,9 @@ class WireValues {
     b.point = PointId(1 + below(1000000));
     b.state = static_cast<PointState>(below(3));
     if (b.state == PointState::kUncertain && below(2) == 0) b.point = PointId();  // a direction
+    if (!b.has_place()) return b;
     for (float& v : b.position) v = static_cast<float>(uniform(-50, 50));
-    for (float& v : b.covariance) v = static_cast<float>(uniform(0, 0.1));
+    b.covariance = point_covariance();
     return b;
   }
 

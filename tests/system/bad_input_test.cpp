@@ -132,6 +132,20 @@ TEST_F(BadInput, DomainOfAnotherServer) {
   EXPECT_THAT(lines_with(first.err(), " joined"), SizeIs(1)) << "it met nobody else: " << first.err();
 }
 
+TEST_F(BadInput, ARefusedServerTouchesNoResult) {
+  std::vector<std::string> words = server();
+  words.insert(words.end(), {"--out", file("runs")});
+  Program first("coslam-server", words);
+  Program agent("coslam-agent", this->agent(scene_.source(0)));
+  ASSERT_TRUE(agent.says("info: playing ")) << agent.err() << first.err();
+  Program second("coslam-server", words);
+  EXPECT_EQ(second.exit_code(), kFailed) << second.err();
+  first.signal(SIGINT);
+  EXPECT_EQ(first.exit_code(), 0) << first.err();
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file("runs")), {}), 2) << "one run and the link";
+  EXPECT_TRUE(std::filesystem::exists(find_result(file("runs")).report()));
+}
+
 TEST_F(BadInput, DomainWithoutFreePort) {
   const test::AllPorts taken(domain_.number());
   const std::string sentence = "no UDP port is free for DDS domain " + domain();

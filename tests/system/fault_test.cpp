@@ -34,9 +34,8 @@ class Fault : public ::testing::Test {
   std::vector<std::string> run() const {
     return {"run", scene_.sequence(), "--out", result_.path().string(), "--domain", domain()};
   }
-  std::vector<std::string> server() const {
-    return {"--loopback", "--domain", domain(), "--out", result_.path().string()};
-  }
+  std::vector<std::string> server() const { return {"--loopback", "--domain", domain(), "--out", runs_.string()}; }
+  ResultFolder latest() const { return find_result(runs_); }
   std::vector<std::string> agent(int camera, const std::string& source = {}) const {
     return {"--loopback",
             "--domain",
@@ -54,6 +53,7 @@ class Fault : public ::testing::Test {
 
   const SmallScene scene_{2, kFrames};
   const ResultFolder result_{scene_.folder() / "result"};
+  const std::filesystem::path runs_ = scene_.folder() / "runs";
   const test::TestDomain domain_;
 };
 
@@ -90,6 +90,33 @@ TEST_F(Fault, KilledServerEndsReplayingAgents) {
   }
 }
 
+// Agents play on in real time; the second server has the first one's map, and the tracks in it.
+TEST_F(Fault, KilledServerGoesOnWithItsMap) {
+  const std::string map = (scene_.folder() / "kept.map").string();
+  std::vector<std::string> words = server();
+  for (const char* word : {"--map", map.c_str(), "--set", "server.map_file.period_s=0.2"}) words.emplace_back(word);
+  Program first("coslam-server", words);
+  std::vector<std::string> live[2] = {agent(0), agent(1)};
+  for (auto& l : live) l.back() = "1";
+  Program a("coslam-agent", live[0]), b("coslam-agent", live[1]);
+  ASSERT_TRUE(first.says(" key frames")) << first.err();  // a second has passed
+  first.signal(SIGKILL);
+  EXPECT_EQ(first.exit_code(), 128 + SIGKILL);
+  Program second("coslam-server", words);
+  ASSERT_TRUE(second.says("going on with the map of ")) << second.err();
+  for (Program* agent : {&a, &b}) EXPECT_EQ(agent->exit_code(), 0) << agent->err();
+  ASSERT_TRUE(second.says("agent cam0 has ended")) << second.err();
+  ASSERT_TRUE(second.says("agent cam1 has ended")) << second.err();
+  second.signal(SIGINT);
+  EXPECT_EQ(second.exit_code(), 0) << second.err();
+  for (const char* name : {"cam0", "cam1"}) {
+    const Trajectory path = load_tum(latest().trajectory(name));
+    ASSERT_FALSE(path.empty()) << name;
+    EXPECT_LT(to_seconds(path.front().t_ns), 1.0) << "of the first server's time";
+    EXPECT_GT(to_seconds(path.back().t_ns), 0.9 * (kFrames - 1) / SmallScene::kRate_hz);
+  }
+}
+
 TEST_F(Fault, InterruptedServerWritesTheResultAndEndsReplayingAgents) {
   Program server("coslam-server", this->server());
   Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
@@ -98,7 +125,23 @@ TEST_F(Fault, InterruptedServerWritesTheResultAndEndsReplayingAgents) {
   EXPECT_EQ(server.exit_code(), 0) << server.err();
   EXPECT_EQ(a.exit_code(), 0) << a.err();
   EXPECT_EQ(b.exit_code(), 0) << b.err();
-  EXPECT_TRUE(std::filesystem::exists(result_.report()));
+  EXPECT_EQ(read_json(latest().report())["adjusted"], true);
+}
+
+TEST_F(Fault, EachServerHasAFolderOfItsOwn) {
+  for (int run = 0; run < 2; ++run) {
+    Program server("coslam-server", this->server());
+    Program a("coslam-agent", agent(0));
+    ASSERT_TRUE(a.says("info: playing ")) << a.err();
+    server.signal(SIGINT);
+    EXPECT_EQ(server.exit_code(), 0) << server.err();
+    EXPECT_EQ(a.exit_code(), 0) << a.err();
+  }
+  int whole = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(runs_)) {
+    whole += !entry.is_symlink() && std::filesystem::exists(ResultFolder(entry.path()).report());
+  }
+  EXPECT_EQ(whole, 2);
 }
 
 TEST_F(Fault, InterruptedRunWritesTheResult) {
@@ -142,15 +185,15 @@ TEST_F(Fault, LateAgentCatchesUp) {
   EXPECT_EQ(server.exit_code(), 0) << server.err();
   EXPECT_EQ(a.exit_code(), 0) << a.err();
   EXPECT_EQ(b.exit_code(), 0) << b.err();
-  EXPECT_EQ(load_tum(result_.trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
-  const Trajectory late = load_tum(result_.trajectory("cam1"));
+  EXPECT_EQ(load_tum(latest().trajectory("cam0")).size(), static_cast<std::size_t>(kFrames));
+  const Trajectory late = load_tum(latest().trajectory("cam1"));
   EXPECT_GT(late.size(), static_cast<std::size_t>(kFrames / 2)) << server.err();
   EXPECT_LT(late.size(), static_cast<std::size_t>(kFrames - kGate / 2));
-  EXPECT_EQ(late.back().t_ns, load_tum(result_.trajectory("cam0")).back().t_ns);  // they end together
-  Program eval("coslam", {"eval", result_.path().string(), scene_.sequence()});
+  EXPECT_EQ(late.back().t_ns, load_tum(latest().trajectory("cam0")).back().t_ns);  // they end together
+  Program eval("coslam", {"eval", runs_.string(), scene_.sequence()});
   ASSERT_EQ(eval.exit_code(), 0) << eval.err();
   // 0.015 to 0.029 over seven textures of the scene.
-  EXPECT_LT(read_json(result_.evaluation())["ate_percent"].get<double>(), 0.085);
+  EXPECT_LT(read_json(latest().evaluation())["ate_percent"].get<double>(), 0.085);
 }
 
 }  // namespace

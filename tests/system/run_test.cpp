@@ -85,6 +85,15 @@ TEST_F(Run, AFolderHoldsOneRun) {
   EXPECT_TRUE(std::filesystem::exists(r.path() / "notes.txt"));
 }
 
+TEST_F(Run, TheFolderOfAServersRunsIsNoResult) {
+  const auto runs = scene_.folder() / "runs";
+  std::filesystem::create_directory(runs);
+  std::filesystem::create_symlink("20261123T084512Z-01", runs / "latest");
+  Program run("coslam", arguments("runs", {"--inline", "--force"}));
+  EXPECT_EQ(run.exit_code(), 1);
+  EXPECT_THAT(run.err(), ::testing::HasSubstr("holds the runs of a server: name another folder with --out"));
+}
+
 TEST_F(Run, ProcessesAndInlineAgree) {
   Program processes("coslam", arguments("processes", {"--domain", std::to_string(domain_.number())}));
   ASSERT_EQ(processes.exit_code(), 0) << processes.err();

@@ -33,8 +33,10 @@ struct AgentPaths {
 // Lengths are metres of the truth. Empty means not known, never zero.
 struct AgentEvaluation {
   std::string name;
-  int frames = 0, poses = 0;
-  std::optional<double> tracked_percent;
+  int frames = 0;
+  int poses = 0;                          // in the common map
+  int poses_apart = 0;                    // in others
+  std::optional<double> tracked_percent;  // in the common map
   std::optional<double> path_m;
   std::optional<double> ate_m;      // under the joint alignment
   std::optional<double> ate_own_m;  // under an alignment of its own
@@ -53,6 +55,7 @@ struct ClassificationScore {
 
 // Agents that share a map, under an alignment of their own.
 struct MapEvaluation {
+  MapId id;  // of a map apart; 0: agents that share the common one
   AgentNames agents;
   std::optional<double> ate_m, ate_percent, scale;
 };

@@ -45,7 +45,7 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) 
   e.name = agent.name;
   e.frames = agent.frames > 0 ? agent.frames : static_cast<int>(agent.truth.size());
   e.poses = static_cast<int>(agent.estimate.size());
-  for (const auto& [map, poses] : agent.apart) e.poses += static_cast<int>(poses.size());
+  for (const auto& [map, poses] : agent.apart) e.poses_apart += static_cast<int>(poses.size());
   if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
   if (!agent.truth.empty()) e.path_m = path_length(agent.truth);
   const Alignment own = align_centers({pairs});
@@ -110,8 +110,9 @@ struct Member {
 };
 
 // What these have in one map, under an alignment of its own.
-void evaluate_map(Evaluation& e, const std::vector<Member>& members) {
+void evaluate_map(Evaluation& e, MapId id, const std::vector<Member>& members) {
   MapEvaluation map;
+  map.id = id;
   std::vector<PosePairs> pairs;
   double path_m = 0;
   for (const Member& m : members) {
@@ -150,26 +151,35 @@ void evaluate_maps(Evaluation& e, const std::vector<AgentPaths>& agents, const P
       if (agent.estimate.empty() && !agent.apart.empty()) continue;
       members.push_back({&agent, pair_poses(agent.estimate, agent.truth, max_gap_ns(rate_hz))});
     }
-    if (!members.empty()) evaluate_map(e, members);
+    if (!members.empty()) evaluate_map(e, MapId(), members);
   }
-  for (const auto& [map, members] : apart) evaluate_map(e, members);
+  for (const auto& [map, members] : apart) evaluate_map(e, map, members);
 }
 
+namespace {
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace
+
 std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence) {
+  const ResultContents contents = contents_of(result);
   const nlohmann::json reported = agents_in(result);
   std::vector<AgentPaths> agents;
   bool any = false;
   for (const SequenceAgent& agent : sequence.agents) {
-    const bool has_trajectory = std::filesystem::exists(result.trajectory(agent.name));
     // A run may leave agents out; one that took part and never found its place counts.
-    const bool took_part = has_trajectory || !reported.is_object() || reported.contains(agent.name);
-    if (!took_part) continue;
-    any = any || has_trajectory;
+    if (contents.reported && !holds(contents.agents, agent.name)) continue;
+    any = any || std::filesystem::exists(result.trajectory(agent.name));
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
                       played_truth(agent), frames_of(reported, agent.name)});
-    for (const MapId map : result.separate_maps()) {
-      Trajectory apart = load_if_there(result.trajectory(map, agent.name));
-      if (!apart.empty()) agents.back().apart.emplace(map, std::move(apart));
+    for (std::size_t i = 1; i < contents.maps.size(); ++i) {
+      const ResultMap& map = contents.maps[i];
+      if (!holds(map.agents, agent.name)) continue;
+      Trajectory apart = load_if_there(map.folder.trajectory(agent.name));
+      if (!apart.empty()) agents.back().apart.emplace(map.id, std::move(apart));
     }
   }
   if (!any) {

@@ -77,7 +77,8 @@ Json json_of(const GroupScore& g) {
 }
 
 Json json_of(const MapEvaluation& m) {
-  return {{"agents", m.agents},
+  return {{"map", m.id == MapId() ? Json() : Json(m.id.value)},
+          {"agents", m.agents},
           {"ate_m", json_of(m.ate_m)},
           {"ate_percent", json_of(m.ate_percent)},
           {"scale", json_of(m.scale)}};
@@ -98,6 +99,7 @@ Json json_of(const std::optional<WorstFrame>& w) {
 Json json_of(const AgentEvaluation& a) {
   return {{"frames", a.frames},
           {"poses", a.poses},
+          {"poses_apart", a.poses_apart},
           {"tracked_percent", json_of(a.tracked_percent)},
           {"ate_m", json_of(a.ate_m)},
           {"ate_own_m", json_of(a.ate_own_m)},

@@ -60,30 +60,36 @@ std::string estimate(const Eigen::Vector3d& position, const Eigen::Matrix3d& cov
          "), standard deviation " + number(std::sqrt(covariance.trace())) + ", " + std::to_string(views) + " views";
 }
 
-std::string in_points(const ResultFolder& result, const EventLog& log, PointId point) {
-  if (!std::filesystem::exists(result.points())) return "";
-  for (const ResultPoint& p : read_points(result.points())) {
+// As the user finds it in the result.
+std::string file_name(const ResultFolder& result, const std::filesystem::path& file) {
+  return file.lexically_relative(result.path()).string();
+}
+
+std::string in_points(const ResultFolder& result, const ResultFolder& map, const EventLog& log, PointId point) {
+  if (!std::filesystem::exists(map.points())) return "";
+  for (const ResultPoint& p : read_points(map.points())) {
     if (p.id != point) continue;
-    return "points.csv has " + name(point) + ": " + state_name(p.state) + ", " +
+    return file_name(result, map.points()) + " has " + name(point) + ": " + state_name(p.state) + ", " +
            estimate(p.position, p.covariance, p.views) + " from " + seconds(log, p.first_ns) + " to " +
            seconds(log, p.last_ns) + ".\n";
   }
   return "";
 }
 
-std::string in_dynamic(const ResultFolder& result, const EventLog& log, PointId point) {
-  if (!std::filesystem::exists(result.dynamic())) return "";
+std::string in_dynamic(const ResultFolder& result, const ResultFolder& map, const EventLog& log, PointId point) {
+  if (!std::filesystem::exists(map.dynamic())) return "";
   std::optional<ResultDynamicRow> first, last;
   int rows = 0;
-  for_each_dynamic_row(result.dynamic(), [&](const ResultDynamicRow& r) {
+  for_each_dynamic_row(map.dynamic(), [&](const ResultDynamicRow& r) {
     if (r.id != point) return;
     if (!first) first = r;
     last = r;
     ++rows;
   });
   if (!last) return "";
-  return "dynamic.csv has its path, " + std::to_string(rows) + " places from " + seconds(log, first->t_ns) + " to " +
-         seconds(log, last->t_ns) + ", the last one " + estimate(last->position, last->covariance, last->views) + ".\n";
+  return file_name(result, map.dynamic()) + " has its path, " + std::to_string(rows) + " places from " +
+         seconds(log, first->t_ns) + " to " + seconds(log, last->t_ns) + ", the last one " +
+         estimate(last->position, last->covariance, last->views) + ".\n";
 }
 
 }  // namespace
@@ -102,7 +108,9 @@ Answer answer(const ResultFolder& result, const Question& question) {
   }
   out.text = life.subject + ", in seconds of the run\n" + told(log, life);
   if (question.kind != "point") return out;
-  out.text += in_points(result, log, life.last) + in_dynamic(result, log, life.last);
+  for (const ResultMap& map : contents_of(result).maps) {
+    out.text += in_points(result, map.folder, log, life.last) + in_dynamic(result, map.folder, log, life.last);
+  }
   return out;
 }
 

@@ -92,6 +92,8 @@ std::string camera_text(int id, const CameraModel& c) {
   if (c.distortion == DistortionModel::kEquidistant) {
     model = "OPENCV_FISHEYE";
     coefficients = 4;
+  } else if (c.distortion == DistortionModel::kDoubleSphere || c.distortion == DistortionModel::kOmni) {
+    throw UserError("COLMAP has no model for the lens of camera " + std::to_string(id) + " (double sphere or omni)");
   } else if (c.distortion == DistortionModel::kRadTan) {
     model = high_order ? "FULL_OPENCV" : "OPENCV";
     coefficients = high_order ? 8 : 4;
@@ -140,17 +142,16 @@ std::string point_text(const Model& model, PointId id, const std::vector<TrackEl
 
 }  // namespace
 
-Files export_colmap(const ResultFolder& result, const Sequence& sequence, const std::filesystem::path& folder) {
+Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder) {
   Model model;
-  for (const ResultPoint& point : read_points(result.points())) {
+  for (const ResultPoint& point : read_points(map.folder.points())) {
     if (point.state == PointState::kStatic) model.points.emplace(point.id, point);
   }
-  const auto with_pose = agents_of(result);
   for (const SequenceAgent& agent : sequence.agents) {
-    if (std::find(with_pose.begin(), with_pose.end(), agent.name) != with_pose.end()) read_agent(model, result, agent);
+    if (std::ranges::find(map.agents, agent.name) != map.agents.end()) read_agent(model, map.folder, agent);
   }
   if (model.images.empty())
-    throw UserError(result.path().string() + ": no image of the sequence has a pose and tracks");
+    throw UserError(map.folder.path().string() + ": no image of the sequence has a pose and tracks");
   link_points(model);
 
   Files files = {folder / "cameras.txt", folder / "images.txt", folder / "points3D.txt"};

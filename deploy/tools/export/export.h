@@ -3,28 +3,28 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <functional>
 #include <vector>
 
 #include "common/dataset/result.h"
 #include "common/dataset/sequence.h"
 
-// A result in the forms of other programs. All throw UserError and return the files that were written.
+// A map of a result in the forms of other programs. All throw UserError and return the files that were written.
 namespace coslam::exporting {
 
 using Files = std::vector<std::filesystem::path>;
+using MapExport = std::function<Files(const ResultMap& map, const std::filesystem::path& folder)>;
 
-// Agents that have a trajectory in the result, by name.
-std::vector<std::string> agents_of(const ResultFolder& result);
-
-Files export_tum(const ResultFolder& result, const std::filesystem::path& folder);    // <agent>.tum
-Files export_euroc(const ResultFolder& result, const std::filesystem::path& folder);  // <agent>.csv: ns, p, q (w first)
-Files export_kitti(const ResultFolder& result,
-                   const std::filesystem::path& folder);                            // <agent>.txt: 3x4, camera to world
-Files export_ply(const ResultFolder& result, const std::filesystem::path& folder);  // map.ply
+Files export_tum(const ResultMap& map, const std::filesystem::path& folder);    // <agent>.tum
+Files export_euroc(const ResultMap& map, const std::filesystem::path& folder);  // <agent>.csv: ns, p, q (w first)
+Files export_kitti(const ResultMap& map, const std::filesystem::path& folder);  // <agent>.txt: 3x4, camera to world
+Files export_ply(const ResultMap& map, const std::filesystem::path& folder);    // map.ply
 
 // Text model of COLMAP (cameras.txt, images.txt, points3D.txt): the images of tracks/<agent>.csv, named
 // <agent>/<6-digit frame>.png, and the static points that two of them see. The sequence gives the cameras.
-Files export_colmap(const ResultFolder& result, const Sequence& sequence, const std::filesystem::path& folder);
+Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
+
+// Each map by itself: the common one into `folder`, others into maps/<ID> of it.
+Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as);
 
 }  // namespace coslam::exporting

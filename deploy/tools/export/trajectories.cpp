@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cstdio>
 #include <functional>
 
@@ -14,14 +13,19 @@ namespace {
 
 using PoseText = std::function<std::string(const StampedPose&)>;
 
-Files export_lines(const ResultFolder& result, const std::filesystem::path& folder, const std::string& extension,
+const std::vector<std::string>& agents_of(const ResultMap& map) {
+  if (map.agents.empty()) throw UserError(map.folder.path().string() + ": there is no trajectory/<agent>.tum in it");
+  return map.agents;
+}
+
+Files export_lines(const ResultMap& map, const std::filesystem::path& folder, const std::string& extension,
                    const std::string& header, const PoseText& pose_text) {
   Files files;
-  for (const std::string& agent : agents_of(result)) {
+  for (const std::string& agent : agents_of(map)) {
     files.push_back(folder / (agent + extension));
     std::ofstream stream = create_file(files.back());
     stream << header;
-    for (const StampedPose& pose : load_tum(result.trajectory(agent))) stream << pose_text(pose);
+    for (const StampedPose& pose : load_tum(map.folder.trajectory(agent))) stream << pose_text(pose);
     close_file(stream, files.back());
   }
   return files;
@@ -51,45 +55,42 @@ std::string kitti_text(const StampedPose& pose) {
 
 }  // namespace
 
-std::vector<std::string> agents_of(const ResultFolder& result) {
-  const auto folder = result.trajectory("x").parent_path();
-  std::vector<std::string> agents;
-  if (std::filesystem::is_directory(folder)) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.path().extension() == ".tum") agents.push_back(entry.path().stem().string());
-    }
-  }
-  if (agents.empty()) throw UserError(result.path().string() + ": there is no trajectory/<agent>.tum in it");
-  std::sort(agents.begin(), agents.end());
-  return agents;
-}
-
-Files export_tum(const ResultFolder& result, const std::filesystem::path& folder) {
+Files export_tum(const ResultMap& map, const std::filesystem::path& folder) {
   Files files;
-  for (const std::string& agent : agents_of(result)) {
+  for (const std::string& agent : agents_of(map)) {
     files.push_back(folder / (agent + ".tum"));
-    save_tum(files.back(), load_tum(result.trajectory(agent)));
+    save_tum(files.back(), load_tum(map.folder.trajectory(agent)));
   }
   return files;
 }
 
-Files export_euroc(const ResultFolder& result, const std::filesystem::path& folder) {
-  return export_lines(result, folder, ".csv", "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n",
+Files export_euroc(const ResultMap& map, const std::filesystem::path& folder) {
+  return export_lines(map, folder, ".csv", "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n",
                       euroc_text);
 }
 
-Files export_kitti(const ResultFolder& result, const std::filesystem::path& folder) {
-  return export_lines(result, folder, ".txt", "", kitti_text);
+Files export_kitti(const ResultMap& map, const std::filesystem::path& folder) {
+  return export_lines(map, folder, ".txt", "", kitti_text);
 }
 
-Files export_ply(const ResultFolder& result, const std::filesystem::path& folder) {
-  if (!std::filesystem::exists(result.map())) throw UserError(result.map().string() + ": there is no such map");
+Files export_ply(const ResultMap& map, const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(map.folder.map())) throw UserError(map.folder.map().string() + ": there is no such map");
   const auto file = folder / "map.ply";
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  std::filesystem::copy_file(result.map(), file, std::filesystem::copy_options::overwrite_existing, error);
-  if (error) throw UserError(file.string() + ": cannot be written");
+  std::filesystem::copy_file(map.folder.map(), file, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw UserError(file.string() + ": cannot be written: " + error.message());
   return {file};
+}
+
+Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as) {
+  Files files;
+  for (std::size_t i = 0; i < contents.maps.size(); ++i) {
+    const ResultMap& map = contents.maps[i];
+    const Files more = as(map, i == 0 ? folder : folder / "maps" / std::to_string(map.id.value));
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return files;
 }
 
 }  // namespace coslam::exporting

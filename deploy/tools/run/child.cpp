@@ -30,6 +30,7 @@ Child::Child(std::string name, const std::vector<std::string>& command) : name_(
   if (pid_ == 0) {
     // Only system calls here. Without its parent it is to end as when asked to, the result written.
     prctl(PR_SET_PDEATHSIG, SIGTERM);
+    setpgid(0, 0);  // Ctrl-C on a terminal reaches it once, from here
     dup2(pipe_ends[1], STDOUT_FILENO);
     execv(argv[0], argv.data());
     _exit(127);

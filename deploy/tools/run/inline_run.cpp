@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <opencv2/core/utility.hpp>
 
 #include "agent/agent_loop.h"
@@ -11,12 +9,13 @@
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/run.h"
 #include "server/link/inline_link.h"
+#include "server/record/recording_link.h"
+#include "server/recorded_config.h"
 #include "server/server_loop.h"
+#include "server/stop_signals.h"
 
 namespace coslam {
 namespace {
-
-std::atomic<bool> stop_requested{false};
 
 struct InlineAgent {
   std::unique_ptr<AgentLink> link;
@@ -44,17 +43,22 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
 }  // namespace
 
 int run_inline(const RunOptions& options) {
-  std::signal(SIGINT, [](int) { stop_requested = true; });
-  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  catch_stop_signals();
   cv::setNumThreads(1);
   RunConfig config;
   for (const std::string& s : options.sets) config::apply_set(config, s);
 
   const RunId server_run(1);
   InlineLink link(server_run);
-  ServerLoopConfig server_config{.server = config.server, .out = options.out, .refine_in_thread = false};
+  ServerLoopConfig server_config{
+      .server = config.server, .out = options.out, .map = options.map, .refine_in_thread = false};
   for (const SequenceAgent& a : options.sequence.agents) server_config.expected_agents.push_back(a.name);
-  ServerLoop server(link.server(), server_run, server_config);
+  std::optional<RecordingLink> recording;
+  if (!options.record.empty()) {
+    const RecordedConfig recorded{server_config.expected_agents, config.server};
+    recording.emplace(link.server(), options.record, recording_head(server_run, recorded));
+  }
+  ServerLoop server(recording ? *recording : link.server(), server_run, server_config);
   std::vector<InlineAgent> agents;
   std::uint64_t run = 2;
   for (const SequenceAgent& a : options.sequence.agents)
@@ -62,14 +66,15 @@ int run_inline(const RunOptions& options) {
 
   const std::chrono::milliseconds no_wait(0);
   Progress progress("mapping");
-  while (server.poll(no_wait) && !stop_requested) {
+  while (server.poll(no_wait) && !stop_requested()) {
     for (InlineAgent& a : agents) {
-      if (!a.running || a.loop->step(stop_requested)) continue;
-      a.loop->finish(stop_requested);
+      if (!a.running || a.loop->step(stop_requested())) continue;
+      a.loop->finish(stop_requested());
       a.running = false;
     }
     progress(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);
   }
+  if (recording) recording->end();
   server.finish(config::dump_json(config));
   return 0;
 }

@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <thread>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
@@ -41,11 +42,13 @@ Child start_server(const RunOptions& options, int domain) {
                                    "--loopback",
                                    "--domain",
                                    std::to_string(domain),
-                                   "--out",
+                                   "--result",
                                    options.out.string(),
                                    "--report-progress",
                                    "--set",
                                    "agents=" + join(names)};
+  if (!options.map.empty()) command.insert(command.end(), {"--map", options.map.string()});
+  if (!options.record.empty()) command.insert(command.end(), {"--record", options.record.string()});
   add_sets(options, "server.", &command);
   return Child("the map server", command);
 }
@@ -110,7 +113,7 @@ class Supervisor {
         // Before the start the server would wait for it for ever.
         if (!a.ended() || a.problem().empty()) continue;
         read_progress();  // it may have started just now
-        if (!started_) server_.interrupt();
+        if (!started_ && !std::exchange(given_up_, true)) server_.interrupt();
       }
       if (interrupts > passed_on_) pass_on_interrupt();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -164,7 +167,7 @@ class Supervisor {
   Child server_;
   std::vector<Child> agents_;
   Progress progress_{"mapping"};
-  bool started_ = false;
+  bool started_ = false, given_up_ = false;
   int passed_on_ = 0;
 };
 

@@ -15,6 +15,8 @@ namespace coslam {
 struct RunOptions {
   Sequence sequence;  // the agents to run, in order
   std::filesystem::path out;
+  std::filesystem::path record;  // empty: none
+  std::filesystem::path map;     // the same
   std::string rate = "max";
   std::vector<std::string> sets;  // key=value, checked; the scale of the sequence among them
   int domain = -1;                // -1: one that depends on the process

@@ -76,6 +76,20 @@ TEST(Inbox, ANewServerRunStartsOver) {
   EXPECT_EQ(inbox.add(status(2)), std::nullopt);
 }
 
+// Whether by mistake or in ill will: a second one does not take the agent away.
+TEST(Inbox, NoOtherServerIsHeardWhileOursLives) {
+  Inbox inbox(kMe);
+  EXPECT_EQ(inbox.add(status(1)), std::nullopt);
+  inbox.set_server_alive(true);
+  EXPECT_EQ(inbox.add(status(2)), Rejection::kWrongRun);
+  EXPECT_EQ(inbox.add(patch(1, 0, 2)), Rejection::kWrongRun);
+  EXPECT_EQ(inbox.add(patch(1, 0, 1)), std::nullopt);
+  inbox.set_server_alive(false);
+  EXPECT_EQ(inbox.add(status(2)), std::nullopt) << "it was restarted";
+  inbox.set_server_alive(true);
+  EXPECT_EQ(inbox.add(status(1)), Rejection::kWrongRun);
+}
+
 TEST(Inbox, CreditIsGivenByThePatchThatWasRead) {
   Inbox inbox(kMe);
   EXPECT_FALSE(inbox.answered(FrameId(0)));
@@ -88,6 +102,24 @@ TEST(Inbox, CreditIsGivenByThePatchThatWasRead) {
   inbox.add(patch(3, 5));
   drain(inbox);
   EXPECT_TRUE(inbox.answered(FrameId(4)));
+}
+
+TEST(Inbox, AcknowledgedIsWhatThePresentServerAnswered) {
+  Inbox inbox(kMe);
+  EXPECT_EQ(inbox.acknowledged(), std::nullopt);
+  inbox.add(patch(1, 7));
+  EXPECT_EQ(inbox.acknowledged(), FrameId(7)) << "also before it was read";
+  inbox.add(patch(1, 9));
+  EXPECT_EQ(inbox.acknowledged(), FrameId(7)) << "the same patch twice";
+  inbox.add(patch(2, 8));
+  inbox.add(status(1));
+  EXPECT_EQ(inbox.acknowledged(), FrameId(8));
+  inbox.add(status(2));
+  EXPECT_EQ(inbox.acknowledged(), std::nullopt) << "another server has none of the frames";
+  inbox.add(patch(3, 9, 1));
+  EXPECT_EQ(inbox.acknowledged(), std::nullopt);
+  inbox.add(patch(1, 9, 2));
+  EXPECT_EQ(inbox.acknowledged(), FrameId(9));
 }
 
 TEST(Inbox, OverflowDropsTheOldestAndSaysSo) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/matchers.h"
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
@@ -47,10 +49,11 @@ class PoseTrackerTest : public testing::Test {
     ++next_;
     return f;
   }
-  void step(bool bind = true) {
+  void step(bool bind = true, bool alone = false) {
     const TrackFrame f = next_frame();
     if (bind) bind_all(f);
-    pose_.step(f.frame, f.tracks, map_);
+    map_.keep_only(f.tracks);
+    pose_.step(f.frame, f.tracks, map_, alone);
   }
   static TimeNs time_of(std::uint32_t frame) { return kPeriodNs * frame; }
   Rigid3 truth(std::uint32_t frame) const { return tracker_.truth(time_of(frame)); }
@@ -108,6 +111,34 @@ TEST_F(PoseTrackerTest, IsLostWithoutPointsAndComesBackWithThem) {
   step();
   EXPECT_EQ(pose_.state(), PoseState::kTracked);
   EXPECT_THAT(pose_.result().cam_from_world, PoseNear(truth(newest()), 0.002, 0.01));
+}
+
+// The server falls silent: its points go with the tracks that showed them.
+TEST_F(PoseTrackerTest, AloneItRestsOnPointsOfItsOwn) {
+  start();
+  for (int i = 0; i < 60; ++i) step();
+  map_.clear();
+  sequence_ = 0;
+  double worst_m = 0;
+  for (int i = 0; i < 900; ++i) {
+    step(false, true);
+    ASSERT_EQ(pose_.state(), PoseState::kTracked) << "lost after " << i << " frames";
+    worst_m = std::max(worst_m, (pose_.result().cam_from_world.center() - truth(newest()).center()).norm());
+  }
+  EXPECT_LT(worst_m, 0.3) << "it drifts, no more";
+  step();
+  EXPECT_THAT(pose_.result().cam_from_world, PoseNear(truth(newest()), 0.002, 0.01)) << "the server is back";
+}
+
+TEST_F(PoseTrackerTest, ItsOwnPointsMoveWithTheMap) {
+  start();
+  for (int i = 0; i < 60; ++i) step();
+  const Similarity3 move{2.0, so3_exp({0.3, -0.2, 0.5}), {4, -1, 2}};
+  pose_.rebase(move);
+  map_.clear();
+  for (int i = 0; i < 10; ++i) step(false, true);
+  ASSERT_EQ(pose_.state(), PoseState::kTracked);
+  EXPECT_THAT(pose_.result().cam_from_world, PoseNear(transform_world(truth(newest()), move), 0.004, 0.04));
 }
 
 TEST_F(PoseTrackerTest, IsLostWhenTheMapContradictsTheTracks) {

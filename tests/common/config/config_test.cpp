@@ -81,6 +81,17 @@ TEST_F(Config, FileOverDefaultAndSetOverFile) {
   EXPECT_EQ(config_.out, "a=b");
 }
 
+TEST_F(Config, ADumpIsReadBackFromItsText) {
+  config_.out = "a \"quoted\"\n: #path";
+  config_.agent.tracker.min_quality = 0.1234567890123456;
+  config_.peers = {"a", "b c"};
+  RunConfig again;
+  config::load_text(again, config::dump_json(config_).dump(), "a.rec");
+  EXPECT_EQ(again, config_);
+  const auto wrong = test::error_of<UserError>([&] { config::load_text(again, R"({"agnet": {}})", "a.rec"); });
+  EXPECT_THAT(wrong, HasSubstr("a.rec:1: agnet: unknown key"));
+}
+
 TEST_F(Config, EmptySectionsKeepDefaults) {
   EXPECT_EQ(load_error("agent:\nout: x\n"), "");
   EXPECT_EQ(config_.agent, AgentConfig());

@@ -49,8 +49,8 @@ TEST_F(Calibration, Plain) {
   EXPECT_THAT(error(size + "distortion: [0.1, 0, 0, 0]\n"), HasSubstr("'distortion_model' is missing"));
   EXPECT_THAT(error(size + "distortion_model: radtan\n"), HasSubstr("'distortion' is missing"));
   EXPECT_THAT(error(size + "distortion_model: radtan\ndistortion: [0.1, 0]\n"), HasSubstr("4, 5 or 8 are expected"));
-  EXPECT_THAT(error(size + "distortion_model: omni\ndistortion: [0.1]\n"),
-              HasSubstr("calib.yaml:7: distortion_model: the distortion model 'omni' is not supported"));
+  EXPECT_THAT(error(size + "distortion_model: fov\ndistortion: [0.1]\n"),
+              HasSubstr("calib.yaml:7: distortion_model: the distortion model 'fov' is not supported"));
   EXPECT_THAT(error(size + "distorsion_model: radtan\n"), HasSubstr("did you mean 'distortion_model'?"));
   EXPECT_THAT(error("width: 752\nheight: 480\nfx: 458.5\nfy: 457.5\ncx: 367\n"), HasSubstr("the key 'cy' is missing"));
   EXPECT_THAT(error("width: 752\nheight: 480\nfx: 0\nfy: 457.5\ncx: 367\ncy: 248\n"),
@@ -134,9 +134,30 @@ TEST_F(Calibration, Kalibr) {
   EXPECT_EQ(load(chain, "cam1").fx, 400);
   EXPECT_EQ(load(chain, "cam1").distortion, DistortionModel::kEquidistant);
   EXPECT_THAT(error(chain, "cam7"), HasSubstr("the key 'cam7' is missing"));
-  EXPECT_THAT(error(camera("cam0", "omni", "radtan", "458.5")),
-              HasSubstr("calib.yaml:3: cam0.camera_model: the camera model 'omni' is not supported, only pinhole is"));
+  EXPECT_THAT(error(camera("cam0", "eucm", "radtan", "458.5")), HasSubstr("the camera model 'eucm' is not supported"));
   EXPECT_THAT(error(camera("cam0", "pinhole", "fov", "458.5")), HasSubstr("'fov' is not supported"));
+}
+
+TEST_F(Calibration, KalibrSpheres) {
+  const auto camera = [](const std::string& model, const std::string& distortion, const std::string& coefficients,
+                         const std::string& intrinsics) {
+    return "cam0:\n  camera_model: " + model + "\n  distortion_coeffs: [" + coefficients + "]\n" +
+           "  distortion_model: " + distortion + "\n  intrinsics: [" + intrinsics + "]\n  resolution: [752, 480]\n";
+  };
+  const CameraModel ds = load(camera("ds", "none", "", "-0.2, 0.6, 320, 319, 367, 248"));
+  EXPECT_EQ(ds.distortion, DistortionModel::kDoubleSphere);
+  EXPECT_EQ(ds.coefficients, (std::array<double, 8>{-0.2, 0.6}));
+  EXPECT_DOUBLE_EQ(ds.fx, 400);  // in the middle of the image
+  EXPECT_EQ(ds.cx, 367);
+  const CameraModel omni = load(camera("omni", "radtan", "-0.1, 0.02, 0.001, 0.002", "0.9, 760, 761, 367, 248"));
+  EXPECT_EQ(omni.distortion, DistortionModel::kOmni);
+  EXPECT_EQ(omni.coefficients, (std::array<double, 8>{0.9, -0.1, 0.02, 0.001, 0.002}));
+  EXPECT_DOUBLE_EQ(omni.fx, 400);
+  EXPECT_EQ(load(camera("omni", "none", "", "0.9, 760, 761, 367, 248")).coefficients[1], 0);
+  EXPECT_THAT(error(camera("ds", "radtan", "1,2,3,4", "-0.2, 0.6, 320, 319, 367, 248")),
+              HasSubstr("the distortion model 'radtan' is not supported with the camera model 'ds'"));
+  EXPECT_THAT(error(camera("ds", "none", "", "320, 319, 367, 248")), HasSubstr("[xi, alpha, fx, fy, cx, cy]"));
+  EXPECT_THAT(error(camera("omni", "none", "", "-1, 760, 761, 367, 248")), HasSubstr("xi of the lens"));
 }
 
 TEST_F(Calibration, Euroc) {
@@ -179,10 +200,13 @@ TEST_F(Calibration, RefusesWhatItDoesNotKnow) {
 }
 
 TEST_F(Calibration, SavesThePlainForm) {
-  for (const auto distortion : {DistortionModel::kNone, DistortionModel::kRadTan, DistortionModel::kEquidistant}) {
+  for (const auto distortion : {DistortionModel::kNone, DistortionModel::kRadTan, DistortionModel::kEquidistant,
+                                DistortionModel::kDoubleSphere, DistortionModel::kOmni}) {
     CameraModel c{752, 480, 458.5, 457.5, 367, 248, distortion, {}};
     if (distortion == DistortionModel::kRadTan) c.coefficients = {0.1, 0, 0.3, 0, 0, 0, 0.7, 0};
     if (distortion == DistortionModel::kEquidistant) c.coefficients = {0.1, 1.0 / 3.0, 0.3, 0};
+    if (distortion == DistortionModel::kDoubleSphere) c.coefficients = {-0.5, 0.6};
+    if (distortion == DistortionModel::kOmni) c.coefficients = {1, 0.1, 0, 0.3, 0};
     save_calibration(folder_ / "saved.yaml", c);
     const CameraModel read = load_calibration(folder_ / "saved.yaml");
     expect_camera(read, distortion);

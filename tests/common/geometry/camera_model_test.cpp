@@ -60,6 +60,22 @@ TEST_P(EveryModel, DistortionVanishesAtThePrincipalPoint) {
   EXPECT_THAT(c.raw_from_undistorted(near), VectorNear(near, 1e-2));
 }
 
+TEST_P(EveryModel, RawByUndistortedNumerically) {
+  CameraModel c = GetParam().camera;
+  c.fy = 0.9 * c.fx;
+  constexpr double h = 1e-4;
+  for (const Eigen::Vector2d& raw : {Eigen::Vector2d(c.cx, c.cy), Eigen::Vector2d(c.cx + 1, c.cy - 2),
+                                     Eigen::Vector2d(20, 30), Eigen::Vector2d(700, 200)}) {
+    const Eigen::Vector2d px = *c.undistorted_from_raw(raw);
+    const Eigen::Matrix2d j = c.raw_by_undistorted(px);
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Vector2d d = h * Eigen::Vector2d::Unit(i);
+      const Eigen::Vector2d expected = (c.raw_from_undistorted(px + d) - c.raw_from_undistorted(px - d)) / (2 * h);
+      EXPECT_THAT(j.col(i), VectorNear(expected, 1e-6)) << raw.transpose();
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     CameraModel, EveryModel,
     testing::Values(Named{"none", pinhole()},
@@ -68,7 +84,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Named{"radtan5", with(DistortionModel::kRadTan, {-0.2, 0.05, 1e-3, -2e-3, -0.01})},
                     Named{"rational", with(DistortionModel::kRadTan, {0.5, 0.1, 1e-4, 1e-4, 0.01, 0.8, 0.2, 0.02})},
                     Named{"equidistant", with(DistortionModel::kEquidistant, {-0.01, 0.02, -0.015, 0.004})},
-                    Named{"ideal_fisheye", with(DistortionModel::kEquidistant, {})}),
+                    Named{"ideal_fisheye", with(DistortionModel::kEquidistant, {})},
+                    Named{"double_sphere", with(DistortionModel::kDoubleSphere, {-0.25, 0.6})},
+                    Named{"far_spheres", with(DistortionModel::kDoubleSphere, {0.4, 0.3})},
+                    Named{"omni", with(DistortionModel::kOmni, {0.9, -0.1, 0.02, 3e-4, -2e-4})}),
     [](const auto& p) { return std::string(p.param.name); });
 
 TEST(CameraModel, RadTanIsTheFormula) {
@@ -83,6 +102,36 @@ TEST(CameraModel, EquidistantIsTheAngle) {
   const CameraModel c = with(DistortionModel::kEquidistant, {});
   // Without coefficients the distance from the centre is the angle itself.
   EXPECT_THAT(c.distort_normalized({1, 0}), VectorNear(Eigen::Vector2d(std::atan(1.0), 0), 1e-12));
+}
+
+TEST(CameraModel, DoubleSphereIsTheFormula) {
+  const double xi = -0.2, alpha = 0.6, x = 0.7, y = -1.1, z = 0.8;
+  const double d1 = std::sqrt(x * x + y * y + z * z), d2 = std::sqrt(x * x + y * y + (xi * d1 + z) * (xi * d1 + z));
+  const double under = alpha * d2 + (1 - alpha) * (xi * d1 + z);
+  const CameraModel c = with(DistortionModel::kDoubleSphere, {xi, alpha});
+  const Eigen::Vector2d expected = (1 + xi) * Eigen::Vector2d(x, y) / under;  // of the image with focal length 1
+  EXPECT_THAT(c.distort_normalized({x / z, y / z}), VectorNear(expected, 1e-12));
+}
+
+TEST(CameraModel, OmniIsTheFormula) {
+  const double xi = 1.1;
+  const Eigen::Vector3d on_sphere = Eigen::Vector3d(0.7, -1.1, 0.8).normalized();
+  const Eigen::Vector2d m = on_sphere.head<2>() / (on_sphere.z() + xi);
+  const CameraModel radtan = with(DistortionModel::kRadTan, {-0.1, 0.02, 3e-4, -2e-4});
+  const CameraModel c = with(DistortionModel::kOmni, {xi, -0.1, 0.02, 3e-4, -2e-4});
+  EXPECT_THAT(c.distort_normalized(Eigen::Vector2d(0.7, -1.1) / 0.8),
+              VectorNear(((1 + xi) * radtan.distort_normalized(m)).eval(), 1e-12));
+}
+
+TEST(CameraModel, SpheresHaveNoRaysBesideAPinhole) {
+  for (const CameraModel& c :
+       {with(DistortionModel::kDoubleSphere, {-0.25, 0.6}), with(DistortionModel::kOmni, {1.0})}) {
+    const double just = c.distort_normalized({14, 0}).x();  // 1.4995 rad
+    EXPECT_TRUE(c.undistorted_from_raw(c.pixel_from_normalized({just, 0})));
+    for (const double farther : {1.02, 1.2, 2.0, 9.0}) {
+      EXPECT_FALSE(c.undistorted_from_raw(c.pixel_from_normalized({farther * just, 0}))) << farther;
+    }
+  }
 }
 
 TEST(CameraModel, RefusesPastTheFold) {
@@ -144,6 +193,8 @@ TEST(CameraModel, NamesWhatIsWrong) {
   EXPECT_TRUE(problem([](CameraModel& c) { c.fx = std::numeric_limits<double>::quiet_NaN(); }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.cx = 752; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.cy = std::numeric_limits<double>::quiet_NaN(); }));
+  EXPECT_TRUE(problem([](CameraModel& c) { c.distortion = DistortionModel::kOmni, c.coefficients[0] = -1; }));
+  EXPECT_TRUE(problem([](CameraModel& c) { c.distortion = DistortionModel::kDoubleSphere, c.coefficients[1] = 1.2; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.coefficients[7] = std::numeric_limits<double>::infinity(); }));
 }
 

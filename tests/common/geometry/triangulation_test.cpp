@@ -42,6 +42,22 @@ TEST(Triangulate, ExactFromExactViews) {
   }
 }
 
+TEST(Triangulate, ErrorsAreOfTheRawImage) {
+  CameraModel wide = kCamera;
+  wide.distortion = DistortionModel::kEquidistant;
+  wide.fx = wide.fy = 200;
+  const Eigen::Vector3d point(6, 0.5, 3);  // 63 degrees off the axis
+  std::vector<View> views = views_of(poses_along(1, 3), point);
+  for (View& v : views) v.camera = &wide, v.undistorted_px = wide.project(v.cam_from_world * point);
+  for (double dv : {-1.0, 1.0}) {
+    View& v = views[dv < 0 ? 0 : 2];
+    v.undistorted_px = *wide.undistorted_from_raw(wide.raw_from_undistorted(v.undistorted_px) + Eigen::Vector2d(0, dv));
+  }
+  const auto t = triangulate(views, 1.0, 0.01);
+  ASSERT_EQ(t.status, TriangulationStatus::kOk);
+  EXPECT_NEAR(t.max_error_px, 1.0, 0.15);
+}
+
 TEST(Triangulate, ParallaxIsTheWidestAngle) {
   // Seen from two places at +-45 degrees and one between.
   const std::vector<Rigid3> poses{looking({0, 0, 0}), looking({-5, 0, 0}, 0.5), looking({5, 0, 0}, -0.5)};

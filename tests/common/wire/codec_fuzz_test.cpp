@@ -3,63 +3,52 @@
 //
 // Octets from a stranger: whatever arrives is decoded to a usable value or rejected, never a crash. Deterministic; the
 // sanitizer builds are where it bites.
-#include <fastcdr/Cdr.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "common/wire/codec.h"
+#include "tests/common/wire/cdr_octets.h"
+#include "tests/support/moving_tracks.h"
 #include "tests/support/wire_values.h"
 
 namespace coslam {
 namespace {
 
-using Octets = std::vector<char>;
-
-template <class Message>
-Octets serialize(const Message& message) {
-  Octets octets(sample_bytes(message));
-  eprosima::fastcdr::FastBuffer buffer(octets.data(), octets.size());
-  eprosima::fastcdr::Cdr cdr(buffer);
-  message.serialize(cdr);
-  octets.resize(cdr.getSerializedDataLength());
-  return octets;
-}
+using test::deserialize;
+using test::Octets;
+using test::serialize;
 
 // True when the octets made a value that encodes and decodes again.
-template <class Message, class Encode>
-bool survives(Octets octets, const Encode& encode_again) {
-  Message message;
-  try {
-    eprosima::fastcdr::FastBuffer buffer(octets.data(), octets.size());
-    eprosima::fastcdr::Cdr cdr(buffer);
-    message.deserialize(cdr);
-  } catch (const eprosima::fastcdr::exception::Exception&) {
-    return false;
-  }
-  auto value = decode(message);
+template <class Message, class Encode, class Decode>
+bool survives(Octets octets, const Encode& encode_again, const Decode& decode_it) {
+  const auto message = deserialize<Message>(std::move(octets));
+  if (!message) return false;
+  auto value = decode_it(*message);
   if (!value) return false;
-  EXPECT_TRUE(decode(encode_again(*value))) << "what passed once passes again";
+  EXPECT_TRUE(decode_it(encode_again(*value))) << "what passed once passes again";
   return true;
 }
 
-template <class Message, class Encode>
-void fuzz(const Message& good, const Encode& encode_again) {
+const auto by_itself = [](const auto& message) { return decode(message); };
+
+template <class Message, class Encode, class Decode = decltype(by_itself)>
+void fuzz(const Message& good, const Encode& encode_again, const Decode& decode_it = by_itself) {
   std::mt19937 random(12345);
   const Octets original = serialize(good);
-  ASSERT_TRUE(survives<Message>(original, encode_again));
+  ASSERT_TRUE(survives<Message>(original, encode_again, decode_it));
   for (int i = 0; i < 3000; ++i) {  // a few octets changed
     Octets octets = original;
     for (int flips = 1 + i % 4; flips > 0; --flips) octets[random() % octets.size()] = static_cast<char>(random());
-    survives<Message>(octets, encode_again);
+    survives<Message>(octets, encode_again, decode_it);
   }
   for (std::size_t length = 0; length < std::min<std::size_t>(original.size(), 600); ++length) {  // cut short
-    survives<Message>(Octets(original.begin(), original.begin() + static_cast<long>(length)), encode_again);
+    survives<Message>(Octets(original.begin(), original.begin() + static_cast<long>(length)), encode_again, decode_it);
   }
   for (int i = 0; i < 2000; ++i) {  // noise
     Octets octets(random() % 2048);
     for (char& c : octets) c = static_cast<char>(random());
-    survives<Message>(octets, encode_again);
+    survives<Message>(octets, encode_again, decode_it);
   }
 }
 
@@ -68,6 +57,33 @@ const auto plain = [](const auto& value) { return encode(value); };
 const auto scaled = [](const auto& value) { return encode(value, std::exp2(-1)); };
 
 TEST(CodecFuzz, TrackFrame) { fuzz(encode(test::WireValues(1).frame("cam0", RunId(1), 5, 40), kScale), scaled); }
+TEST(CodecFuzz, TrackFrameWithAReference) {
+  test::MovingTracks moving(test::vga_camera(), 10, 40);
+  const TrackFrame before = moving.next(), now = moving.next();
+  const CodedTracks tracks = coded_tracks(before, kScale);
+  const TrackReference reference{before.frame, &tracks};
+  const auto decode_it = [&](const idl::TrackFrame& message) {
+    auto frame = decode(message, reference);
+    EXPECT_TRUE(!frame || frame->tracks.size() <= idl::MAX_TRACKS);
+    return frame;
+  };
+  const auto encode_it = [&](const TrackFrame& frame) {
+    return frame.frame > before.frame && frame.frame.value < 60000 ? encode(frame, std::exp2(-1), reference)
+                                                                   : encode(frame, std::exp2(-1));
+  };
+  const idl::TrackFrame good = encode(now, kScale, reference);
+  fuzz(good, encode_it, decode_it);
+  // Bits of the tracks alone, where all of a message but them is good.
+  std::mt19937 random(7);
+  for (int i = 0; i < 20000; ++i) {
+    idl::TrackFrame message = good;
+    for (int flips = 1 + i % 3; flips > 0; --flips)
+      message.tracks()[random() % message.tracks().size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
+    if (i % 5 == 0) message.track_count(static_cast<std::uint16_t>(random() % 2049));
+    auto frame = decode_it(message);
+    EXPECT_TRUE(!frame || frame->tracks.size() == message.track_count());
+  }
+}
 TEST(CodecFuzz, PatchReply) {
   test::WireValues values(2);
   fuzz(encode(values.patches(values.frame("cam0", RunId(1), 5, 0), 3)), plain);

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
 
+#include "common/wire/bits.h"
 #include "common/wire/codec.h"
 #include "tests/support/wire_values.h"
 
@@ -47,8 +49,10 @@ TEST(CodecRejects, PosesThatAreNone) {
   expect_rejected<M>(good_frame(), Rejection::kBadRotation, [](M& m) { m.rotation({1, 0.01, 0, 0}); });
   expect_rejected<M>(good_frame(), Rejection::kNotFinite, [](M& m) { m.translation()[0] = kInf; });
   expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.translation()[0] = 1e10; });
-  expect_rejected<M>(good_frame(), Rejection::kNotFinite, [](M& m) { m.covariance()[7] = NAN; });
-  expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.covariance()[0] = -1; });
+  expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.covariance()[7] = 255; });
+  expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) {
+    for (std::size_t i = 6; i < 21; ++i) m.covariance()[i] = 0;  // each against each: no such thing
+  });
   expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.pose_state(3); });
   expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.hull_fraction(-0.1f); });
   expect_rejected<M>(good_frame(), Rejection::kTooMany, [](M& m) { m.pose_inliers(3000); });
@@ -57,15 +61,13 @@ TEST(CodecRejects, PosesThatAreNone) {
 TEST(CodecRejects, TracksThatDoNotAddUp) {
   using M = idl::TrackFrame;
   expect_rejected<M>(good_frame(), Rejection::kTooMany, [](M& m) { m.track_count(2049); });
-  expect_rejected<M>(good_frame(), Rejection::kSizeMismatch, [](M& m) { m.tracks().push_back(0); });
-  expect_rejected<M>(good_frame(), Rejection::kSizeMismatch, [](M& m) { m.tracks().pop_back(); });
+  expect_rejected<M>(good_frame(), Rejection::kMalformed, [](M& m) { m.track_count(0); });
+  expect_rejected<M>(good_frame(), Rejection::kMalformed, [](M& m) { m.tracks().push_back(0); });
+  expect_rejected<M>(good_frame(), Rejection::kMalformed, [](M& m) { m.tracks().pop_back(); });
   expect_rejected<M>(good_frame(), Rejection::kMalformed, [](M& m) { m.tracks().clear(); });
   expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.px_bits(11); });
   expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) { m.px_bits(-2); });
-  expect_rejected<M>(good_frame(), Rejection::kOutOfRange, [](M& m) {
-    m.tracks()[m.tracks().size() - 2] = 0x00;  // the last y becomes -32768
-    m.tracks()[m.tracks().size() - 1] = 0x80;
-  });
+  expect_rejected<M>(good_frame(), Rejection::kMissingReference, [](M& m) { m.reference_age(1); });
 }
 
 TEST(CodecRejects, TagsThatDoNotAddUp) {
@@ -79,27 +81,89 @@ TEST(CodecRejects, TagsThatDoNotAddUp) {
   });
 }
 
-idl::TrackFrame frame_with_ids(const std::vector<std::uint8_t>& ids, std::uint16_t count) {
+// One track alone, its id and place written by hand.
+struct ByHand {
+  std::uint32_t parameter = 0;     // of the Rice code of the ids
+  std::uint32_t ones = 0, id = 1;  // what stands before the escaped id; its value less one
+  std::int16_t x = 0;
+  std::uint16_t width = 0;
+  int padding = 0;
+};
+
+std::string reason_for(const ByHand& hand) {
+  BitWriter out;
+  out.put(1, 1);
+  out.put(hand.parameter, kRiceParameterBits);
+  out.put((1U << hand.ones) - 1, static_cast<int>(hand.ones));
+  if (hand.ones < kRiceEscape) {
+    out.put(0, 1);
+    out.put(hand.id, static_cast<int>(hand.parameter));
+  } else {
+    out.put(hand.id, 32);
+  }
+  out.put(static_cast<std::uint16_t>(hand.x), 16);
+  out.put(0, 16);
+  out.put(hand.width, 16);
+  out.put(0, 16);
+  if (hand.width > 0) out.put_below(hand.width, hand.width + 1U);
+  out.put(static_cast<std::uint64_t>(hand.padding), 1);
   idl::TrackFrame m = good_frame();
-  m.track_count(count);
-  m.tracks(ids);
-  m.tracks().resize(ids.size() + 4u * count, 0);
-  return m;
+  m.track_count(1);
+  m.tracks(out.take());
+  auto decoded = decode(m);
+  return decoded ? "track " + std::to_string(decoded->tracks[0].track.value)
+                 : std::string(name_of(decoded.rejection()));
 }
 
-TEST(CodecRejects, IdsThatRepeatOrWrap) {
-  const auto reason = [](const std::vector<std::uint8_t>& ids, std::uint16_t count) {
-    auto decoded = decode(frame_with_ids(ids, count));
+TEST(CodecRejects, TracksThatNoWriterMakes) {
+  EXPECT_EQ(reason_for({.ones = 3}), "track 4");
+  EXPECT_EQ(reason_for({.ones = 15, .id = 70000}), "track 70001");
+  EXPECT_EQ(reason_for({.ones = 15, .id = 0xfffffffe}), "track 4294967295") << "the largest id";
+  EXPECT_EQ(reason_for({.ones = 15, .id = 0xffffffff}), "ids_not_ascending") << "past it";
+  EXPECT_EQ(reason_for({.ones = 15, .id = 14}), "malformed") << "longer than needed";
+  EXPECT_EQ(reason_for({.parameter = 31, .ones = 2, .id = 0}), "malformed") << "more than 32 bits";
+  EXPECT_EQ(reason_for({.ones = 2, .padding = 1}), "malformed") << "bits left over";
+  EXPECT_EQ(reason_for({.ones = 2, .x = -32768}), "out_of_range");
+  EXPECT_EQ(reason_for({.ones = 2, .x = 32767, .width = 0}), "track 3");
+  EXPECT_EQ(reason_for({.ones = 2, .x = 32767, .width = 1}), "out_of_range");
+}
+
+TEST(CodecRejects, TracksThatTheReferenceContradicts) {
+  // One track of the reference is 7; what follows is written against it.
+  const CodedTracks reference = {{7, {100, 100}}};
+  const auto reason = [&](std::uint16_t count, std::uint32_t missing, const std::function<void(BitWriter&)>& rest) {
+    BitWriter out;
+    out.put(missing, 12);
+    rest(out);
+    idl::TrackFrame m = good_frame();
+    m.reference_age(1);
+    m.track_count(count);
+    m.tracks(out.take());
+    auto decoded = decode(m, {FrameId(m.frame() - 1), &reference});
     return decoded ? "accepted" : name_of(decoded.rejection());
   };
-  EXPECT_EQ(reason({1, 1}, 2), "accepted");
-  EXPECT_EQ(reason({0, 1}, 2), "ids_not_ascending") << "id 0";
-  EXPECT_EQ(reason({1, 0}, 2), "ids_not_ascending") << "the same again";
-  EXPECT_EQ(reason({0xff, 0xff, 0xff, 0xff, 0x0f}, 1), "accepted") << "the largest id";
-  EXPECT_EQ(reason({0xff, 0xff, 0xff, 0xff, 0x0f, 1}, 2), "ids_not_ascending") << "past the largest id";
-  EXPECT_EQ(reason({0xff, 0xff, 0xff, 0xff, 0x1f}, 1), "malformed") << "more than 32 bits";
-  EXPECT_EQ(reason({0xff, 0xff, 0xff, 0xff, 0xff, 0x01}, 1), "malformed") << "more than 5 octets";
-  EXPECT_EQ(reason({0x81, 0x00}, 1), "malformed") << "longer than needed";
+  const auto list = [](BitWriter& out, std::uint32_t value, int raw_bits) {
+    out.put_list(std::array<std::uint32_t, 1>{value}, raw_bits);
+  };
+  const auto stays_at = [&](BitWriter& out, std::uint32_t x) {
+    for (int i = 0; i < 8; ++i) out.put(0, 16);
+    list(out, x, 17);
+    list(out, 0, 17);
+  };
+  EXPECT_EQ(reason(1, 0, [&](BitWriter& out) { stays_at(out, 0); }), "accepted");
+  EXPECT_EQ(reason(1, 0, [&](BitWriter& out) { stays_at(out, 2 * 32668); }), "out_of_range") << "100 + 32668";
+  EXPECT_EQ(reason(0, 0, [&](BitWriter&) {}), "size_mismatch");
+  EXPECT_EQ(reason(0, 2, [&](BitWriter&) {}), "too_many");
+  EXPECT_EQ(reason(0, 1, [&](BitWriter& out) { list(out, 0, 12); }), "accepted");
+  EXPECT_EQ(reason(0, 1, [&](BitWriter& out) { list(out, 1, 12); }), "malformed") << "there is no second";
+  EXPECT_EQ(reason(2, 0,
+                   [&](BitWriter& out) {
+                     out.put(0, 1);
+                     list(out, 6, 32);  // 7 again
+                     stays_at(out, 0);
+                     for (int i = 0; i < 4; ++i) out.put(0, 16);
+                   }),
+            "ids_not_ascending");
 }
 
 TEST(CodecRejects, Replies) {
@@ -112,11 +176,15 @@ TEST(CodecRejects, Replies) {
   expect_rejected<P>(patches, Rejection::kBadId, [](P& m) { m.tracks()[1] = 0; });
   expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.grey()[0] = 5; });
   expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.grey()[1] = 255; });
-  expect_rejected<P>(patches, Rejection::kTooMany, [](P& m) { m.tracks().resize(2049); });
+  expect_rejected<P>(patches, Rejection::kTooMany, [](P& m) { m.tracks().resize(17); });
+  expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.parts(0); });
+  expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.parts(129); });
+  expect_rejected<P>(patches, Rejection::kOutOfRange, [](P& m) { m.part(m.parts()); });
   const D descriptors = encode(values.descriptors(frame, 3));
+  expect_rejected<D>(descriptors, Rejection::kOutOfRange, [](D& m) { m.parts(257); });
   expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.tracks().pop_back(); });
   expect_rejected<D>(descriptors, Rejection::kSizeMismatch, [](D& m) { m.descriptors().resize(2 * 64); });
-  expect_rejected<D>(descriptors, Rejection::kTooMany, [](D& m) { m.tracks().resize(4097); });
+  expect_rejected<D>(descriptors, Rejection::kTooMany, [](D& m) { m.tracks().resize(17); });
   expect_rejected<D>(descriptors, Rejection::kIdsNotAscending, [](D& m) { m.tracks()[1] = m.tracks()[0]; });
 }
 
@@ -129,7 +197,7 @@ TEST(CodecRejects, Hellos) {
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.fx(-500); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.cx(641); });
   expect_rejected<M>(hello, Rejection::kNotFinite, [](M& m) { m.coefficients()[7] = kInf; });
-  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.distortion(3); });
+  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.distortion(5); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.pacing(2); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.rate_hz(0); });
 }
@@ -137,16 +205,27 @@ TEST(CodecRejects, Hellos) {
 TEST(CodecRejects, MapPatches) {
   using M = idl::MapPatch;
   const auto put_float = [](M& m, std::size_t at, float v) { std::memcpy(m.updated().data() + at, &v, sizeof(v)); };
+  MapPatch one_point = WireValues(3).map_patch("cam0", RunId(1), 5, 1);
+  one_point.updated.resize(1);
+  one_point.updated[0].track = TrackId(1);
+  one_point.updated[0].point = PointId(1);
+  one_point.updated[0].state = PointState::kStatic;
+  const M small = encode(one_point);  // an octet each for track, point and state, then x y z, then the covariance
   expect_rejected<M>(good_patch(), Rejection::kBadId, [](M& m) { m.sequence_number(0); });
   expect_rejected<M>(good_patch(), Rejection::kBadId, [](M& m) { m.server_run(0); });
   expect_rejected<M>(good_patch(), Rejection::kBadId, [](M& m) { m.unbound()[0] = 0; });
-  expect_rejected<M>(good_patch(), Rejection::kTooMany, [](M& m) { m.patch_requests().resize(2049, 1); });
-  expect_rejected<M>(good_patch(), Rejection::kSizeMismatch, [](M& m) { m.updated().push_back(0); });
-  expect_rejected<M>(good_patch(), Rejection::kTooMany, [](M& m) { m.updated().resize(45 * 2049); });
-  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.updated()[8] = 3; });
-  expect_rejected<M>(good_patch(), Rejection::kNotFinite, [&](M& m) { put_float(m, 9, NAN); });
-  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [&](M& m) { put_float(m, 9, 2e9f); });
-  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [&](M& m) { put_float(m, 21, -1.0f); });
+  expect_rejected<M>(good_patch(), Rejection::kTooMany, [](M& m) { m.patch_requests().assign(2049, 2); });
+  expect_rejected<M>(good_patch(), Rejection::kMalformed, [](M& m) { m.patch_requests().push_back(0x80); });
+  expect_rejected<M>(small, Rejection::kMalformed, [](M& m) { m.updated().push_back(2); });
+  expect_rejected<M>(small, Rejection::kMalformed, [](M& m) { m.updated().pop_back(); });
+  expect_rejected<M>(small, Rejection::kTooMany, [](M& m) {
+    const auto point = m.updated();
+    for (int i = 0; i < 2048; ++i) m.updated().insert(m.updated().end(), point.begin(), point.end());
+  });
+  expect_rejected<M>(small, Rejection::kOutOfRange, [](M& m) { m.updated()[2] = 3; });
+  expect_rejected<M>(small, Rejection::kNotFinite, [&](M& m) { put_float(m, 3, NAN); });
+  expect_rejected<M>(small, Rejection::kOutOfRange, [&](M& m) { put_float(m, 3, 2e9f); });
+  expect_rejected<M>(small, Rejection::kNotFinite, [](M& m) { m.updated()[16] = 0x7c; });  // infinity
   expect_rejected<M>(good_patch(), Rejection::kSizeMismatch, [](M& m) { m.placed({1, 0, 0}); });
   expect_rejected<M>(good_patch(), Rejection::kBadRotation, [](M& m) { m.placed({1, 1, 1, 1, 0, 0, 0}); });
   expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.new_from_old({0, 1, 0, 0, 0, 0, 0, 0}); });

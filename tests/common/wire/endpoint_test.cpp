@@ -13,6 +13,7 @@
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
+#include "common/wire/reply_parts.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 #include "tests/support/wire_equal.h"
@@ -154,15 +155,14 @@ TEST(Endpoint, PartitionsKeepPatchesApart) {
 
 TEST(Endpoint, ValuesAreTheSameAfterTheNetwork) {
   const TestDomain domain;
-  Listener<idl::DescriptorReply> server(domain.number());
-  Participant agent(loopback_config(domain.number()), "test");
-  Writer<idl::DescriptorReply> writer(agent);
+  Listener<idl::MapPatch> agent(domain.number());
+  Participant server(loopback_config(domain.number()), "test");
+  Writer<idl::MapPatch> writer(server);
   wait_matched(writer);
-  WireValues values(5);
-  const DescriptorReply sent = values.descriptors(values.frame("cam0", RunId(1), 7, 0), 4096);
+  const MapPatch sent = WireValues(5).map_patch("cam0", RunId(1), 7, 2048);
   writer.write(encode(sent));
-  ASSERT_TRUE(server.samples.wait_count(1)) << "half a megabyte, in fragments";
-  auto received = decode(server.samples.values()[0]);
+  ASSERT_TRUE(agent.samples.wait_count(1)) << "fifty kilobytes, in fragments";
+  auto received = decode(agent.samples.values()[0]);
   ASSERT_TRUE(received);
   test::expect_same(*received, sent);
 }
@@ -237,8 +237,8 @@ TEST(Endpoint, PacedTopicsArriveWhole) {
   wait_matched(writer);
   WireValues values(8);
   const TrackFrame frame = values.frame("cam0", RunId(1), 1, 0);
-  for (int i = 0; i < 8; ++i) writer.write(encode(values.patches(frame, 100)));
-  EXPECT_TRUE(server.samples.wait_count(8));
+  for (const PatchReply& part : in_parts(values.patches(frame, 800))) writer.write(encode(part));
+  EXPECT_TRUE(server.samples.wait_count(50));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "tests/support/all_ports.h"
+#include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
 namespace coslam {
@@ -14,6 +15,7 @@ namespace {
 
 using test::TestDomain;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string error_of(const WireConfig& config) {
   try {
@@ -56,12 +58,44 @@ TEST(Participant, MissingCertificateIsNamed) {
   EXPECT_THAT(error_of(config), HasSubstr("certificate file '/nowhere/ca.pem' is missing"));
 }
 
+TEST(Participant, KeyFileMustBeFit) {
+  WireConfig config = loopback_config(10);
+  config.key_file = "/nowhere/fleet.key";
+  EXPECT_EQ(error_of(config), "key file '/nowhere/fleet.key' cannot be opened: No such file or directory");
+}
+
+TEST(Participant, WarnsOnceWhenItIsOpenToTheNetwork) {
+  const TestDomain domain;
+  const test::TempFolder folder;
+  const auto log_of = [](const WireConfig& config) {
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(error_of(config), "no error");
+    return testing::internal::GetCapturedStdout();
+  };
+  const std::string warning = "whoever can send datagrams to DDS domain " + std::to_string(domain.number());
+  WireConfig config = loopback_config(domain.number());
+  EXPECT_THAT(log_of(config), Not(HasSubstr(warning)));
+  config.interfaces.clear();
+  const std::string log = log_of(config);
+  EXPECT_THAT(log, HasSubstr(warning));
+  EXPECT_EQ(log.find(warning), log.rfind(warning));
+  config.key_file = folder.write("fleet.key", "the secret of this fleet").string();
+  std::filesystem::permissions(config.key_file, std::filesystem::perms::owner_read);
+  EXPECT_THAT(log_of(config), Not(HasSubstr(warning)));
+}
+
 TEST(LinkBytes, CountsTheHeadersOfEveryDatagram) {
   EXPECT_EQ(link_bytes(100, 1400), 260u);
   EXPECT_EQ(link_bytes(1224, 1400), 1384u) << "one full datagram";
   EXPECT_EQ(link_bytes(1225, 1400), 1225u + 2 * 172);
   EXPECT_EQ(link_bytes(1751, 1400), 1751u + 2 * 172) << "a frame of 300 tracks";
   EXPECT_EQ(link_bytes(1751, 65000), 1911u);
+}
+
+TEST(LinkBytes, CountsTheSealsWhereThereIsAKey) {
+  EXPECT_EQ(link_bytes(100, 1400, true), 292u);
+  EXPECT_EQ(link_bytes(1192, 1400, true), 1384u) << "one full datagram";
+  EXPECT_EQ(link_bytes(1193, 1400, true), 1193u + 2 * 204);
 }
 
 }  // namespace

@@ -67,9 +67,10 @@ TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
   loop.read<idl::TrackFrame>([&](const idl::TrackFrame& m, const Sample&) { received.add(m); });
   loop.start();
 
+  RejectionCounts refused;
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  auto* stranger =
-      factory->create_participant(static_cast<std::uint32_t>(domain.number()), participant_qos(config, "stranger"));
+  auto* stranger = factory->create_participant(static_cast<std::uint32_t>(domain.number()),
+                                               participant_qos(config, "stranger", refused));
   const dds::TypeSupport type(new Forger());
   type.register_type(stranger);
   dds::Topic* topic =

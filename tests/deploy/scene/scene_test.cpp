@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "common/base/error.h"
@@ -222,12 +223,14 @@ TEST(MakeScene, AnotherSizeSeesTheSameAcross) {
 }
 
 TEST(MakeScene, AFisheyeHasItsFieldFromCornerToCorner) {
-  for (const int field_deg : {60, 120, 150, 170}) {
-    const auto scene = sim::make_simulated_scene("room", 1, {.lens = "fisheye" + std::to_string(field_deg)});
+  const std::map<std::string, int> fields = {{"fisheye60", 60},   {"fisheye120", 120},    {"fisheye150", 150},
+                                             {"fisheye170", 170}, {"double_sphere", 150}, {"omni", 150}};
+  for (const auto& [lens, field_deg] : fields) {
+    const auto scene = sim::make_simulated_scene("room", 1, {.lens = lens});
     const CameraModel& camera = scene->camera(0);
     const auto corner = camera.undistorted_from_raw({-0.5, -0.5});
-    ASSERT_TRUE(corner.has_value()) << field_deg;
-    EXPECT_NEAR(2 * std::atan(camera.normalized_from_pixel(*corner).norm()) * kDegPerRad, field_deg, 0.1);
+    ASSERT_TRUE(corner.has_value()) << lens;
+    EXPECT_NEAR(2 * std::atan(camera.normalized_from_pixel(*corner).norm()) * kDegPerRad, field_deg, 0.1) << lens;
   }
 }
 
@@ -237,7 +240,7 @@ TEST(MakeScene, AnUnknownLensIsAUserErrorThatListsThem) {
       sim::make_simulated_scene("room", 1, {.lens = lens});
       FAIL() << lens;
     } catch (const UserError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("pinhole, radtan, equidistant, fisheye60"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("pinhole, radtan, equidistant, double_sphere, omni, fisheye60"));
     }
   }
 }

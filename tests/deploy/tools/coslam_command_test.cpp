@@ -70,7 +70,7 @@ TEST_F(CoslamCommand, AWrongRateIsSaidBeforeAnythingStarts) {
 
 TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("--help").exit_code, 0);
-  for (const char* command : {"run", "eval", "explain", "render", "export", "status", "calibrate"}) {
+  for (const char* command : {"run", "replay", "eval", "explain", "render", "export", "status", "calibrate"}) {
     const Outcome help = coslam(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage: coslam " + std::string(command)));
@@ -104,6 +104,7 @@ TEST_F(CoslamCommand, Explain) {
 }
 
 TEST_F(CoslamCommand, Eval) {
+  write_json(result_.report(), {{"agents", {{"cam0", {{"frames", 20}}}}}});
   const Outcome outcome = coslam("eval " + result() + " " + sequence_);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("joint ATE 0.0000 m"));
@@ -111,6 +112,37 @@ TEST_F(CoslamCommand, Eval) {
   EXPECT_LT(read_json(result_.evaluation())["ate_m"].get<double>(), 1e-6);
   const Outcome json = coslam("eval --json " + result() + " " + sequence_);
   EXPECT_EQ(nlohmann::json::parse(json.text)["sequence"], "line");
+}
+
+TEST_F(CoslamCommand, TheLatestRunOfAServerIsAResult) {
+  std::filesystem::create_directory(temp_ / "runs");
+  std::filesystem::rename(result_.path(), temp_ / "runs/20261123T084512Z-01");
+  std::filesystem::create_symlink("20261123T084512Z-01", temp_ / "runs/latest");
+  const ResultFolder run(temp_ / "runs/20261123T084512Z-01");
+  write_json(run.report(),
+             {{"agents", {{"cam0", {{"frames", 20}}}}}, {"maps", {{{"map", 1}, {"agents", {{"cam0", 20}}}}}}});
+  const std::string runs = (temp_ / "runs").string();
+  const Outcome eval = coslam("eval " + runs + " " + sequence_);
+  EXPECT_EQ(eval.exit_code, 0) << eval.text;
+  EXPECT_THAT(eval.text, Not(HasSubstr("warning")));
+  EXPECT_TRUE(std::filesystem::exists(run.evaluation()));
+  EXPECT_EQ(coslam("export " + runs + " --format tum " + (temp_ / "out").string()).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(temp_ / "out/cam0.tum"));
+  temp_.write("runs/latest/events.csv",
+              "t_s,set,kind,why,map,from,point,other,camera,track,to,a,b\n"
+              "0.5,9,point_made,two_cameras_now,1,,3,,,,static,,0.01\n3.0,90,end,run_is_over,,,,,,,,,\n");
+  EXPECT_EQ(coslam("explain " + runs + " point 3").exit_code, 0);
+}
+
+TEST_F(CoslamCommand, AResultWithoutReportIsReadWithOneWarning) {
+  for (const std::string& command :
+       {"eval " + result() + " " + sequence_, "export " + result() + " --format tum " + (temp_ / "out").string()}) {
+    const Outcome outcome = coslam(command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    const std::size_t warning = outcome.text.find("coslam: warning: " + result() + " has no report.json");
+    EXPECT_NE(warning, std::string::npos) << outcome.text;
+    EXPECT_EQ(outcome.text.find("warning", warning + 20), std::string::npos) << "once";
+  }
 }
 
 TEST_F(CoslamCommand, FailuresAreOneSentence) {
@@ -121,6 +153,31 @@ TEST_F(CoslamCommand, FailuresAreOneSentence) {
   const Outcome scene = coslam("render no-such-scene " + result());
   EXPECT_EQ(scene.exit_code, 1);
   EXPECT_THAT(scene.text, HasSubstr("no-such-scene"));
+}
+
+TEST_F(CoslamCommand, ReplayOfWhatIsNoRecording) {
+  const std::string out = " --out " + (temp_ / "out").string();
+  const std::string text = temp_.write("a.txt", "no recording of anybody").string();
+  const Outcome no_recording = coslam("replay " + text + out);
+  EXPECT_EQ(no_recording.exit_code, 1);
+  EXPECT_EQ(no_recording.text, "coslam: " + text + " is no recording of coslam\n");
+  const Outcome nothing = coslam("replay /nowhere" + out);
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_EQ(nothing.text, "coslam: /nowhere: cannot be read\n");
+  EXPECT_EQ(coslam("replay " + text + " --rate fast" + out).exit_code, 2);
+  EXPECT_EQ(coslam("replay").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(temp_ / "out"));
+}
+
+TEST_F(CoslamCommand, ARecordingIsNeverOverwritten) {
+  const std::string file = temp_.write("a.rec", "precious").string();
+  for (const char* how : {"", " --inline"}) {
+    const Outcome o = coslam("run " + sequence_ + " --record " + file + how + " --out " + (temp_ / "out").string());
+    EXPECT_EQ(o.exit_code, 1);
+    EXPECT_EQ(o.text, "coslam: " + file + " exists already: name another file for the recording\n");
+  }
+  EXPECT_EQ(std::filesystem::file_size(file), 8U);
+  EXPECT_FALSE(std::filesystem::exists(temp_ / "out"));
 }
 
 TEST_F(CoslamCommand, Export) {

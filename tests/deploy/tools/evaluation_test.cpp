@@ -180,6 +180,35 @@ TEST_F(ResultOfWall, AgentsThatDidNotTakePartDoNotCount) {
               HasSubstr("there is no trajectory/<agent>.tum"));
 }
 
+TEST_F(ResultOfWall, FilesOfAnotherRunDoNotCount) {
+  write_json(result_.report(),
+             {{"agents", {{"cam0", {{"frames", 31}}}}}, {"maps", {{{"map", 1}, {"agents", {{"cam0", 30}}}}}}});
+  const auto agents = load_paths(result_, sequence_);  // the folder has paths of cam1 too
+  ASSERT_EQ(agents.size(), 1u);
+  EXPECT_EQ(agents[0].name, "cam0");
+}
+
+TEST_F(ResultOfWall, AnotherMapIsJudgedByItself) {
+  save_tum(result_.of_map(MapId(5)).trajectory("cam1"), load_tum(result_.trajectory("cam1")));
+  save_tum(result_.trajectory("cam1"), {});
+  write_json(result_.report(),
+             {{"agents", {{"cam0", {{"frames", 31}}}, {"cam1", {{"frames", 31}}}}},
+              {"maps", {{{"map", 1}, {"agents", {{"cam0", 30}}}}, {{"map", 5}, {"agents", {{"cam1", 30}}}}}}});
+  GroupWriter groups(result_.groups());
+  groups.write({0, GroupId(1), {"cam0"}});
+  groups.write({0, GroupId(2), {"cam1"}});
+  groups.close();
+  const Evaluation e = evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr);
+  ASSERT_EQ(e.agents.size(), 2u);
+  EXPECT_NEAR(*e.agents[0].tracked_percent, 100.0 * 30 / 31, 1e-9);
+  EXPECT_EQ(e.agents[1].tracked_percent, 0) << "of the common map";
+  EXPECT_EQ(e.agents[1].poses_apart, 30);
+  ASSERT_EQ(e.maps.size(), 2u);
+  EXPECT_EQ(e.maps[1].id, MapId(5));
+  EXPECT_EQ(e.maps[1].agents, AgentNames{"cam1"});
+  EXPECT_LT(*e.maps[1].ate_m, 1e-6);
+}
+
 TEST_F(ResultOfWall, TextFitsAScreen) {
   const std::string text = to_text(evaluate(result_, sequence_, load_paths(result_, sequence_), &scene_));
   EXPECT_THAT(text, HasSubstr("joint ATE 0.0000 m"));

@@ -31,20 +31,22 @@ class Export : public ::testing::Test {
     save_tum(result_.trajectory("a"), {{0, Rigid3({0, 0, 0, 1}, {1, 2, 3}).inverse()},
                                        {500'000'000, Rigid3(Eigen::Quaterniond::Identity(), {-4, -5, -6})}});
   }
+  ResultMap common() const { return contents_of(result_).maps.front(); }
+
   test::TempFolder temp_;
   ResultFolder result_{temp_ / "result"};
   std::filesystem::path out_ = temp_ / "out";
 };
 
 TEST_F(Export, Trajectories) {
-  EXPECT_THAT(export_tum(result_, out_), ElementsAre(out_ / "a.tum"));
+  EXPECT_THAT(export_tum(common(), out_), ElementsAre(out_ / "a.tum"));
   EXPECT_EQ(load_tum(out_ / "a.tum").size(), 2u);
-  export_euroc(result_, out_);
+  export_euroc(common(), out_);
   const auto euroc = lines_of(out_ / "a.csv");
   ASSERT_EQ(euroc.size(), 3u);
   EXPECT_THAT(euroc[1], HasSubstr("0,1.000000000,2.000000000,3.000000000,0.0000"));
   EXPECT_THAT(euroc[2], HasSubstr("500000000,"));
-  export_kitti(result_, out_);
+  export_kitti(common(), out_);
   std::istringstream kitti(lines_of(out_ / "a.txt").at(0));
   std::vector<double> m(12);
   for (double& v : m) kitti >> v;
@@ -52,10 +54,10 @@ TEST_F(Export, Trajectories) {
 }
 
 TEST_F(Export, Ply) {
-  EXPECT_THAT(test::error_of<UserError>([&] { export_ply(result_, out_); }),
+  EXPECT_THAT(test::error_of<UserError>([&] { export_ply(common(), out_); }),
               HasSubstr("map.ply: there is no such map"));
   write_ply(result_.map(), {ResultPoint()});
-  EXPECT_THAT(export_ply(result_, out_), ElementsAre(out_ / "map.ply"));
+  EXPECT_THAT(export_ply(common(), out_), ElementsAre(out_ / "map.ply"));
   EXPECT_EQ(lines_of(out_ / "map.ply").at(0), "ply");
 }
 
@@ -81,7 +83,7 @@ TEST_F(Export, Colmap) {
   tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(5), PointState::kStatic});  // has no pose
   tracks.close();
 
-  const auto files = export_colmap(result_, sequence, out_);
+  const auto files = export_colmap(common(), sequence, out_);
   EXPECT_EQ(lines_of(files[0]).back(), "1 OPENCV 640 480 400 410 320.5 240.5 0.1 0 0 0");
   const auto images = lines_of(files[1]);
   ASSERT_EQ(images.size(), 6u);
@@ -96,9 +98,25 @@ TEST_F(Export, Colmap) {
   EXPECT_THAT(model_points[1], HasSubstr(" 1 0 2 0"));
 }
 
+TEST_F(Export, EachMapByItself) {
+  const ResultFolder apart = result_.of_map(MapId(4));
+  save_tum(apart.trajectory("b"), load_tum(result_.trajectory("a")));
+  for (const ResultFolder& folder : {result_, apart}) write_ply(folder.map(), {ResultPoint()});
+  save_tum(result_.trajectory("b"), {});
+  save_tum(result_.trajectory("of_another_run"), {});
+  write_json(result_.report(),
+             {{"agents", {{"a", {}}, {"b", {}}}},
+              {"maps", {{{"map", 1}, {"agents", {{"a", 2}}}}, {{"map", 4}, {"agents", {{"b", 2}}}}}}});
+  const ResultContents contents = contents_of(result_);
+  EXPECT_THAT(export_maps(contents, out_, export_tum), ElementsAre(out_ / "a.tum", out_ / "maps/4/b.tum"));
+  EXPECT_EQ(load_tum(out_ / "maps/4/b.tum").size(), 2u);
+  EXPECT_THAT(export_maps(contents, out_, export_ply), ElementsAre(out_ / "map.ply", out_ / "maps/4/map.ply"));
+}
+
 TEST_F(Export, SaysWhatIsMissing) {
   const ResultFolder empty(temp_ / "empty");
-  EXPECT_THAT(test::error_of<UserError>([&] { export_tum(empty, out_); }), HasSubstr("no trajectory/<agent>.tum"));
+  const ResultMap nothing = contents_of(empty).maps.front();
+  EXPECT_THAT(test::error_of<UserError>([&] { export_tum(nothing, out_); }), HasSubstr("no trajectory/<agent>.tum"));
 }
 
 }  // namespace

@@ -337,6 +337,40 @@ TEST_F(DdsLinkTest, AFrameSentAgainIsDeliveredOnceAndAnsweredAgain) {
   server->send(patch);
 }
 
+TEST_F(DdsLinkTest, AFrameThatCouldNotBeUsedComesAgainAndStandsAlone) {
+  // A server made by hand, which answers the first frame and says nothing to the second.
+  const RunId run(1);
+  Participant participant(config_, "test");
+  test::Collector<idl::TrackFrame> frames;
+  Loop loop(participant, "server", 50ms, [] {});
+  loop.read<idl::TrackFrame>([&](const idl::TrackFrame& m, const Sample&) { frames.add(m); });
+  loop.start();
+  Writer<idl::MapPatch> patches(participant, partition_of(run));
+  const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", run));
+  const std::jthread player([&] { EXPECT_EQ(play(*agent, speech("cam0", run, 2)), 2U); });
+  const auto answer = [&](std::uint32_t frame) {
+    MapPatch patch = WireValues(2).map_patch("cam0", run, frame + 1, 5);
+    patch.after_frame = FrameId(frame);
+    patches.write(encode(patch));
+  };
+  const auto of_frame = [&](std::uint32_t frame, std::size_t count) {
+    std::vector<idl::TrackFrame> found;
+    EXPECT_TRUE(frames.wait([&](const auto& all) {
+      found.clear();
+      std::ranges::copy_if(all, std::back_inserter(found), [&](const auto& m) { return m.frame() == frame; });
+      return found.size() >= count && patches.readers() > 0;
+    }));
+    return found;
+  };
+  of_frame(0, 1);
+  answer(0);
+  const auto twice = of_frame(1, 2);
+  ASSERT_GE(twice.size(), 2U);
+  EXPECT_EQ(twice[0].reference_age(), 1);
+  EXPECT_EQ(twice[1].reference_age(), 0);
+  answer(1);
+}
+
 TEST_F(DdsLinkTest, AnAnswerThatWasLostIsSentAgain) {
   // An agent made by hand, since a real one does not repeat a frame that was answered.
   Participant participant(config_, "test");

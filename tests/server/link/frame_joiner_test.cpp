@@ -43,6 +43,40 @@ TEST_F(FrameJoinerTest, AFrameThatAnnouncesNothingGoesAtOnce) {
   EXPECT_EQ(pop(live_), -1);
 }
 
+// Live: a frame after a gap goes at once while frames come in order, and waits for the one before where they do not.
+TEST_F(FrameJoinerTest, WaitsForFramesThatAreOvertaken) {
+  live_.add(frame(0), now_);
+  live_.add(frame(2), now_);
+  EXPECT_EQ(pop(live_), 0);
+  EXPECT_EQ(pop(live_), 2) << "frames get lost";
+  now_ += 50ms;
+  EXPECT_EQ(live_.add(frame(1), now_), Rejection::kDuplicate) << "too late this time";
+  live_.add(frame(4), now_);
+  EXPECT_EQ(pop(live_), -1);
+  now_ += 40ms;
+  live_.add(frame(3), now_);
+  EXPECT_EQ(pop(live_), 3);
+  EXPECT_EQ(pop(live_), 4);
+  live_.add(frame(6), now_);
+  EXPECT_EQ(pop(live_), -1);
+  now_ += 61ms;
+  EXPECT_EQ(pop(live_), 6) << "that one is lost";
+}
+
+TEST_F(FrameJoinerTest, ForgetsThatFramesWereOvertaken) {
+  live_.add(frame(1), now_);
+  EXPECT_EQ(pop(live_), 1);
+  now_ += 10s;
+  live_.add(frame(0), now_);  // a quarter of a second is waited at most
+  for (std::uint32_t i = 2; i < 1500; ++i) {
+    live_.add(frame(i), now_);
+    pop(live_);
+  }
+  live_.add(frame(1501), now_);
+  now_ += 13ms;
+  EXPECT_EQ(pop(live_), 1501);
+}
+
 TEST_F(FrameJoinerTest, LockstepWaitsForBothReplies) {
   lockstep_.add(frame(7, 3, true), now_);
   now_ += 1h;
@@ -59,6 +93,22 @@ TEST_F(FrameJoinerTest, RepliesMayComeFirst) {
   lockstep_.add(patches(7));
   EXPECT_EQ(pop(lockstep_), -1);
   lockstep_.add(frame(7, 3, true), now_);
+  ASSERT_EQ(pop(lockstep_), 7);
+  EXPECT_TRUE(last().patches && last().descriptors);
+}
+
+TEST_F(FrameJoinerTest, AReplyInPartsIsOne) {
+  lockstep_.add(frame(7, 3, true), now_);
+  lockstep_.add(patches(7));
+  for (const std::uint16_t number : {2, 0}) {
+    DescriptorReply part = descriptors(7);
+    part.part = {number, 3};
+    lockstep_.add(part);
+    EXPECT_EQ(pop(lockstep_), -1);
+  }
+  DescriptorReply last_part = descriptors(7);
+  last_part.part = {1, 3};
+  lockstep_.add(last_part);
   ASSERT_EQ(pop(lockstep_), 7);
   EXPECT_TRUE(last().patches && last().descriptors);
 }

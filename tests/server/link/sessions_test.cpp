@@ -180,6 +180,30 @@ TEST_F(SessionsTest, ARestartEndsTheRunBefore) {
   EXPECT_EQ(sessions_.refused().back().agent_run, RunId(3)) << "its time is up";
 }
 
+TEST_F(SessionsTest, FramesAreDecodedAgainstThoseOfTheirOwnRun) {
+  const double scale = pixel_scale(test::vga_camera());
+  TrackEncoder encoder(scale);
+  const auto message = [&](std::uint32_t number, std::optional<FrameId> acknowledged) {
+    return encoder.encode(values_.frame("a", RunId(1), number, 20), acknowledged);
+  };
+  join("a", 1);
+  join("b", 2);
+  sessions_.receive(message(0, {}), 1, now_);
+  frame("b", 2, 5);
+  sessions_.receive(message(1, FrameId(0)), 1, now_);
+  is(1, Presence::kGone);
+  sessions_.receive(message(2, FrameId(1)), 1, now_);  // a sign of life; it is not open yet
+  sessions_.open(RunId(1));
+  sessions_.receive(message(3, FrameId(1)), 1, now_);
+  EXPECT_THAT(events(), ElementsAre("frame 0", "frame 5", "frame 1", "a gone", "hello 1", "frame 3"));
+  sessions_.receive(message(4, FrameId(2)), 1, now_);
+  EXPECT_THAT(events(), IsEmpty());
+  EXPECT_EQ(rejections_[Rejection::kMissingReference], 1U) << "it was not open when frame 2 came";
+  sessions_.receive(message(5, FrameId(3)), 1, now_);
+  EXPECT_THAT(events(), ElementsAre("frame 5"));
+  EXPECT_EQ(sessions_.bytes("a").up, 1U + 5) << "what is of no use was sent all the same";
+}
+
 TEST_F(SessionsTest, BytesAreThoseOfAdmittedRuns) {
   join("a", 1);
   hello("b", 2);

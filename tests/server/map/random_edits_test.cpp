@@ -235,6 +235,41 @@ TEST_P(RandomEditsTest, QueriesSayWhatAScanSays) {
   EXPECT_LT(run.sim().map.recent_points().size(), run.sim().map.points().size()) << "some are old";
 }
 
+// As rows, of which only those that changed were given out after each step, and back.
+TEST_P(RandomEditsTest, OutlivesItsServer) {
+  RandomEdits run(GetParam(), false);
+  MapRows rows;
+  Tables tables;
+  const auto keep = [](std::vector<Row> changes, Tables* in) {
+    for (Row& row : changes) {
+      if (row.bytes.empty()) {
+        EXPECT_EQ((*in)[row.table].erase(row.key), 1U) << "only what was there goes";
+      } else {
+        (*in)[row.table][row.key] = std::move(row.bytes);
+      }
+    }
+  };
+  std::size_t given = 0;
+  for (int i = 0; i < 80; ++i) {
+    run.step();
+    auto changes = rows.changes(run.sim().map);
+    given = changes.size();
+    keep(std::move(changes), &tables);
+  }
+  MapEdit other(run.sim().map.config());
+  other.restore(tables);
+  test::expect_consistent(other.map());
+  Tables first, second;
+  keep(MapRows().changes(run.sim().map), &first);
+  keep(MapRows().changes(other.map()), &second);
+  for (const char* table : {"camera", "frame", "point", "motion", "state"}) {
+    EXPECT_TRUE(first[table] == tables[table]) << table << ": what was given out step by step is all";
+    EXPECT_TRUE(second[table] == first[table]) << table;
+  }
+  EXPECT_LT(given, first["frame"].size()) << "not everything every time";
+  EXPECT_EQ(other.map().recent_points().size(), run.sim().map.recent_points().size());
+}
+
 TEST(RandomEditsJournal, IsTheSameMapWithAndWithout) {
   RandomEdits with(7, true), without(7, false);
   for (int i = 0; i < 40; ++i) {

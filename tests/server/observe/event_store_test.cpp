@@ -102,8 +102,28 @@ TEST_F(EventStoreTest, EndsAtItsBound) {
   EXPECT_EQ(lines[lines.size() - 2].kind, "point_made");
 }
 
-TEST_F(EventStoreTest, SwitchedOffLeavesNoFile) {
-  temp_.write("events.csv", "of a run before\n");
+TEST_F(EventStoreTest, AnEndForNowGivesWayToWhatComesAfter) {
+  EventStore store(file_, {});
+  step(store, 0, 1);
+  store.end_for_now();
+  EXPECT_THAT(kinds_of(file_), ElementsAre("point_made", "end"));
+  edit_.journal().begin_set();  // the server's finish
+  edit_.remove_point(edit_.map().points().begin()->second, Why::kTooFewViews, {1, 0});
+  store.finish(edit_.journal(), edit_.map());
+  EXPECT_THAT(kinds_of(file_), ElementsAre("point_made", "point_removed", "end"));
+}
+
+TEST_F(EventStoreTest, AnEndAtTheBoundIsTheLast) {
+  EventStore store(file_, {.most_mb = 0.002});
+  for (std::uint32_t set = 0; set < 10; ++set) step(store, set, 5);
+  store.end_for_now();
+  const auto lines = lines_of(file_).size();
+  store.finish(edit_.journal(), edit_.map());
+  EXPECT_EQ(lines_of(file_).size(), lines);
+  EXPECT_EQ(lines_of(file_).back().why, "file_is_full");
+}
+
+TEST_F(EventStoreTest, SwitchedOffMakesNoFile) {
   EventStore store(file_, {.enabled = false});
   EXPECT_FALSE(std::filesystem::exists(file_));
   edit_.journal().enable(false);

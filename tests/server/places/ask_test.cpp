@@ -27,14 +27,16 @@ class AskTest : public testing::Test {
     test::SimMap sim(world_, {[=](double t_s) { return test::looking({0, 0, 2}, turn_rad_s * t_s); }});
     const MapCamera& camera = sim.map.camera(CameraId(0));
     std::vector<Asked> out;
+    int asked_at = 0;
     for (int i = 0; i < 30 * time_s; ++i) {
       sim.ingest();
       if (placed) sim.place_truly();
       if (placed && i == 0) sim.add_points();
+      if (!out.empty() && i == asked_at + answer_sets_) asking_.came(camera.id, sim.set.id);
       const DescriptorRequest r = asking_.ask(sim.map, camera, why(i));
       if (r == DescriptorRequest::kNone) continue;
       out.push_back({sim.set.id, r});
-      asking_.came(camera.id, sim.set.id);
+      asked_at = i;
     }
     sets_in_soon_ = sim.map.sets_in(config_.soon_s);
     return out;
@@ -51,6 +53,7 @@ class AskTest : public testing::Test {
   AskConfig config_;
   Asking asking_{config_};
   std::uint32_t sets_in_soon_ = 0;
+  int answer_sets_ = 1;  // until an answer is there; 1 in lock-step
 };
 
 TEST_F(AskTest, ACameraWithoutAMapDescribesAllOfItsImageSoon) {
@@ -58,6 +61,14 @@ TEST_F(AskTest, ACameraWithoutAMapDescribesAllOfItsImageSoon) {
   EXPECT_EQ(asked.size(), 10U);
   EXPECT_EQ(least_gap(asked), sets_in_soon_);
   for (const Asked& a : asked) EXPECT_EQ(a.request, DescriptorRequest::kEverywhere);
+}
+
+TEST_F(AskTest, IsNotAskedAgainWhileTheAnswerIsOnItsWay) {
+  answer_sets_ = 15;
+  EXPECT_EQ(run(3, 0, nothing, false).size(), 6U) << "each half a second";
+  asking_ = Asking(config_);
+  answer_sets_ = 1000;
+  EXPECT_EQ(run(3, 0, nothing, false).size(), 3U) << "lost: again after a second";
 }
 
 TEST_F(AskTest, ACameraThatStandsStillIsAskedOnce) {

@@ -34,12 +34,12 @@ class MeetTest : public testing::Test {
 
 TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
   int asked = 0;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 80; ++i) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  const auto period = static_cast<int>(sim_.map.sets_in(config_.ask.soon_s));
-  EXPECT_EQ(asked, (20 + period - 1) / period);
+  const auto period = static_cast<int>(sim_.map.sets_in(config_.ask.least_period_s));
+  EXPECT_EQ(asked, (80 + period - 1) / period) << "no answer comes";
 }
 
 TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {

@@ -76,6 +76,32 @@ TEST_F(SyncTest, WaitsForAllAndSaysForWhom) {
   EXPECT_EQ(pop(), "");
 }
 
+// Its clock or its link is half a second behind: the others wait for it by so much, and the deadline more.
+TEST_F(SyncTest, WaitsForOneThatIsAlwaysLate) {
+  add({kA, kB});
+  int pairs = 0, late = 0;
+  for (int i = 0; i < 200; ++i) {
+    now_ns_ = i * kPeriod + 1'000'000 * kMs;
+    push(kA, i * kPeriod);
+    if (i >= 15) late += !push(kB, (i - 15) * kPeriod);
+    for (std::string s = pop(); !s.empty(); s = pop()) pairs += s.find(' ') != std::string::npos;
+  }
+  EXPECT_LE(late, 15) << "until it is known how late it is";
+  EXPECT_GE(pairs, 165);
+}
+
+TEST_F(SyncTest, DoesNotWaitForOneThatIsSecondsLate) {
+  add({kA, kB});
+  int sets = 0;
+  for (int i = 0; i < 200; ++i) {
+    now_ns_ = i * kPeriod + 1'000'000 * kMs;
+    push(kA, i * kPeriod);
+    if (i >= 100) push(kB, (i - 100) * kPeriod);
+    for (std::string s = pop(); !s.empty(); s = pop()) ++sets;
+  }
+  EXPECT_GE(sets, 160);
+}
+
 TEST_F(SyncTest, FramesOfOneInstantOnly) {
   add({kA, kB});
   push(kA, 0);

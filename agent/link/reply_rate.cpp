@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/link/reply_rate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace coslam {
+namespace {
+
+constexpr double kLeast_bytes_per_s = 4e3, kMost_bytes_per_s = 10e6;  // the middleware has its own pace above
+constexpr double kSoon_s = 0.1, kLate_s = 0.3;
+constexpr double kDoubledIn_s = 2.0;
+constexpr double kSettling_s = 0.6;  // until a change shows
+
+}  // namespace
+
+void ReplyRate::heard(double uplink_wait_s, bool replies_wait, Instant now) {
+  const double since_s = heard_ ? std::chrono::duration<double>(now - *heard_).count() : 0;
+  heard_ = now;
+  if (uplink_wait_s > kLate_s) {
+    if (halved_ && now - *halved_ < std::chrono::duration<double>(kSettling_s)) return;
+    halved_ = now;
+    bytes_per_s_ = std::max(kLeast_bytes_per_s, 0.5 * bytes_per_s_);
+  } else if (uplink_wait_s < kSoon_s && replies_wait) {
+    bytes_per_s_ =
+        std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s, kDoubledIn_s) / kDoubledIn_s));
+  }
+}
+
+}  // namespace coslam

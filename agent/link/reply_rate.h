@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "common/base/time.h"
+
+namespace coslam {
+
+// How many bytes a second of replies a live agent sends beside its frames: more while frames come as soon as ever
+// though replies wait to be sent, half as soon as frames wait for them. Pure: time is an argument. Thread-compatible.
+class ReplyRate {
+ public:
+  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took.
+  void heard(double uplink_wait_s, bool replies_wait, Instant now);
+  double bytes_per_s() const { return bytes_per_s_; }
+
+ private:
+  double bytes_per_s_ = 150e3;
+  std::optional<Instant> heard_, halved_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/link/send_rate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace coslam {
+namespace {
+
+constexpr double kLeastRate_hz = 10;
+constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
+constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
+constexpr double kLateFor_s = 1.2;  // a stall is no narrow link
+constexpr double kSoonAtFirst_s = 0.4;
+constexpr double kSilence_s = 3;                         // as bad as late
+constexpr double kSettling_s = 1.5;                      // until a change shows
+constexpr double kPatience_s = 5, kMostPatience_s = 60;  // of soon messages before more is tried
+constexpr double kForget = 1e-4;                         // of the least time, a message: clocks drift
+
+double seconds(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
+
+}  // namespace
+
+SendRate::SendRate(double rate_hz)
+    : rate_hz_(rate_hz),
+      most_(std::max(1, static_cast<int>(rate_hz / kLeastRate_hz))),
+      one_in_(most_),
+      patience_s_(kPatience_s) {}
+
+bool SendRate::due(TimeNs capture_ns) {
+  ++passed_;
+  if (hold_until_ && now_ < *hold_until_) return false;
+  const auto number = std::llround(to_seconds(capture_ns) * rate_hz_);
+  if (number % one_in_ != 0 && passed_ < 2 * one_in_) return false;  // where frames are missing, do not wait for ever
+  passed_ = 0;
+  return true;
+}
+
+void SendRate::heard(double uplink_wait_s, double downlink_s, Instant now) {
+  heard_ = now_ = now;
+  least_downlink_s_ = least_downlink_s_ ? std::min(*least_downlink_s_ + kForget, downlink_s) : downlink_s;
+  const double wait_s = std::max(uplink_wait_s, downlink_s - *least_downlink_s_);
+  // A link that was cut is as it was before.
+  if (before_silence_ && wait_s <= kSoon_s) one_in_ = *before_silence_;
+  before_silence_.reset();
+  waited(wait_s, now);
+}
+
+void SendRate::tick(Instant now) {
+  now_ = now;
+  if (!heard_) heard_ = now;
+  if (seconds(*heard_, now) <= kSilence_s) return;
+  if (!before_silence_) before_silence_ = one_in_;
+  waited(kSilence_s, now);
+}
+
+void SendRate::waited(double wait_s, Instant now) {
+  if (wait_s <= kLate_s) late_since_.reset();
+  if (wait_s > kLate_s && !late_since_) late_since_ = now;
+  if (wait_s > kSoon_s) soon_since_.reset();
+  if (wait_s <= kSoon_s && !soon_since_) soon_since_ = now;
+  if (starting_) {
+    if (soon_since_ && seconds(*soon_since_, now) >= kSoonAtFirst_s) one_in_ = 1;
+    starting_ = one_in_ > 1 && !late_since_;
+    return;
+  }
+  if (changed_ && seconds(*changed_, now) < kSettling_s) return;
+  if (late_since_ && seconds(*late_since_, now) > kLateFor_s && wait_s > kFarTooLate_s && wait_s < kSilence_s &&
+      most_ > 1 && (!held_ || seconds(*held_, now) > kBetweenPauses_s)) {
+    held_ = now;
+    hold_until_ = now + std::chrono::duration_cast<Instant::duration>(
+                            std::chrono::duration<double>(std::min(wait_s, kLongestPause_s)));
+  }
+  if (late_since_ && seconds(*late_since_, now) > kLateFor_s && one_in_ < most_) {
+    if (changed_) patience_s_ = std::min(2 * patience_s_, kMostPatience_s);
+    one_in_ = wait_s > kFarTooLate_s ? most_ : one_in_ + 1;
+    changed_ = now;
+  } else if (soon_since_ && one_in_ > 1 && seconds(std::max(*soon_since_, *changed_), now) > patience_s_) {
+    --one_in_;
+    changed_ = now;
+  }
+}
+
+}  // namespace coslam

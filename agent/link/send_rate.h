@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "common/base/time.h"
+
+namespace coslam {
+
+// How many of its frames a live agent sends, by how long messages wait on the link. On one that cannot carry all, they
+// come ever later, since what waits for it heaps up: then only every second frame goes, every third and so on, down to
+// ten a second. Where far too much waits, ten at once, after a pause in which that gets through; and ten at first,
+// until the server's answers have come soon for a moment. When they come soon again, more are tried; each try that
+// fails makes the next one wait twice as long. What the server itself takes, or waits for others, does not count. Pure:
+// time is an argument. Thread-compatible.
+class SendRate {
+ public:
+  explicit SendRate(double rate_hz);
+
+  // Whether the frame of this capture time is to be sent; asked once a frame. Agents that send one in so many send
+  // those of the same instants, as far as their clocks agree: what several cameras see at once is worth most.
+  bool due(TimeNs capture_ns);
+  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took, as the server says;
+  // downlink_s: how long the message took, give or take what the clocks differ by.
+  void heard(double uplink_wait_s, double downlink_s, Instant now);
+  // Once a frame, while the server lives: hearing nothing is as bad as hearing late.
+  void tick(Instant now);
+
+  // One frame in so many.
+  int one_in() const { return one_in_; }
+  // The link carries less than everything: what is not urgent waits.
+  bool narrow() const { return one_in_ > 1 && !starting_; }
+
+ private:
+  void waited(double wait_s, Instant now);
+
+  const double rate_hz_;
+  const int most_;
+  int one_in_, passed_ = 0;
+  bool starting_ = true;
+  Instant now_{};
+  std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
+  std::optional<int> before_silence_;         // one_in_ then
+  std::optional<double> least_downlink_s_;
+  std::optional<Instant> heard_, late_since_, soon_since_, changed_;
+  double patience_s_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/ids.h"
+
+// Where the files of a RESULT folder lie, see docs/configuration.md.
+namespace coslam {
+
+// The link beside the folders of a server's runs that names the newest.
+inline constexpr const char* kLatestRun = "latest";
+
+class ResultFolder {
+ public:
+  explicit ResultFolder(std::filesystem::path folder) : run_(std::move(folder)), map_(run_) {}
+  // Where the files lie of a map that has no known relation to the common one: its coordinates and its unit of length
+  // are its own. What belongs to the whole run is where it was.
+  ResultFolder of_map(MapId map) const { return {run_, run_ / "maps" / std::to_string(map.value)}; }
+  // Maps beside the common one that have a folder; ascending.
+  std::vector<MapId> map_folders() const;
+
+  // Of the map: the common one, or that of of_map().
+  const std::filesystem::path& path() const { return map_; }
+  std::filesystem::path trajectory(const std::string& agent) const { return map_ / "trajectory" / (agent + ".tum"); }
+  std::filesystem::path live(const std::string& agent) const { return map_ / "live" / (agent + ".tum"); }
+  std::filesystem::path points() const { return map_ / "points.csv"; }
+  std::filesystem::path dynamic() const { return map_ / "dynamic.csv"; }
+  std::filesystem::path objects() const { return map_ / "objects.csv"; }
+  std::filesystem::path map() const { return map_ / "map.ply"; }
+
+  // Of the run.
+  std::filesystem::path tracks(const std::string& agent) const { return run_ / "tracks" / (agent + ".csv"); }
+  std::filesystem::path groups() const { return run_ / "groups.csv"; }
+  std::filesystem::path events() const { return run_ / "events.csv"; }
+  std::filesystem::path report() const { return run_ / "report.json"; }
+  std::filesystem::path evaluation() const { return run_ / "eval.json"; }
+  std::filesystem::path top_view() const { return run_ / "top_view.png"; }
+  // Poses in the frame of a map that became part of another later.
+  std::filesystem::path live_before(MapId map, const std::string& agent) const {
+    return run_ / "live" / ("map" + std::to_string(map.value)) / (agent + ".tum");
+  }
+
+  // Something of a run is in it, whole or not.
+  bool holds_run() const;
+  // Removes what a run and its evaluation write; other files stay. Throws UserError.
+  void remove_run() const;
+
+ private:
+  ResultFolder(std::filesystem::path run, std::filesystem::path map) : run_(std::move(run)), map_(std::move(map)) {}
+
+  std::filesystem::path run_, map_;
+};
+
+// The RESULT that a user names: a run's folder, or the folder of a server's runs, whose `latest` is taken. Throws
+// UserError.
+ResultFolder find_result(const std::filesystem::path& named);
+
+// One map of a run, and who has poses in it.
+struct ResultMap {
+  MapId id;  // 0: not known
+  ResultFolder folder;
+  std::vector<std::string> agents;  // whose trajectory is in the folder; ascending
+};
+
+struct ResultContents {
+  std::vector<std::string> agents;  // who took part; ascending
+  std::vector<ResultMap> maps;      // the common one first: there always is one
+  bool reported = true;             // false: without report.json, as of a server that was killed
+};
+
+// What the report says is in the result; without one what lies in the folder. Throws UserError: file.
+ResultContents contents_of(const ResultFolder& result);
+
+}  // namespace coslam

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+#include <memory>
+
+#include "common/wire/counters.h"
+#include "common/wire/guard.h"
+
+// Only for the sources of this folder: the headers are heavy.
+namespace coslam {
+
+// A transport that seals what it sends over `carrier` and passes on what it can open: the middleware, which stops the
+// process on some malformed datagrams, reads none of a stranger. Refused ones are counted in `refused`, which outlives
+// the participant, and logged, at most once a second. Messages are kSealBytes smaller than those of `carrier`.
+std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> guarded_transport(
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier, const FleetKey& key,
+    RejectionCounts& refused);
+
+}  // namespace coslam

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "common/model/track_frame.h"
+#include "common/wire/counters.h"
+
+// Answers to requests travel in parts that fit one datagram each: on a narrow link they go between the frames, and the
+// loss of one costs no other.
+namespace coslam {
+
+std::vector<PatchReply> in_parts(const PatchReply& reply);
+std::vector<DescriptorReply> in_parts(const DescriptorReply& reply);
+
+// Puts the parts of the answers of one agent run together, whatever their order. Of a type of answer at most `bound`
+// are held; the oldest makes room. Thread-compatible.
+template <class Reply>
+class PartJoiner {
+ public:
+  explicit PartJoiner(std::size_t bound) : bound_(bound) {}
+
+  // As decode() gives it. Not taken, or another one lost for it, when the result names a reason.
+  std::optional<Rejection> add(Reply part);
+  bool has(FrameId frame) const;             // all of it
+  std::optional<Reply> take(FrameId frame);  // all of it; empty when some of it is missing
+  std::optional<FrameId> oldest_complete() const;
+
+ private:
+  struct Gathered {
+    FrameId frame;
+    std::vector<std::optional<Reply>> parts;
+    std::size_t missing = 0;
+  };
+  const std::size_t bound_;
+  std::deque<Gathered> gathered_;  // as they came
+};
+
+extern template class PartJoiner<PatchReply>;
+extern template class PartJoiner<DescriptorReply>;
+
+}  // namespace coslam

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "common/base/error.h"
+#include "common/flow/clock.h"
+#include "deploy/tools/commands.h"
+#include "server/map_server.h"
+#include "server/observe/result_store.h"
+#include "server/store/map_file.h"
+
+namespace coslam {
+namespace {
+
+using Access = MapFile::Access;
+
+struct MapArguments {
+  std::string file, folder;
+};
+
+MapServer load(const MapFile& file) {
+  MapServer server(RunId(1), {});
+  server.restore(file.read(), 0);
+  return server;
+}
+
+std::string text_of_time(TimeNs utc_ns) {
+  const std::time_t t = utc_ns / 1'000'000'000;
+  std::tm utc{};
+  gmtime_r(&t, &utc);
+  std::string text(32, '\0');
+  text.resize(std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &utc));
+  return text;
+}
+
+struct MapCensus {
+  int points = 0, moving = 0;
+  std::map<CameraId, int> frames;
+};
+
+std::map<MapId, MapCensus> census(const Map& map) {
+  std::map<MapId, MapCensus> maps;
+  for (const auto& [id, p] : map.points()) {
+    ++maps[p.map].points;
+    if (p.moves()) ++maps[p.map].moving;
+  }
+  for (const MapCamera& c : map.cameras()) {
+    for (const FramePose& f : c.frames) {
+      if (f.valid()) ++maps[f.map].frames[c.id];
+    }
+  }
+  return maps;
+}
+
+int list(const MapArguments& arguments) {
+  const MapFile file(arguments.file, Access::kRead);
+  const MapServer server = load(file);
+  const Map& map = server.map();
+  const double mib = static_cast<double>(std::filesystem::file_size(file.path())) / (1U << 20U);
+  std::printf("%s: %.1f MiB, saved %s\n", file.path().c_str(), mib,
+              file.saved_ns() ? text_of_time(*file.saved_ns()).c_str() : "never");
+  for (const auto& [id, of] : census(map)) {
+    std::printf("map %u%s: %d points, %d of them moving; key frames of all maps: %zu\n", id.value,
+                map.is_metric(id) ? " (metres)" : "", of.points, of.moving, map.key_frames().size());
+    for (const auto& [camera, frames] : of.frames)
+      std::printf("  %s: %d frames\n", map.camera(camera).name.c_str(), frames);
+  }
+  return 0;
+}
+
+int check(const MapArguments& arguments) {
+  const MapFile file(arguments.file, Access::kRead);
+  file.check();
+  const MapServer server = load(file);
+  std::printf("%s is sound: %zu points, %zu cameras\n", file.path().c_str(), server.map().points().size(),
+              server.map().cameras().size());
+  return 0;
+}
+
+int compact(const MapArguments& arguments) {
+  const auto before = std::filesystem::exists(arguments.file) ? std::filesystem::file_size(arguments.file) : 0;
+  if (before == 0) throw UserError("there is no map file " + arguments.file);
+  MapFile file(arguments.file, Access::kWrite);
+  file.check();
+  file.compact();
+  std::printf("%s: %ju bytes of %ju\n", file.path().c_str(), std::filesystem::file_size(file.path()), before);
+  return 0;
+}
+
+int adjust(const MapArguments& arguments) {
+  if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
+  MapFile file(arguments.file, Access::kWrite);
+  MapServer server = load(file);
+  server.finish();
+  file.write(server.changed_rows(), utc_now_ns());
+  for (const std::string& warning : server.take_warnings()) std::fprintf(stderr, "coslam map: %s\n", warning.c_str());
+  std::printf("%s is adjusted\n", file.path().c_str());
+  return 0;
+}
+
+int export_map(const MapArguments& arguments) {
+  const MapFile file(arguments.file, Access::kRead);
+  MapServer server = load(file);
+  server.meet_all();
+  if (ResultFolder(arguments.folder).holds_run()) throw UserError(arguments.folder + " holds a run: choose another");
+  ResultStore(arguments.folder).finish(server, {{"map_file", file.path().filename().string()}});
+  std::printf("%s\n", arguments.folder.c_str());
+  return 0;
+}
+
+using Do = int (*)(const MapArguments&);
+
+CLI::App* add(CLI::App& map, Command& chosen, const char* name, const char* what, Do work,
+              const std::shared_ptr<MapArguments>& arguments) {
+  CLI::App* command = map.add_subcommand(name, what);
+  command->add_option("FILE", arguments->file, "map file, as --map names it")->required();
+  command->callback([=, &chosen] { chosen = [=] { return work(*arguments); }; });
+  return command;
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, Command& chosen) {
+  const auto arguments = std::make_shared<MapArguments>();
+  CLI::App* map = app.add_subcommand("map", "Look after map files");
+  map->require_subcommand(1);
+  add(*map, chosen, "list", "Say what is in it", list, arguments);
+  add(*map, chosen, "check", "Look at every row", check, arguments);
+  add(*map, chosen, "adjust", "Adjust the whole map once more (bundle adjustment)", adjust, arguments);
+  add(*map, chosen, "compact", "Give room back to the disk", compact, arguments);
+  add(*map, chosen, "export", "Write its paths and points as a result", export_map, arguments)
+      ->add_option("DIR", arguments->folder, "folder to write")
+      ->required();
+}
+
+}  // namespace coslam

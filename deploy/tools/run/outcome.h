@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace coslam {
+
+// A folder holds one run: one that is there is removed with `force`, else refused. Throws UserError.
+void make_result_folder(const std::filesystem::path& folder, bool force);
+
+// What a run came to, on standard output, from its report; nothing without one.
+void print_summary(const std::filesystem::path& out);
+
+}  // namespace coslam

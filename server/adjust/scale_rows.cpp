@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the scale outlives its server by.
+#include "server/adjust/scale.h"
+#include "server/map/serialise.h"
+
+namespace coslam {
+
+template <class A>
+void serialize(A& a, TagSize& v) {
+  a(v.status, v.side, v.sigma, v.views, v.error_px, v.chi_square);
+}
+template <class A>
+void serialize(A& a, MeasuredTag& v) {
+  a(v.tag, v.size);
+}
+
+template <class A>
+void TagScale::serialize(A& a) {
+  a(seen_, twice_, said_, states_);
+}
+template <class A>
+void TagScale::TagSighting::serialize(A& a) {
+  a(camera, set, undistorted_px);
+}
+template <class A>
+void TagScale::State::serialize(A& a) {
+  a(in_metres, sigma, doubted, tags);
+}
+
+void Scale::save(std::vector<Row>* rows) const {
+  rows->push_back(
+      {"state", static_cast<std::int64_t>(StateRow::kScale), octets_of(tags_, metric_, scaled_, scaled_at_)});
+}
+
+void Scale::restore(const Tables& tables) { read_state(tables, StateRow::kScale, tags_, metric_, scaled_, scaled_at_); }
+
+}  // namespace coslam

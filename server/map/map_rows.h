@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <unordered_map>
+#include <vector>
+
+#include "server/map/map.h"
+#include "server/map/rows.h"
+
+namespace coslam {
+
+// The map as rows: one for each camera, frame, point and path of a moving point, and one for the rest. Remembers what
+// was given out, so that only what changed since is given out again. Thread-compatible.
+class MapRows {
+ public:
+  // All that changed since the last call; they belong together.
+  std::vector<Row> changes(const Map& map);
+  // Of a map without anything in it. No camera is alive in it. Throws UserError for rows that contradict each other.
+  static void restore(const Tables& tables, Map* map);
+
+ private:
+  using Known = std::unordered_map<PointId, std::uint64_t>;
+  void frames(const Map& map, std::vector<Row>* rows);
+  template <class Value>
+  static void keep(const char* table, const std::map<PointId, Value>& values, Known* known, std::vector<Row>* rows);
+
+  // What each was like: one number that tells two states from each other.
+  std::vector<std::vector<std::uint64_t>> frames_;  // by camera
+  Known points_, motions_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace coslam {
+
+// The map as it is kept on disk: octets by table and number.
+struct Row {
+  std::string table;
+  std::int64_t key = 0;
+  std::string bytes;  // empty: this row is gone
+};
+using Tables = std::map<std::string, std::map<std::int64_t, std::string>>;
+
+// Rows of the table "state", one for each who keeps something beside the map.
+enum class StateRow : std::int64_t { kMap, kMeetings, kScale, kObjects };
+
+}  // namespace coslam

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stop_signals.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+namespace coslam {
+namespace {
+
+constexpr int kGoesOn = -1;
+
+std::atomic<bool> requested{false};
+std::atomic<int> end_with{kGoesOn};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+void on_signal(int) {
+  requested = true;
+  if (const int code = end_with; code != kGoesOn) _exit(code);
+}
+
+}  // namespace
+
+void catch_stop_signals() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+const std::atomic<bool>& stop_requested() { return requested; }
+
+EndsAtOnce::EndsAtOnce(int exit_code) { end_with = exit_code; }
+EndsAtOnce::~EndsAtOnce() { end_with = kGoesOn; }
+
+}  // namespace coslam

@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/map_file.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <sqlite3.h>
+#include <zlib.h>
+
+#include <functional>
+#include <system_error>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kApplication = 0x434f534c;  // "COSL"
+constexpr int kVersion = 1;               // of the tables and of the octets in them
+
+const char* const kTables =
+    "CREATE TABLE IF NOT EXISTS rows (name TEXT NOT NULL, number INTEGER NOT NULL, octets BLOB NOT NULL, "
+    "crc32 INTEGER NOT NULL, PRIMARY KEY (name, number)) WITHOUT ROWID;"
+    "CREATE TABLE IF NOT EXISTS saved (utc_ns INTEGER NOT NULL);";
+
+std::int64_t check_sum(const void* octets, std::size_t size) {
+  return static_cast<std::int64_t>(crc32_z(0, static_cast<const Bytef*>(octets), size));
+}
+
+std::string cause_of(const SQLite::Exception& e) {
+  switch (e.getErrorCode()) {
+    case SQLITE_NOTADB:
+      return "is no map of CoSLAM";
+    case SQLITE_CORRUPT:
+      return "is damaged";
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return "is in use by another process";
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      return "may not be written by this user";
+    case SQLITE_FULL:
+      return "cannot be written: the disk is full";
+    case SQLITE_CANTOPEN:
+      return "cannot be opened";
+    default:
+      return std::string("cannot be used: ") + e.what();
+  }
+}
+
+}  // namespace
+
+struct MapFile::Impl {
+  SQLite::Database db;
+  std::unique_ptr<SQLite::Statement> put, drop;
+};
+
+namespace {
+
+// Runs what is done with the file; says what went wrong in the words of users.
+template <class Do>
+auto in_words(const std::filesystem::path& path, Do work) {
+  try {
+    return work();
+  } catch (const SQLite::Exception& e) {
+    throw UserError("map file " + path.string() + " " + cause_of(e));
+  }
+}
+
+// Nothing is written to a file that is there already.
+void open_for_writing(SQLite::Database& db, bool there) {
+  db.exec("PRAGMA locking_mode=EXCLUSIVE");
+  if (!there) {
+    db.exec("BEGIN; PRAGMA application_id=" + std::to_string(kApplication) +
+            "; PRAGMA user_version=" + std::to_string(kVersion) + "; " + kTables + " COMMIT");
+    db.exec("PRAGMA journal_mode=WAL");
+  }
+  db.exec("PRAGMA synchronous=NORMAL");
+  db.exec("BEGIN IMMEDIATE; COMMIT");  // from here on nobody else has it
+}
+
+}  // namespace
+
+MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file) {
+  std::error_code error;
+  const bool there = std::filesystem::exists(file, error) && std::filesystem::file_size(file, error) > 0;
+  if (!there && access == Access::kRead) throw UserError("there is no map file " + file.string());
+  in_words(path_, [&] {
+    const int flags = access == Access::kWrite ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READONLY;
+    impl_ = std::make_unique<Impl>(Impl{SQLite::Database(file.string(), flags), {}, {}});
+    SQLite::Database& db = impl_->db;
+    if (there) {
+      const int application = db.execAndGet("PRAGMA application_id").getInt();
+      const int version = db.execAndGet("PRAGMA user_version").getInt();
+      if (application != kApplication) throw UserError("map file " + path_.string() + " is no map of CoSLAM");
+      if (version > kVersion) {
+        throw UserError("map file " + path_.string() + " is of version " + std::to_string(version) +
+                        ", newer than this program's " + std::to_string(kVersion) + ": update it");
+      }
+    }
+    if (access == Access::kRead) return;
+    open_for_writing(db, there);
+    impl_->put = std::make_unique<SQLite::Statement>(
+        db,
+        "INSERT INTO rows VALUES (?, ?, ?, ?) ON CONFLICT DO UPDATE SET octets = excluded.octets, "
+        "crc32 = excluded.crc32");
+    impl_->drop = std::make_unique<SQLite::Statement>(db, "DELETE FROM rows WHERE name = ? AND number = ?");
+  });
+}
+
+MapFile::~MapFile() = default;
+
+Tables MapFile::read() const {
+  return in_words(path_, [&] {
+    Tables tables;
+    SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows");
+    while (all.executeStep()) {
+      const SQLite::Column octets = all.getColumn(2);
+      const auto size = static_cast<std::size_t>(octets.getBytes());
+      const std::string name = all.getColumn(0).getString();
+      const std::int64_t number = all.getColumn(1).getInt64();
+      if (check_sum(octets.getBlob(), size) != all.getColumn(3).getInt64()) {
+        throw UserError("map file " + path_.string() + " is damaged: " + name + " " + std::to_string(number) +
+                        " differs from its check sum");
+      }
+      tables[name][number].assign(static_cast<const char*>(octets.getBlob()), size);
+    }
+    return tables;
+  });
+}
+
+void MapFile::write(std::span<const Row> rows, TimeNs saved_ns) {
+  in_words(path_, [&] {
+    SQLite::Transaction transaction(impl_->db);
+    for (const Row& row : rows) {
+      SQLite::Statement& statement = row.bytes.empty() ? *impl_->drop : *impl_->put;
+      statement.reset();
+      statement.bindNoCopy(1, row.table);
+      statement.bind(2, row.key);
+      if (!row.bytes.empty()) {
+        statement.bindNoCopy(3, row.bytes.data(), static_cast<int>(row.bytes.size()));
+        statement.bind(4, check_sum(row.bytes.data(), row.bytes.size()));
+      }
+      statement.exec();
+    }
+    impl_->db.exec("DELETE FROM saved");
+    impl_->db.exec("INSERT INTO saved VALUES (" + std::to_string(saved_ns) + ")");
+    transaction.commit();
+  });
+}
+
+std::optional<TimeNs> MapFile::saved_ns() const {
+  return in_words(path_, [&]() -> std::optional<TimeNs> {
+    SQLite::Statement query(impl_->db, "SELECT utc_ns FROM saved");
+    if (!query.executeStep()) return std::nullopt;
+    return query.getColumn(0).getInt64();
+  });
+}
+
+void MapFile::check() const {
+  in_words(path_, [&] {
+    const std::string said = impl_->db.execAndGet("PRAGMA integrity_check").getString();
+    if (said != "ok") throw UserError("map file " + path_.string() + " is damaged: " + said);
+  });
+  read();
+}
+
+void MapFile::compact() {
+  in_words(path_, [&] {
+    impl_->db.exec("VACUUM");
+    impl_->db.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+  });
+}
+
+}  // namespace coslam

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/base/time.h"
+#include "server/map/rows.h"
+
+namespace coslam {
+
+// A map on disk: an SQLite database (write-ahead log) of rows with check sums. What was written before the process is
+// killed is there afterwards, each write() whole or not at all. One process at a time has it open. All functions throw
+// UserError with one sentence that names the file and the cause. Thread-compatible.
+class MapFile {
+ public:
+  enum class Access : std::uint8_t { kRead, kWrite };  // kWrite: makes it where there is none
+
+  // Refuses what is no map, of a newer version, of another user or in use; nothing is changed then.
+  MapFile(const std::filesystem::path& file, Access access);
+  ~MapFile();
+  MapFile(const MapFile&) = delete;
+  MapFile& operator=(const MapFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  // Everything, each row against its check sum. Empty for a new file.
+  Tables read() const;
+  // saved_ns: UTC now.
+  void write(std::span<const Row> rows, TimeNs saved_ns);
+  // When it was written last; empty for a new file.
+  std::optional<TimeNs> saved_ns() const;
+  // Looks at every page and every row.
+  void check() const;
+  // Gives room that is not used back to the disk.
+  void compact();
+
+ private:
+  struct Impl;
+  std::filesystem::path path_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace coslam

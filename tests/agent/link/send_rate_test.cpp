@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/link/send_rate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+
+namespace coslam {
+namespace {
+
+using std::chrono::duration_cast;
+
+constexpr double kPeriod_s = 1 / 30.0;
+
+Instant at(double s) { return Instant(duration_cast<Instant::duration>(std::chrono::duration<double>(100 + s))); }
+
+// A link that carries so many frames a second, with a queue of two seconds. The server says how long each waited.
+class Link {
+ public:
+  explicit Link(double frames_a_second) : per_frame_s_(1 / frames_a_second) {}
+  void send(double now_s) {
+    const double start_s = std::max(now_s, free_s_);
+    if (start_s - now_s > 2) return;
+    free_s_ = start_s + per_frame_s_;
+    under_way_.emplace_back(free_s_, start_s - now_s);
+  }
+  void answer(SendRate& rate, double now_s) {
+    rate.tick(at(now_s));
+    for (; !under_way_.empty() && under_way_.front().first <= now_s; under_way_.pop_front()) {
+      rate.heard(under_way_.front().second, 1e6, at(now_s));  // whatever the clocks say
+    }
+  }
+  double waits_s(double now_s) const { return std::max(0.0, free_s_ - now_s); }
+
+ private:
+  double per_frame_s_, free_s_ = 0;
+  std::deque<std::pair<double, double>> under_way_;
+};
+
+struct Played {
+  int sent = 0;
+  double longest_wait_s = 0;
+};
+
+Played play(SendRate& rate, Link& link, double from_s, double to_s) {
+  Played out;
+  for (int i = static_cast<int>(from_s / kPeriod_s); i * kPeriod_s < to_s; ++i) {
+    const double now_s = i * kPeriod_s;
+    link.answer(rate, now_s);
+    if (!rate.due(to_ns(now_s))) continue;
+    link.send(now_s);
+    ++out.sent;
+    out.longest_wait_s = std::max(out.longest_wait_s, link.waits_s(now_s));
+  }
+  return out;
+}
+
+TEST(SendRate, EverythingGoesOnAGoodLink) {
+  SendRate rate(30);
+  Link link(1000);
+  EXPECT_GE(play(rate, link, 0, 30).sent, 885) << "all, once the server answers";
+  EXPECT_FALSE(rate.narrow());
+}
+
+TEST(SendRate, GivesWayOnANarrowLinkAndKeepsTenASecond) {
+  SendRate rate(30);
+  Link link(13);
+  play(rate, link, 0, 10);
+  const Played later = play(rate, link, 10, 70);
+  EXPECT_TRUE(rate.narrow());
+  EXPECT_LT(later.longest_wait_s, 1.9) << "no queue grows";
+  EXPECT_GE(later.sent, 60 * 10);
+  EXPECT_LE(later.sent, 60 * 14);
+}
+
+TEST(SendRate, GivesWayWhenNothingComesThrough) {
+  SendRate rate(30);
+  for (int i = 0; i < 300; ++i) rate.tick(at(i * kPeriod_s));
+  EXPECT_EQ(rate.one_in(), 3);
+}
+
+TEST(SendRate, ALinkThatWasCutIsAsItWasBefore) {
+  SendRate rate(30);
+  for (int i = 0; i < 60; ++i) rate.heard(0, 0.01, at(i * kPeriod_s));
+  for (int i = 60; i < 400; ++i) rate.tick(at(i * kPeriod_s));
+  EXPECT_TRUE(rate.narrow());
+  rate.heard(0, 0.01, at(400 * kPeriod_s));
+  EXPECT_FALSE(rate.narrow());
+}
+
+TEST(SendRate, TheWayDownCountsToo) {
+  SendRate rate(30);
+  for (int i = 0; i < 600; ++i) rate.heard(0, -77 + (i < 60 ? 0.01 : 0.9), at(i * kPeriod_s));
+  EXPECT_EQ(rate.one_in(), 3);
+}
+
+TEST(SendRate, AStallIsNoNarrowLink) {
+  SendRate rate(30);
+  for (int i = 0; i < 600; ++i) rate.heard(i > 300 && i < 312 ? 2 : 0.01, 0.01, at(i * kPeriod_s));
+  EXPECT_FALSE(rate.narrow());
+}
+
+// Two agents that both send one frame in three send those of the same instants, whenever each began to.
+TEST(SendRate, AgentsThinAlike) {
+  SendRate one(30), other(30);
+  for (int i = 0; i < 600; ++i) {
+    one.heard(i < 40 ? 0 : 2, 0, at(i * kPeriod_s));
+    other.heard(i < 141 ? 0 : 2, 0, at(i * kPeriod_s));
+    const bool first = one.due(to_ns(7.003 + i * kPeriod_s)), second = other.due(to_ns(7 + i * kPeriod_s));
+    EXPECT_TRUE(i <= 540 || first == second) << i;
+  }
+  EXPECT_EQ(one.one_in(), 3);
+  EXPECT_EQ(other.one_in(), 3);
+}
+
+TEST(SendRate, NeverLessThanTenASecond) {
+  SendRate rate(30);
+  Link link(2);
+  EXPECT_GE(play(rate, link, 0, 60).sent, 8 * 60) << "but for the pauses";
+  EXPECT_EQ(rate.one_in(), 3);
+}
+
+TEST(SendRate, ComesBackWhenTheLinkDoes) {
+  SendRate rate(30);
+  Link narrow(12), good(1000);
+  play(rate, narrow, 0, 20);
+  ASSERT_TRUE(rate.narrow());
+  play(rate, good, 20, 160);
+  EXPECT_FALSE(rate.narrow());
+}
+
+TEST(SendRate, ASlowCameraSendsAll) {
+  SendRate rate(10);
+  Link link(2);
+  EXPECT_EQ(play(rate, link, 0, 10).sent, 300);
+}
+
+}  // namespace
+}  // namespace coslam

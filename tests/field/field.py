@@ -1,0 +1,281 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs agents and their server on hosts of their own and breaks links, clocks and processes between them.
+
+    field.py --bin DIR --sequence FILE [--out DIR] [--only FAULT]... [--list]
+
+Prints a table against the same run without a fault: joint ATE in metres and as a ratio, percent of an agent's images with a
+pose in the server's map (of the worst agent), frame time, and what was lost where. Exit code 0: ran; 1: a program failed; 77: this machine cannot have such hosts.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import yaml
+
+sys.dont_write_bytecode = True
+from hosts import Hosts, Link, Unavailable  # noqa: E402
+
+SKIPPED = 77
+
+
+def read_sequence(file):
+    """Rate and agents of a sequence."""
+    sequence = yaml.safe_load(pathlib.Path(file).read_text(encoding="utf-8"))
+    return sequence["rate_hz"], sequence["agents"]
+
+
+class Run:
+    """One run of all programs; faults act on it."""
+
+    def __init__(self, hosts, arguments, out, sets=()):
+        self.hosts, self.arguments, self.out, self.sets = hosts, arguments, pathlib.Path(out), list(sets)
+        self.rate, self.agents = read_sequence(arguments.sequence)
+        self.folder = pathlib.Path(arguments.sequence).resolve().parent
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.cpu_s, self.clients, self.attacker = {}, [], None
+        self.keeps_map = False
+        self.make_key()
+
+    def program(self, name):
+        return str(pathlib.Path(self.arguments.bin).resolve() / name)
+
+    def log(self, name):
+        return open(self.out / (name + ".log"), "a", encoding="utf-8")
+
+    def settings(self, prefix):
+        words = []
+        for s in self.sets:
+            if s.startswith((prefix, "wire.")):
+                words += ["--set", s.replace("KEY", str(self.out / "fleet.key"))]
+        return words
+
+    def make_key(self):
+        key = self.out / "fleet.key"
+        key.write_bytes(os.urandom(32))
+        key.chmod(0o600)
+
+    def attack(self):
+        hosts = ",".join(f"10.77.0.{i + 1}" for i in range(len(self.agents) + 1))
+        self.attacker = self.hosts.start(
+            len(self.agents) + 1, ["python3", str(pathlib.Path(__file__).parent / "attack.py"), "--hosts", hosts, "--domain", "3",
+                          "--rate", "2000", "--count", "100000"])
+
+    def sample_cpu(self):
+        for p in [self.server, *self.clients]:
+            try:
+                fields = pathlib.Path(f"/proc/{p.pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
+                self.cpu_s[p.pid] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+            except OSError:
+                pass
+
+    def start_server(self):
+        names = ",".join(a["name"] for a in self.agents)
+        command = [self.program("coslam-server"), "--domain", "3", "--out", str(self.out / "result"),
+                   "--report-progress", "--set", "agents=" + names]
+        if self.keeps_map:
+            command += ["--map", str(self.out / "kept.map")]
+        command += self.settings("server.")
+        return self.hosts.start(0, command, stdout=self.log("server"), stderr=subprocess.STDOUT)
+
+    def start_agent(self, i, wrap=()):
+        a = self.agents[i]
+        command = [*wrap, self.program("coslam-agent"), "--domain", "3", "--id", a["name"],
+                   "--source", str(self.folder / a["source"]), "--calibration", str(self.folder / a["calibration"]),
+                   "--rate", "1", "--fps", str(self.rate), "--set", "wire.peers=10.77.0.1"]
+        if "start_s" in a:
+            command += ["--start", str(a["start_s"])]
+        if "duration_s" in a:
+            command += ["--duration", str(a["duration_s"])]
+        command += self.settings("agent.")
+        return self.hosts.start(i + 1, command, stdout=self.log(a["name"]), stderr=subprocess.STDOUT)
+
+    def said(self, name, text):
+        return text in (self.out / (name + ".log")).read_text(encoding="utf-8")
+
+    def wait_for(self, name, text, seconds):
+        end = time.monotonic() + seconds
+        while not self.said(name, text):
+            if time.monotonic() > end:
+                raise RuntimeError(f"{name} did not say '{text}' within {seconds} s: see {self.out}")
+            time.sleep(0.02)
+
+    def link(self, agent, link):
+        self.hosts.set_link(agent + 1, link)
+
+    def play(self, at_start, timeline, wraps):
+        """at_start(run) before agents start; timeline: (seconds after the start, action(run)) in order."""
+        self.server = self.start_server()
+        self.wait_for("server", "ready", 20)
+        at_start(self)
+        self.clients = [self.start_agent(i, wraps.get(i, ())) for i in range(len(self.agents))]
+        self.wait_for("server", "started", 30)
+        begin = time.monotonic()
+        for at_s, action in timeline:
+            time.sleep(max(0.0, begin + at_s - time.monotonic()))
+            action(self)
+        end = begin + 300
+        while any(c.poll() is None for c in self.clients):
+            self.sample_cpu()
+            if time.monotonic() > end:
+                raise RuntimeError("the agents did not end within 300 s")
+            time.sleep(0.1)
+        self.server.wait(300)
+
+    def stop(self):
+        for p in [self.server, *self.clients, self.attacker]:
+            if p is not None and p.poll() is None:
+                p.send_signal(signal.SIGKILL)
+                p.wait()
+
+    def measure(self):
+        """Joint ATE in metres, None without truth, and the report."""
+        report = json.loads((self.out / "result" / "latest" / "report.json").read_text(encoding="utf-8"))
+        done = subprocess.run([self.program("coslam"), "eval", str(self.out / "result"), self.arguments.sequence, "--json"],
+                              capture_output=True, text=True, check=False)
+        return (json.loads(done.stdout).get("ate_m") if done.returncode == 0 else None), report
+
+
+def nothing(_):
+    pass
+
+
+def all_links(link):
+    return lambda run: [run.link(i, link) for i in range(len(run.agents))]
+
+
+def send(agent, number):
+    return lambda run: run.clients[agent].send_signal(number)
+
+
+def restart(agent):
+    def action(run):
+        run.clients[agent].send_signal(signal.SIGKILL)
+        run.clients[agent].wait()
+        run.clients[agent] = run.start_agent(agent)
+    return action
+
+
+def restart_server(run):
+    """As its service would, half a second after it was killed."""
+    run.server.send_signal(signal.SIGKILL)
+    run.server.wait()
+    time.sleep(0.5)
+    run.server = run.start_server()
+
+
+def slowed(agent, share, from_s, to_s, period_s=0.04):
+    """That share of a core, by stopping it for the rest of each period."""
+    timeline = []
+    for i in range(int((to_s - from_s) / period_s)):
+        begin = from_s + i * period_s
+        timeline += [(begin, send(agent, signal.SIGCONT)), (begin + share * period_s, send(agent, signal.SIGSTOP))]
+    return [*timeline, (to_s, send(agent, signal.SIGCONT))]
+
+
+def stop_for(which, seconds):
+    """SIGSTOP and SIGCONT of the server (-1) or an agent, as a pair for a timeline."""
+    process = lambda run: run.server if which < 0 else run.clients[which]
+    return (lambda run: process(run).send_signal(signal.SIGSTOP)), (lambda run: process(run).send_signal(signal.SIGCONT)), seconds
+
+
+def timeline_of_stop(at_s, which, seconds):
+    begin, end, _ = stop_for(which, seconds)
+    return [(at_s, begin), (at_s + seconds, end)]
+
+
+def faults():
+    """name -> (links at the start, timeline, wraps of agents, settings)."""
+    out = {"none": (nothing, [], {}, [])}
+    for percent in (1, 5, 10, 20):
+        out[f"loss {percent} %"] = (all_links(Link(loss=percent / 100)), [], {}, [])
+    out["delay 50 +- 20 ms"] = (all_links(Link(delay_ms=50, jitter_ms=20)), [], {}, [])
+    out["delay 200 +- 100 ms"] = (all_links(Link(delay_ms=200, jitter_ms=100)), [], {}, [])
+    out["256 kbit/s"] = (all_links(Link(kbit_s=256)), [], {}, [])
+    cut, whole = Link(up=False, down=False), Link()
+    out["partition"] = (nothing, [(4, lambda r: r.link(1, cut)), (9, lambda r: r.link(1, whole))], {}, [])
+    out["one-way partition"] = (nothing, [(4, lambda r: r.link(1, Link(up=False))), (9, lambda r: r.link(1, whole))], {}, [])
+    out["agent killed 3 times"] = (nothing, [(3, restart(1)), (6, restart(1)), (9, restart(1))], {}, [])
+    out["agent stopped 2 s"] = (nothing, timeline_of_stop(5, 1, 2), {}, [])
+    out["server stopped 2 s"] = (nothing, timeline_of_stop(5, -1, 2), {}, [])
+    out["server killed"] = (nothing, [(8, restart_server)], {}, [])
+    out["server killed 3 times"] = (nothing, [(t, restart_server) for t in (6, 10, 14)], {}, [])
+    out["agent at a quarter of a core"] = (nothing, slowed(1, 0.25, 2, 18), {}, [])
+    out["key"] = (nothing, [], {}, ["wire.key_file=KEY"])
+    out["key, 2,000 hostile datagrams a second"] = (lambda r: r.attack(), [], {}, ["wire.key_file=KEY"])
+    out["the same without a key"] = (lambda r: r.attack(), [], {}, [])
+    for off in ("+0.3s", "+5s", "-5s", "+1h"):
+        out[f"clock {off}"] = (nothing, [], {1: ("faketime", "-f", off)}, [])
+    return out
+
+
+def tracked_percent(result, images):
+    """With a pose in the server's map, of all images, of the agent that fared worst."""
+    return min(100 * sum(1 for _ in open(result / "trajectory" / f"{name}.tum", encoding="ascii")) / count
+               for name, count in images.items())
+
+
+def row(name, ate, report, base, cpu_s, tracked):
+    agents = report["agents"].values()
+    cells = [name, "-" if ate is None else f"{ate:.4f}", f"{ate / base:.2f}" if ate and base else "-",
+             f"{tracked:.1f}", str(report["server"]["maps"]),
+             f"{max(a.get('ms_per_frame', 0) for a in agents):.1f}",
+             f"{max(a['kb_per_s_up'] for a in agents):.0f} / {max(a['kb_per_s_down'] for a in agents):.0f}",
+             str(report["late_frames"]), str(report["frame_sets_left_out"]), f"{cpu_s:.0f}"]
+    return "| " + " | ".join(cells) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", required=True, help="folder of the programs")
+    parser.add_argument("--sequence", required=True, help="sequence.yaml of a rendered scene")
+    parser.add_argument("--out", default="field", help="folder for results and logs")
+    parser.add_argument("--only", action="append", help="a fault of --list; may be repeated")
+    parser.add_argument("--list", action="store_true", help="only print the names of the faults")
+    arguments = parser.parse_args()
+    known = faults()
+    if arguments.list:
+        print("\n".join(known))
+        return 0
+    chosen = ["none"] + [f for f in (arguments.only or known) if f != "none"]
+    base, images, failed = None, {}, 0
+    print("| fault | ATE m | ratio | tracked % | maps | agent ms | kB/s up / down | late | left out | CPU s |\n|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    count = len(read_sequence(arguments.sequence)[1]) + 2  # the server's, and that of an attacker
+    for name in chosen:
+        at_start, timeline, wraps, sets = known[name]
+        out = pathlib.Path(arguments.out) / re.sub(r"[^a-z0-9+-]+", "_", name)
+        try:
+            with Hosts(count) as hosts:
+                run = Run(hosts, arguments, out, sets)
+                run.keeps_map = name.startswith("server killed")
+                (out / "kept.map").unlink(missing_ok=True)
+                try:
+                    run.play(at_start, timeline, wraps)
+                finally:
+                    run.stop()
+            ate, report = run.measure()
+        except Unavailable as error:
+            print("skipped: this machine cannot have hosts of its own: " + str(error))
+            return SKIPPED
+        except (RuntimeError, subprocess.TimeoutExpired, OSError, KeyError) as error:
+            print(f"| {name} | failed: {error} |", flush=True)
+            failed = 1
+            continue
+        if name == "none":
+            base, images = ate, {agent: a["frames"] for agent, a in report["agents"].items()}
+        tracked = tracked_percent(out / "result" / "latest", images)
+        print(row(name, ate, report, base, sum(run.cpu_s.values()), tracked), flush=True)
+    return failed
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("LC_ALL", "C")
+    sys.exit(main())

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Hosts of their own, with links that lose and reorder and a clock that is wrong: the short form of
+// deploy/test-field.sh.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/system/program.h"
+#include "tests/system/small_scene.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kSkipped = 77;
+
+// The columns of one row of a table in Markdown.
+std::vector<std::string> columns_of(const std::string& row) {
+  std::vector<std::string> out;
+  std::istringstream stream(row);
+  for (std::string column; std::getline(stream, column, '|');) {
+    const auto first = column.find_first_not_of(' '), last = column.find_last_not_of(' ');
+    out.push_back(first == std::string::npos ? "" : column.substr(first, last - first + 1));
+  }
+  return out;
+}
+
+TEST(Field, LossReorderAndAWrongClockLoseNobody) {
+  const test::SmallScene scene(2, 150);
+  const std::string table = (scene.folder() / "table.txt").string();
+  const std::string command = "python3 " COSLAM_SOURCE "/tests/field/field.py --bin " COSLAM_BIN " --sequence " +
+                              scene.sequence() + " --out " + (scene.folder() / "field").string() +
+                              " --only 'loss 10 %' --only 'delay 200 +- 100 ms' --only 'clock +5s' > " + table +
+                              " 2>&1";
+  const int code = WEXITSTATUS(std::system(command.c_str()));
+  std::ifstream stream(table);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (code == kSkipped) GTEST_SKIP() << text;
+  ASSERT_EQ(code, 0) << text;
+  for (const std::string fault : {"loss 10 %", "delay 200 +- 100 ms", "clock +5s"}) {
+    const auto rows = test::lines_with(text, "| " + fault + " |");
+    ASSERT_EQ(rows.size(), 1U) << text;
+    const auto columns = columns_of(rows[0]);
+    ASSERT_GT(columns.size(), 5U) << text;
+    EXPECT_GT(std::stod(columns[4]), 55) << "percent tracked\n" << text;
+    EXPECT_EQ(columns[5], "1") << "maps\n" << text;
+  }
+}
+
+}  // namespace
+}  // namespace coslam
