@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <iostream>
@@ -41,14 +42,16 @@ TimeNs start_by_own_clock(TimeNs start_utc_ns, double clock_ahead_s) {
   return start_utc_ns + to_ns(clock_ahead_s);
 }
 
-// Waits until the server says that everybody is here. Returns when to start, or nothing when told to stop.
+// Waits until the server says that everybody is here, this agent among them. Returns when to start, or nothing when
+// told to stop.
 std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
   auto told = std::chrono::steady_clock::now();
   while (!stop_requested) {
     const auto status = link.wait_server_status(std::chrono::milliseconds(200));
     if (status) {
       if (const auto reason = refusal_of(*status, hello.agent_run)) throw UserError(*reason);
-      if (status->started) return start_by_own_clock(status->start_utc_ns, link.clock_ahead_s().value_or(0));
+      const bool met = std::ranges::find(status->agents, hello.agent) != status->agents.end();
+      if (status->started && met) return start_by_own_clock(status->start_utc_ns, link.clock_ahead_s().value_or(0));
     }
     if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
       told = std::chrono::steady_clock::now();

@@ -134,6 +134,7 @@ void ServerLoop::on_hello(const Hello& hello) {
   }
   if (started_) {
     admit(hello);
+    send_status();  // which a replay waits for
     return;
   }
   waiting_[hello.agent] = hello;

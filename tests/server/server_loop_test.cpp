@@ -56,6 +56,10 @@ TEST_F(ServerLoopTest, TurnsAwayWhomItHasNoRoomFor) {
   EXPECT_THAT(known->server_status()->agents, Contains("cam7"));
 }
 
+TEST_F(ServerLoopTest, TellsAnAgentAtOnceThatItIsIn) {
+  EXPECT_THAT(join("cam0")->server_status()->agents, Contains("cam0")) << "a replay begins then";
+}
+
 TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
   const auto agent = join("cam0");
   AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
