@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/agent_loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr auto kServerPatience = std::chrono::seconds(5);
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
+constexpr std::size_t kDelaysKept = 128;
 
 }  // namespace
 
@@ -43,6 +45,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   if (sends) {
     last_sent_ = out.frame.frame;
+    if (image->since) delays_.push_back({image->frame, std::chrono::duration<double>(now_() - *image->since).count()});
+    if (delays_.size() > kDelaysKept) delays_.pop_front();
     link_.send(std::move(out.frame), out.patches, out.descriptors);
   }
   warn_when_slow();
@@ -63,14 +67,28 @@ Answers AgentLoop::answers() const {
   return send_rate_.narrow() ? Answers::few() : Answers::all();
 }
 
+// From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
+// waited for one that was lost: the last of them tells how long the link takes.
 void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
+  std::optional<double> downlink_s;
+  double wait_s = 0;
   for (const MapPatch& p : patches) {
     if (p.sent_ns == 0) continue;
-    send_rate_.heard(p.uplink_wait_s, to_seconds(p.received_ns - p.sent_ns), now_());
-    reply_rate_.heard(p.uplink_wait_s, link_.replies_wait(), now_());
+    const double took_s = to_seconds(p.received_ns - p.sent_ns);
+    downlink_s = std::min(downlink_s.value_or(took_s), took_s);
+    wait_s = std::max(0.0, p.uplink_wait_s - own_delay_s(p.after_frame));
+  }
+  if (downlink_s) {
+    send_rate_.heard(wait_s, *downlink_s, now_());
+    reply_rate_.heard(wait_s, link_.replies_wait(), now_());
   }
   link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);
   if (link_.server_alive()) send_rate_.tick(now_());
+}
+
+double AgentLoop::own_delay_s(FrameId frame) const {
+  const auto at = std::ranges::find(delays_, frame, &Sent::frame);
+  return at == delays_.end() ? 0 : at->delay_s;
 }
 
 // Once, when what the images need is known.

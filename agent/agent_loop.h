@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -47,6 +48,7 @@ class AgentLoop {
   bool server_stops() const;
   Answers answers() const;
   void watch_link(const std::vector<MapPatch>& patches);
+  double own_delay_s(FrameId frame) const;
   void warn_when_slow();
   double mean_frame_ms() const;
   void throw_if_refused() const;
@@ -61,6 +63,11 @@ class AgentLoop {
   SendRate send_rate_;
   ReplyRate reply_rate_;
   std::optional<FrameId> last_sent_;
+  struct Sent {
+    FrameId frame;
+    double delay_s = 0;
+  };
+  std::deque<Sent> delays_;  // of the last frames, between image and link: no fault of the link's
   bool stamps_are_utc_ = false, adapts_ = false;
   ClockExchange exchange_;  // begun by the newest patch
   std::uint32_t frames_ = 0;

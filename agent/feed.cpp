@@ -62,7 +62,9 @@ class ThreadedFeed final : public Feed {
       if (rate_ > 0 && !source_->live() && !wait_until_due(stop)) break;
       std::optional<Image> image = source_->next();
       unreadable_ = static_cast<std::uint32_t>(source_->unreadable());
-      if (!image || !queue_.push(std::move(*image))) break;
+      if (!image) break;
+      if (rate_ > 0) image->since = std::chrono::steady_clock::now();
+      if (!queue_.push(std::move(*image))) break;
     }
     queue_.close();
   }

@@ -180,7 +180,10 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
   if (frame.frame.server_run != server_.run()) frame.frame.pose_state = PoseState::kNone;
   const TimeNs now_ns = config_.clock.monotonic_ns();
   if (!lockstep_) {
-    const auto taken_ns = stamps_.place(agent->camera, frame.frame.capture_ns, now_ns);
+    // What waited for its replies, for frames before it or for this loop was not under way.
+    const TimeNs waited_ns =
+        joined.arrived ? monotonic_now_ns() - std::chrono::nanoseconds(joined.arrived->time_since_epoch()).count() : 0;
+    const auto taken_ns = stamps_.place(agent->camera, frame.frame.capture_ns, now_ns - waited_ns);
     if (!taken_ns) return;
     frame.frame.capture_ns = *taken_ns;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "common/base/ids.h"
 #include "common/base/time.h"
@@ -11,8 +12,9 @@ namespace coslam {
 
 struct Image {
   FrameId frame;
-  TimeNs capture_ns = 0;  // played time for files: source time minus start_s
-  cv::Mat grey;           // CV_8UC1
+  TimeNs capture_ns = 0;         // played time for files: source time minus start_s
+  cv::Mat grey;                  // CV_8UC1
+  std::optional<Instant> since;  // when it was there, of feeds that keep time
 };
 
 }  // namespace coslam

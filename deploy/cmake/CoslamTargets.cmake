@@ -51,9 +51,13 @@ function(coslam_program name)
 endfunction()
 
 # coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The
-# target unit_tests builds all programs with the label unit, and so on.
+# target unit_tests builds all programs with the label unit, and so on. ALONE: CTest runs nothing beside it.
 function(coslam_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  set(alone OFF)
+  if(ARG_ALONE)
+    set(alone ON)
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -70,5 +74,6 @@ function(coslam_test name)
   target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS} GTest::gtest_main GTest::gmock)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
   include(GoogleTest)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
+                                          RUN_SERIAL ${alone})
 endfunction()

@@ -70,6 +70,8 @@ std::optional<JoinedFrame> FrameJoiner::pop(Instant now) {
   if (!complete(held_.front().frame) && !waited_enough(held_.front(), now)) return std::nullopt;
   if (may_be_overtaken(held_.front(), now)) return std::nullopt;
   JoinedFrame joined{std::move(held_.front().frame), {}, {}};
+  const bool time_passes = held_.front().since != Instant{};
+  if (pacing_ == Pacing::kLive && time_passes) joined.arrived = held_.front().since;
   popped_.emplace_back(joined.frame.frame, held_.front().since);
   if (popped_.size() > kMaxFrames) popped_.pop_front();
   held_.pop_front();

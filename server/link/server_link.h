@@ -9,6 +9,7 @@
 #include <string>
 #include <variant>
 
+#include "common/base/time.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
 #include "common/model/session.h"
@@ -23,6 +24,7 @@ struct JoinedFrame {
   TrackFrame frame;
   std::optional<PatchReply> patches;
   std::optional<DescriptorReply> descriptors;
+  std::optional<Instant> arrived;  // the frame itself, on a link that takes time
 };
 
 // No sign of life for a while (killed, or the network is cut). Its next frame means that it is back.

@@ -57,14 +57,17 @@ class FakeLink final : public AgentLink {
   LinkBytes bytes() const override { return {}; }
   const RejectionCounts& rejections() const override { return rejections_; }
 
-  // The server's answer to a frame.
-  void answer(FrameId frame) {
+  // The server's answer to a frame; how long the frame and the answer took, beyond the least for the frame.
+  void answer(FrameId frame, float uplink_wait_s = 0, double downlink_s = 0) {
     MapPatch& p = arrived.emplace_back();
     p.server_run = kServer;
     p.agent_run = kRun;
     p.sequence = ++sequence_;
     p.snapshot = sequence_ == 1;
     p.after_frame = frame;
+    p.uplink_wait_s = uplink_wait_s;
+    p.sent_ns = 1;
+    p.received_ns = 1 + to_ns(downlink_s);
   }
 
   std::vector<TrackFrame> sent;
@@ -89,17 +92,20 @@ class FakeLink final : public AgentLink {
 
 class FakeFeed final : public Feed {
  public:
-  explicit FakeFeed(std::uint32_t images) : images_(images) {}
+  // since: when the next image was there.
+  FakeFeed(std::uint32_t images, std::function<std::optional<Instant>()> since)
+      : images_(images), since_(std::move(since)) {}
   std::optional<Image> next(const std::atomic<bool>& stop) override {
     if (stop || next_ == images_) return std::nullopt;
     const std::uint32_t i = next_++;
-    return Image{FrameId(i), kPeriodNs * i, {}};
+    return Image{FrameId(i), kPeriodNs * i, {}, since_()};
   }
   std::uint32_t dropped() const override { return 7; }
   std::uint32_t unreadable() const override { return 2; }
 
  private:
   std::uint32_t images_, next_ = 0;
+  std::function<std::optional<Instant>()> since_;
 };
 
 class AgentLoopTest : public testing::Test {
@@ -110,8 +116,8 @@ class AgentLoopTest : public testing::Test {
     tracker_ = tracker.get();
     Hello hello = tracker->hello();
     hello.pacing = pacing;
-    loop_ = std::make_unique<AgentLoop>(link_, std::make_unique<FakeFeed>(images), hello, AgentConfig{},
-                                        std::move(tracker), [this] { return time_.now; });
+    loop_ = std::make_unique<AgentLoop>(link_, std::make_unique<FakeFeed>(images, [this] { return since_; }), hello,
+                                        AgentConfig{}, std::move(tracker), [this] { return time_.now; });
   }
   bool step() { return loop_->step(stop_); }
   // Steps, each with the answer to the frame before.
@@ -130,6 +136,7 @@ class AgentLoopTest : public testing::Test {
 
   const test::SimWorld world_{{.points = 100}};
   Time time_;
+  std::optional<Instant> since_;
   FakeLink link_{time_};
   std::atomic<bool> stop_{false};
   test::SimTracker* tracker_ = nullptr;
@@ -246,7 +253,40 @@ TEST_F(AgentLoopOfFiveImages, ReportsToNobodyWithoutFailing) {
 class LiveAgentLoop : public AgentLoopTest {
  protected:
   LiveAgentLoop() : AgentLoopTest(Pacing::kLive) {}
+  // How many of the images of the second second are sent; the first begins slowly.
+  template <class Answer>
+  std::size_t sent_of_thirty(const Answer& answer) {
+    loop_->adapt_to_link();
+    std::size_t at_first = 0;
+    for (int i = 0; i < 60; ++i, time_.now += std::chrono::nanoseconds(kPeriodNs)) {
+      if (i == 30) at_first = link_.sent.size();
+      answer(i);
+      EXPECT_TRUE(step());
+    }
+    return link_.sent.size() - at_first;
+  }
 };
+
+TEST_F(LiveAgentLoop, SendsFewOverALinkThatIsLate) {
+  EXPECT_LE(sent_of_thirty([&](int i) { link_.answer(FrameId(static_cast<std::uint32_t>(i)), 0.9F); }), 11U);
+}
+
+TEST_F(LiveAgentLoop, ItsOwnDelayIsNoFaultOfTheLink) {
+  EXPECT_EQ(sent_of_thirty([&](int) {
+              since_ = time_.now - 900ms;
+              if (!link_.sent.empty()) link_.answer(link_.sent.back().frame, 0.9F);
+            }),
+            30U);
+}
+
+// Where one was lost, those after it wait for it and come together.
+TEST_F(LiveAgentLoop, ALostPatchIsNoLateLink) {
+  EXPECT_EQ(sent_of_thirty([&](int i) {
+              if (link_.sent.empty() || i % 10 != 0) return;
+              for (const double waited_s : {0.5, 0.4, 0.3, 0.0}) link_.answer(link_.sent.back().frame, 0, waited_s);
+            }),
+            30U);
+}
 
 TEST_F(LiveAgentLoop, NeverWaitsForTheServer) {
   link_.alive = false;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Hosts of their own, with links that lose and reorder and a clock that is wrong: the short form of
-// deploy/test-field.sh.
+// deploy/test-field.sh. What faults cost is told against the run without one, which is as fast as the machine is.
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
@@ -21,15 +21,21 @@ namespace {
 
 constexpr int kSkipped = 77;
 
-// The columns of one row of a table in Markdown.
-std::vector<std::string> columns_of(const std::string& row) {
+// The columns of the row of a fault in a table in Markdown.
+std::vector<std::string> columns_of(const std::string& table, const std::string& fault) {
+  const auto rows = test::lines_with(table, "| " + fault + " |");
+  EXPECT_EQ(rows.size(), 1U) << table;
   std::vector<std::string> out;
-  std::istringstream stream(row);
+  std::istringstream stream(rows.empty() ? "" : rows[0]);
   for (std::string column; std::getline(stream, column, '|');) {
     const auto first = column.find_first_not_of(' '), last = column.find_last_not_of(' ');
     out.push_back(first == std::string::npos ? "" : column.substr(first, last - first + 1));
   }
   return out;
+}
+
+double percent_tracked(const std::string& table, const std::string& fault) {
+  return std::stod(columns_of(table, fault).at(4));
 }
 
 TEST(Field, LossReorderAndAWrongClockLoseNobody) {
@@ -44,13 +50,10 @@ TEST(Field, LossReorderAndAWrongClockLoseNobody) {
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (code == kSkipped) GTEST_SKIP() << text;
   ASSERT_EQ(code, 0) << text;
+  const double whole = percent_tracked(text, "none");
   for (const std::string fault : {"loss 10 %", "delay 200 +- 100 ms", "clock +5s"}) {
-    const auto rows = test::lines_with(text, "| " + fault + " |");
-    ASSERT_EQ(rows.size(), 1U) << text;
-    const auto columns = columns_of(rows[0]);
-    ASSERT_GT(columns.size(), 5U) << text;
-    EXPECT_GT(std::stod(columns[4]), 55) << "percent tracked\n" << text;
-    EXPECT_EQ(columns[5], "1") << "maps\n" << text;
+    EXPECT_GT(percent_tracked(text, fault), 0.65 * whole) << fault << "\n" << text;
+    EXPECT_EQ(columns_of(text, fault).at(5), "1") << "maps\n" << text;
   }
 }
 

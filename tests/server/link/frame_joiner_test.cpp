@@ -43,6 +43,14 @@ TEST_F(FrameJoinerTest, AFrameThatAnnouncesNothingGoesAtOnce) {
   EXPECT_EQ(pop(live_), -1);
 }
 
+TEST_F(FrameJoinerTest, SaysWhenAFrameArrivedThatWaited) {
+  const Instant arrived = now_ += 1s;
+  live_.add(frame(0, 1), now_);
+  now_ += FrameJoiner::kPatience;
+  ASSERT_EQ(pop(live_), 0);
+  EXPECT_EQ(last().arrived, arrived);
+}
+
 // Live: a frame after a gap goes at once while frames come in order, and waits for the one before where they do not.
 TEST_F(FrameJoinerTest, WaitsForFramesThatAreOvertaken) {
   live_.add(frame(0), now_);
