@@ -34,6 +34,7 @@ MAY_INCLUDE = {
     "common/model": GEOMETRY,
     "common/config": MODEL,
     "common/flow": BASE,
+    "common/ros": GEOMETRY,
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
     "agent/capture": [*FILES, "common/flow", "agent/track"],
@@ -68,7 +69,7 @@ MAINS = ["agent", "server"]
 
 # The pure core: no middleware, threads, clocks or windows. It includes the standard library, Eigen and what LIBRARIES
 # grants; everything else is a breach.
-CORE = ["common/base", "common/geometry", "common/model", *AGENT_CORE, *SERVER_CORE]
+CORE = ["common/base", "common/geometry", "common/model", "common/ros", *AGENT_CORE, *SERVER_CORE]
 IMPURE = {
     "threads": "thread mutex shared_mutex condition_variable atomic future semaphore latch barrier stop_token pthread.h".split(),
     "clock": "chrono ctime time.h sys/time.h sys/timeb.h".split(),

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/ros/convert.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace coslam::ros {
+namespace {
+
+constexpr TimeNs kSecond_ns = 1'000'000'000;
+
+}  // namespace
+
+Time time_of(TimeNs t_ns) {
+  TimeNs sec = t_ns / kSecond_ns, rest = t_ns % kSecond_ns;
+  if (rest < 0) {
+    --sec;
+    rest += kSecond_ns;
+  }
+  using Limits = std::numeric_limits<std::int32_t>;
+  sec = std::clamp<TimeNs>(sec, Limits::min(), Limits::max());
+  return {static_cast<std::int32_t>(sec), static_cast<std::uint32_t>(rest)};
+}
+
+TimeNs ns_of(const Time& time) { return time.sec * kSecond_ns + time.nanosec; }
+
+Header header_of(TimeNs t_ns, std::string frame) { return {time_of(t_ns), std::move(frame)}; }
+
+Point point_of(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+
+Vector3 vector_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Quaternion quaternion_of(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+
+Pose pose_of(const Rigid3& frame_from_child) {
+  return {point_of(frame_from_child.translation), quaternion_of(frame_from_child.rotation)};
+}
+
+Transform transform_of(const Rigid3& frame_from_child) {
+  return {vector_of(frame_from_child.translation), quaternion_of(frame_from_child.rotation)};
+}
+
+// With R = world from camera, a change (r, t) of cam_from_world moves the camera's centre by -R t and turns it by -R r
+// about the axes of the world; the two signs cancel.
+Covariance36 world_covariance(const Rigid3& cam_from_world, const Matrix6d& covariance) {
+  const Eigen::Matrix3d world_from_cam = cam_from_world.rotation.conjugate().toRotationMatrix();
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topRightCorner<3, 3>() = world_from_cam;
+  turn.bottomLeftCorner<3, 3>() = world_from_cam;
+  const Matrix6d turned = turn * covariance * turn.transpose();
+  Covariance36 rows{};
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data()) = turned;
+  return rows;
+}
+
+}  // namespace coslam::ros
