@@ -35,6 +35,7 @@ MAY_INCLUDE = {
     "common/config": MODEL,
     "common/flow": BASE,
     "common/ros": GEOMETRY,
+    "common/mcap": BASE,
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": FILES,
     "agent/capture": [*FILES, "common/flow", "agent/track"],
