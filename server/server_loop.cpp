@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "server/correct/pose_writer.h"
 #include "server/observe/run_folder.h"
 #include "server/report.h"
 #include "server/stop_signals.h"
@@ -231,6 +232,8 @@ void ServerLoop::run_set(const FrameSet& set) {
     link_.send(patch);
   }
   for (const MovingState& state : server_.moving()) link_.send(state);
+  const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
+  for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
   if (store_) store_->record(set, server_);

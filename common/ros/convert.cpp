@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/geometry/camera_in_world.h"
+
 namespace coslam::ros {
 namespace {
 
@@ -43,16 +45,10 @@ Transform transform_of(const Rigid3& frame_from_child) {
   return {vector_of(frame_from_child.translation), quaternion_of(frame_from_child.rotation)};
 }
 
-// With R = world from camera, a change (r, t) of cam_from_world moves the camera's centre by -R t and turns it by -R r
-// about the axes of the world; the two signs cancel.
 Covariance36 world_covariance(const Rigid3& cam_from_world, const Matrix6d& covariance) {
-  const Eigen::Matrix3d world_from_cam = cam_from_world.rotation.conjugate().toRotationMatrix();
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topRightCorner<3, 3>() = world_from_cam;
-  turn.bottomLeftCorner<3, 3>() = world_from_cam;
-  const Matrix6d turned = turn * covariance * turn.transpose();
   Covariance36 rows{};
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data()) = turned;
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data()) =
+      camera_covariance_in_world(cam_from_world, covariance);
   return rows;
 }
 
