@@ -59,6 +59,7 @@ MAY_INCLUDE = {
     "server/store": [*MODEL, "common/flow", "server/map"],
     "server/record": [*MODEL, "common/flow", "common/wire", "server/link"],
     "server/observe": [*FILES, *SERVER_CORE],
+    "server/explain": [*FILES, "server/map"],
     "server/web": [*MODEL, "common/flow"],
     "server": ["common", "server"],
     "deploy/scene": FILES,

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "deploy/tools/explain/life.h"
+#include "server/explain/life.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <map>
 #include <utility>
 
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/sentence.h"
 
 namespace coslam::explain {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/sentence.h"
 
 #include <cmath>
 #include <cstdio>

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "deploy/tools/explain/life.h"
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/life.h"
+#include "server/explain/sentence.h"
 
 namespace coslam::explain {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "deploy/tools/explain/answer.h"
+#include "server/explain/answer.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
-#include "deploy/tools/explain/life.h"
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/life.h"
+#include "server/explain/sentence.h"
 
 namespace coslam::explain {
 namespace {

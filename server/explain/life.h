@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "deploy/tools/explain/event_log.h"
+#include "server/explain/event_log.h"
 
 // Lives of points, tracks and cameras, told from the events. Pure.
 namespace coslam::explain {

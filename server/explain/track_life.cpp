@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "deploy/tools/explain/life.h"
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/life.h"
+#include "server/explain/sentence.h"
 
 namespace coslam::explain {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "common/base/error.h"
 #include "common/dataset/event_file.h"
-#include "deploy/tools/explain/answer.h"
-#include "deploy/tools/explain/life.h"
+#include "server/explain/answer.h"
+#include "server/explain/life.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::explain {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
-#include "deploy/tools/explain/life.h"
-#include "deploy/tools/explain/sentence.h"
+#include "server/explain/life.h"
+#include "server/explain/sentence.h"
 
 namespace coslam::explain {
 namespace {

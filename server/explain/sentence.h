@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "deploy/tools/explain/event_log.h"
+#include "server/explain/event_log.h"
 
 // The words of an event.
 namespace coslam::explain {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "deploy/tools/explain/life.h"
+#include "server/explain/life.h"
 #include "server/observe/result_store.h"
 #include "tests/support/sim_run.h"
 #include "tests/support/temp_folder.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "deploy/tools/explain/event_log.h"
+#include "server/explain/event_log.h"
 
 #include <algorithm>
 #include <limits>
