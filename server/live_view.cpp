@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "common/flow/clock.h"
 #include "server/server_loop.h"
 
 namespace coslam {
@@ -18,34 +17,18 @@ std::string text_of(RunId run) {
   return text.data();
 }
 
+std::vector<PublicSink*> with(std::vector<PublicSink*> some, const std::vector<PublicSink*>& others) {
+  some.insert(some.end(), others.begin(), others.end());
+  return some;
+}
+
 }  // namespace
 
-LiveView::LiveView(const ViewConfig& config, ServerLoop& loop)
-    : watch_(loop.map_server()),
-      web_(config, text_of(loop.map_server().run()),
+LiveView::LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector<PublicSink*>& others)
+    : web_(config, text_of(loop.map_server().run()),
            [this](const WebRequest& request, WebReply reply) { api_.answer(request, std::move(reply)); }),
-      publication_({&api_, &web_}) {
+      teller_(loop, with({&api_, &web_}, others)) {
   api_.count([this] { return web_.counts(); });
-  loop.observe(this);
-}
-
-void LiveView::tell(Snapshot snapshot) {
-  if (!snapshot.empty()) publication_.put(std::move(snapshot));
-}
-
-void LiveView::after_set(const FrameSet& set, const ServerLoop& loop) {
-  tell(watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(),
-                        [&] { return loop.facts(); }));
-}
-
-void LiveView::in_between(const ServerLoop& loop) {
-  tell(watch_.in_between(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return loop.facts(); }));
-}
-
-void LiveView::finishing(const ServerLoop& loop) { finished(loop); }
-
-void LiveView::finished(const ServerLoop& loop) {
-  tell(watch_.at_the_end(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return loop.facts(); }));
 }
 
 }  // namespace coslam

@@ -3,10 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "server/publication.h"
-#include "server/publish/watch.h"
-#include "server/server_observer.h"
+#include "server/map_teller.h"
 #include "server/web/live_api.h"
 #include "server/web/view_config.h"
 #include "server/web/web_server.h"
@@ -14,27 +13,19 @@
 namespace coslam {
 
 // Shows a server at work on the web.
-class LiveView final : public ServerObserver {
+class LiveView {
  public:
-  // Watches the loop from now on; it is not to run on after this has gone. Throws UserError when the port cannot be
-  // had.
-  LiveView(const ViewConfig& config, ServerLoop& loop);
+  // Watches the loop from now on; it is not to run on after this has gone. others: who is told too; they outlive this.
+  // Throws UserError when the port cannot be had.
+  LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector<PublicSink*>& others = {});
 
   // Where a browser finds it.
   std::string url() const { return web_.url(); }
 
-  void after_set(const FrameSet& set, const ServerLoop& loop) override;
-  void in_between(const ServerLoop& loop) override;
-  void finishing(const ServerLoop& loop) override;
-  void finished(const ServerLoop& loop) override;
-
  private:
-  void tell(Snapshot snapshot);
-
-  MapWatch watch_;
   LiveApi api_;
   WebServer web_;
-  Publication publication_;  // last: it tells the others
+  MapTeller teller_;  // last: it tells the others
 };
 
 }  // namespace coslam

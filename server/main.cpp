@@ -10,6 +10,8 @@
 #include "common/config/config.h"
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
+#include "server/map_teller.h"
+#include "server/public_relay.h"
 #include "server/record/recording_link.h"
 #include "server/recorded_config.h"
 #include "server/server_loop.h"
@@ -95,8 +97,14 @@ void serve(const ServeOptions& options) {
                    .runs = options.runs,
                    .map = options.map});
   Announcer announcer(options.progress);
+  PublicRelay relay(link);
   std::optional<LiveView> view;
-  if (keys.view.on()) announcer.show(view.emplace(keys.view, loop));
+  std::optional<MapTeller> teller;
+  if (keys.view.on()) {
+    announcer.show(view.emplace(keys.view, loop, std::vector<PublicSink*>{&relay}));
+  } else {
+    teller.emplace(loop, std::vector<PublicSink*>{&relay});
+  }
   while (!stop_requested() && loop.poll(std::chrono::milliseconds(20))) announcer.show(link, loop);
   announcer.show(link, loop);
   if (recording) recording->end();
