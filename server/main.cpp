@@ -9,6 +9,9 @@
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "server/link/dds_server_link.h"
+#include "server/live_view.h"
+#include "server/map_teller.h"
+#include "server/public_relay.h"
 #include "server/record/recording_link.h"
 #include "server/recorded_config.h"
 #include "server/server_loop.h"
@@ -43,6 +46,15 @@ class Announcer {
     } else {
       log_info("frame set " + sets + ", " + std::to_string(s.map().points().size()) + " points, " +
                std::to_string(s.map().key_frames().size()) + " key frames");
+    }
+  }
+
+  void show(const LiveView& view) const {
+    const std::string line = "view: " + view.url();
+    if (for_programs_) {
+      say(line);
+    } else {
+      log_info(line);
     }
   }
 
@@ -85,18 +97,26 @@ void serve(const ServeOptions& options) {
                    .runs = options.runs,
                    .map = options.map});
   Announcer announcer(options.progress);
+  PublicRelay relay(link);
+  std::optional<LiveView> view;
+  std::optional<MapTeller> teller;
+  if (keys.view.on()) {
+    announcer.show(view.emplace(keys.view, loop, std::vector<PublicSink*>{&relay}));
+  } else {
+    teller.emplace(loop, std::vector<PublicSink*>{&relay});
+  }
   while (!stop_requested() && loop.poll(std::chrono::milliseconds(20))) announcer.show(link, loop);
   announcer.show(link, loop);
   if (recording) recording->end();
   log_info(stop_requested() ? "stopped" : "all agents have ended");
-  loop.finish(config::dump_json(keys));
+  loop.finish(config::dump_json(without_secrets(keys)));
 }
 
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
   ServeOptions options;
   std::string file;
-  std::optional<int> domain;
+  std::optional<int> domain, view_port;
   std::vector<std::string> sets;
   bool loopback = false, print = false;
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
@@ -107,9 +127,12 @@ int main_of(int argc, char** argv) {
   app.add_option("--result", options.result, "for programs: the RESULT folder itself")->type_name("DIR")->excludes(out);
   app.add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
   app.add_option("--record", options.record, "new file: what the agents send, for coslam replay")->type_name("FILE");
+  app.add_option("--view", view_port, "show it on the web, on this port of this host; 0: a free one")
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   app.add_flag("--loopback", loopback, "talk on this machine only");
   app.add_flag("--report-progress", options.progress,
-               "for programs: 'ready', 'started' and 'progress DONE' on standard output");
+               "for programs: 'view: URL', 'ready', 'started' and 'progress DONE' on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
   app.add_flag("--print-config", print, "only print all keys with values, bounds and meaning, as a file for --config");
   try {
@@ -123,6 +146,7 @@ int main_of(int argc, char** argv) {
   if (!file.empty()) config::load(o, file);
   for (const std::string& s : sets) config::apply_set(o, s);
   if (domain) o.wire.domain = *domain;
+  if (view_port) o.view.port = *view_port;
   if (print) {
     print_config(o);
   } else {

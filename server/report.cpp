@@ -42,6 +42,15 @@ Json lost_intervals(const MapCamera& camera) {
   return lost;
 }
 
+Json intrinsics_report(const CameraModel& camera) {
+  return {{"width_px", camera.width_px},
+          {"height_px", camera.height_px},
+          {"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy}};
+}
+
 // The intrinsics that the end of the run found, on the undistorted image (lens.h).
 Json refined_report(const CameraModel& camera, const LensChange& lens) {
   const double scale = std::exp(lens.log_focal());
@@ -68,7 +77,8 @@ Json camera_report(const MapServer& server, CameraId id) {
           {"clock_offset_ms", 1000 * clock.offset_s},
           {"clock_sigma_ms", 1000 * clock.sigma_s},
           {"clock_offset_used_ms", 1000 * to_seconds(camera.clock_offset_ns)},
-          {"lost_intervals", lost_intervals(camera)}};
+          {"lost_intervals", lost_intervals(camera)},
+          {"camera", intrinsics_report(camera.model)}};
 }
 
 // What an agent says of itself. Deeper than it ever is, it is nonsense that may be too deep to be written.

@@ -7,8 +7,8 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "server/correct/pose_writer.h"
 #include "server/observe/run_folder.h"
-#include "server/report.h"
 #include "server/stop_signals.h"
 
 namespace coslam {
@@ -40,6 +40,11 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
   send_status();
 }
 
+void ServerLoop::observe(ServerObserver* observer) {
+  observer_ = observer;
+  if (observer != nullptr) server_.keep_journal(true);
+}
+
 bool ServerLoop::poll(std::chrono::milliseconds timeout) {
   constexpr int kMostSets = 32;  // whoever stops the server is heard in between
   take_events(timeout);
@@ -61,6 +66,7 @@ void ServerLoop::take_events(std::chrono::milliseconds timeout) {
   if (!store_) open_result();
   for (const std::string& warning : stamps_.take_warnings()) log_warn(warning);
   if (config_.clock.monotonic_ns() - last_status_ns_ > kStatusPeriod_ns) send_status();
+  if (observer_ != nullptr) observer_->in_between(*this);
 }
 
 // Not before the link is at work: a server that is refused for its domain touches nothing. A folder of the run's own
@@ -68,13 +74,13 @@ void ServerLoop::take_events(std::chrono::milliseconds timeout) {
 void ServerLoop::open_result() {
   if ((config_.out.empty() && config_.runs.empty()) || !link_.at_work()) return;
   if (config_.runs.empty()) {
-    store_.emplace(config_.out, config_.server.events);
+    store_.emplace(result_ = config_.out, config_.server.events);
     return;
   }
   if (!std::exchange(runs_made_, true)) make_folder_of_runs(config_.runs);
   if (agents_.empty()) return;
   const std::filesystem::path folder = make_run_folder(config_.runs, config_.clock.utc_ns(), server_.run());
-  store_.emplace(folder, config_.server.events);
+  store_.emplace(result_ = folder, config_.server.events);
   link_latest(folder);
   log_info("the result goes to " + folder.string());
 }
@@ -235,10 +241,13 @@ void ServerLoop::run_set(const FrameSet& set) {
     link_.send(patch);
   }
   for (const MovingState& state : server_.moving()) link_.send(state);
+  const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
+  for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
   if (store_) store_->record(set, server_);
   if (keeper_) keeper_->after_set();
+  if (observer_ != nullptr) observer_->after_set(set, *this);
 }
 
 void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
@@ -263,9 +272,7 @@ void ServerLoop::send_status() {
 }
 
 void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configuration) {
-  std::vector<ReportedAgent> agents;
-  for (const auto& [name, agent] : agents_) agents.push_back({name, agent.camera, agent.last_status});
-  report_ = make_report(server_, link_, {sync_.late(), sync_.overflowed(), left_out_, stamps_}, agents, adjusted,
+  report_ = make_report(server_, link_, {sync_.late(), sync_.overflowed(), left_out_, stamps_}, agents(), adjusted,
                         configuration);
 }
 
@@ -293,6 +300,7 @@ void ServerLoop::finish(const nlohmann::ordered_json& configuration) {
   const bool written = write_first();
   stopping_ = true;
   send_status();
+  if (observer_ != nullptr) observer_->finishing(*this);
   {
     const EndsAtOnce at_a_signal(written ? 0 : 1);
     give_refined(refiner_.take(true));
@@ -300,6 +308,7 @@ void ServerLoop::finish(const nlohmann::ordered_json& configuration) {
   }
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   report_now(config_.server.map.of<RefineConfig>().enabled, configuration);
+  if (observer_ != nullptr) observer_->finished(*this);
   if (store_) store_->finish(server_, report_);
   if (keeper_) keeper_->finish();
 }

@@ -16,8 +16,11 @@
 #include "server/link/server_link.h"
 #include "server/map_keeper.h"
 #include "server/observe/result_store.h"
+#include "server/publish/snapshot.h"
 #include "server/refiner.h"
+#include "server/report.h"
 #include "server/server_config.h"
+#include "server/server_observer.h"
 #include "server/sync/frame_set_sync.h"
 #include "server/sync/stamp_watch.h"
 
@@ -59,9 +62,14 @@ class ServerLoop {
   // when something could not be written.
   void finish(const nlohmann::ordered_json& configuration);
 
+  // Shows it what happens from now on; one at most.
+  void observe(ServerObserver* observer);
+
   bool started() const { return started_; }
   const MapServer& map_server() const { return server_; }
   const nlohmann::ordered_json& report() const { return report_; }
+  std::vector<ReportedAgent> agents() const;
+  LoopFacts facts() const;
 
  private:
   struct Agent {
@@ -100,7 +108,9 @@ class ServerLoop {
   std::uint32_t left_out_ = 0;  // sets
   LogLimiter left_out_log_;
   std::optional<ResultStore> store_;
+  std::filesystem::path result_;  // its folder
   std::optional<MapKeeper> keeper_;
+  ServerObserver* observer_ = nullptr;
   Refiner refiner_;
   std::map<std::string, Hello> waiting_;  // before the start
   std::map<std::string, Agent> agents_;

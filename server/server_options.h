@@ -7,6 +7,7 @@
 
 #include "common/wire/wire_options.h"
 #include "server/server_config.h"
+#include "server/web/view_config.h"
 
 namespace coslam {
 
@@ -15,6 +16,7 @@ struct ServerOptions {
   std::vector<std::string> agents;
   WireConfig wire;
   ServerConfig server;
+  ViewConfig view;
 };
 
 template <class V>
@@ -23,6 +25,14 @@ void describe(V& v, ServerOptions& o) {
           "wait for these, number cameras in this order, end when they have ended; empty: run until stopped");
   v.section("wire", o.wire);
   v.section("server", o.server);
+  v.section("server.view", o.view);
+}
+
+// For others to read.
+template <class Options>
+Options without_secrets(Options options) {
+  if (!options.view.token.empty()) options.view.token = "(not told)";
+  return options;
 }
 
 }  // namespace coslam

@@ -41,6 +41,8 @@ idl::Hello encode(const Hello& hello);
 idl::AgentStatus encode(const AgentStatus& status);
 idl::MapPatch encode(const MapPatch& patch);
 idl::MovingState encode(const MovingState& state);
+idl::AgentPose encode(const AgentPose& pose);
+idl::PublicSample encode(const PublicSample& sample);
 idl::ServerStatus encode(const ServerStatus& status);
 
 // kMissingReference when the message needs another reference than this one.
@@ -52,6 +54,8 @@ Decoded<Hello> decode(const idl::Hello& message);  // of any protocol version, s
 Decoded<AgentStatus> decode(const idl::AgentStatus& message);
 Decoded<MapPatch> decode(const idl::MapPatch& message);
 Decoded<MovingState> decode(const idl::MovingState& message);
+Decoded<AgentPose> decode(const idl::AgentPose& message);
+Decoded<PublicSample> decode(const idl::PublicSample& message);
 Decoded<ServerStatus> decode(const idl::ServerStatus& message);
 
 // 1 to 32 letters, digits, '_', '-', '.', not starting with '.': names of agents are also names of files.

@@ -10,8 +10,10 @@
 #include <type_traits>
 
 #include "common/base/ids.h"
+#include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
+#include "common/model/public_sample.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 #include "idl/coslam.h"
@@ -73,6 +75,12 @@ inline constexpr std::tuple kMessageTypes{
     // The newest state.
     MessageType<MovingState, class MovingStatePubSubType, coslam::MovingState>{
         {.name = "coslam/moving", .way = Way::kDown, .reliable = false}},
+    // The newest pose.
+    MessageType<AgentPose, class AgentPosePubSubType, coslam::AgentPose>{
+        {.name = "coslam/pose", .way = Way::kDown, .reliable = false}},
+    // A few of each topic, so that none is crowded out by another.
+    MessageType<PublicSample, class PublicSamplePubSubType, coslam::PublicSample>{
+        {.name = "coslam/public", .way = Way::kDown, .writer_depth = 8, .reader_depth = 8}},
     // The newest state, and the server's sign of life.
     MessageType<ServerStatus, class ServerStatusPubSubType, coslam::ServerStatus>{
         {.name = "coslam/server", .way = Way::kDown, .late_joiners = true, .reader_depth = 4, .sign_of_life = true}},

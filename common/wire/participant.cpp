@@ -18,6 +18,8 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <filesystem>
+#include <mutex>
+#include <set>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
@@ -95,11 +97,23 @@ bool port_is_free(int port) {
   return free;
 }
 
+// Numbers of the participants in this process, of whatever domain: the middleware takes each once. One is chosen at a
+// time, or two threads would choose the same.
+struct ParticipantIds {
+  std::mutex mutex;
+  std::set<int> used;
+};
+ParticipantIds& participant_ids() {
+  static ParticipantIds ids;
+  return ids;
+}
+
 // The number whose pair of ports is free. When there is none the middleware would say nothing and hear nothing; and
 // left alone, it counts up within a process until peers cannot find it.
-int free_participant_id(int domain) {
+int free_participant_id(int domain, const std::set<int>& used) {
   const int first = 7410 + 250 * domain;
   for (int id = 0; id < kMostPerHost; ++id) {
+    if (used.contains(id)) continue;
     if (port_is_free(first + 2 * id) && port_is_free(first + 2 * id + 1)) return id;
   }
   throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(first) +
@@ -208,15 +222,20 @@ Participant::Participant(const WireConfig& config, const std::string& name) : im
   warn_when_open(config);
   capture_middleware_log();
   turn_off_intraprocess();
-  static std::mutex one_at_a_time;  // or two threads choose the same number
-  const std::lock_guard lock(one_at_a_time);
+  ParticipantIds& ids = participant_ids();
+  const std::lock_guard lock(ids.mutex);
   dds::DomainParticipantQos qos = participant_qos(config, name, impl_->rejections);
-  qos.wire_protocol().participant_id = free_participant_id(config.domain);
+  const int id = free_participant_id(config.domain, ids.used);
+  qos.wire_protocol().participant_id = id;
   ErrorWatch errors;
   auto* factory = dds::DomainParticipantFactory::get_instance();
   impl_->participant = factory->create_participant(static_cast<dds::DomainId_t>(config.domain), qos, impl_.get(),
                                                    dds::StatusMask::none());
-  if (impl_->participant != nullptr) return;
+  if (impl_->participant != nullptr) {
+    impl_->id = id;
+    ids.used.insert(id);
+    return;
+  }
   const std::string with = config.certificates.empty() ? "" : " with the certificates in '" + config.certificates + "'";
   throw UserError("cannot join DDS domain " + std::to_string(config.domain) + with + ": " + errors.first());
 }
@@ -226,6 +245,8 @@ Participant::~Participant() {
   impl_->participant->set_listener(nullptr);
   impl_->participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(impl_->participant);
+  const std::lock_guard lock(participant_ids().mutex);
+  participant_ids().used.erase(impl_->id);
 }
 
 std::vector<std::string> Participant::others() const {

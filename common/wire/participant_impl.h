@@ -28,6 +28,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
 
   WireConfig config;
   dds::DomainParticipant* participant = nullptr;
+  int id = 0;  // its number, which gives its ports
   std::array<Counts, kTopicCount> counts;
   RejectionCounts rejections;
   std::mutex topics_mutex;

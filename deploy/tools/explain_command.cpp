@@ -6,7 +6,7 @@
 
 #include "common/base/error.h"
 #include "deploy/tools/commands.h"
-#include "deploy/tools/explain/answer.h"
+#include "server/explain/answer.h"
 
 namespace coslam {
 namespace {

@@ -34,9 +34,13 @@ exporting::MapExport exporter(const ExportArguments& arguments) {
 }
 
 int export_result(const ExportArguments& arguments) {
-  const exporting::MapExport as = exporter(arguments);
+  exporting::MapExport as;
+  const bool whole = arguments.format == "mcap";  // all maps in one file
+  if (!whole) as = exporter(arguments);
   const ResultContents contents = contents_of(result_argument(arguments.result));
-  for (const auto& file : exporting::export_maps(contents, arguments.folder, as)) std::printf("%s\n", file.c_str());
+  const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)
+                                       : exporting::export_maps(contents, arguments.folder, as);
+  for (const auto& file : files) std::printf("%s\n", file.c_str());
   return 0;
 }
 
@@ -48,7 +52,7 @@ void add_export_command(CLI::App& app, Command& chosen) {
   command->add_option("RESULT", arguments->result, "folder of a run, or of a server's runs: the latest")->required();
   command->add_option("--format", arguments->format, "form to write")
       ->required()
-      ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti"}));
+      ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti", "mcap"}));
   command
       ->add_option("DIR", arguments->folder,
                    "folder to write; what could not be brought together with the largest map goes to DIR/maps/ID")

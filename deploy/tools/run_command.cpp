@@ -20,12 +20,15 @@
 namespace coslam {
 namespace {
 
+constexpr int kViewPort = 8765;  // where Foxglove looks first
+
 struct RunArguments {
   std::string sequence;
   std::string out = "result";
   std::vector<std::string> agents;
   CoverArguments covered;
   bool in_one_process = false, force = false;
+  std::string view_port;  // empty: not shown
   RunOptions options;
 };
 
@@ -96,6 +99,7 @@ int run(RunArguments arguments) {
   }
   options.sequence = sequence_argument(arguments.sequence);
   select_agents(options.sequence, arguments.agents);
+  if (!arguments.view_port.empty()) options.sets.push_back("server.view.port=" + arguments.view_port);
   know_scale(options.sequence, options.sets);
   cover_lenses(options.sequence, arguments.covered);
   options.frame_sets = check_inputs(options.sequence);
@@ -122,6 +126,10 @@ void add_run_command(CLI::App& app, Command& chosen) {
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
       ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");
+  // A flag that may have a value: an option would take the sequence for its own.
+  command->add_flag(
+      "--view{" + std::to_string(kViewPort) + "}", arguments->view_port,
+      "show it on the web, --view=PORT on another port than " + std::to_string(kViewPort) + "; 0: a free one");
   command->add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
   command->add_option("--record", options.record, "new file: what the map server hears, for coslam replay")
       ->type_name("FILE");

@@ -47,6 +47,8 @@ class DdsServerLink : public ServerLink {
                 [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
         status_writer_(participant_),
         moving_writer_(participant_),
+        pose_writer_(participant_),
+        public_writer_(participant_),
         loop_(participant_, "server-link", kTick, [this] { tick(); }) {
     status_.server_run = server_run;
     for_each_message_type([this]<class M, class S, class V>(const MessageType<M, S, V>&) {
@@ -81,6 +83,16 @@ class DdsServerLink : public ServerLink {
 
   void send(const MovingState& state) override {
     if (moving_writer_.readers() > 0) moving_writer_.write(encode(state));
+  }
+
+  void send(const AgentPose& pose) override {
+    if (pose_writer_.readers() > 0) pose_writer_.write(encode(pose));
+  }
+
+  bool public_wanted() const override { return public_writer_.readers() > 0; }
+
+  void send_public(const PublicSample& sample) override {
+    if (public_wanted()) public_writer_.write(encode(sample));
   }
 
   void send_status(const ServerStatus& status) override {
@@ -220,6 +232,8 @@ class DdsServerLink : public ServerLink {
   BoundedQueue<ServerEvent> events_;
   Writer<idl::ServerStatus> status_writer_;
   Writer<idl::MovingState> moving_writer_;
+  Writer<idl::AgentPose> pose_writer_;
+  Writer<idl::PublicSample> public_writer_;
   std::map<RunId, Path> paths_;
   std::map<WriterId, RunId> origins_;  // of hellos, whose writers are the agents' signs of life
   ServerStatus status_;

@@ -78,7 +78,9 @@ class InlineServer : public ServerLink {
     agent->second->receive(message, cost(message));
   }
 
-  void send(const MovingState&) override {}  // agents do not read it, and nobody else can
+  // Agents do not read these, and nobody else can.
+  void send(const MovingState&) override {}
+  void send(const AgentPose&) override {}
 
   void send_status(const ServerStatus& s) override {
     status = s;

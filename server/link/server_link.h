@@ -10,8 +10,10 @@
 #include <variant>
 
 #include "common/base/time.h"
+#include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
+#include "common/model/public_sample.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
@@ -67,6 +69,10 @@ class ServerLink {
   virtual void send(const MapPatch& patch) = 0;
   // To everybody who reads it; over DDS only. Never waits.
   virtual void send(const MovingState& state) = 0;
+  virtual void send(const AgentPose& pose) = 0;
+  // Public messages, for bridges; from any thread.
+  virtual bool public_wanted() const { return false; }
+  virtual void send_public(const PublicSample& /*sample*/) {}
   // Publishes the status; the link adds its own refusals (same name twice, another protocol) to status.refused.
   virtual void send_status(const ServerStatus& status) = 0;
   // Turns an agent away after its Hello, with one sentence for its user; nothing of that run is delivered any more.

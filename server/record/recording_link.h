@@ -64,6 +64,9 @@ class RecordingLink : public ServerLink {
   bool at_work() const override { return link_.at_work(); }
   void send(const MapPatch& patch) override { link_.send(patch); }
   void send(const MovingState& state) override { link_.send(state); }
+  void send(const AgentPose& pose) override { link_.send(pose); }
+  bool public_wanted() const override { return link_.public_wanted(); }
+  void send_public(const PublicSample& sample) override { link_.send_public(sample); }
   void send_status(const ServerStatus& status) override { link_.send_status(status); }
   void refuse(const Hello& hello, const std::string& reason) override { link_.refuse(hello, reason); }
   LinkBytes bytes(const std::string& agent) const override { return link_.bytes(agent); }

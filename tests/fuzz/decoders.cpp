@@ -80,6 +80,8 @@ void write_seeds(const std::filesystem::path& folder) {
   write(topic_index<idl::Hello>(), serialize(encode(values.hello("cam0", RunId(1)))));
   write(topic_index<idl::MapPatch>(), serialize(encode(values.map_patch("cam0", RunId(1), 5, 12))));
   write(topic_index<idl::MovingState>(), serialize(encode(values.moving_state())));
+  write(topic_index<idl::AgentPose>(), serialize(encode(values.agent_pose("cam0", RunId(1)))));
+  write(topic_index<idl::PublicSample>(), serialize(encode(values.public_sample())));
   write(topic_index<idl::ServerStatus>(), serialize(encode(values.server_status(RunId(4)))));
   write(kSealed, Octets(64, 'x'));
 }

@@ -6,8 +6,10 @@
 
 #include <cstring>
 
+#include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
+#include "common/model/public_sample.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
@@ -154,6 +156,27 @@ inline void expect_same(const MovingState& a, const MovingState& b) {
     expect_same_matrix(a.points[i].covariance, b.points[i].covariance, "covariance");
     EXPECT_EQ(a.points[i].cameras, b.points[i].cameras);
   }
+}
+
+inline void expect_same(const AgentPose& a, const AgentPose& b) {
+  EXPECT_EQ(a.agent, b.agent);
+  EXPECT_EQ(a.agent_run, b.agent_run);
+  EXPECT_EQ(a.server_run, b.server_run);
+  EXPECT_EQ(a.t_ns, b.t_ns);
+  EXPECT_EQ(a.map, b.map);
+  EXPECT_EQ(a.epoch, b.epoch);
+  EXPECT_EQ(a.state, b.state);
+  EXPECT_EQ(a.scale_known, b.scale_known);
+  expect_same_matrix(a.map_from_cam.rotation.coeffs(), b.map_from_cam.rotation.coeffs(), "rotation");
+  expect_same_matrix(a.map_from_cam.translation, b.map_from_cam.translation, "translation");
+  expect_same_matrix(a.covariance, b.covariance, "covariance");
+}
+
+inline void expect_same(const PublicSample& a, const PublicSample& b) {
+  EXPECT_EQ(a.topic, b.topic);
+  EXPECT_EQ(a.type, b.type);
+  EXPECT_EQ(a.t_ns, b.t_ns);
+  EXPECT_TRUE(a.octets == b.octets);
 }
 
 inline void expect_same(const ServerStatus& a, const ServerStatus& b) {

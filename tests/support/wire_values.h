@@ -6,8 +6,10 @@
 #include <random>
 #include <string>
 
+#include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
+#include "common/model/public_sample.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
@@ -159,6 +161,19 @@ class WireValues {
       for (float& v : p.covariance) v = static_cast<float>(uniform(0, 0.1));
       p.cameras = static_cast<std::uint8_t>(2 + below(5));
     }
+    return s;
+  }
+
+  AgentPose agent_pose(const std::string& agent, RunId run) {
+    AgentPose p{agent, run, RunId(77), 1'700'000'000'000'000'000, MapId(2), MapEpoch(5), PoseState::kTracked, true, {}};
+    p.map_from_cam = pose();
+    for (float& v : p.covariance.reshaped()) v = static_cast<float>(uniform(0, 0.1));
+    return p;
+  }
+
+  PublicSample public_sample() {
+    PublicSample s{"/coslam/map/points", "sensor_msgs/msg/PointCloud2", 1'700'000'000'000'000'000, {}};
+    for (int i = 0; i < 100; ++i) s.octets.push_back(static_cast<std::uint8_t>(below(256)));
     return s;
   }
 

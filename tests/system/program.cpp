@@ -90,9 +90,9 @@ bool Program::read_more(int timeout_ms) {
   return true;
 }
 
-bool Program::says(const std::string& text) {
+bool Program::has(std::size_t stream, const std::string& text) {
   const auto end = Clock::now() + kLongest;
-  while (err().find(text) == std::string::npos) {
+  while (text_.at(stream).find(text) == std::string::npos) {
     if (!read_more(ms_until(end))) return false;
   }
   return true;

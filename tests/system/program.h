@@ -19,8 +19,9 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  // Reads until its standard error holds the text. False when it ended, or took too long, without.
-  bool says(const std::string& text);
+  // Reads until its standard error, or output, holds the text. False when it ended, or took too long, without.
+  bool says(const std::string& text) { return has(1, text); }
+  bool prints(const std::string& text) { return has(0, text); }
   // Waits until it and all that it started have ended. Its exit code; 128 + N after signal N, -1 when it took too long.
   int exit_code();
   void signal(int number) const;
@@ -31,6 +32,7 @@ class Program {
   const std::string& err() const { return text_[1]; }
 
  private:
+  bool has(std::size_t stream, const std::string& text);
   bool read_more(int timeout_ms);
 
   pid_t pid_ = -1;

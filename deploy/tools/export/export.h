@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "common/dataset/result.h"
@@ -23,6 +24,11 @@ Files export_ply(const ResultMap& map, const std::filesystem::path& folder);    
 // Text model of COLMAP (cameras.txt, images.txt, points3D.txt): the images of tracks/<agent>.csv, named
 // <agent>/<6-digit frame>.png, and the static points that two of them see. The sequence gives the cameras.
 Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
+
+// run.mcap: the run as a viewer would have seen it live (docs/live.md), all maps of it.
+Files export_mcap(const ResultContents& contents, const std::filesystem::path& folder);
+// The same, its octets in order.
+void write_mcap(const ResultContents& contents, const std::function<void(std::string_view)>& out);
 
 // Each map by itself: the common one into `folder`, others into maps/<ID> of it.
 Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as);

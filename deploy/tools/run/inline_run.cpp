@@ -9,9 +9,11 @@
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/run.h"
 #include "server/link/inline_link.h"
+#include "server/live_view.h"
 #include "server/record/recording_link.h"
 #include "server/recorded_config.h"
 #include "server/server_loop.h"
+#include "server/server_options.h"
 #include "server/stop_signals.h"
 
 namespace coslam {
@@ -59,6 +61,8 @@ int run_inline(const RunOptions& options) {
     recording.emplace(link.server(), options.record, recording_head(server_run, recorded));
   }
   ServerLoop server(recording ? *recording : link.server(), server_run, server_config);
+  std::optional<LiveView> view;
+  if (config.view.on()) say_view("view: " + view.emplace(config.view, server).url());
   std::vector<InlineAgent> agents;
   std::uint64_t run = 2;
   for (const SequenceAgent& a : options.sequence.agents)
@@ -75,7 +79,7 @@ int run_inline(const RunOptions& options) {
     progress(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);
   }
   if (recording) recording->end();
-  server.finish(config::dump_json(config));
+  server.finish(config::dump_json(without_secrets(config)));
   return 0;
 }
 

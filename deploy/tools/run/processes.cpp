@@ -139,6 +139,7 @@ class Supervisor {
     for (const std::string& line : server_.lines()) {
       if (line == "ready" && !server_.ended()) start_agents();
       if (line == "started") started_ = true;
+      if (line.starts_with("view: ")) say_view(line);
       int done = 0;
       const int all = options_.frame_sets;
       if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_(std::min(done, all), all);
@@ -172,6 +173,11 @@ class Supervisor {
 };
 
 }  // namespace
+
+void say_view(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
 
 int run_processes(const RunOptions& options) {
   const int domain = options.domain >= 0 ? options.domain : free_domain();

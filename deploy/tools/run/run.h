@@ -9,6 +9,7 @@
 #include "agent/agent_config.h"
 #include "common/dataset/sequence.h"
 #include "server/server_config.h"
+#include "server/web/view_config.h"
 
 namespace coslam {
 
@@ -27,17 +28,21 @@ struct RunOptions {
 struct RunConfig {
   AgentConfig agent;
   ServerConfig server;
+  ViewConfig view;
 };
 
 template <class V>
 void describe(V& v, RunConfig& c) {
   v.section("agent", c.agent);
   v.section("server", c.server);
+  v.section("server.view", c.view);
 }
 
 // One server process and one agent process a camera, over DDS on this machine's loopback. Returns the exit code: 1 when
 // a process failed, with its sentence on stderr; the others go on and the result is written all the same.
 int run_processes(const RunOptions& options);
+// Where the run is shown, for the user and for programs: a line on standard output, at once.
+void say_view(const std::string& line);
 // The same code in this process, one thread, over a simulated link.
 int run_inline(const RunOptions& options);
 

@@ -266,6 +266,30 @@ TEST(RejectionCounts, CountByReason) {
   EXPECT_EQ(name_of(Rejection::kMalformed), "malformed");
 }
 
+TEST(CodecRejects, AgentPosesThatAreNone) {
+  using M = idl::AgentPose;
+  const auto good = encode(WireValues(3).agent_pose("cam0", RunId(9)));
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.agent("../x"); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.agent_run(0); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.server_run(0); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.map_id(0); });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.pose_state(3); });
+  expect_rejected<M>(good, Rejection::kBadRotation, [](M& m) { m.rotation()[0] += 1; });
+  expect_rejected<M>(good, Rejection::kNotFinite, [](M& m) { m.translation()[2] = NAN; });
+  expect_rejected<M>(good, Rejection::kNotFinite, [](M& m) { m.covariance()[1] = INFINITY; });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.covariance()[35] = -1; });
+}
+
+TEST(CodecRejects, PublicSamplesThatAreNone) {
+  using M = idl::PublicSample;
+  const auto good = encode(WireValues(3).public_sample());
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.topic(""); });
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.topic("coslam"); });
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.topic("/a\nb"); });
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.type(""); });
+  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.octets().resize(idl::MAX_PUBLIC_BYTES + 1); });
+}
+
 TEST(CodecRejects, MovingStatesThatAreNone) {
   using M = idl::MovingState;
   const auto good = encode(WireValues(3).moving_state(2, 5));

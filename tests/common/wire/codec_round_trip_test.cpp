@@ -136,6 +136,25 @@ TEST(CodecRoundTrip, MovingStates) {
   }
 }
 
+TEST(CodecRoundTrip, AgentPoses) {
+  WireValues values(12);
+  AgentPose pose = values.agent_pose("cam0", RunId(9));
+  expect_unharmed(pose);
+  pose.state = PoseState::kNone;
+  pose.map = MapId();
+  pose.covariance.setZero();
+  expect_unharmed(pose);
+}
+
+TEST(CodecRoundTrip, PublicSamples) {
+  PublicSample sample = WireValues(13).public_sample();
+  expect_unharmed(sample);
+  sample.octets.clear();
+  expect_unharmed(sample);
+  sample.octets.assign(5'000'000, 7);
+  expect_unharmed(sample);
+}
+
 TEST(CodecRoundTrip, AlmostIdentityIsNotTakenForIdentity) {
   MapPatch patch = WireValues(7).map_patch("cam0", RunId(9), 1, 0);
   patch.new_from_old.scale = std::nextafter(1.0, 2.0);

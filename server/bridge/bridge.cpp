@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/bridge/bridge.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/ros/cdr.h"
+#include "common/ros/type.h"
+#include "common/wire/codec.h"
+#include "common/wire/loop.h"
+#include "common/wire/participant.h"
+#include "server/bridge/ros_topics.h"
+
+namespace coslam {
+namespace {
+
+constexpr const char* kName = "coslam-bridge";
+constexpr std::chrono::milliseconds kTick{500};
+constexpr std::chrono::seconds kPatience{5};
+
+TimeNs utc_ns() {
+  using std::chrono::nanoseconds;
+  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+const BridgeOptions& checked(const BridgeOptions& options) {
+  if (options.bridge.domain == options.wire.domain) {
+    throw UserError("DDS domain " + std::to_string(options.wire.domain) +
+                    " is that of the fleet and of ROS 2: give one of them another with --from or --domain");
+  }
+  return options;
+}
+
+// Says when that changes, not each time.
+class Px4Log {
+ public:
+  void say(const std::string& agent, std::optional<Px4Refusal> refused) {
+    if (said_ && *said_ == refused) return;
+    said_ = refused;
+    if (refused) {
+      log_warn("PX4 gets no pose of " + agent + ": " + sentence_of(*refused));
+    } else {
+      log_info("PX4 gets the poses of " + agent);
+    }
+  }
+
+ private:
+  std::optional<std::optional<Px4Refusal>> said_;
+};
+
+}  // namespace
+
+WireConfig ros_wire(const BridgeConfig& config) {
+  const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
+  const bool here = !config.interfaces.empty() && std::ranges::all_of(config.interfaces, is_loopback);
+  WireConfig wire = here ? loopback_config(config.domain) : WireConfig{.domain = config.domain};
+  wire.interfaces = config.interfaces;
+  wire.bulk_bytes_per_s = 0;
+  if (here) wire.max_message_bytes = 65'000;  // nothing is lost within a machine, and large datagrams cost less
+  return wire;
+}
+
+struct Bridge::Impl {
+  explicit Impl(const BridgeOptions& options)
+      : fleet_domain(checked(options).wire.domain),
+        ros(ros_wire(options.bridge), kName),
+        topics(ros),
+        fleet(options.wire, kName),
+        loop(fleet, kName, kTick, [this] { tick(); }) {
+    loop.read<idl::PublicSample>([this](const idl::PublicSample& message, const Sample&) {
+      if (auto sample = decode(message)) topics.put(*sample);
+    });
+    loop.read<idl::ServerStatus>([](const idl::ServerStatus&, const Sample&) {},
+                                 [this](const WriterId&, Presence presence) { note(presence); });
+    if (!options.bridge.px4.agent.empty()) read_agent(options.bridge.px4);
+    loop.start();
+  }
+
+  void read_agent(const Px4Config& config) {
+    px4.emplace(config);
+    const auto topic = ros_topic(config.topic, ros::type_text<ros::VehicleOdometry>().name);
+    if (!topic) throw UserError("bridge.px4.topic '" + config.topic + "' is no name of a topic: it starts with '/'");
+    px4_writer = std::make_unique<OctetWriter>(ros, *topic);
+    loop.read<idl::AgentPose>([this](const idl::AgentPose& message, const Sample&) {
+      if (auto pose = decode(message)) px4->see(*pose);
+    });
+    loop.read<idl::TrackFrame>([this](const idl::TrackFrame& message, const Sample&) {
+      auto frame = decode_header(message);
+      if (frame && frame->agent == px4->agent()) tell_px4(*frame);
+    });
+  }
+
+  void tell_px4(const TrackFrame& frame) {
+    const Px4Odometry::Answer answer = px4->on_frame(frame, utc_ns());
+    px4_log.say(frame.agent, answer.refused);
+    if (answer.odometry) px4_writer->write(ros::to_cdr(*answer.odometry));
+  }
+
+  void note(Presence presence) {
+    const bool here = presence == Presence::kAlive;
+    if (here != server_here) log_info(here ? "the map server is there" : "the map server is silent; waiting for it");
+    server_here = here;
+  }
+
+  void tick() {
+    if (server_here || std::chrono::steady_clock::now() - told < kPatience) return;
+    told = std::chrono::steady_clock::now();
+    log_info("waiting for a map server in domain " + std::to_string(fleet_domain));
+  }
+
+  const int fleet_domain;
+  bool server_here = false;
+  std::chrono::steady_clock::time_point told = std::chrono::steady_clock::now();
+  Participant ros;
+  RosTopics topics;
+  std::optional<Px4Odometry> px4;
+  std::unique_ptr<OctetWriter> px4_writer;
+  Px4Log px4_log;
+  Participant fleet;
+  Loop loop;  // last: stops first
+};
+
+Bridge::Bridge(const BridgeOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+
+Bridge::~Bridge() = default;
+
+}  // namespace coslam

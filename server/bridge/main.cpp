@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <optional>
+
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/config/config.h"
+#include "server/bridge/bridge.h"
+
+namespace coslam {
+namespace {
+
+// Empty: not set, or no number of a domain.
+std::optional<int> domain_of_ros() {
+  const char* text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return std::nullopt;
+  char* end = nullptr;
+  const long number = std::strtol(text, &end, 10);
+  if (*end != '\0' || number < 0 || number > 232) {
+    throw UserError("ROS_DOMAIN_ID is '" + std::string(text) + "', which is no DDS domain (0 to 232)");
+  }
+  return static_cast<int>(number);
+}
+
+struct Arguments {
+  std::string file, key, px4;
+  std::vector<std::string> sets, interfaces;
+  std::optional<int> domain, from;
+  bool loopback = false, print = false;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("--config", a.file, "bridge.yaml")->type_name("FILE");
+  app.add_option("--from", a.from, "DDS domain of the map server and its agents")
+      ->type_name("N")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--domain", a.domain, "DDS domain of the ROS 2 nodes (default: ROS_DOMAIN_ID, else 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--interface", a.interfaces, "address of this machine on which ROS 2 is spoken (default: 127.0.0.1)")
+      ->type_name("ADDRESS");
+  app.add_option("--key", a.key, "the fleet's key")->type_name("FILE");
+  app.add_option("--px4", a.px4, "agent whose poses PX4 gets")->type_name("AGENT");
+  app.add_flag("--loopback", a.loopback, "the map server is on this machine");
+  app.add_option("--set", a.sets, "override a key of the configuration, e.g. bridge.px4.pitch_deg=-30")
+      ->type_name("KEY=VALUE");
+  app.add_flag("--print-config", a.print,
+               "only print all keys with values, bounds and meaning, as a file for --config");
+}
+
+BridgeOptions options_of(const Arguments& a) {
+  BridgeOptions o;
+  if (a.loopback) o.wire = loopback_config(0);
+  if (!a.file.empty()) config::load(o, a.file);
+  for (const std::string& s : a.sets) config::apply_set(o, s);
+  if (a.from) o.wire.domain = *a.from;
+  if (a.domain) o.bridge.domain = *a.domain;
+  if (!a.key.empty()) o.wire.key_file = a.key;
+  if (!a.px4.empty()) o.bridge.px4.agent = a.px4;
+  if (!a.interfaces.empty()) o.bridge.interfaces = a.interfaces;
+  return o;
+}
+
+// Until SIGINT or SIGTERM, which every thread leaves to this one.
+void run(BridgeOptions options, const sigset_t& signals) {
+  if (options.bridge.domain < 0) options.bridge.domain = domain_of_ros().value_or(0);
+  const Bridge bridge(options);
+  log_info("from DDS domain " + std::to_string(options.wire.domain) + " to ROS 2 in domain " +
+           std::to_string(options.bridge.domain));
+  int signal = 0;
+  sigwait(&signals, &signal);
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app{"Hands on what a CoSLAM map server knows to ROS 2 nodes and PX4", "coslam-bridge"};
+  Arguments arguments;
+  add_options(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  init_log("bridge");
+  const BridgeOptions options = options_of(arguments);
+  if (arguments.print) {
+    std::cout << "# All keys of coslam-bridge; --config FILE reads them back.\n" << config::dump_yaml(options);
+    return 0;
+  }
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  run(options, signals);
+  return 0;
+}
+
+}  // namespace
+}  // namespace coslam
+
+int main(int argc, char** argv) {
+  try {
+    return coslam::main_of(argc, argv);
+  } catch (const coslam::UsageError& e) {
+    std::cerr << "coslam-bridge: " << e.what() << "\n";
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "coslam-bridge: " << e.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/covisibility/group.h"
+#include "server/map/journal.h"
+#include "server/map/map.h"
+#include "server/publish/snapshot.h"
+
+namespace coslam {
+
+// What happens to cameras, groups and maps, in sentences: few enough to be told one by one. Of points and tracks the
+// journal knows more.
+class Happenings {
+ public:
+  // After each frame set.
+  std::vector<PublicEvent> after_set(const Map& map, const Journal& journal, const ViewGraph& graph);
+  // At any time: who came and went.
+  std::vector<PublicEvent> comings(const Map& map);
+
+  // Why a camera has no pose; empty when it has one.
+  std::string why_lost(const MapCamera& camera) const;
+
+ private:
+  struct Known {
+    RunId run;
+    bool alive = false;
+  };
+  void of_camera(const Map& map, const Event& event, std::vector<PublicEvent>* out);
+  static void of_map(const Map& map, const Event& event, std::vector<PublicEvent>* out);
+  void of_groups(const Map& map, const ViewGraph& graph, std::vector<PublicEvent>* out);
+
+  std::map<CameraId, Known> known_;
+  std::map<CameraId, std::string> lost_;       // why
+  std::vector<std::vector<CameraId>> groups_;  // as last seen
+};
+
+}  // namespace coslam
