@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/setup.sh [--lint] [--list]
+# deploy/setup.sh [--lint] [--package] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
-#   --lint   also those that the format, layer and lint checks need
-#   --list   only print the names of the missing packages
+#   --lint      also those that the format, layer and lint checks need
+#   --package   also those that packages are made and checked with
+#   --list      only print the names of the missing packages
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
@@ -16,6 +17,7 @@ list=no
 while [[ $# -gt 0 ]]; do
   case $1 in
     --lint) sets+=(lint) ;;
+    --package) sets+=(package) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;

@@ -6,7 +6,7 @@ function(manual_page component program)
   set(words ${program} ${ARGN})
   list(JOIN words "-" page)
   list(JOIN words " " command)
-  set(file ${CMAKE_CURRENT_BINARY_DIR}/${page}.1)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${page}.1.gz)
   add_custom_command(
     OUTPUT ${file}
     COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/manual_page.sh ${COSLAM_HELP2MAN} $<TARGET_FILE_DIR:${program}> ${PROJECT_VERSION} ${file} ${words}

@@ -4,7 +4,8 @@
 # Debian packages, one a component: coslam-agent, coslam-server, coslam (the tools), libcoslam-dev.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME coslam)
-set(CPACK_PACKAGE_CONTACT "The CoSLAM authors <coslam@localhost.localdomain>")
+set(COSLAM_MAINTAINER "The CoSLAM authors <coslam@localhost>" CACHE STRING "who hands out the packages: Name <mail>")
+set(CPACK_PACKAGE_CONTACT ${COSLAM_MAINTAINER})
 set(CPACK_PACKAGE_VENDOR "The CoSLAM authors")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -24,23 +25,24 @@ macro(coslam_package component name section summary description)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
   set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${description}")
   configure_file(copyright ${CMAKE_CURRENT_BINARY_DIR}/${name}/copyright COPYONLY)
-  execute_process(COMMAND gzip --best --no-name --stdout ${CMAKE_CURRENT_SOURCE_DIR}/changelog
+  configure_file(changelog ${CMAKE_CURRENT_BINARY_DIR}/changelog @ONLY)
+  execute_process(COMMAND gzip --best --no-name --stdout ${CMAKE_CURRENT_BINARY_DIR}/changelog
                   OUTPUT_FILE ${CMAKE_CURRENT_BINARY_DIR}/${name}/changelog.gz)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}/copyright ${CMAKE_CURRENT_BINARY_DIR}/${name}/changelog.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
 endmacro()
 coslam_package(agent coslam-agent science "camera agent of CoSLAM"
-" Tracks features in one camera, localises it in the map that several cameras
- build together, and sends tracks and poses, never images, to the map server.")
+"Tracks features in one camera, localises it in the map that several cameras
+build together, and sends tracks and poses, never images, to the map server.")
 coslam_package(server coslam-server science "map server of CoSLAM"
-" Builds one map from the tracks of several cameras that move on their own, with
- the paths of what moves in it, and sends corrections back to the agents.")
+"Builds one map from the tracks of several cameras that move on their own, with
+the paths of what moves in it, and sends corrections back to the agents.")
 coslam_package(tools coslam science "tools of CoSLAM, visual SLAM of several cameras"
-" Runs whole sequences on one machine, measures results, exports and explains
- them, looks after map files, calibrates cameras.")
+"Runs whole sequences on one machine, measures results, exports and explains
+them, looks after map files, calibrates cameras.")
 coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with CoSLAM"
-" What crosses the wire between agents and map server, for programs in C++ that
- want to know where the cameras are and what moves around them.")
+"What crosses the wire between agents and map server, for programs in C++ that
+want to know where the cameras are and what moves around them.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, libfastrtps-dev")
 foreach(part agent server)

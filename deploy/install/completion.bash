@@ -5,7 +5,7 @@
 # Completion of coslam, coslam-agent and coslam-server in bash, from what their --help prints.
 
 _coslam() {
-  local current=${COMP_WORDS[COMP_CWORD]} program=${COMP_WORDS[0]} subcommand= words
+  local current=${COMP_WORDS[COMP_CWORD]} program=${COMP_WORDS[0]} subcommand='' words
   if [[ ${program##*/} == coslam ]]; then
     if [[ $COMP_CWORD -eq 1 ]]; then
       words=$("$program" --help 2>/dev/null | awk '/^Subcommands:/ { on = 1; next } on && NF { print $1 }')
