@@ -50,6 +50,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     link_.send(std::move(out.frame), out.patches, out.descriptors);
   }
   warn_when_slow();
+  if (logs_state_) say_state();
   const auto now = now_();
   if (!last_status_ || now - *last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
     last_status_ = now;
@@ -102,6 +103,11 @@ void AgentLoop::warn_when_slow() {
            std::to_string(std::lround(period_ms)) +
            ": images are dropped; use smaller ones, or fewer tracks "
            "(agent.tracker.max_tracks)");
+}
+
+void AgentLoop::say_state() {
+  if (const auto word = words_.server(link_.server_alive(), now_())) log_info(*word);
+  if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
 }
 
 double AgentLoop::mean_frame_ms() const {

@@ -15,6 +15,7 @@
 #include "agent/link/agent_link.h"
 #include "agent/link/reply_rate.h"
 #include "agent/link/send_rate.h"
+#include "agent/state_words.h"
 #include "common/model/session.h"
 
 namespace coslam {
@@ -37,6 +38,9 @@ class AgentLoop {
   // Sends no more than the link carries (live; images come as fast as time).
   void adapt_to_link() { adapts_ = true; }
 
+  // Says in the log when the server falls silent or is back, and when the pose is lost or found.
+  void log_state() { logs_state_ = true; }
+
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
   // UserError when the server is gone in lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
@@ -50,6 +54,7 @@ class AgentLoop {
   void watch_link(const std::vector<MapPatch>& patches);
   double own_delay_s(FrameId frame) const;
   void warn_when_slow();
+  void say_state();
   double mean_frame_ms() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
@@ -68,7 +73,8 @@ class AgentLoop {
     double delay_s = 0;
   };
   std::deque<Sent> delays_;  // of the last frames, between image and link: no fault of the link's
-  bool stamps_are_utc_ = false, adapts_ = false;
+  bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false;
+  StateWords words_;
   ClockExchange exchange_;  // begun by the newest patch
   std::uint32_t frames_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;

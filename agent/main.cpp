@@ -15,7 +15,9 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/replay_rate.h"
+#include "common/base/version.h"
 #include "common/config/config.h"
+#include "common/config/log_option.h"
 #include "common/dataset/calibration.h"
 #include "common/flow/clock.h"
 
@@ -93,6 +95,7 @@ void run(AgentOptions& o) {
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
       hello, o.agent);
+  loop.log_state();
   if (live) loop.stamps_are_utc();
   if (live || rate == 1) loop.adapt_to_link();
   while (!stop_requested && loop.step(stop_requested)) {
@@ -113,9 +116,11 @@ struct Arguments {
   std::optional<double> start_s, duration_s, rate_hz;
   std::vector<std::pair<double, double>> covered;
   bool loopback = false, print = false;
+  LogFormat log_format = LogFormat::kText;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", version());
   app.add_option("--config", a.file, "agent.yaml")->type_name("FILE");
   app.add_option("--id", a.id, "name of this agent")->type_name("NAME");
   app.add_option("--source", a.source, "images")->type_name("URI");
@@ -132,6 +137,7 @@ void add_options(CLI::App& app, Arguments& a) {
       ->type_name("KEY=VALUE");
   app.add_flag("--print-config", a.print,
                "only print all keys with values, bounds and meaning, as a file for --config");
+  add_log_option(app, a.log_format);
 }
 
 AgentOptions options_of(const Arguments& a) {
@@ -171,7 +177,7 @@ int main_of(int argc, char** argv) {
     print_config(o);
     return 0;
   }
-  init_log(o.id);
+  init_log(o.id, arguments.log_format);
   run(o);
   return 0;
 }

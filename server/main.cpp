@@ -7,7 +7,9 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/version.h"
 #include "common/config/config.h"
+#include "common/config/log_option.h"
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
 #include "server/map_teller.h"
@@ -119,6 +121,8 @@ int main_of(int argc, char** argv) {
   std::optional<int> domain, view_port;
   std::vector<std::string> sets;
   bool loopback = false, print = false;
+  LogFormat log_format = LogFormat::kText;
+  app.set_version_flag("--version", version());
   app.add_option("--config", file, "server.yaml")->type_name("FILE");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   auto* out =
@@ -135,12 +139,13 @@ int main_of(int argc, char** argv) {
                "for programs: 'view: URL', 'ready', 'started' and 'progress DONE' on standard output");
   app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
   app.add_flag("--print-config", print, "only print all keys with values, bounds and meaning, as a file for --config");
+  add_log_option(app, log_format);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  init_log("server");
+  init_log("server", log_format);
   ServerOptions& o = options.keys;
   if (loopback) o.wire = loopback_config(0);
   if (!file.empty()) config::load(o, file);

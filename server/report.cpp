@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 
+#include "common/base/version.h"
 #include "common/dataset/result.h"
 
 namespace coslam {
@@ -193,7 +194,7 @@ Json make_report(const MapServer& server, const ServerLink& link, const FrameCou
     dropped += agent.last_status.dropped;
   }
   Json report;
-  report["version"] = COSLAM_VERSION;
+  report["version"] = version();
   report["adjusted"] = adjusted;
   report["frame_sets"] = server.counts().frame_sets;
   report["frames"] = frames;

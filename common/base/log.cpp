@@ -2,19 +2,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/base/log.h"
 
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace coslam {
 
-void init_log(std::string_view name, bool verbose) {
+namespace {
+
+// A string of JSON, quotes included.
+class Quoted final : public spdlog::custom_flag_formatter {
+ public:
+  enum class What { kText, kName };
+  explicit Quoted(What what) : what_(what) {}
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+    const spdlog::string_view_t text = what_ == What::kText ? message.payload : message.logger_name;
+    const std::string quoted = nlohmann::json(std::string(text.data(), text.size()))
+                                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    out.append(quoted.data(), quoted.data() + quoted.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Quoted>(what_); }
+
+ private:
+  What what_;
+};
+
+std::unique_ptr<spdlog::formatter> json_lines() {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
+  formatter->add_flag<Quoted>('N', Quoted::What::kName).add_flag<Quoted>('V', Quoted::What::kText);
+  formatter->set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":%N,"text":%V})");
+  return formatter;
+}
+
+}  // namespace
+
+void init_log(std::string_view name, LogFormat format) {
   auto logger =
       std::make_shared<spdlog::logger>(std::string(name), std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-  logger->set_pattern("%H:%M:%S.%e %n %l: %v");
-  logger->set_level(verbose ? spdlog::level::debug : spdlog::level::info);
+  if (format == LogFormat::kJson) {
+    logger->set_formatter(json_lines());
+  } else {
+    logger->set_pattern("%H:%M:%S.%e %n %l: %v");
+  }
+  logger->set_level(spdlog::level::info);
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(logger);
 }

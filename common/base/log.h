@@ -7,8 +7,11 @@
 
 namespace coslam {
 
-// Sets the program's logger (stderr, one line an event). `name` stands in each line.
-void init_log(std::string_view name, bool verbose = false);
+enum class LogFormat { kText, kJson };
+
+// Sets the program's logger (stderr, one line an event). `name` stands in each line. JSON: an object a line with time
+// (UTC), level, program and text.
+void init_log(std::string_view name, LogFormat format = LogFormat::kText);
 void log_info(std::string_view text);
 void log_warn(std::string_view text);
 void log_error(std::string_view text);

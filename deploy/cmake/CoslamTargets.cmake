@@ -22,11 +22,12 @@ if(COSLAM_CCACHE)
 endif()
 
 add_library(coslam_options INTERFACE)
-target_include_directories(coslam_options INTERFACE ${PROJECT_SOURCE_DIR})
-target_compile_options(coslam_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-                                                -Wno-psabi -Wno-missing-field-initializers)
+target_include_directories(coslam_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/coslam>)
+target_compile_features(coslam_options INTERFACE cxx_std_20)
+set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi -Wno-missing-field-initializers)
+target_compile_options(coslam_options INTERFACE "$<BUILD_INTERFACE:${warnings}>")
 if(COSLAM_WERROR)
-  target_compile_options(coslam_options INTERFACE -Werror)
+  target_compile_options(coslam_options INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()
 if(COSLAM_SANITIZE)
   # Undefined behaviour ends the test, not only prints a line.
@@ -42,12 +43,16 @@ function(coslam_library name)
   target_link_libraries(${name} PUBLIC coslam_options ${ARG_DEPS})
 endfunction()
 
-# coslam_program(NAME SOURCES main.cpp ... DEPS ...): an installed program.
+# coslam_program(NAME SOURCES main.cpp ... DEPS ...): an installed program. Of the component that it is named for, else tools.
 function(coslam_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS})
-  install(TARGETS ${name} RUNTIME DESTINATION bin)
+  set(component tools)
+  if(name MATCHES "^coslam-(agent|server)$")
+    set(component ${CMAKE_MATCH_1})
+  endif()
+  install(TARGETS ${name} RUNTIME DESTINATION bin COMPONENT ${component})
 endfunction()
 
 # coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The

@@ -6,6 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/version.h"
 #include "deploy/tools/commands.h"
 
 namespace {
@@ -14,6 +15,7 @@ constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
 
 int run(int argc, char** argv) {
   CLI::App app("CoSLAM: collaborative visual SLAM", "coslam");
+  app.set_version_flag("--version", coslam::version());
   app.require_subcommand(1);
   coslam::Command chosen;
   coslam::add_run_command(app, chosen);

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
+#include "common/base/version.h"
 #include "common/flow/clock.h"
 
 namespace coslam {
@@ -22,7 +23,7 @@ void say_ended(const std::filesystem::path& file, TimeNs t_ns, const std::string
 
 Recorder::Recorder(const std::filesystem::path& file, RecordingHead head)
     : file_(file), writer_(file), monotonic_ns_(monotonic_now_ns()) {
-  head.version = COSLAM_VERSION;
+  head.version = version();
   head.monotonic_ns = monotonic_ns_;
   head.utc_ns = utc_now_ns();
   if (const int error = writer_.write(encode_head(head))) {

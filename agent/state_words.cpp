@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/state_words.h"
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace coslam {
+namespace {
+
+constexpr std::chrono::milliseconds kPasses{500};
+
+}  // namespace
+
+std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
+  if (there) {
+    const std::optional<Instant> gone = std::exchange(gone_since_, std::nullopt);
+    const bool first = !std::exchange(was_there_, true);
+    if (first && first_ != nullptr) return first_;
+    if (!std::exchange(said_lost_, false)) return std::nullopt;
+    char text[96];
+    std::snprintf(text, sizeof text, "%s after %.1f s", back_, std::chrono::duration<double>(now - *gone).count());
+    return text;
+  }
+  if (!was_there_ || said_lost_) return std::nullopt;
+  if (!gone_since_) gone_since_ = now;
+  if (now - *gone_since_ < kPasses) return std::nullopt;
+  said_lost_ = true;
+  return lost_;
+}
+
+}  // namespace coslam

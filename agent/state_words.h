@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/base/time.h"
+#include "common/model/track_frame.h"
+
+namespace coslam {
+
+// What the log says of an agent's server and pose: once when it changes, and not of what is over within half a second.
+// Pure: time is an argument. Thread-compatible.
+class StateWords {
+ public:
+  // Once a frame.
+  std::optional<std::string> server(bool alive, Instant now) { return server_.note(alive, now); }
+  std::optional<std::string> pose(PoseState state, Instant now) {
+    return pose_.note(state == PoseState::kTracked, now);
+  }
+
+ private:
+  // Something that is there or is not; nothing is said before it was there for the first time.
+  class Presence {
+   public:
+    Presence(const char* first, const char* lost, const char* back) : first_(first), lost_(lost), back_(back) {}
+    std::optional<std::string> note(bool there, Instant now);
+
+   private:
+    const char *first_, *lost_, *back_;
+    bool was_there_ = false, said_lost_ = false;
+    std::optional<Instant> gone_since_;
+  };
+
+  Presence server_{nullptr, "the map server is silent; going on alone", "the map server is back"};
+  Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
+};
+
+}  // namespace coslam

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Debian packages, one a component: coslam-agent, coslam-server, coslam (the tools), libcoslam-dev.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME coslam)
+set(COSLAM_MAINTAINER "The CoSLAM authors <coslam@localhost>" CACHE STRING "who hands out the packages: Name <mail>")
+set(CPACK_PACKAGE_CONTACT ${COSLAM_MAINTAINER})
+set(CPACK_PACKAGE_VENDOR "The CoSLAM authors")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL agent server tools dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+
+# coslam_package(COMPONENT NAME SECTION SUMMARY DESCRIPTION)
+macro(coslam_package component name section summary description)
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${description}")
+  configure_file(copyright ${CMAKE_CURRENT_BINARY_DIR}/${name}/copyright COPYONLY)
+  configure_file(changelog ${CMAKE_CURRENT_BINARY_DIR}/changelog @ONLY)
+  execute_process(COMMAND gzip --best --no-name --stdout ${CMAKE_CURRENT_BINARY_DIR}/changelog
+                  OUTPUT_FILE ${CMAKE_CURRENT_BINARY_DIR}/${name}/changelog.gz)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}/copyright ${CMAKE_CURRENT_BINARY_DIR}/${name}/changelog.gz
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+endmacro()
+coslam_package(agent coslam-agent science "camera agent of CoSLAM"
+"Tracks features in one camera, localises it in the map that several cameras
+build together, and sends tracks and poses, never images, to the map server.")
+coslam_package(server coslam-server science "map server of CoSLAM"
+"Builds one map from the tracks of several cameras that move on their own, with
+the paths of what moves in it, and sends corrections back to the agents.")
+coslam_package(tools coslam science "tools of CoSLAM, visual SLAM of several cameras"
+"Runs whole sequences on one machine, measures results, exports and explains
+them, looks after map files, calibrates cameras.")
+coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with CoSLAM"
+"What crosses the wire between agents and map server, for programs in C++ that
+want to know where the cameras are and what moves around them.")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, libfastrtps-dev")
+foreach(part agent server)
+  string(TOUPPER ${part} upper)
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${part}/conffiles "/etc/coslam/${part}.yaml\n")
+  set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/${part}/conffiles)
+endforeach()
+include(CPack)

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/state_words.h"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+namespace coslam {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class StateWordsTest : public testing::Test {
+ protected:
+  void server(bool alive, std::chrono::milliseconds time) {
+    pass(time, [&] { return words_.server(alive, now_); });
+  }
+  void pose(PoseState state, std::chrono::milliseconds time) {
+    pass(time, [&] { return words_.pose(state, now_); });
+  }
+
+  std::vector<std::string> said_;
+
+ private:
+  template <class Note>
+  void pass(std::chrono::milliseconds time, const Note& note) {
+    for (const Instant end = now_ + time; now_ < end; now_ += 50ms) {
+      if (const auto word = note()) said_.push_back(*word);
+    }
+  }
+  StateWords words_;
+  Instant now_{};
+};
+
+TEST_F(StateWordsTest, SaysOnceThatTheServerIsSilentAndBack) {
+  server(false, 2s);
+  server(true, 1s);
+  EXPECT_THAT(said_, IsEmpty()) << "it was waited for, which others say";
+  server(false, 3s);
+  server(true, 1s);
+  EXPECT_THAT(said_, ElementsAre("the map server is silent; going on alone", "the map server is back after 3.0 s"));
+}
+
+TEST_F(StateWordsTest, SaysWhenThePoseIsThereLostAndFound) {
+  pose(PoseState::kNone, 1s);
+  pose(PoseState::kTracked, 1s);
+  pose(PoseState::kLost, 1200ms);
+  pose(PoseState::kTracked, 1s);
+  EXPECT_THAT(said_, ElementsAre("has a pose in the map", "lost: no pose in the map",
+                                 "found again: has a pose in the map after 1.2 s"));
+}
+
+TEST_F(StateWordsTest, WhatIsSoonOverIsNoWordWorth) {
+  server(true, 1s);
+  pose(PoseState::kTracked, 1s);
+  said_.clear();
+  for (int i = 0; i < 5; ++i) {
+    server(false, 400ms);
+    server(true, 100ms);
+    pose(PoseState::kLost, 400ms);
+    pose(PoseState::kTracked, 100ms);
+  }
+  EXPECT_THAT(said_, IsEmpty());
+}
+
+}  // namespace
+}  // namespace coslam

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/base/log.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+namespace coslam {
+namespace {
+
+std::string logged(LogFormat format) {
+  testing::internal::CaptureStderr();
+  init_log("cam\"0", format);
+  log_warn("a \"word\"\tand \xff, which is no UTF-8");
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Log, ALineOfTextHasTimeNameAndLevel) {
+  EXPECT_THAT(logged(LogFormat::kText), testing::ContainsRegex("^[0-9:.]+ cam\"0 warning: a \"word\"\tand "));
+}
+
+TEST(Log, ALineOfJsonIsAnObjectWhateverItSays) {
+  const auto line = nlohmann::json::parse(logged(LogFormat::kJson));
+  EXPECT_EQ(line.size(), 4U);
+  EXPECT_EQ(line["program"], "cam\"0");
+  EXPECT_EQ(line["level"], "warning");
+  EXPECT_THAT(line["time"], testing::ContainsRegex("^20[0-9][0-9]-[0-9-]+T[0-9:.]+Z$"));
+  EXPECT_THAT(line["text"], testing::StartsWith("a \"word\"\tand "));
+}
+
+}  // namespace
+}  // namespace coslam
