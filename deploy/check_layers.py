@@ -27,7 +27,7 @@ SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, "server/associate"]
 SERVER_PLACES = [*SERVER_ASSOCIATE, "server/pose", "server/places"]
 SERVER_ADJUST = [*SERVER_PLACES, "server/adjust"]
 SERVER_MOTION = [*SERVER_ADJUST, "server/motion"]
-SERVER_CORE = [*SERVER_MOTION, "server/create", "server/sync", "server/correct"]
+SERVER_CORE = [*SERVER_MOTION, "server/create", "server/sync", "server/correct", "server/past"]
 MAY_INCLUDE = {
     "common/base": [],
     "common/geometry": BASE,
@@ -56,6 +56,7 @@ MAY_INCLUDE = {
     "server/motion": [*MODEL, *SERVER_MOTION],
     "server/create": [*MODEL, *SERVER_MOTION],
     "server/correct": [*MODEL, *SERVER_CORE],
+    "server/past": [*MODEL, *SERVER_ADJUST],
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*MODEL, "common/flow", "server/map"],
     "server/record": [*MODEL, "common/flow", "common/wire", "server/link"],

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <iostream>
 #include <random>
+#include <utility>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
@@ -60,6 +61,18 @@ class Announcer {
     }
   }
 
+  // Each percent for the program that started it, each tenth in the log.
+  static void show_adjusting(bool for_programs, int percent) {
+    static int shown = 0;
+    const int step = for_programs ? 1 : 10;
+    if (percent / step == std::exchange(shown, percent) / step) return;
+    if (for_programs) {
+      say("adjusting " + std::to_string(percent));
+    } else {
+      log_info("adjusting: " + std::to_string(percent) + " %");
+    }
+  }
+
  private:
   static bool say(const std::string& line) {
     std::printf("%s\n", line.c_str());
@@ -97,7 +110,8 @@ void serve(const ServeOptions& options) {
                    .expected_agents = keys.agents,
                    .out = options.result,
                    .runs = options.runs,
-                   .map = options.map});
+                   .map = options.map,
+                   .adjusting = [&](int percent) { Announcer::show_adjusting(options.progress, percent); }});
   Announcer announcer(options.progress);
   PublicRelay relay(link);
   std::optional<LiveView> view;
@@ -111,7 +125,7 @@ void serve(const ServeOptions& options) {
   announcer.show(link, loop);
   if (recording) recording->end();
   log_info(stop_requested() ? "stopped" : "all agents have ended");
-  loop.finish(config::dump_json(without_secrets(keys)));
+  loop.finish(config::dump_json(without_secrets(keys)), stop_is_urgent());
 }
 
 int main_of(int argc, char** argv) {

@@ -3,7 +3,9 @@
 #include "server/map_keeper.h"
 
 #include <chrono>
+#include <iterator>
 #include <string>
+#include <utility>
 
 #include "common/base/log.h"
 #include "common/flow/clock.h"
@@ -44,7 +46,22 @@ void MapKeeper::after_set() {
   save();
 }
 
-void MapKeeper::save() { saver_.give(server_.changed_rows()); }
+void MapKeeper::take(const PastPart& past) {
+  std::vector<Row> rows = rows_of(past);
+  past_rows_.insert(past_rows_.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
+}
+
+void MapKeeper::for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const {
+  const auto [first, last] = past_frames_rows_of(camera);
+  file_.for_each_row(kPastFramesTable, first, last, [&](const std::string& octets) { visit(past_frames_of(octets)); });
+}
+
+void MapKeeper::save() {
+  std::vector<Row> rows = server_.changed_rows();
+  rows.insert(rows.end(), std::make_move_iterator(past_rows_.begin()), std::make_move_iterator(past_rows_.end()));
+  past_rows_.clear();
+  saver_.give(std::move(rows));
+}
 
 void MapKeeper::pass_words() {
   while (const auto word = saver_.take_word()) log_warn(*word);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "common/base/time.h"
 #include "server/map_server.h"
@@ -33,6 +35,10 @@ class MapKeeper {
   // Before the first frame of each set is given to the server: times begin anew with a recording that is played again,
   // but in a map they only grow.
   void before_frame(TimeNs capture_ns);
+  // What left the map's memory: only the file has it then.
+  void take(const PastPart& past);
+  // What the file has of a camera that was put down before this server, in the order of time.
+  void for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const;
   // After each frame set: saves when it is time and the disk is not behind.
   void after_set();
   // The last words. Throws UserError when not all could be saved.
@@ -45,6 +51,7 @@ class MapKeeper {
   const KeepConfig config_;
   MapServer& server_;
   MapFile file_;
+  std::vector<Row> past_rows_;  // since it was saved
   bool times_fit_ = true;
   TimeNs saved_at_ns_;
   Saver saver_;  // last: stops first

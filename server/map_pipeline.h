@@ -19,6 +19,7 @@
 #include "server/motion/classify.h"
 #include "server/motion/clock.h"
 #include "server/motion/objects.h"
+#include "server/past/forget.h"
 #include "server/pipeline/pipeline.h"
 #include "server/places/meet.h"
 #include "server/pose/inter_pose.h"
@@ -51,6 +52,7 @@ using MapPipeline = Pipeline<  //
 
 struct MapServerConfig {
   MapConfig map;
+  PastConfig past;
   MapPipeline::Configs stages;
 
   // Of one stage, e.g. of<LocaliseConfig>().
@@ -84,6 +86,7 @@ void describe(V& v, MapServerConfig& c) {
   v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},
           "side of the black square of every printed tag; 0 = unknown; agents look for them, see agent.tags");
   MapPipeline::describe_all(v, c.stages);
+  v.section("past", c.past);
 }
 
 }  // namespace coslam

@@ -12,11 +12,14 @@ namespace {
 std::map<MapId, MapFrames> frames_by_map(const Map& map) {
   std::map<MapId, MapFrames> all;
   for (const MapCamera& c : map.cameras()) {
-    for (const FramePose& f : c.frames) {
-      if (!f.valid()) continue;
-      MapFrames& m = all[f.map];
-      m.map = f.map;
-      ++m.frames[c.id];
+    const auto add = [&](MapId id, int frames) {
+      MapFrames& m = all[id];
+      m.map = id;
+      m.frames[c.id] += frames;
+    };
+    for (const auto& [map_id, frames] : c.past.placed) add(map_id, frames);
+    for (const FramePose& f : c.present_frames()) {
+      if (f.valid()) add(f.map, 1);
     }
   }
   return all;
@@ -31,7 +34,7 @@ int sum_of(const MapFrames& m) {
 }  // namespace
 
 MapServer::MapServer(RunId run, const MapServerConfig& config)
-    : run_{run}, config_(config), edit_(config.map), pipeline_(config.stages) {}
+    : run_{run}, config_(config), edit_(config.map), pipeline_(config.stages), forgetting_(config.past) {}
 
 CameraId MapServer::admit(const Hello& hello) {
   for (const MapCamera& c : map().cameras()) {
@@ -55,8 +58,19 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());
+  note_adjusted();
+  forget();
   edit_.journal().end_set();
   return pipeline_.report<Corrections>().patches;
+}
+
+void MapServer::forget() {
+  const auto timer = report_.times.measure("past");
+  std::vector<ImageKey> held = pipeline_.stage<Meetings>().held_frames();
+  const std::vector<ImageKey> of_scale = pipeline_.stage<Scale>().held_frames();
+  held.insert(held.end(), of_scale.begin(), of_scale.end());
+  past_ = forgetting_.run(edit_, held);
+  pipeline_.stage<Meetings>().forget(past_.views);
 }
 
 void MapServer::take(const ScaleReport& scale) {
@@ -73,7 +87,33 @@ void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::st
   pipeline_.stage<TakeAdjustment>().give(std::move(job), std::move(result));
 }
 
-void MapServer::finish() {
+// What was adjusted stays so when a newer map becomes part of it; not when loops are closed in it, or when what is not
+// adjusted and as old becomes part of it.
+void MapServer::note_adjusted() {
+  const auto& moves = map().moves();
+  for (; moves_seen_ < moves.size(); ++moves_seen_) {
+    const auto& [from, into, by] = moves[moves_seen_];
+    if (from == into) continue;
+    const auto moved = adjusted_.extract(from);
+    const bool old = restored_until_ && from.value < first_new_map_.value;
+    if (!moved && old) adjusted_.erase(into);
+    if (moved && !(restored_until_ && into.value < first_new_map_.value)) adjusted_.emplace(into, moved.mapped());
+  }
+  const auto& met = pipeline_.report<MeetReport>();
+  if (met.closed > 0) adjusted_.erase(met.to_adjust);
+}
+
+void MapServer::finish(const TellProgress& tell) {
+  const RefineConfig& refine = config_.of<RefineConfig>();
+  if (refine.at_end == "nothing") return;
+  const auto adjusted = adjusted_.find(largest_map());
+  const bool all = refine.at_end == "whole" || refine.intrinsics || adjusted == adjusted_.end();
+  adjust(all ? std::nullopt : std::optional(adjusted->second), tell);
+}
+
+void MapServer::finish_whole(const TellProgress& tell) { adjust(std::nullopt, tell); }
+
+void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
   edit_.journal().begin_set();
   pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
@@ -81,7 +121,8 @@ void MapServer::finish() {
   if (!refine.enabled) return;
   const std::vector<std::string> doubts = lens_doubts(map(), largest_map());
   warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
-  lenses_ = adjust_whole(edit_, largest_map(), refine);
+  lenses_ = adjust_whole(edit_, largest_map(), refine, since, tell);
+  adjusted_[largest_map()] = map().now();
   const SettleReport settled = settle_frames(edit_, largest_map());
   report_.counts["frames_settled"] += settled.changed;
   report_.counts["frames_placed_late"] += settled.placed;

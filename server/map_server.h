@@ -14,6 +14,7 @@
 #include "common/model/track_frame.h"
 #include "server/map/memory.h"
 #include "server/map_pipeline.h"
+#include "server/places/join_maps.h"
 
 namespace coslam {
 
@@ -51,8 +52,10 @@ class MapServer {
   // took: to solve, for the report.
   void give_refined(RefineJob job, BundleResult result, std::chrono::steady_clock::duration took = {});
 
-  // The last word: adjusts the whole run and sets the scale.
-  void finish();
+  // The last word: adjusts what refine.at_end says and sets the scale.
+  void finish(const TellProgress& tell = {});
+  // The same of everything, whatever at_end says.
+  void finish_whole(const TellProgress& tell = {});
 
   const Map& map() const { return edit_.map(); }
   // All that outlives the server, as rows, as far as it changed since the last call. They belong together.
@@ -60,6 +63,13 @@ class MapServer {
   // Goes on with the map of these rows; before anything else. gap_s: how long nothing was seen since. Cameras are
   // known again by their names, and by their runs if these still live. Throws UserError when the rows are none.
   void restore(const Tables& tables, double gap_s);
+  // Maps of another server, which was restored and has no agents either, become maps of this one; those that show a
+  // place of an older map become part of that one.
+  struct TakenIn {
+    Renumbered as;
+    std::vector<JoinedMaps> joined;
+  };
+  TakenIn take_in(const MapServer& other);
   // The newest frame set of what was restored.
   std::optional<SetId> restored_until() const { return restored_until_; }
   // The frames of a camera from this set on are of agents that this server met; empty: none are.
@@ -67,6 +77,9 @@ class MapServer {
   void meet_all();  // all frames count, of whatever day
   // See MapEdit::shift_times().
   void shift_times(TimeNs by_ns) { edit_.shift_times(by_ns); }
+
+  // What left the map's memory in the last step: whoever keeps files writes it down.
+  PastPart take_past() { return std::exchange(past_, {}); }
 
   // What the last step changed, with what happened since the one before; after finish(), what came after the last step.
   const Journal& journal() const { return edit_.journal(); }
@@ -100,12 +113,17 @@ class MapServer {
 
  private:
   void take(const ScaleReport& scale);
+  void forget();
+  void note_adjusted();
+  void adjust(std::optional<SetId> since, const TellProgress& tell);
 
   ServerRun run_;
   MapServerConfig config_;
   MapEdit edit_;
   MapPipeline pipeline_;
   PipelineReport report_;
+  Forgetting forgetting_;
+  PastPart past_;
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
   std::vector<LensChange> lenses_;
@@ -114,6 +132,9 @@ class MapServer {
   std::optional<SetId> restored_until_;
   std::size_t restored_cameras_ = 0;
   std::map<CameraId, SetId> met_since_;  // of cameras that were restored
+  std::map<MapId, SetId> adjusted_;      // maps that were adjusted as a whole, up to that set
+  std::size_t moves_seen_ = 0;           // of the map's
+  MapId first_new_map_;                  // later ones were not restored
 };
 
 }  // namespace coslam

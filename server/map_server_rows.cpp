@@ -15,6 +15,7 @@ std::vector<Row> MapServer::changed_rows() {
   pipeline_.stage<Scale>().save(&rows);
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kObjects),
                   octets_of(pipeline_.stage<ObjectFinder>().next_object())});
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kAdjusted), octets_of(adjusted_)});
   return rows;
 }
 
@@ -26,10 +27,23 @@ void MapServer::restore(const Tables& tables, double gap_s) {
   std::uint32_t next_object = 1;
   read_state(tables, StateRow::kObjects, next_object);
   pipeline_.stage<ObjectFinder>().number_from(next_object);
+  read_state(tables, StateRow::kAdjusted, adjusted_);
+  moves_seen_ = map().moves().size();
+  first_new_map_ = map().next_map();
   restored_until_ = map().now();
   restored_cameras_ = map().cameras().size();
   changed_rows();  // what is in the file need not be written again, and what goes from now on is to go there, too
   edit_.pass_sets(map().sets_in(std::clamp(gap_s, 0.0, kLongest_s)));
+}
+
+MapServer::TakenIn MapServer::take_in(const MapServer& other) {
+  TakenIn out;
+  const MapId first = map().next_map();
+  out.as = edit_.take_in(other.map());
+  pipeline_.stage<Meetings>().take_in(other.pipeline_.stage<Meetings>(), out.as);
+  out.joined = join_maps(edit_, pipeline_.stage<Meetings>().places(), first);
+  for (const JoinedMaps& j : out.joined) adjusted_.erase(j.kept);
+  return out;
 }
 
 void MapServer::meet_all() {

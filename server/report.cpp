@@ -27,11 +27,16 @@ Json times_report(const StageTimes& times) {
   return out;
 }
 
+TimeNs first_ns(const MapCamera& camera) {
+  return camera.past.frames > 0 ? camera.past.first_ns : camera.frames.front().capture_ns;
+}
+
 // From when to when a camera had no pose, played seconds.
 Json lost_intervals(const MapCamera& camera) {
   Json lost = Json::array();
+  for (const auto& [from_ns, to_ns] : camera.past.lost) lost.push_back({to_seconds(from_ns), to_seconds(to_ns)});
   const FramePose* lost_from = nullptr;
-  for (const FramePose& f : camera.frames) {
+  for (const FramePose& f : camera.present_frames()) {
     if (!f.valid() && lost_from == nullptr) lost_from = &f;
     if (f.valid() && lost_from != nullptr) {
       lost.push_back({to_seconds(lost_from->capture_ns), to_seconds(f.capture_ns)});
@@ -67,12 +72,11 @@ Json refined_report(const CameraModel& camera, const LensChange& lens) {
 Json camera_report(const MapServer& server, CameraId id) {
   const MapCamera& camera = server.map().camera(id);
   const MapId common = server.largest_map();
-  const auto tracked = std::count_if(camera.frames.begin(), camera.frames.end(),
-                                     [&](const FramePose& f) { return f.valid() && f.map == common; });
-  const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames.size()));
+  const int tracked = common == MapId() ? 0 : camera.frames_in_map(common);
+  const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames_ever()));
   const ClockOffset clock = server.clock_offset(id);
-  return {{"frames", camera.frames.size()},
-          {"frames_received", camera.frames.size()},
+  return {{"frames", camera.frames_ever()},
+          {"frames_received", camera.frames_ever()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
           {"sigma_px", camera.sigma_px},
           {"clock_offset_ms", 1000 * clock.offset_s},
@@ -101,8 +105,8 @@ Json agent_report(const MapServer& server, const ServerLink& link, const Reporte
   out["bytes_up"] = bytes.up;
   out["bytes_down"] = bytes.down;
   // Per second of played time, so that the figure holds at any speed of replay.
-  const auto& played = server.map().camera(agent.camera).frames;
-  const double seconds = played.size() < 2 ? 0 : to_seconds(played.back().capture_ns - played.front().capture_ns);
+  const MapCamera& played = server.map().camera(agent.camera);
+  const double seconds = played.frames_ever() < 2 ? 0 : to_seconds(played.frames.back().capture_ns - first_ns(played));
   out["kb_per_s_up"] = seconds > 0 ? static_cast<double>(bytes.up) / 1000.0 / seconds : 0.0;
   out["kb_per_s_down"] = seconds > 0 ? static_cast<double>(bytes.down) / 1000.0 / seconds : 0.0;
   return out;

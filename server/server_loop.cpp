@@ -163,6 +163,7 @@ void ServerLoop::admit(const Hello& hello) {
   const bool back = agents_.contains(hello.agent);
   Agent& agent = agents_[hello.agent];
   agent.camera = server_.admit(hello);
+  if (keeper_ && !back) known_past_.push_back(agent.camera);
   agent.run = hello.agent_run;
   agent.ended = false;
   server_.set_alive(agent.camera, true);
@@ -171,6 +172,18 @@ void ServerLoop::admit(const Hello& hello) {
   sync_.add(agent.camera, hello.rate_hz, waits);
   stamps_.add(agent.camera, hello.agent);
   log_info("agent " + hello.agent + (back ? " is back" : " joined"));
+}
+
+// Of agents that have gone on since a server before this one: their result begins with what that one put down.
+void ServerLoop::take_known_past() {
+  for (const CameraId camera : std::exchange(known_past_, {})) {
+    if (!server_.met_since(camera)) continue;
+    keeper_->for_each_past(camera, [&](PastFrames block) {
+      PastPart past;
+      past.frames.push_back(std::move(block));
+      store_->take(past);
+    });
+  }
 }
 
 ServerLoop::Agent* ServerLoop::find(const std::string& name, RunId run) {
@@ -240,13 +253,21 @@ void ServerLoop::run_set(const FrameSet& set) {
     }
     link_.send(patch);
   }
+  const PastPart past = server_.take_past();
   for (const MovingState& state : server_.moving()) link_.send(state);
   const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
   for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
-  if (store_) store_->record(set, server_);
-  if (keeper_) keeper_->after_set();
+  if (store_) {
+    if (!known_past_.empty()) take_known_past();
+    store_->take(past);
+    store_->record(set, server_);
+  }
+  if (keeper_) {
+    keeper_->take(past);
+    keeper_->after_set();
+  }
   if (observer_ != nullptr) observer_->after_set(set, *this);
 }
 
@@ -277,7 +298,7 @@ void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configu
 }
 
 // False: not all of it. There may be room when it is written again.
-bool ServerLoop::write_first() {
+bool ServerLoop::write_first(bool adjusts) {
   if (!store_ && !keeper_) return true;
   bool written = true;
   const auto attempt = [&](const auto& write) {
@@ -290,24 +311,29 @@ bool ServerLoop::write_first() {
   };
   if (store_) attempt([&] { store_->write(server_, report_); });
   if (keeper_) attempt([&] { keeper_->finish(); });
-  if (written) log_info("the result is written; adjusting the whole map, which Ctrl-C leaves out");
+  if (written && adjusts) log_info("the result is written; adjusting the map, which Ctrl-C leaves out");
   return written;
 }
 
-void ServerLoop::finish(const nlohmann::ordered_json& configuration) {
+void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_end) {
+  const RefineConfig& refine = config_.server.map.of<RefineConfig>();
+  const bool adjusts = !short_end && refine.enabled && refine.at_end != "nothing";
   for (const FrameSet& set : std::exchange(ready_, {})) run_set(set);
   report_now(false, configuration);
-  const bool written = write_first();
+  const bool written = write_first(adjusts);
   stopping_ = true;
   send_status();
   if (observer_ != nullptr) observer_->finishing(*this);
-  {
+  if (!short_end) {
     const EndsAtOnce at_a_signal(written ? 0 : 1);
     give_refined(refiner_.take(true));
-    server_.finish();
+    server_.finish(config_.adjusting);
+  } else {
+    log_info("stopped in a hurry: the map is not adjusted as a whole");
+    if (written) return;
   }
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
-  report_now(config_.server.map.of<RefineConfig>().enabled, configuration);
+  report_now(adjusts, configuration);
   if (observer_ != nullptr) observer_->finished(*this);
   if (store_) store_->finish(server_, report_);
   if (keeper_) keeper_->finish();

@@ -41,6 +41,7 @@ struct ServerLoopConfig {
   std::filesystem::path map;   // file that the map is kept in; empty: none
   bool refine_in_thread = true;  // false: in the caller's thread, where its result is due
   ServerClock clock;             // another one for a recording
+  TellProgress adjusting;        // how far the adjustment at the end is; may be empty
 };
 
 // The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
@@ -60,7 +61,8 @@ class ServerLoop {
   // Writes the result, tells the agents that the server stops, adjusts the whole run and writes the result again. While
   // it adjusts EndsAtOnce holds (stop_signals.h). configuration: the one in effect, for the report. Throws UserError
   // when something could not be written.
-  void finish(const nlohmann::ordered_json& configuration);
+  // short_end: without the adjustment, for whoever has no time.
+  void finish(const nlohmann::ordered_json& configuration, bool short_end = false);
 
   // Shows it what happens from now on; one at most.
   void observe(ServerObserver* observer);
@@ -93,11 +95,12 @@ class ServerLoop {
   void run_set(const FrameSet& set);
   Agent* find(const std::string& name, RunId run);  // null: no such run now
   void end(Agent& agent);
+  void take_known_past();
   void give_refined(std::optional<RefineSolution> solution);
   void send_status();
   void open_result();
   void report_now(bool adjusted, const nlohmann::ordered_json& configuration);
-  bool write_first();
+  bool write_first(bool adjusts);
 
   ServerLink& link_;
   ServerLoopConfig config_;
@@ -110,6 +113,7 @@ class ServerLoop {
   std::optional<ResultStore> store_;
   std::filesystem::path result_;  // its folder
   std::optional<MapKeeper> keeper_;
+  std::vector<CameraId> known_past_;  // agents that joined since what the map file has of them was asked for
   ServerObserver* observer_ = nullptr;
   Refiner refiner_;
   std::map<std::string, Hello> waiting_;  // before the start

@@ -10,6 +10,8 @@ namespace coslam {
 // from any thread.
 void catch_stop_signals();
 const std::atomic<bool>& stop_requested();
+// It was SIGTERM, as of a service manager, which has no patience.
+bool stop_is_urgent();
 
 // While one of these lives, a signal ends the process at once with this exit code: what it leaves is on the disk, and
 // what it still does only betters it.

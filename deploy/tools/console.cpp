@@ -40,4 +40,13 @@ void Progress::draw_bar(int percent) {
   bar_open_ = true;
 }
 
+void ProgressOfRun::bar(const char* label, int done, int total) {
+  if (label_ != label) {
+    bar_.reset();  // ends its line
+    bar_.emplace(label);
+    label_ = label;
+  }
+  (*bar_)(done, total);
+}
+
 }  // namespace coslam

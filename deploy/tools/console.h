@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace coslam {
@@ -25,6 +26,19 @@ class Progress {
   bool bar_open_ = false;
   int shown_percent_ = -1;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// A bar of one thing after the other: mapping, then adjusting.
+class ProgressOfRun {
+ public:
+  void mapping(int done, int total) { bar("mapping", done, total); }
+  void adjusting(int percent) { bar("adjusting", percent, 100); }
+
+ private:
+  void bar(const char* label, int done, int total);
+
+  std::string label_;
+  std::optional<Progress> bar_;
 };
 
 }  // namespace coslam

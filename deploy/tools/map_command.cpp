@@ -2,14 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <ctime>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/flow/clock.h"
 #include "deploy/tools/commands.h"
+#include "deploy/tools/console.h"
 #include "server/map_server.h"
 #include "server/observe/result_store.h"
 #include "server/store/map_file.h"
@@ -21,7 +26,10 @@ using Access = MapFile::Access;
 
 struct MapArguments {
   std::string file, folder;
+  std::vector<std::string> others;
 };
+
+constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
 
 MapServer load(const MapFile& file) {
   MapServer server(RunId(1), {});
@@ -50,7 +58,8 @@ std::map<MapId, MapCensus> census(const Map& map) {
     if (p.moves()) ++maps[p.map].moving;
   }
   for (const MapCamera& c : map.cameras()) {
-    for (const FramePose& f : c.frames) {
+    for (const auto& [id, frames] : c.past.placed) maps[id].frames[c.id] += frames;
+    for (const FramePose& f : c.present_frames()) {
       if (f.valid()) ++maps[f.map].frames[c.id];
     }
   }
@@ -96,7 +105,8 @@ int adjust(const MapArguments& arguments) {
   if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
   MapFile file(arguments.file, Access::kWrite);
   MapServer server = load(file);
-  server.finish();
+  ProgressOfRun progress;
+  server.finish_whole([&](int percent) { progress.adjusting(percent); });
   file.write(server.changed_rows(), utc_now_ns());
   for (const std::string& warning : server.take_warnings()) std::fprintf(stderr, "coslam map: %s\n", warning.c_str());
   std::printf("%s is adjusted\n", file.path().c_str());
@@ -108,8 +118,78 @@ int export_map(const MapArguments& arguments) {
   MapServer server = load(file);
   server.meet_all();
   if (ResultFolder(arguments.folder).holds_run()) throw UserError(arguments.folder + " holds a run: choose another");
-  ResultStore(arguments.folder).finish(server, {{"map_file", file.path().filename().string()}});
+  ResultStore result(arguments.folder);
+  PastPart past;
+  file.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
+    past.frames = {past_frames_of(octets)};
+    result.take(past);
+  });
+  past.frames.clear();
+  file.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
+    past.places = past_places_of(octets);
+    result.take(past);
+  });
+  result.finish(server, {{"map_file", file.path().filename().string()}});
   std::printf("%s\n", arguments.folder.c_str());
+  return 0;
+}
+
+// Of each map that came, a sentence.
+void say_taken(const MapServer& server, const std::string& name, const MapServer::TakenIn& taken) {
+  std::set<MapId> apart;
+  for (const MapFrames& m : server.maps()) {
+    if (m.map.value > taken.as.maps) apart.insert(m.map);
+  }
+  for (const JoinedMaps& j : taken.joined) {
+    const bool kept = j.kept.value > taken.as.maps;
+    apart.erase(j.kept);
+    std::printf("map %u of %s is one with map %u: %d images show its places, %d points are the same, scale %.4g\n",
+                (kept ? j.kept : j.gone).value - taken.as.maps, name.c_str(), (kept ? j.gone : j.kept).value, j.images,
+                j.points, j.scale);
+  }
+  for (const MapId id : apart) {
+    std::printf("map %u of %s shows no place that is known: it stays a map of its own, %u\n", id.value - taken.as.maps,
+                name.c_str(), id.value);
+  }
+}
+
+// What the other file has on disk only.
+void take_past(const MapFile& other, const Renumbered& as, std::vector<Row>* rows) {
+  const auto add = [&](PastPart past) {
+    std::vector<Row> some = rows_of(past);
+    rows->insert(rows->end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
+  };
+  other.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
+    PastPart past{.frames = {past_frames_of(octets)}};
+    renumber(as, &past.frames.front());
+    add(std::move(past));
+  });
+  other.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
+    PastPart past{.places = past_places_of(octets)};
+    renumber(as, &*past.places);
+    add(std::move(past));
+  });
+}
+
+// All in one transaction: the file is as before, or has everything.
+int merge(const MapArguments& arguments) {
+  if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
+  MapFile file(arguments.file, Access::kWrite);
+  MapServer server = load(file);
+  std::vector<Row> past;
+  for (const std::string& name : arguments.others) {
+    if (std::filesystem::exists(name) && std::filesystem::equivalent(name, arguments.file)) {
+      throw UserError(name + " is the file that the others are put into");
+    }
+    const MapFile other(name, Access::kRead);
+    const MapServer from = load(other);
+    const MapServer::TakenIn taken = server.take_in(from);
+    take_past(other, taken.as, &past);
+    say_taken(server, name, taken);
+  }
+  std::vector<Row> rows = server.changed_rows();
+  rows.insert(rows.end(), std::make_move_iterator(past.begin()), std::make_move_iterator(past.end()));
+  file.write(rows, utc_now_ns());
   return 0;
 }
 
@@ -132,6 +212,10 @@ void add_map_command(CLI::App& app, Command& chosen) {
   add(*map, chosen, "list", "Say what is in it", list, arguments);
   add(*map, chosen, "check", "Look at every row", check, arguments);
   add(*map, chosen, "adjust", "Adjust the whole map once more (bundle adjustment)", adjust, arguments);
+  add(*map, chosen, "merge", "Put the maps of other files into it; those that show a place of it become one with it",
+      merge, arguments)
+      ->add_option("OTHER", arguments->others, "map files")
+      ->required();
   add(*map, chosen, "compact", "Give room back to the disk", compact, arguments);
   add(*map, chosen, "export", "Write its paths and points as a result", export_map, arguments)
       ->add_option("DIR", arguments->folder, "folder to write")

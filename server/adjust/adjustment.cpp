@@ -72,22 +72,46 @@ std::vector<std::string> lens_doubts(const Map& map, MapId of) {
   return out;
 }
 
-std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config) {
+namespace {
+
+// An outline is solved in about a fifth of the time of the whole.
+constexpr int kOutlineShare_percent = 20;
+
+void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgress& tell) {
+  if (!tell) return;
+  const int all = std::max(1, job->config.max_iterations);
+  job->config.after_iteration = [=](int done) {
+    tell(from_percent + (to_percent - from_percent) * std::min(done, all) / all);
+  };
+}
+
+// What the uncertain poses of a solution add to its points.
+void add_pose_share(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const auto share = pose_share(edit.map(), job, result);
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    const MapPoint* p = edit.map().find(job.points[i]);
+    if (p != nullptr) edit.move_point(*p, p->position, p->covariance + share[i]);
+  }
+}
+
+}  // namespace
+
+std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
+                                     const TellProgress& tell) {
   std::vector<LensChange> lenses(config.intrinsics ? edit.map().cameras().size() : 0);
   for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
-    auto job = plan_refine(edit.map(), of, extent, config);
+    const bool whole = extent == RefineExtent::kWhole;
+    if (since && !whole) continue;
+    auto job = since ? plan_refine_since(edit.map(), of, *since, config) : plan_refine(edit.map(), of, extent, config);
     if (!job) break;
     job->problem.lenses = lenses;
+    tell_of(&*job, whole && !since ? kOutlineShare_percent : 0, whole ? 100 : kOutlineShare_percent, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
     if (result.usable) lenses = result.lenses;
-    if (extent != RefineExtent::kWhole || !result.usable) continue;
-    const auto share = pose_share(edit.map(), *job, result);
-    for (std::size_t i = 0; i < share.size(); ++i) {
-      const MapPoint* p = edit.map().find(job->points[i]);
-      if (p != nullptr) edit.move_point(*p, p->position, p->covariance + share[i]);
-    }
+    if (whole && result.usable) add_pose_share(edit, *job, result);
   }
+  if (tell) tell(100);
   return lenses;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -75,8 +76,12 @@ class PlanAdjustment {
 // A sentence for each camera whose images fit a focal length better that is far from its calibration's.
 std::vector<std::string> lens_doubts(const Map& map, MapId of);
 
-// The last word: all key frames of a map. How each camera's lens was found to differ from its calibration, when that is
-// asked for.
-std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config);
+// How far it is, percent.
+using TellProgress = std::function<void(int percent)>;
+
+// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already. How
+// each camera's lens was found to differ from its calibration, when that is asked for.
+std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config,
+                                     std::optional<SetId> since = std::nullopt, const TellProgress& tell = {});
 
 }  // namespace coslam

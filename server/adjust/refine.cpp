@@ -281,15 +281,16 @@ void add_ties(const Map& map, RefineJob* job) {
 
 }  // namespace
 
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
-  const std::vector<SetId> keys = key_frames_to_adjust(map, of, extent, config);
+namespace {
+
+// Of these key frames, held by so many older poses at most; empty when there is too little.
+std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, int holding,
+                                  RefineExtent extent) {
   if (keys.empty()) return std::nullopt;
   RefineJob job;
   job.epoch = map.epoch();
   job.map = of;
   job.extent = extent;
-  job.config.max_iterations = extent == RefineExtent::kWindow ? config.max_iterations : config.final_iterations;
-  if (extent == RefineExtent::kWindow) job.config.function_tolerance = 1e-4;  // the next window goes on from there
   for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
   PoseIndex index;
   for (const SetId key : keys) {
@@ -297,8 +298,8 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   }
   if (job.poses.size() < 2) return std::nullopt;
   const std::size_t free_poses = job.poses.size();
-  if (extent == RefineExtent::kWindow) {
-    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), 3 * config.window)) {
+  if (holding > 0) {
+    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), holding)) {
       add_pose(map, of, set, camera, true, &job, &index);
     }
   }
@@ -307,6 +308,27 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   if (job.points.size() < 20) return std::nullopt;
   if (extent != RefineExtent::kWindow) weigh_observations(&job);
   if (job.poses.size() < free_poses + 2) float_free(&job);
+  return job;
+}
+
+}  // namespace
+
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const bool window = extent == RefineExtent::kWindow;
+  auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config), window ? 3 * config.window : 0, extent);
+  if (!job) return job;
+  job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
+  if (window) job->config.function_tolerance = 1e-4;  // the next window goes on from there
+  return job;
+}
+
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config) {
+  std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, config);
+  const std::size_t all = keys.size();
+  std::erase_if(keys, [&](SetId key) { return key <= since; });
+  const std::size_t older = (all - keys.size()) * map.cameras().size();
+  auto job = plan_job(map, of, keys, static_cast<int>(older), RefineExtent::kWhole);
+  if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
 

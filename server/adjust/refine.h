@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/map/edit.h"
@@ -22,6 +23,9 @@ struct RefineConfig {
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
   bool intrinsics = false;    // solve for the lenses too, then
+  // What is adjusted at the end: what changed since the map was last adjusted as a whole, which in a run on no older
+  // map is the whole; the whole in any case; or nothing.
+  std::string at_end = "changed";
 };
 
 template <class V>
@@ -30,6 +34,9 @@ void describe(V& v, RefineConfig& c) {
   v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
   v.field("intrinsics", c.intrinsics,
           "at the end of a run, solve for focal lengths, principal points and two distortion terms too");
+  v.field(
+      "at_end", c.at_end, {"changed", "whole", "nothing"},
+      "what is adjusted at the end of a run: what changed since the map of --map was adjusted, all of it, or nothing");
 }
 
 // A bundle adjustment over a copy of part of the map, solved anywhere, applied by the map's owner.
@@ -62,6 +69,8 @@ struct RefineReport {
 
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
+// The same for all key frames after a set; those before it hold them and stay.
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
 // What solves for the lenses over the first key frames of a map, to be looked at and not applied; empty when there is
 // too little.
 std::optional<RefineJob> plan_lens_check(const Map& map, MapId of);

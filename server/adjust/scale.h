@@ -4,6 +4,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/adjust/tag_scale.h"
@@ -45,6 +46,11 @@ class Scale {
   // By the final poses.
   ScaleReport finish(MapEdit& edit);
   const TagScale& tags() const { return tags_; }
+  // Frames that it looks at again, however old they are.
+  std::vector<std::pair<SetId, CameraId>> held_frames() const {
+    if (scaled_ == MapId()) return {};
+    return {{scaled_at_, CameraId(0)}, {scaled_at_, CameraId(1)}};
+  }
   // What outlives the server, as rows; and back.
   void save(std::vector<Row>* rows) const;
   void restore(const Tables& tables);

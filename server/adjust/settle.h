@@ -17,5 +17,8 @@ struct SettleReport {
 // adjustments carry frames between key frames along, and a live pose that was wrong stays wrong. A frame without a pose
 // beside one that has one is placed in the same way.
 SettleReport settle_frames(MapEdit& edit, MapId of);
+// The same for the frames of one camera from one set to before another, in whatever map they are, that are about to
+// leave memory.
+SettleReport settle_frames(MapEdit& edit, const MapCamera& camera, SetId from, SetId before);
 
 }  // namespace coslam

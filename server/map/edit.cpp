@@ -302,9 +302,15 @@ void MapEdit::set_motion(CameraId camera, const ServerTrack& track, TrackMotion 
 
 void MapEdit::shift_times(TimeNs by_ns) {
   map_.now_ns_ += by_ns;
+  map_.shifted_ns_ += by_ns;
   for (TimeNs& t_ns : map_.set_times_ns_) t_ns += by_ns;
   for (MapCamera& c : map_.cameras_) {
     for (FramePose& f : c.frames) f.capture_ns += by_ns;
+    c.past.first_ns += by_ns;
+    for (auto& [from_ns, to_ns] : c.past.lost) {
+      from_ns += by_ns;
+      to_ns += by_ns;
+    }
   }
   for (auto& [id, p] : map_.points_) {
     p.first_ns += by_ns;
@@ -361,11 +367,13 @@ void MapEdit::move_map(MapId map, const Similarity3& new_from_old) {
 
 void MapEdit::transform(MapId map, const Similarity3& new_from_old, Why why) {
   move_map(map, new_from_old);
+  map_.moves_.push_back({map, map, new_from_old});
   note_moved(map, why, {new_from_old.scale, 0});
 }
 
 void MapEdit::merge(MapId from, MapId into, const Similarity3& into_from_from) {
   move_map(from, into_from_from);
+  map_.moves_.push_back({from, into, into_from_from});
   for (auto& [id, p] : map_.points_) {
     if (p.map == from) p.map = into;
   }
@@ -373,6 +381,7 @@ void MapEdit::merge(MapId from, MapId into, const Similarity3& into_from_from) {
     for (FramePose& f : c.frames) {
       if (f.map == from) f.map = into;
     }
+    if (const auto past = c.past.placed.extract(from)) c.past.placed[into] += past.mapped();
     if (c.map != from) continue;
     c.map = into;
     if (c.merged_from == MapId()) c.merged_from = from;

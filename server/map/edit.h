@@ -12,6 +12,20 @@
 
 namespace coslam {
 
+// How what came from another map is numbered here.
+struct Renumbered {
+  std::uint16_t cameras = 0;
+  std::uint32_t points = 0, maps = 0, sets = 0;
+  TimeNs later_ns = 0;
+  std::uint64_t moves = 0;  // of Map::moves(), before those of the other map
+  TimeNs shifted_ns = 0;    // to be added to the other's PutDown::shifted_ns
+
+  CameraId of(CameraId id) const { return CameraId(static_cast<std::uint16_t>(id.value + cameras)); }
+  PointId of(PointId id) const { return id == PointId() ? id : PointId(id.value + points); }
+  MapId of(MapId id) const { return id == MapId() ? id : MapId(id.value + maps); }
+  SetId of(SetId id) const { return SetId(id.value + sets); }
+};
+
 // The only way to write the map. Every change of its structure says why, and is noted in the journal with the figures
 // that decided; new estimates of what stays are not. Keeps the map's invariants: a track and its point name each other,
 // key observations are sorted and unique, the indices behind Map's queries hold. Entities are named by references to
@@ -120,9 +134,28 @@ class MapEdit {
   // Observations of this instant become part of a moving point's path.
   void record_motion(PointId point, MotionSample sample) { map_.motions_[point].push_back(std::move(sample)); }
 
+  // ---- the past ----
+  // What was observed in an image that is not newer is kept no more; a key frame of which nothing is kept is none any
+  // more.
+  void forget_view(SetId set, CameraId camera);
+  // Of its patches those go whose image has no frame any more, but for the first, which tells its grey.
+  void forget_patches(const MapPoint& point);
+  // Tracks forget where they were seen before that set.
+  void forget_seen(SetId before);
+  // A camera's frames up to that set are past: gives out all of them that are not yet, without what they held. In
+  // memory stay those that `stays` says.
+  std::vector<FramePose> take_frames(const MapCamera& camera, SetId before, const std::set<SetId>& stays);
+  // The frame that memory still holds of the past goes too.
+  void forget_frame(const MapCamera& camera, SetId set);
+  // The oldest part of the paths of moving points leaves memory.
+  std::vector<std::pair<PointId, MotionSample>> take_motions(SetId before);
+
   // ---- the whole ----
   // An empty map becomes the one of these rows. Throws UserError when they contradict each other.
   void restore(const Tables& tables) { MapRows::restore(tables, &map_); }
+  // All maps of another one, with their points, frames and paths, beside those of this one; its cameras are new ones
+  // here, under other names where theirs are taken, and see nothing any more.
+  Renumbered take_in(const Map& other);
   // Nothing was seen for so many frame sets.
   void pass_sets(std::uint32_t sets) { map_.now_.value += sets; }
   // All times that are known are so much later than they were given.
@@ -165,6 +198,8 @@ class MapEdit {
   void let_go(CameraId camera, ServerTrack& track);
   void erase_point(PointId id);
   void move_map(MapId map, const Similarity3& new_from_old);
+  MapCamera as_here(const MapCamera& other, const Renumbered& as) const;
+  void take_in_points(const Map& other, const Renumbered& as);
   void take_tracks(MapCamera& c, const CameraFrame& cf, SetId set);
 
   Map map_;

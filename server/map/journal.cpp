@@ -38,6 +38,7 @@ constexpr std::array<WhyText, kWhys> kTexts{{
     {"seen_too_little", "because nobody follows it, and it was seen well only {a} times in {b} frame sets"},
     {"too_few_views", "because the bundle adjustment left {a} of its views"},
     {"undetermined", "because its views do not determine it: standard deviation {a} at a distance of {b}"},
+    {"shown_by_others", "because it is past and newer images show its place: of its own views {a} are kept"},
     {"stood_the_trial", "after {a} views inside the gate"},
     {"map_is_new", "because its map has just been started"},
     {"seen_elsewhere", "because several of its {a} tracks were outside the gate, and all agree on another place"},

@@ -65,6 +65,7 @@ enum class Why : std::uint8_t {
   kSeenTooLittle,
   kTooFewViews,
   kUndetermined,
+  kShownByOthers,
   // phases and motions
   kStoodTheTrial,
   kMapIsNew,

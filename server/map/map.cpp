@@ -92,6 +92,18 @@ const FramePose* MapCamera::frame_at(SetId set) const {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
+std::span<const FramePose> MapCamera::present_frames() const {
+  const auto first =
+      std::lower_bound(frames.begin(), frames.end(), past.until, [](const FramePose& f, SetId s) { return f.set < s; });
+  return {first, frames.end()};
+}
+
+int MapCamera::frames_in_map(MapId in) const {
+  const auto before = past.placed.find(in);
+  const auto present = std::ranges::count(present_frames(), in, &FramePose::map);
+  return static_cast<int>(present) + (before == past.placed.end() ? 0 : before->second);
+}
+
 std::optional<Rigid3> MapCamera::pose_at(SetId set, TimeNs t_ns) const {
   constexpr TimeNs kSameInstantNs = 1'000'000;
   const FramePose* f = frame_at(set);
@@ -155,7 +167,9 @@ Map::Map(const Map& o)
       now_(o.now_),
       now_ns_(o.now_ns_),
       set_interval_s_(o.set_interval_s_),
-      set_times_ns_(o.set_times_ns_) {
+      set_times_ns_(o.set_times_ns_),
+      moves_(o.moves_),
+      shifted_ns_(o.shifted_ns_) {
   // What points to points, points to the copies.
   for (auto& [id, p] : points_) {
     index_[id] = &p;

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -79,6 +80,15 @@ struct FramePose {
   bool valid() const { return map != MapId(); }
 };
 
+// Frames of a camera that memory holds no more, see server/map/past.h.
+struct PastFramesCount {
+  SetId until;  // those before it; some are in memory all the same, the others hang on them
+  int frames = 0;
+  std::map<MapId, int> placed;                  // frames with a pose, by the map they are in now
+  TimeNs first_ns = 0;                          // capture of the first
+  std::vector<std::pair<TimeNs, TimeNs>> lost;  // from when to when it had no pose
+};
+
 // A followed corner in one image.
 struct Sighting {
   CameraId camera;
@@ -106,10 +116,16 @@ struct MapCamera {
   SetId run_since;                             // of the frames of this run of its agent
   TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
   double frame_interval_s = kUsualInterval_s;  // median of its newest ones
-  std::vector<FramePose> frames;               // ascending sets, the whole run
-  std::map<TrackId, ServerTrack> tracks;       // live ones
+  std::vector<FramePose> frames;               // ascending sets, the whole run but for what is past
+  PastFramesCount past;
+  std::map<TrackId, ServerTrack> tracks;  // live ones
 
   const FramePose* frame_at(SetId set) const;
+  // Those that are not past.
+  std::span<const FramePose> present_frames() const;
+  std::size_t frames_ever() const { return static_cast<std::size_t>(past.frames) + present_frames().size(); }
+  // Of all frames ever, those with a pose in this map.
+  int frames_in_map(MapId in) const;
   // How many of its frames come in that time, by the newest ones; at least so many.
   int frames_in(double time_s, int least = 1) const;
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
@@ -174,6 +190,12 @@ struct MotionSample {
 
 struct KeyFrame {
   SetId set;
+};
+
+// A map was moved as a whole; into another, of which it is part then.
+struct MapMove {
+  MapId from, into;
+  Similarity3 into_from_from;
 };
 
 // Everything observed at one instant.
@@ -265,11 +287,19 @@ class Map {
   // Views of all key observations of a point whose frames have poses.
   std::vector<View> key_views_of(const MapPoint& point) const;
 
+  // All that maps as wholes went through, and by how much all times were shifted: for what was put down before.
+  const std::vector<MapMove>& moves() const { return moves_; }
+  TimeNs shifted_ns() const { return shifted_ns_; }
+  // Observations of that image are kept.
+  bool keeps_observations_of(SetId set, CameraId camera) const;
+  const std::set<std::pair<SetId, CameraId>>& key_images() const { return key_images_; }
+
   // Lengths of that map are metres, so that cameras of a rig are where the rig has them.
   bool is_metric(MapId map) const { return metric_.contains(map); }
   // Other cameras of its rig.
   std::vector<CameraId> rig_mates(const MapCamera& camera) const;
 
+  MapId next_map() const { return MapId(next_map_); }  // not given yet
   MapEpoch epoch() const { return epoch_; }
   SetId now() const { return now_; }
   TimeNs now_ns() const { return now_ns_; }
@@ -283,7 +313,6 @@ class Map {
  private:
   friend class MapEdit;
   friend class MapRows;
-  bool keeps_observations_of(SetId set, CameraId camera) const;
   std::vector<const MapPoint*> found(std::vector<PointId> ids) const;
 
   MapConfig config_;
@@ -307,6 +336,8 @@ class Map {
   TimeNs now_ns_ = 0;
   double set_interval_s_ = kUsualInterval_s;
   std::vector<TimeNs> set_times_ns_;  // the newest few
+  std::vector<MapMove> moves_;
+  TimeNs shifted_ns_ = 0;
 };
 
 // A live track of the camera shows the point.

@@ -68,6 +68,14 @@ template <class A>
 void serialize(A& a, KeyFrame& v) {
   a(v.set);
 }
+template <class A>
+void serialize(A& a, MapMove& v) {
+  a(v.from, v.into, v.into_from_from);
+}
+template <class A>
+void serialize(A& a, PastFramesCount& v) {
+  a(v.until, v.frames, v.placed, v.first_ns, v.lost);
+}
 
 namespace {
 
@@ -139,17 +147,29 @@ void for_each_row(const Tables& tables, const char* table, Visit visit) {
 
 }  // namespace
 
+// Those that are past go, and so do not stay as they were.
 void MapRows::frames(const Map& map, std::vector<Row>* rows) {
   frames_.resize(map.cameras().size());
   for (const MapCamera& c : map.cameras()) {
-    std::vector<std::uint64_t>& known = frames_[c.id.value];
-    for (std::size_t i = 0; i < c.frames.size(); ++i) {
-      const std::uint64_t now = likeness(c.frames[i]);
-      if (i < known.size() && known[i] == now) continue;
-      if (i == known.size()) known.push_back(now);
-      known[i] = now;
-      rows->push_back({"frame", frame_key(c.id, c.frames[i].set), octets_of(c.frames[i])});
+    auto& known = frames_[c.id.value];
+    std::vector<std::pair<SetId, std::uint64_t>> all;
+    all.reserve(c.frames.size());
+    auto once = known.cbegin();
+    const auto drop_before = [&](SetId set) {
+      for (; once != known.cend() && once->first < set; ++once)
+        rows->push_back({"frame", frame_key(c.id, once->first), {}});
+    };
+    for (const FramePose& f : c.frames) {
+      drop_before(f.set);
+      all.emplace_back(f.set, likeness(f));
+      const bool was_there = once != known.cend() && once->first == f.set;
+      if (!was_there || once->second != all.back().second) {
+        rows->push_back({"frame", frame_key(c.id, f.set), octets_of(f)});
+      }
+      if (was_there) ++once;
     }
+    drop_before(SetId(0xffffffff));
+    known = std::move(all);
   }
 }
 
@@ -179,6 +199,9 @@ std::vector<Row> MapRows::changes(const Map& map) {
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kMap),
                   octets_of(map.metric_, map.key_frames_, map.key_images_, map.loose_, map.repatched_, map.next_point_,
                             map.next_map_, map.epoch_, map.now_, map.now_ns_, map.set_interval_s_, map.set_times_ns_)});
+  std::vector<PastFramesCount> past;
+  for (const MapCamera& c : map.cameras()) past.push_back(c.past);
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kPast), octets_of(map.moves_, map.shifted_ns_, past)});
   return rows;
 }
 
@@ -191,6 +214,10 @@ void MapRows::restore(const Tables& tables, Map* map) {
     camera.alive = false;
     map->cameras_.push_back(std::move(camera));
   });
+  std::vector<PastFramesCount> past;  // none in a file of version 1
+  read_state(tables, StateRow::kPast, map->moves_, map->shifted_ns_, past);
+  if (past.size() > map->cameras_.size()) throw UserError("the map file has a past of no camera");
+  for (std::size_t i = 0; i < past.size(); ++i) map->cameras_[i].past = std::move(past[i]);
   for_each_row<FramePose>(tables, "frame", [&](FramePose frame, std::int64_t key) {
     const auto camera = static_cast<std::size_t>(key >> kFrameKeyBits);
     if (camera >= map->cameras_.size()) throw UserError("the map file has a frame of no camera");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/map/map.h"
@@ -29,7 +30,7 @@ class MapRows {
   static void keep(const char* table, const std::map<PointId, Value>& values, Known* known, std::vector<Row>* rows);
 
   // What each was like: one number that tells two states from each other.
-  std::vector<std::vector<std::uint64_t>> frames_;  // by camera
+  std::vector<std::vector<std::pair<SetId, std::uint64_t>>> frames_;  // by camera, ascending
   Known points_, motions_;
 };
 

@@ -3,6 +3,9 @@
 #include "server/observe/result_store.h"
 
 #include <algorithm>
+#include <deque>
+#include <functional>
+#include <limits>
 #include <set>
 
 #include "common/base/error.h"
@@ -12,6 +15,7 @@ namespace coslam {
 namespace {
 
 constexpr std::uint32_t kTrackEvery = 10;  // frames
+constexpr std::size_t kMostLive = 8192;    // poses of one agent in one map that stay in memory
 
 std::uint8_t grey_of(const MapPoint& p) { return p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2]; }
 
@@ -25,29 +29,83 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   return out;
 }
 
-// Of moving points, by the poses that cameras have now.
-struct MovingPaths {
-  std::vector<ResultDynamicRow> rows;  // ascending time
-  std::map<PointId, MovingPath> by_point;
-};
-
-MovingPaths moving_paths(const Map& map, MapId of) {
-  MovingPaths out;
+// Of moving points, by the poses that cameras have now; ascending time.
+std::vector<ResultDynamicRow> moving_rows(const Map& map, MapId of) {
+  std::vector<ResultDynamicRow> rows;
   for (const auto& [id, path] : map.motions()) {
     for (const MotionSample& sample : path) {
       const auto seen = position_of(map, of, sample);
-      if (!seen) continue;
-      out.rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
-      out.by_point[id].push_back({sample.set, sample.t_ns, seen->at.position});
+      if (seen) rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
     }
   }
-  std::ranges::stable_sort(out.rows, {}, &ResultDynamicRow::t_ns);
-  return out;
+  std::ranges::stable_sort(rows, {}, &ResultDynamicRow::t_ns);
+  return rows;
 }
 
-Trajectory final_trajectory(const MapCamera& camera, MapId of, SetId since) {
-  Trajectory t;
-  for (const FramePose& f : camera.frames) {
+// Where the members of objects were by the final poses, and how fast by their paths before and after the instant:
+// without the lag of what was known at the time. Rows and objects come in the order of time.
+class ObjectRows {
+ public:
+  explicit ObjectRows(ObjectWriter* writer) : writer_(*writer) {}
+
+  void add(const ResultDynamicRow& row) {
+    newest_ns_ = row.t_ns;
+    paths_[row.id].push_back({SetId(), row.t_ns, row.position});
+    write_until(newest_ns_ - to_ns(kBeside_s) - 1);
+  }
+  void add(const std::vector<SeenObject>& objects) {
+    waiting_.insert(waiting_.end(), objects.begin(), objects.end());
+    if (!objects.empty()) known_until_ns_ = objects.back().t_ns;
+  }
+  TimeNs known_until_ns() const { return known_until_ns_; }  // of the objects
+  // No more rows come.
+  void finish() { write_until(std::numeric_limits<TimeNs>::max()); }
+
+ private:
+  static constexpr double kBeside_s = 0.25, kMinSpan_s = 0.2;
+
+  void write_until(TimeNs t_ns) {
+    for (; !waiting_.empty() && waiting_.front().t_ns <= t_ns; waiting_.pop_front()) write(waiting_.front());
+    if (newest_ns_ < thinned_ns_ + to_ns(kThin_s)) return;
+    thinned_ns_ = newest_ns_;
+    const TimeNs oldest_ns =
+        (waiting_.empty() ? newest_ns_ : std::min(newest_ns_, waiting_.front().t_ns)) - to_ns(kThin_s);
+    for (auto& [id, path] : paths_) std::erase_if(path, [&](const PathSample& p) { return p.t_ns < oldest_ns; });
+    std::erase_if(paths_, [](const auto& path) { return path.second.empty(); });
+  }
+
+  void write(const SeenObject& o) {
+    std::vector<PointMotion> motions;
+    ResultObjectRow row{.t_ns = o.t_ns, .object = o.id};
+    for (const PointId id : o.members) {
+      const auto path = paths_.find(id);
+      if (path == paths_.end()) continue;
+      const auto motion =
+          motion_at(path->second, o.t_ns, o.t_ns - to_ns(kBeside_s), o.t_ns + to_ns(kBeside_s), kMinSpan_s);
+      if (!motion) continue;
+      motions.push_back(*motion);
+      row.members.push_back(id);
+    }
+    if (motions.empty()) return;
+    const BodyMotion body = body_of(motions);
+    row.position = body.centroid;
+    row.velocity_per_s = body.velocity;
+    row.extent = body.extent;
+    writer_.write(row);
+  }
+
+  static constexpr double kThin_s = 5;
+  ObjectWriter& writer_;
+  std::map<PointId, MovingPath> paths_;  // of the newest time
+  std::deque<SeenObject> waiting_;       // for what comes after them
+  static constexpr TimeNs kLongAgo_ns = std::numeric_limits<TimeNs>::min() / 2;
+  TimeNs newest_ns_ = kLongAgo_ns, thinned_ns_ = kLongAgo_ns, known_until_ns_ = kLongAgo_ns;
+};
+
+Trajectory final_trajectory(const MapServer& server, const ResultPast& past, const MapCamera& camera, MapId of,
+                            SetId since) {
+  Trajectory t = past.trajectory(server.map(), camera.id, of, since);
+  for (const FramePose& f : camera.present_frames()) {
     if (f.valid() && f.map == of && f.set >= since) t.push_back({f.capture_ns, f.cam_from_world});
   }
   return t;
@@ -88,7 +146,7 @@ class ResultStore::Attempts {
 };
 
 ResultStore::ResultStore(const std::filesystem::path& folder, const EventsConfig& events)
-    : folder_(new_result(folder)), groups_(folder_.groups()), events_(folder_.events(), events) {
+    : folder_(new_result(folder)), groups_(folder_.groups()), events_(folder_.events(), events), past_(folder) {
   groups_.check();
 }
 
@@ -103,7 +161,17 @@ void ResultStore::record(const FrameSet& set, const MapServer& server) {
   say_problems();
 }
 
+void ResultStore::take(const PastPart& past) {
+  past_.add(past);
+  if (!past.places) return;
+  const TimeNs until_ns = past.places->places.back().t_ns;
+  const auto stay = std::ranges::find_if(objects_, [&](const SeenObject& o) { return o.t_ns >= until_ns; });
+  past_.add_objects({objects_.begin(), stay});
+  objects_.erase(objects_.begin(), stay);
+}
+
 void ResultStore::say_problems() {
+  if (const auto warning = past_.take_problem()) log_warn(*warning);
   if (const auto warning = events_.take_warning()) log_warn(*warning);
   const auto say = [](CsvWriter& file) {
     if (const auto problem = file.take_problem()) log_warn(*problem + "; mapping goes on, the file ends here");
@@ -121,8 +189,14 @@ void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
   if (f.pose_state == PoseState::kTracked && f.server_run == server.run()) {
     const auto last =
         std::find_if(told.rbegin(), told.rend(), [&](const auto& entry) { return entry.first <= f.epoch; });
-    if (last != told.rend() && last->second != MapId())
-      live_[cf.camera][last->second].push_back({f.capture_ns, f.cam_from_world});
+    if (last != told.rend() && last->second != MapId()) {
+      Trajectory& live = live_[cf.camera][last->second];
+      live.push_back({f.capture_ns, f.cam_from_world});
+      if (live.size() >= kMostLive) {
+        past_.add_live(cf.camera, last->second, live);
+        live.clear();
+      }
+    }
   }
   const MapId now = server.map().camera(cf.camera).map;
   if (told.empty() || told.back().second != now) told.emplace_back(server.map().epoch(), now);
@@ -172,29 +246,13 @@ void ResultStore::record_objects(const FrameSet& set, const MapServer& server) {
   for (const MovingObject& o : server.objects()) objects_.push_back({set.t_ns, o.id, o.members});
 }
 
-// Where the members were by the final poses, and how fast by their paths before and after the instant: without the lag
-// of what was known at the time.
-void ResultStore::write_objects(const std::map<PointId, MovingPath>& paths, ObjectWriter* writer) const {
-  constexpr double kBeside_s = 0.25, kMinSpan_s = 0.2;
-  for (const SeenObject& o : objects_) {
-    std::vector<PointMotion> motions;
-    ResultObjectRow row{.t_ns = o.t_ns, .object = o.id};
-    for (const PointId id : o.members) {
-      const auto path = paths.find(id);
-      if (path == paths.end()) continue;
-      const auto motion =
-          motion_at(path->second, o.t_ns, o.t_ns - to_ns(kBeside_s), o.t_ns + to_ns(kBeside_s), kMinSpan_s);
-      if (!motion) continue;
-      motions.push_back(*motion);
-      row.members.push_back(id);
-    }
-    if (motions.empty()) continue;
-    const BodyMotion body = body_of(motions);
-    row.position = body.centroid;
-    row.velocity_per_s = body.velocity;
-    row.extent = body.extent;
-    writer->write(row);
-  }
+Trajectory ResultStore::live_of(CameraId camera, MapId map) const {
+  Trajectory all = past_.live(camera, map);
+  const auto of = live_.find(camera);
+  if (of == live_.end() || !of->second.contains(map)) return all;
+  const Trajectory& newest = of->second.at(map);
+  all.insert(all.end(), newest.begin(), newest.end());
+  return all;
 }
 
 // Of all maps; what has no relation to the common one goes beside it, each map by itself.
@@ -204,22 +262,24 @@ void ResultStore::write_paths(const MapServer& server, Attempts& attempts) {
   for (const MapCamera& c : server.map().cameras()) {
     const auto since = server.met_since(c.id);
     if (!since) continue;  // of another day
-    auto& live = live_[c.id];
-    attempts([&] { save_tum(folder_.trajectory(c.name), final_trajectory(c, common, *since)); });
-    attempts([&] { save_tum(folder_.live(c.name), live[common]); });
+    const auto& live = live_[c.id];
+    const auto final_path = [&](MapId m) { return final_trajectory(server, past_, c, m, *since); };
+    attempts([&] { save_tum(folder_.trajectory(c.name), final_path(common)); });
+    attempts([&] { save_tum(folder_.live(c.name), live_of(c.id, common)); });
     std::set<MapId> apart;
     for (const MapFrames& m : maps) {
       if (m.map == common) continue;
       apart.insert(m.map);
       const ResultFolder folder = folder_.of_map(m.map);
       if (m.frames.contains(c.id)) {
-        attempts([&] { save_tum(folder.trajectory(c.name), final_trajectory(c, m.map, *since)); });
+        attempts([&] { save_tum(folder.trajectory(c.name), final_path(m.map)); });
       }
-      if (live.contains(m.map)) attempts([&] { save_tum(folder.live(c.name), live[m.map]); });
+      if (live.contains(m.map)) attempts([&] { save_tum(folder.live(c.name), live_of(c.id, m.map)); });
     }
     for (const auto& past : live) {
       const MapId m = past.first;
-      if (m != common && !apart.contains(m)) attempts([&] { save_tum(folder_.live_before(m, c.name), past.second); });
+      if (m != common && !apart.contains(m))
+        attempts([&] { save_tum(folder_.live_before(m, c.name), live_of(c.id, m)); });
     }
   }
 }
@@ -237,15 +297,32 @@ void ResultStore::write_map(const MapServer& server, MapId map, const ResultFold
 
 void ResultStore::write_moving(const MapServer& server, MapId map, const ResultFolder& folder,
                                Attempts& attempts) const {
-  const MovingPaths paths = moving_paths(server.map(), map);
+  const std::vector<ResultDynamicRow> rows = moving_rows(server.map(), map);
+  const auto for_each_row = [&](const std::function<void(const ResultDynamicRow&)>& visit) {
+    past_.for_each_place(server.map(), map, visit);
+    for (const ResultDynamicRow& row : rows) visit(row);
+  };
   attempts([&] {
     DynamicWriter writer(folder.dynamic());
-    for (const ResultDynamicRow& row : paths.rows) writer.write(row);
+    for_each_row([&](const ResultDynamicRow& row) { writer.write(row); });
     writer.close();
   });
   attempts([&] {
     ObjectWriter writer(folder.objects());
-    write_objects(paths.by_point, &writer);
+    ObjectRows objects(&writer);
+    std::size_t block = 0;
+    const auto add_objects = [&](TimeNs until_ns) {
+      while (block <= past_.object_blocks() && objects.known_until_ns() < until_ns) {
+        objects.add(block < past_.object_blocks() ? past_.objects(block) : objects_);
+        ++block;
+      }
+    };
+    for_each_row([&](const ResultDynamicRow& row) {
+      add_objects(row.t_ns + to_ns(1));
+      objects.add(row);
+    });
+    add_objects(std::numeric_limits<TimeNs>::max());
+    objects.finish();
     writer.close();
   });
 }

@@ -13,6 +13,7 @@
 #include "common/dataset/trajectory.h"
 #include "server/map_server.h"
 #include "server/observe/event_store.h"
+#include "server/observe/result_past.h"
 
 namespace coslam {
 
@@ -22,6 +23,8 @@ class ResultStore {
   // Makes the folder. Throws UserError when it cannot be written, or holds a run already.
   explicit ResultStore(const std::filesystem::path& folder, const EventsConfig& events = {});
 
+  // What leaves the server's memory, in the order in which it left; before record() of the same step.
+  void take(const PastPart& past);
   // After each step of the server. What cannot be written is said in the log, once for each file.
   void record(const FrameSet& set, const MapServer& server);
   // The whole result as it stands: paths, points and the report (see make_report) of all maps. Each file takes the
@@ -45,13 +48,7 @@ class ResultStore {
   void write_maps(const MapServer& server, const nlohmann::ordered_json& report, Attempts& attempts);
   void write_map(const MapServer& server, MapId map, const ResultFolder& folder, Attempts& attempts);
   void write_moving(const MapServer& server, MapId map, const ResultFolder& folder, Attempts& attempts) const;
-  void write_objects(const std::map<PointId, MovingPath>& paths, ObjectWriter* writer) const;
-
-  struct SeenObject {
-    TimeNs t_ns = 0;
-    ObjectId id;
-    std::vector<PointId> members;
-  };
+  Trajectory live_of(CameraId camera, MapId map) const;
 
   ResultFolder folder_;
   // Poses as the agents published them, by camera and the map whose frame they are in.
@@ -63,6 +60,7 @@ class ResultStore {
   GroupWriter groups_;
   EventStore events_;
   std::vector<SeenObject> objects_;
+  ResultPast past_;  // what memory holds no more of all that
   std::vector<std::vector<CameraId>> last_groups_;
 };
 

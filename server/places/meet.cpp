@@ -12,6 +12,8 @@
 namespace coslam {
 namespace {
 
+constexpr std::size_t kMostLoops = 200;  // that hold the map together; older ones are in its poses by now
+
 bool together(const ViewGraph& graph, CameraId a, CameraId b) {
   const int group = graph.group_of(a);
   return a == b || (group >= 0 && group == graph.group_of(b));
@@ -137,9 +139,30 @@ void Meetings::act(MapEdit& edit, const CameraFrame& frame, const ViewGraph& gra
       break;
     case kClose:
       if (!close(edit, camera, seen, in_from_own, graph, &loops_)) break;
+      if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       moved(camera, report);
       break;
+  }
+}
+
+std::vector<std::pair<SetId, CameraId>> Meetings::held_frames() const {
+  std::vector<std::pair<SetId, CameraId>> out;
+  for (const LoopConstraint& l : loops_) {
+    out.emplace_back(l.set, l.camera);
+    out.emplace_back(l.to_set, l.to_camera);
+  }
+  return out;
+}
+
+void Meetings::take_in(const Meetings& other, const Renumbered& as) {
+  places_.take_in(other.places_, as);
+  for (LoopConstraint l : other.loops_) {
+    l.camera = as.of(l.camera);
+    l.to_camera = as.of(l.to_camera);
+    l.set = as.of(l.set);
+    l.to_set = as.of(l.to_set);
+    loops_.push_back(l);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/covisibility/group.h"
@@ -67,6 +68,13 @@ class Meetings {
   // After the set's poses are known.
   MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
                  const GroupConfig& group);
+  // Frames that loops are closed by, of the newest loops: those hold the map together.
+  std::vector<std::pair<SetId, CameraId>> held_frames() const;
+  // Those images are remembered no more.
+  void forget(const std::vector<std::pair<SetId, CameraId>>& views) { places_.forget(views); }
+  // What those of a map that was taken in remember and closed.
+  void take_in(const Meetings& other, const Renumbered& as);
+  const PlaceMemory& places() const { return places_; }
   std::size_t remembered_bytes() const { return places_.bytes(); }
   // What outlives the server, as rows, as far as it was not given out before; and back.
   void save(std::vector<Row>* rows);

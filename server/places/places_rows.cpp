@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the places outlive their server by.
+#include <utility>
+
 #include "server/map/serialise.h"
 #include "server/places/meet.h"
 
 namespace coslam {
+namespace {
+
+constexpr int kMostSkipped = 1 << 24;  // images that were forgotten in succession
+
+}  // namespace
 
 template <class A>
 void serialize(A& a, KeyImage& v) {
@@ -17,9 +24,11 @@ void serialize(A& a, LoopConstraint& v) {
 }
 
 void PlaceMemory::save(std::vector<Row>* rows) {
-  for (; saved_ < images_.size(); ++saved_) {
-    rows->push_back({"place", static_cast<std::int64_t>(saved_), octets_of(images_[saved_])});
+  for (const int number : std::exchange(gone_, {})) rows->push_back({"place", number, {}});
+  for (auto at = images_.lower_bound(saved_); at != images_.end(); ++at) {
+    rows->push_back({"place", at->first, octets_of(at->second)});
   }
+  saved_ = index_.size();
 }
 
 void PlaceMemory::restore(const Tables& tables) {
@@ -28,8 +37,11 @@ void PlaceMemory::restore(const Tables& tables) {
   for (const auto& [key, octets] : table->second) {
     KeyImage image;
     read_octets(octets, image);
+    const int skipped = static_cast<int>(key) - index_.size();
+    if (skipped < 0 || skipped > kMostSkipped) throw UserError("the map file has a place of no number");
+    index_.skip(skipped);
     index_.add(image.descriptors);
-    images_.push_back(std::move(image));
+    images_[static_cast<int>(key)] = std::move(image);
   }
 }
 

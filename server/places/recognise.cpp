@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
@@ -57,7 +58,8 @@ KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyIm
 // What matched of some known points.
 struct Matched {
   std::vector<TrackId> tracks;
-  std::vector<int> known;  // index
+  std::vector<int> known;               // index
+  std::vector<Eigen::Vector2d> pixels;  // undistorted
 };
 
 struct Agreement {
@@ -71,11 +73,8 @@ std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector
                                   const KnownPoints& known, const Matched& matched, const Agreement& wanted) {
   const MapCamera& camera = map.camera(id);
   std::vector<Eigen::Vector3d> positions;
-  std::vector<Eigen::Vector2d> pixels;
-  for (std::size_t i = 0; i < matched.tracks.size(); ++i) {
-    positions.push_back(known.positions[static_cast<std::size_t>(matched.known[i])]);
-    pixels.emplace_back(camera.tracks.at(matched.tracks[i]).seen.back().undistorted_px.cast<double>());
-  }
+  const std::vector<Eigen::Vector2d>& pixels = matched.pixels;
+  for (const int k : matched.known) positions.push_back(known.positions[static_cast<std::size_t>(k)]);
   const PlaceResult placed = place_camera(camera.model, positions, pixels, wanted.sigma_px, wanted.min_inliers);
   if (!placed.ok) return std::nullopt;
   Recognition out{.map = in, .cam_from_world = placed.cam_from_world};
@@ -98,14 +97,26 @@ std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector
   return out;
 }
 
-Matched match_anywhere(const MapCamera& camera, const DescriptorReply& reply, const KnownPoints& known) {
+// Where features are in an image.
+using Pixels = std::map<TrackId, Eigen::Vector2d>;
+
+Matched match_anywhere(const std::vector<TrackId>& tracks, const std::vector<std::uint8_t>& descriptors,
+                       const Pixels& pixels, const KnownPoints& known) {
   Matched out;
-  for (const FeatureMatch& m : match_descriptors(reply.descriptors, known.descriptors)) {
-    const TrackId track = reply.tracks[static_cast<std::size_t>(m.first)];
-    if (!camera.tracks.contains(track)) continue;
+  for (const FeatureMatch& m : match_descriptors(descriptors, known.descriptors)) {
+    const TrackId track = tracks[static_cast<std::size_t>(m.first)];
+    const auto pixel = pixels.find(track);
+    if (pixel == pixels.end()) continue;
     out.tracks.push_back(track);
     out.known.push_back(m.second);
+    out.pixels.push_back(pixel->second);
   }
+  return out;
+}
+
+Pixels pixels_now(const MapCamera& camera) {
+  Pixels out;
+  for (const auto& [id, track] : camera.tracks) out.emplace(id, track.seen.back().undistorted_px.cast<double>());
   return out;
 }
 
@@ -161,6 +172,7 @@ NearMatches match_near(const Map& map, const MapCamera& camera, const Descriptor
     if (of_feature[best.other].other != p) continue;
     out.tracks.push_back(reply.tracks[best.other]);
     out.known.push_back(static_cast<int>(p));
+    out.pixels.push_back(pixels[best.other]);
     out.off_px.push_back(best.off_px);
   }
   return out;
@@ -172,13 +184,25 @@ void PlaceMemory::add(MapEdit& edit, const CameraFrame& frame) {
   if (!frame.descriptors || frame.descriptors->tracks.empty()) return;
   const SetId set = edit.map().camera(frame.camera).frames.back().set;
   edit.add_key_image(set, frame.camera);
-  index_.add(frame.descriptors->descriptors);
-  images_.push_back({set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors});
+  const int number = index_.add(frame.descriptors->descriptors);
+  images_[number] = {set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors};
+}
+
+void PlaceMemory::forget(const std::vector<std::pair<SetId, CameraId>>& views) {
+  if (views.empty()) return;
+  const std::set<std::pair<SetId, CameraId>> gone(views.begin(), views.end());
+  std::erase_if(images_, [&](const auto& entry) {
+    const auto& [number, image] = entry;
+    if (!gone.contains({image.set, image.camera})) return false;
+    index_.remove(number, image.descriptors);
+    if (number < saved_) gone_.push_back(number);
+    return true;
+  });
 }
 
 std::size_t PlaceMemory::bytes() const {
-  std::size_t bytes = index_.bytes() + bytes_of(images_);
-  for (const KeyImage& i : images_) bytes += bytes_of(i.tracks) + bytes_of(i.descriptors);
+  std::size_t bytes = index_.bytes();
+  for (const auto& [number, i] : images_) bytes += sizeof i + bytes_of(i.tracks) + bytes_of(i.descriptors);
   return bytes;
 }
 
@@ -189,8 +213,8 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
   std::vector<const KeyImage*> asked;
   for (const CameraId c : cameras) {
     const auto newest =
-        std::find_if(images_.rbegin(), images_.rend(), [&](const KeyImage& i) { return i.camera == c; });
-    if (newest != images_.rend() && newest->set >= since) asked.push_back(&*newest);
+        std::find_if(images_.rbegin(), images_.rend(), [&](const auto& i) { return i.second.camera == c; });
+    if (newest != images_.rend() && newest->second.set >= since) asked.push_back(&newest->second);
   }
   if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
@@ -211,29 +235,79 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
   return out;
 }
 
-std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
-                                             const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
-  if (!frame.descriptors) return std::nullopt;
-  const std::vector<int> votes = index_.votes(frame.descriptors->descriptors);
+PlaceMemory::Asked PlaceMemory::asked_for(const Map& map, const std::vector<std::uint8_t>& descriptors,
+                                          const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
+  const std::vector<int> votes = index_.votes(descriptors);
   std::vector<std::pair<int, const KeyImage*>> order;
-  for (std::size_t i = 0; i < images_.size(); ++i) {
-    const FramePose* f = map.camera(images_[i].camera).frame_at(images_[i].set);
-    if (votes[i] < config_.min_votes || !f->valid() || !may_ask(images_[i], f->map)) continue;
-    order.emplace_back(votes[i], &images_[i]);
+  for (const auto& [number, image] : images_) {
+    const int n = votes[static_cast<std::size_t>(number)];
+    if (n < config_.min_votes) continue;
+    const FramePose* f = map.camera(image.camera).frame_at(image.set);
+    if (!f->valid() || !may_ask(image, f->map)) continue;
+    order.emplace_back(n, &image);
   }
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   // The best image names the map; others of it lend their points.
-  std::vector<const KeyImage*> asked;
-  MapId in;
+  Asked asked;
   for (const auto& [n, image] : order) {
     const MapId of = map.camera(image->camera).frame_at(image->set)->map;
-    if (in == MapId()) in = of;
-    if (of == in && static_cast<int>(asked.size()) < config_.images) asked.push_back(image);
+    if (asked.in == MapId()) asked.in = of;
+    if (of == asked.in && static_cast<int>(asked.images.size()) < config_.images) asked.images.push_back(image);
   }
-  if (asked.empty()) return std::nullopt;
-  const KnownPoints known = known_points(map, in, asked);
-  const Matched matched = match_anywhere(map.camera(frame.camera), *frame.descriptors, known);
-  return locate(map, frame.camera, asked, in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
+  return asked;
+}
+
+std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
+                                             const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
+  if (!frame.descriptors) return std::nullopt;
+  const DescriptorReply& reply = *frame.descriptors;
+  const Asked asked = asked_for(map, reply.descriptors, may_ask);
+  if (asked.images.empty()) return std::nullopt;
+  const KnownPoints known = known_points(map, asked.in, asked.images);
+  const Matched matched = match_anywhere(reply.tracks, reply.descriptors, pixels_now(map.camera(frame.camera)), known);
+  return locate(map, frame.camera, asked.images, asked.in, known, matched,
+                {1.5, config_.min_inliers, config_.min_hull});
+}
+
+std::vector<SeenAgain> PlaceMemory::find_again(const Map& map, MapId of,
+                                               const std::function<bool(MapId)>& may_ask) const {
+  constexpr std::size_t kMostImages = 200;
+  std::vector<const KeyImage*> own;
+  for (const auto& [number, image] : images_) {
+    const FramePose* f = map.camera(image.camera).frame_at(image.set);
+    if (f != nullptr && f->map == of) own.push_back(&image);
+  }
+  const std::size_t apart = std::max<std::size_t>(1, (own.size() + kMostImages - 1) / kMostImages);
+  std::vector<SeenAgain> out;
+  for (std::size_t i = 0; i < own.size(); i += apart) {
+    const KeyImage& image = *own[i];
+    const Asked asked =
+        asked_for(map, image.descriptors, [&](const KeyImage&, MapId in) { return in != of && may_ask(in); });
+    if (asked.images.empty()) continue;
+    Pixels pixels;
+    SeenAgain seen{.image = &image};
+    for (const MapPoint* p : map.points_observed_at({image.set})) {
+      for (const KeyObservation& o : p->key_observations) {
+        if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
+        pixels[o.track] = o.undistorted_px.cast<double>();
+        seen.own[o.track] = p->id;
+      }
+    }
+    const KnownPoints known = known_points(map, asked.in, asked.images);
+    const Matched matched = match_anywhere(image.tracks, image.descriptors, pixels, known);
+    auto place =
+        locate(map, image.camera, asked.images, asked.in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
+    if (!place) continue;
+    seen.place = std::move(*place);
+    out.push_back(std::move(seen));
+  }
+  return out;
+}
+
+void PlaceMemory::take_in(const PlaceMemory& other, const Renumbered& as) {
+  for (const auto& [number, image] : other.images_) {
+    images_[index_.add(image.descriptors)] = {as.of(image.set), as.of(image.camera), image.tracks, image.descriptors};
+  }
 }
 
 bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {

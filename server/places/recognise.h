@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -41,6 +42,13 @@ struct Recognition {
   bool expected = false;    // not far from where the camera's pose in that map says
 };
 
+// A remembered image of one map shows a place of another.
+struct SeenAgain {
+  const KeyImage* image = nullptr;
+  std::map<TrackId, PointId> own;  // the points that it saw in its own map
+  Recognition place;
+};
+
 // Points found near where a camera's pose says: there, or all of them beside it in one way.
 struct ExpectedPlace {
   std::vector<std::pair<TrackId, PointId>> there;
@@ -58,6 +66,13 @@ class PlaceMemory {
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
                               SetId since, double gate_px) const;
+  // Remembered images of one map, of as many as it takes time for, in which a place of another one is recognised that
+  // may be asked: by the looks of their features and the points behind these.
+  std::vector<SeenAgain> find_again(const Map& map, MapId of, const std::function<bool(MapId)>& may_ask) const;
+  // What another one remembers, as images of a map that was taken in.
+  void take_in(const PlaceMemory& other, const Renumbered& as);
+  // Those images are remembered no more.
+  void forget(const std::vector<std::pair<SetId, CameraId>>& views);
   // Of the key images and their index.
   std::size_t bytes() const;
   // The key images as rows, those that were not given out before; and back, in a memory without any.
@@ -69,10 +84,18 @@ class PlaceMemory {
                                   const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
 
  private:
+  struct Asked {
+    std::vector<const KeyImage*> images;  // the ones that look most like it
+    MapId in;
+  };
+  Asked asked_for(const Map& map, const std::vector<std::uint8_t>& descriptors,
+                  const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
+
   RecogniseConfig config_;
   AppearanceIndex index_;
-  std::vector<KeyImage> images_;  // as in the index
-  std::size_t saved_ = 0;
+  std::map<int, KeyImage> images_;  // by their numbers in the index
+  int saved_ = 0;                   // up to this number they were given out as rows
+  std::vector<int> gone_;           // of these, those that were forgotten since
 };
 
 // Whether some of these points stand off the plane through most of them, by more than their standard deviations allow:

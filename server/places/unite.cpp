@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/places/unite.h"
 
-#include <algorithm>
-
 #include "server/associate/register.h"
 
 namespace coslam {
@@ -11,10 +9,7 @@ namespace {
 
 int frames_in(const Map& map, MapId id) {
   int n = 0;
-  for (const MapCamera& c : map.cameras()) {
-    n += static_cast<int>(
-        std::count_if(c.frames.begin(), c.frames.end(), [&](const FramePose& f) { return f.map == id; }));
-  }
+  for (const MapCamera& c : map.cameras()) n += c.frames_in_map(id);
   return n;
 }
 

@@ -3,8 +3,10 @@
 #include "server/solve/appearance.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "server/solve/root_sift.h"
@@ -56,16 +58,40 @@ int AppearanceIndex::add(const std::vector<std::uint8_t>& descriptors) {
   const int image = images_++;
   if (descriptors.empty()) return image;
   for (const Sketch& s : sketches(descriptors)) {
-    for (int t = 0; t < kTables; ++t) tables_[static_cast<std::size_t>(t)][key_of(s, t)].push_back({s, image});
+    if (free_.empty()) {
+      free_.push_back(static_cast<Slot>(entries_.size()));
+      entries_.emplace_back();
+    }
+    const Slot slot = free_.back();
+    free_.pop_back();
+    entries_[slot] = {s, image};
+    for (int t = 0; t < kTables; ++t) tables_[static_cast<std::size_t>(t)][key_of(s, t)].push_back(slot);
   }
   return image;
 }
 
+void AppearanceIndex::remove(int image, const std::vector<std::uint8_t>& descriptors) {
+  if (descriptors.empty()) return;
+  for (const Sketch& s : sketches(descriptors)) {
+    std::optional<Slot> of_this;
+    for (int t = 0; t < kTables; ++t) {
+      auto& bucket = tables_[static_cast<std::size_t>(t)][key_of(s, t)];
+      const auto at = std::ranges::find_if(bucket, [&](Slot slot) {
+        return of_this ? slot == *of_this : entries_[slot].image == image && entries_[slot].sketch == s;
+      });
+      if (at == bucket.end()) continue;
+      of_this = *at;
+      bucket.erase(at);
+    }
+    if (of_this) free_.push_back(*of_this);
+  }
+}
+
 std::size_t AppearanceIndex::bytes() const {
-  std::size_t bytes = 0;
+  std::size_t bytes = entries_.capacity() * sizeof(Entry) + free_.capacity() * sizeof(Slot);
   for (const auto& table : tables_) {
-    for (const auto& [key, entries] : table)
-      bytes += sizeof(key) + sizeof(std::vector<Entry>) + entries.capacity() * sizeof(Entry);
+    for (const auto& [key, slots] : table)
+      bytes += sizeof(key) + sizeof(std::vector<Slot>) + slots.capacity() * sizeof(Slot);
   }
   return bytes;
 }
@@ -80,7 +106,8 @@ std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descrip
       const auto& table = tables_[static_cast<std::size_t>(t)];
       const auto at = table.find(key_of(s, t));
       if (at == table.end()) continue;
-      for (const Entry& e : at->second) {
+      for (const Slot slot : at->second) {
+        const Entry& e = entries_[slot];
         const auto image = static_cast<std::size_t>(e.image);
         if (voted[image] == descriptor) continue;
         if (std::popcount(s[0] ^ e.sketch[0]) + std::popcount(s[1] ^ e.sketch[1]) > kMostApart) continue;

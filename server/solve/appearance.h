@@ -15,8 +15,12 @@ namespace coslam {
 // hashing) and differ in few bits altogether vote for their image. Deterministic.
 class AppearanceIndex {
  public:
-  // Descriptors of kDescriptorBytes each. Images are numbered from 0.
+  // Descriptors of kDescriptorBytes each. Images are numbered from 0; returns the number.
   int add(const std::vector<std::uint8_t>& descriptors);
+  // So many numbers are given to no image.
+  void skip(int images) { images_ += images; }
+  // It gets no votes any more; its number stays its own. By the descriptors that it was added with.
+  void remove(int image, const std::vector<std::uint8_t>& descriptors);
   // For every image, how many of these descriptors have one like them in it.
   std::vector<int> votes(const std::vector<std::uint8_t>& descriptors) const;
   int size() const { return images_; }
@@ -29,11 +33,14 @@ class AppearanceIndex {
     Sketch sketch;
     int image;
   };
+  using Slot = std::uint32_t;  // of entries_
 
   std::vector<Sketch> sketches(const std::vector<std::uint8_t>& descriptors) const;
 
   std::vector<float> mean_;  // of the first image's descriptors: most of what all descriptors share
-  std::array<std::unordered_map<std::uint32_t, std::vector<Entry>>, kTables> tables_;
+  std::vector<Entry> entries_;
+  std::vector<Slot> free_;  // of entries_
+  std::array<std::unordered_map<std::uint32_t, std::vector<Slot>>, kTables> tables_;
   int images_ = 0;
 };
 

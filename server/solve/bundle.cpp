@@ -29,6 +29,19 @@ Rigid3 from_block(const Block& b) {
   return {Eigen::Map<const Eigen::Quaterniond>(b.data()).normalized(), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
 }
 
+// Tells how far the solver is.
+class Teller : public ceres::IterationCallback {
+ public:
+  explicit Teller(const std::function<void(int)>& tell) : tell_(tell) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (tell_) tell_(summary.iteration);
+    return ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<void(int)>& tell_;
+};
+
 ceres::Solver::Options solver_options(const BundleConfig& config, const BundleProblem& problem) {
   constexpr std::ptrdiff_t kDenseMost = 120;  // beyond, a whole run: most poses share no point
   const auto free_poses = std::ranges::count(problem.poses, false, &BundleProblem::Pose::fixed);
@@ -128,6 +141,8 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   }
   ceres::Solver::Options options = solver_options(config, problem);
   options.linear_solver_ordering.reset(ordering);
+  Teller teller(config.after_iteration);
+  options.callbacks.push_back(&teller);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
@@ -44,6 +45,7 @@ struct BundleConfig {
   double function_tolerance = 1e-5;  // relative change of the cost that ends it
   double loss_sigmas = 2.0;          // Cauchy loss beyond so many standard deviations
   double outlier_sigmas = 4.0;       // an observation farther off after the solution is reported as an outlier
+  std::function<void(int done)> after_iteration;  // may be empty
 };
 
 struct BundleResult {

@@ -3,11 +3,15 @@
 #include "server/store/map_file.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 #include <zlib.h>
 
+#include <cerrno>
 #include <functional>
 #include <system_error>
+#include <utility>
 
 #include "common/base/error.h"
 
@@ -15,7 +19,7 @@ namespace coslam {
 namespace {
 
 constexpr int kApplication = 0x434f534c;  // "COSL"
-constexpr int kVersion = 1;               // of the tables and of the octets in them
+constexpr int kVersion = 2;               // of the tables and of the octets in them; 1 has no past
 
 const char* const kTables =
     "CREATE TABLE IF NOT EXISTS rows (name TEXT NOT NULL, number INTEGER NOT NULL, octets BLOB NOT NULL, "
@@ -50,8 +54,48 @@ std::string cause_of(const SQLite::Exception& e) {
 
 }  // namespace
 
+namespace {
+
+// Of the one process that writes a map file: a lock on an octet behind those that SQLite locks, which readers do not
+// look at. It goes with the process.
+class WriterLock {
+ public:
+  WriterLock(const std::filesystem::path& file, bool wanted) {
+    if (!wanted) return;
+    constexpr mode_t kMode = 0644;
+    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
+    if (descriptor_ < 0) return;  // SQLite says why
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    lock.l_start = 0x40000000 + 0x10000;
+    lock.l_len = 1;
+    if (fcntl(descriptor_, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES)) return;
+    close(descriptor_);
+    throw UserError("map file " + file.string() + " is in use by another process");
+  }
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+  ~WriterLock() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+
+ private:
+  int descriptor_ = -1;
+};
+
+}  // namespace
+
 struct MapFile::Impl {
+  Impl(const std::filesystem::path& file, bool writes)
+      : lock(file, writes),
+        db(file.string(), writes ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READONLY, kPatience_ms) {
+  }
+  static constexpr int kPatience_ms = 2000;  // with another process that is about to have written
+
+  WriterLock lock;  // goes last: closing it would take the locks that SQLite has
   SQLite::Database db;
+  bool old_version = false;
   std::unique_ptr<SQLite::Statement> put, drop;
 };
 
@@ -69,14 +113,13 @@ auto in_words(const std::filesystem::path& path, Do work) {
 
 // Nothing is written to a file that is there already.
 void open_for_writing(SQLite::Database& db, bool there) {
-  db.exec("PRAGMA locking_mode=EXCLUSIVE");
   if (!there) {
     db.exec("BEGIN; PRAGMA application_id=" + std::to_string(kApplication) +
             "; PRAGMA user_version=" + std::to_string(kVersion) + "; " + kTables + " COMMIT");
     db.exec("PRAGMA journal_mode=WAL");
   }
   db.exec("PRAGMA synchronous=NORMAL");
-  db.exec("BEGIN IMMEDIATE; COMMIT");  // from here on nobody else has it
+  db.exec("BEGIN IMMEDIATE; COMMIT");  // it may be written
 }
 
 }  // namespace
@@ -86,8 +129,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
   const bool there = std::filesystem::exists(file, error) && std::filesystem::file_size(file, error) > 0;
   if (!there && access == Access::kRead) throw UserError("there is no map file " + file.string());
   in_words(path_, [&] {
-    const int flags = access == Access::kWrite ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READONLY;
-    impl_ = std::make_unique<Impl>(Impl{SQLite::Database(file.string(), flags), {}, {}});
+    impl_ = std::make_unique<Impl>(file, access == Access::kWrite);
     SQLite::Database& db = impl_->db;
     if (there) {
       const int application = db.execAndGet("PRAGMA application_id").getInt();
@@ -97,6 +139,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
         throw UserError("map file " + path_.string() + " is of version " + std::to_string(version) +
                         ", newer than this program's " + std::to_string(kVersion) + ": update it");
       }
+      impl_->old_version = version < kVersion;
     }
     if (access == Access::kRead) return;
     open_for_writing(db, there);
@@ -110,22 +153,40 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
 
 MapFile::~MapFile() = default;
 
+namespace {
+
+// The octets of a row; throws UserError when they are not those that were written.
+std::string checked(const std::filesystem::path& file, SQLite::Statement& row) {
+  const SQLite::Column octets = row.getColumn(2);
+  const auto size = static_cast<std::size_t>(octets.getBytes());
+  if (check_sum(octets.getBlob(), size) != row.getColumn(3).getInt64()) {
+    throw UserError("map file " + file.string() + " is damaged: " + row.getColumn(0).getString() + " " +
+                    row.getColumn(1).getString() + " differs from its check sum");
+  }
+  return {static_cast<const char*>(octets.getBlob()), size};
+}
+
+}  // namespace
+
 Tables MapFile::read() const {
   return in_words(path_, [&] {
     Tables tables;
-    SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows");
-    while (all.executeStep()) {
-      const SQLite::Column octets = all.getColumn(2);
-      const auto size = static_cast<std::size_t>(octets.getBytes());
-      const std::string name = all.getColumn(0).getString();
-      const std::int64_t number = all.getColumn(1).getInt64();
-      if (check_sum(octets.getBlob(), size) != all.getColumn(3).getInt64()) {
-        throw UserError("map file " + path_.string() + " is damaged: " + name + " " + std::to_string(number) +
-                        " differs from its check sum");
-      }
-      tables[name][number].assign(static_cast<const char*>(octets.getBlob()), size);
-    }
+    SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows WHERE name NOT LIKE 'past%'");
+    while (all.executeStep()) tables[all.getColumn(0).getString()][all.getColumn(1).getInt64()] = checked(path_, all);
     return tables;
+  });
+}
+
+void MapFile::for_each_row(const std::string& table, std::int64_t first, std::int64_t last,
+                           const std::function<void(const std::string&)>& visit) const {
+  in_words(path_, [&] {
+    SQLite::Statement some(impl_->db,
+                           "SELECT name, number, octets, crc32 FROM rows WHERE name = ? AND number BETWEEN ? AND ? "
+                           "ORDER BY number");
+    some.bind(1, table);
+    some.bind(2, first);
+    some.bind(3, last);
+    while (some.executeStep()) visit(checked(path_, some));
   });
 }
 
@@ -142,6 +203,9 @@ void MapFile::write(std::span<const Row> rows, TimeNs saved_ns) {
         statement.bind(4, check_sum(row.bytes.data(), row.bytes.size()));
       }
       statement.exec();
+    }
+    if (std::exchange(impl_->old_version, false)) {
+      impl_->db.exec("PRAGMA user_version=" + std::to_string(kVersion));
     }
     impl_->db.exec("DELETE FROM saved");
     impl_->db.exec("INSERT INTO saved VALUES (" + std::to_string(saved_ns) + ")");
@@ -161,8 +225,9 @@ void MapFile::check() const {
   in_words(path_, [&] {
     const std::string said = impl_->db.execAndGet("PRAGMA integrity_check").getString();
     if (said != "ok") throw UserError("map file " + path_.string() + " is damaged: " + said);
+    SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows");
+    while (all.executeStep()) checked(path_, all);
   });
-  read();
 }
 
 void MapFile::compact() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,21 +15,26 @@
 namespace coslam {
 
 // A map on disk: an SQLite database (write-ahead log) of rows with check sums. What was written before the process is
-// killed is there afterwards, each write() whole or not at all. One process at a time has it open. All functions throw
-// UserError with one sentence that names the file and the cause. Thread-compatible.
+// killed is there afterwards, each write() whole or not at all. One process at a time may write it; others may read it
+// meanwhile, and see it as it was written last. All functions throw UserError with one sentence that names the file and
+// the cause. Thread-compatible; for_each_row() may be called while another thread writes.
 class MapFile {
  public:
   enum class Access : std::uint8_t { kRead, kWrite };  // kWrite: makes it where there is none
 
-  // Refuses what is no map, of a newer version, of another user or in use; nothing is changed then.
+  // Refuses what is no map, of a newer version, of another user or, to write, in use; nothing is changed then.
   MapFile(const std::filesystem::path& file, Access access);
   ~MapFile();
   MapFile(const MapFile&) = delete;
   MapFile& operator=(const MapFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  // Everything, each row against its check sum. Empty for a new file.
+  // Everything but the tables that stay on disk (server/map/past.h), each row against its check sum. Empty for a new
+  // file.
   Tables read() const;
+  // The rows of one table from the first to the last number, ascending.
+  void for_each_row(const std::string& table, std::int64_t first, std::int64_t last,
+                    const std::function<void(const std::string& octets)>& visit) const;
   // saved_ns: UTC now.
   void write(std::span<const Row> rows, TimeNs saved_ns);
   // When it was written last; empty for a new file.

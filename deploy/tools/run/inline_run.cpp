@@ -52,8 +52,12 @@ int run_inline(const RunOptions& options) {
 
   const RunId server_run(1);
   InlineLink link(server_run);
-  ServerLoopConfig server_config{
-      .server = config.server, .out = options.out, .map = options.map, .refine_in_thread = false};
+  ProgressOfRun progress;
+  ServerLoopConfig server_config{.server = config.server,
+                                 .out = options.out,
+                                 .map = options.map,
+                                 .refine_in_thread = false,
+                                 .adjusting = [&](int percent) { progress.adjusting(percent); }};
   for (const SequenceAgent& a : options.sequence.agents) server_config.expected_agents.push_back(a.name);
   std::optional<RecordingLink> recording;
   if (!options.record.empty()) {
@@ -69,14 +73,13 @@ int run_inline(const RunOptions& options) {
     agents.push_back(connect_agent(link, options, a, RunId(run++), config.agent));
 
   const std::chrono::milliseconds no_wait(0);
-  Progress progress("mapping");
   while (server.poll(no_wait) && !stop_requested()) {
     for (InlineAgent& a : agents) {
       if (!a.running || a.loop->step(stop_requested())) continue;
       a.loop->finish(stop_requested());
       a.running = false;
     }
-    progress(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);
+    progress.mapping(std::min(server.map_server().counts().frame_sets, options.frame_sets), options.frame_sets);
   }
   if (recording) recording->end();
   server.finish(config::dump_json(without_secrets(config)));

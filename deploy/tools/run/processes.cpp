@@ -142,7 +142,8 @@ class Supervisor {
       if (line.starts_with("view: ")) say_view(line);
       int done = 0;
       const int all = options_.frame_sets;
-      if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_(std::min(done, all), all);
+      if (std::sscanf(line.c_str(), "progress %d", &done) == 1) progress_.mapping(std::min(done, all), all);
+      if (std::sscanf(line.c_str(), "adjusting %d", &done) == 1) progress_.adjusting(done);
     }
   }
   // Not before: in the domain of another server they would meet that one.
@@ -167,7 +168,7 @@ class Supervisor {
   const int domain_;
   Child server_;
   std::vector<Child> agents_;
-  Progress progress_{"mapping"};
+  ProgressOfRun progress_;
   bool started_ = false, given_up_ = false;
   int passed_on_ = 0;
 };

@@ -55,6 +55,20 @@ TEST(AppearanceIndex, TheSamePlaceGetsTheVotes) {
   }
 }
 
+TEST(AppearanceIndex, WhatWasRemovedGetsNoVotesAndNoRoom) {
+  AppearanceIndex index;
+  for (unsigned i = 0; i < 10; ++i) index.add(random_descriptors(200, i));
+  const std::size_t bytes = index.bytes();
+  for (unsigned i = 0; i < 5; ++i) index.remove(static_cast<int>(i), random_descriptors(200, i));
+  EXPECT_EQ(index.votes(random_descriptors(200, 2))[2], 0);
+  EXPECT_GT(index.votes(random_descriptors(200, 7))[7], 150);
+  for (unsigned i = 10; i < 15; ++i) EXPECT_EQ(index.add(random_descriptors(200, i)), static_cast<int>(i));
+  EXPECT_LT(static_cast<double>(index.bytes()), 1.4 * static_cast<double>(bytes));
+  index.skip(3);
+  EXPECT_EQ(index.add(random_descriptors(200, 20)), 18);
+  EXPECT_GT(index.votes(random_descriptors(200, 20))[18], 150);
+}
+
 TEST(AppearanceIndex, EmptyImagesAreHarmless) {
   AppearanceIndex index;
   EXPECT_TRUE(index.votes(random_descriptors(3, 1)).empty());

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace coslam {
+
+// What a process puts out of its memory for as long as it lives: a file without a name that goes with the process. What
+// cannot be written, as on a full disk, stays in memory and is tried again. Made when something is put into it.
+// Thread-compatible.
+class SpillFile {
+ public:
+  using Ticket = std::size_t;
+
+  explicit SpillFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~SpillFile();
+  SpillFile(const SpillFile&) = delete;
+  SpillFile& operator=(const SpillFile&) = delete;
+
+  Ticket put(std::string octets);
+  // Throws UserError when it cannot be read.
+  std::string get(Ticket ticket) const;
+  // Once for each time that writing failed: a sentence with the cause.
+  std::optional<std::string> take_problem();
+
+ private:
+  struct Place {
+    std::uint64_t offset = 0;
+    std::uint64_t size = 0;
+  };
+  void write_waiting();
+  bool write(const std::string& octets);
+
+  std::filesystem::path folder_;
+  int descriptor_ = -1;
+  std::uint64_t end_ = 0;
+  std::vector<Place> places_;  // by ticket
+  std::map<Ticket, std::string> waiting_;
+  bool failing_ = false;
+  std::optional<std::string> problem_;
+};
+
+}  // namespace coslam
