@@ -112,6 +112,8 @@ EXCEPTIONS = {
     ("common/base/log.h", "chrono"): "one log line a second; the core does not include it",
     ("common/base/log.cpp", "spdlog/spdlog.h"): "the one place that knows the logging library",
     ("common/base/log.cpp", "spdlog/sinks/stdout_color_sinks.h"): "the same",
+    ("common/base/log.cpp", "spdlog/pattern_formatter.h"): "the same",
+    ("common/base/log.cpp", "nlohmann/json.hpp"): "escapes what a line of JSON says",
     ("common/base/metrics.cpp", "sys/resource.h"): "peak memory of the process",
 }
 
