@@ -20,5 +20,6 @@ void add_run_command(CLI::App& app, Command& chosen);
 void add_render_command(CLI::App& app, Command& chosen);
 void add_replay_command(CLI::App& app, Command& chosen);
 void add_status_command(CLI::App& app, Command& chosen);
+void add_view_command(CLI::App& app, Command& chosen);
 
 }  // namespace coslam

@@ -26,6 +26,7 @@ int run(int argc, char** argv) {
   coslam::add_export_command(app, chosen);
   coslam::add_map_command(app, chosen);
   coslam::add_status_command(app, chosen);
+  coslam::add_view_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);
   try {
     app.parse(argc, argv);

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <ctime>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -15,8 +14,7 @@
 #include "common/flow/clock.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/console.h"
-#include "server/map_server.h"
-#include "server/observe/result_store.h"
+#include "deploy/tools/map_result.h"
 #include "server/store/map_file.h"
 
 namespace coslam {
@@ -28,14 +26,6 @@ struct MapArguments {
   std::string file, folder;
   std::vector<std::string> others;
 };
-
-constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
-
-MapServer load(const MapFile& file) {
-  MapServer server(RunId(1), {});
-  server.restore(file.read(), 0);
-  return server;
-}
 
 std::string text_of_time(TimeNs utc_ns) {
   const std::time_t t = utc_ns / 1'000'000'000;
@@ -68,7 +58,7 @@ std::map<MapId, MapCensus> census(const Map& map) {
 
 int list(const MapArguments& arguments) {
   const MapFile file(arguments.file, Access::kRead);
-  const MapServer server = load(file);
+  const MapServer server = load_map(file);
   const Map& map = server.map();
   const double mib = static_cast<double>(std::filesystem::file_size(file.path())) / (1U << 20U);
   std::printf("%s: %.1f MiB, saved %s\n", file.path().c_str(), mib,
@@ -85,7 +75,7 @@ int list(const MapArguments& arguments) {
 int check(const MapArguments& arguments) {
   const MapFile file(arguments.file, Access::kRead);
   file.check();
-  const MapServer server = load(file);
+  const MapServer server = load_map(file);
   std::printf("%s is sound: %zu points, %zu cameras\n", file.path().c_str(), server.map().points().size(),
               server.map().cameras().size());
   return 0;
@@ -104,7 +94,7 @@ int compact(const MapArguments& arguments) {
 int adjust(const MapArguments& arguments) {
   if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
   MapFile file(arguments.file, Access::kWrite);
-  MapServer server = load(file);
+  MapServer server = load_map(file);
   ProgressOfRun progress;
   server.finish_whole([&](int percent) { progress.adjusting(percent); });
   file.write(server.changed_rows(), utc_now_ns());
@@ -114,22 +104,7 @@ int adjust(const MapArguments& arguments) {
 }
 
 int export_map(const MapArguments& arguments) {
-  const MapFile file(arguments.file, Access::kRead);
-  MapServer server = load(file);
-  server.meet_all();
-  if (ResultFolder(arguments.folder).holds_run()) throw UserError(arguments.folder + " holds a run: choose another");
-  ResultStore result(arguments.folder);
-  PastPart past;
-  file.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
-    past.frames = {past_frames_of(octets)};
-    result.take(past);
-  });
-  past.frames.clear();
-  file.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
-    past.places = past_places_of(octets);
-    result.take(past);
-  });
-  result.finish(server, {{"map_file", file.path().filename().string()}});
+  write_map_result(arguments.file, arguments.folder);
   std::printf("%s\n", arguments.folder.c_str());
   return 0;
 }
@@ -175,14 +150,14 @@ void take_past(const MapFile& other, const Renumbered& as, std::vector<Row>* row
 int merge(const MapArguments& arguments) {
   if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
   MapFile file(arguments.file, Access::kWrite);
-  MapServer server = load(file);
+  MapServer server = load_map(file);
   std::vector<Row> past;
   for (const std::string& name : arguments.others) {
     if (std::filesystem::exists(name) && std::filesystem::equivalent(name, arguments.file)) {
       throw UserError(name + " is the file that the others are put into");
     }
     const MapFile other(name, Access::kRead);
-    const MapServer from = load(other);
+    const MapServer from = load_map(other);
     const MapServer::TakenIn taken = server.take_in(from);
     take_past(other, taken.as, &past);
     say_taken(server, name, taken);

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/web/live_api.h"
 
-#include <filesystem>
 #include <utility>
 
-#include "common/base/error.h"
-#include "common/base/text.h"
-#include "server/explain/answer.h"
 #include "server/publish/json.h"
 #include "server/publish/metrics.h"
+#include "server/web/explain_answer.h"
 #include "server/web/ply.h"
 
 namespace coslam {
@@ -19,30 +16,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kStandsStill = 30s, kFreshCloud = 2s, kLongestWait = 10s;
 constexpr std::size_t kMostQuestions = 4, kMostWaiting = 100;
-constexpr std::uintmax_t kMostEvents = 64 << 20;  // octets of events.csv that are read for one answer
 constexpr const char* kJson = "application/json";
 
-std::string of_query(const WebRequest& request, const std::string& key) {
-  const auto at = request.query.find(key);
-  return at == request.query.end() ? "" : at->second;
-}
-
 WebAnswer not_begun() { return plain_answer(503, "nothing is known of the map yet"); }
-
-WebAnswer explained(const ResultFolder& result, const explain::Question& question) {
-  std::error_code error;
-  const auto bytes = std::filesystem::file_size(result.events(), error);
-  if (error) return plain_answer(404, "the run keeps no events.csv: nothing can be explained");
-  if (bytes > kMostEvents)
-    return plain_answer(503, "events.csv is too large to be read beside the mapping: coslam explain does that");
-  try {
-    return plain_answer(200, explain::answer(result, question).text);
-  } catch (const UsageError& e) {
-    return plain_answer(400, e.what());
-  } catch (const UserError& e) {
-    return plain_answer(404, e.what());
-  }
-}
 
 void put_counts(const WebCounts& c, MetricsText* text) {
   using Kind = MetricsText::Kind;
@@ -128,19 +104,15 @@ void LiveApi::map(WebReply reply) {
 }
 
 void LiveApi::explain(const WebRequest& request, const WebReply& reply) {
-  explain::Question question{of_query(request, "kind"), of_query(request, "id"), {}};
-  const std::string at = of_query(request, "at");
-  if (!at.empty()) question.at_s = parse_double(at);
-  const bool known = question.kind == "point" || question.kind == "track" || question.kind == "camera";
-  if (!known || question.id.empty() || (!at.empty() && !question.at_s))
-    return reply(plain_answer(400, "ask as ?kind=point|track|camera&id=ID[&at=SECONDS]"));
+  const auto question = question_of(request);
+  if (!question) return reply(no_question());
   std::string result;
   {
     const std::lock_guard lock(mutex_);
     if (state_) result = state_->loop.result;
   }
   if (result.empty()) return reply(plain_answer(404, "the run keeps no result: nothing can be explained"));
-  if (!questions_.push([=] { reply(explained(ResultFolder(result), question)); }))
+  if (!questions_.push([=] { reply(explained(ResultFolder(result), *question)); }))
     reply(plain_answer(503, "too many questions at once"));
 }
 

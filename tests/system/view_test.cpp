@@ -92,6 +92,29 @@ TEST(View, ARunInOneProcessToo) {
   EXPECT_EQ(run.exit_code(), 0) << run.err();
 }
 
+TEST(View, AFinishedRunIsShown) {
+  const SmallScene scene(2, 30);
+  const std::string result = (scene.folder() / "result").string();
+  Program run("coslam", {"run", scene.sequence(), "--out", result, "--inline"});
+  ASSERT_EQ(run.exit_code(), 0) << run.err();
+  Program view("coslam", {"view", result, "--port", "0"});
+  const std::string link = "view: http://127.0.0.1:";
+  ASSERT_TRUE(view.prints(link) && view.prints("/?recorded=1\n")) << view.err();
+  const auto port = static_cast<std::uint16_t>(std::stoi(view.out().substr(view.out().find(link) + link.size())));
+  EXPECT_THAT(http_get(port, "/api/v1/run.mcap").body, ::testing::StartsWith("\x89MCAP0\r\n"));
+  EXPECT_THAT(http_get(port, "/api/v1/explain?kind=camera&id=cam0").body, HasSubstr("said hello"));
+  EXPECT_EQ(http_get(port, "/api/v1/explain?kind=house&id=1").status, 400);
+  EXPECT_EQ(http_get(port, "/api/v1/map.ply").status, 404);
+  view.signal(SIGINT);
+  EXPECT_EQ(view.exit_code(), 0);
+}
+
+TEST(View, OnlyWhatIsThereIsShown) {
+  Program view("coslam", {"view", "/nowhere/at.all"});
+  EXPECT_EQ(view.exit_code(), 1);
+  EXPECT_THAT(view.err(), HasSubstr("there is no /nowhere/at.all"));
+}
+
 TEST(View, ATakenPortIsNamed) {
   const test::TestDomain domain;
   Program one("coslam-server", {"--loopback", "--domain", std::to_string(domain.number()), "--view", "0"});

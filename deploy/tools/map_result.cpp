@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/map_result.h"
+
+#include <limits>
+#include <string>
+
+#include "common/base/error.h"
+#include "server/observe/result_store.h"
+
+namespace coslam {
+namespace {
+
+constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
+
+}  // namespace
+
+MapServer load_map(const MapFile& file) {
+  MapServer server(RunId(1), {});
+  server.restore(file.read(), 0);
+  return server;
+}
+
+void write_map_result(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const MapFile file(path, MapFile::Access::kRead);
+  MapServer server = load_map(file);
+  server.meet_all();
+  if (ResultFolder(folder).holds_run()) throw UserError(folder.string() + " holds a run: choose another");
+  ResultStore result(folder);
+  PastPart past;
+  file.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
+    past.frames = {past_frames_of(octets)};
+    result.take(past);
+  });
+  past.frames.clear();
+  file.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
+    past.places = past_places_of(octets);
+    result.take(past);
+  });
+  result.finish(server, {{"map_file", file.path().filename().string()}});
+}
+
+}  // namespace coslam
