@@ -8,7 +8,9 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/version.h"
 #include "common/config/config.h"
+#include "common/config/log_option.h"
 #include "server/bridge/bridge.h"
 
 namespace coslam {
@@ -31,9 +33,11 @@ struct Arguments {
   std::vector<std::string> sets, interfaces;
   std::optional<int> domain, from;
   bool loopback = false, print = false;
+  LogFormat log_format = LogFormat::kText;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", version());
   app.add_option("--config", a.file, "bridge.yaml")->type_name("FILE");
   app.add_option("--from", a.from, "DDS domain of the map server and its agents")
       ->type_name("N")
@@ -50,6 +54,7 @@ void add_options(CLI::App& app, Arguments& a) {
       ->type_name("KEY=VALUE");
   app.add_flag("--print-config", a.print,
                "only print all keys with values, bounds and meaning, as a file for --config");
+  add_log_option(app, a.log_format);
 }
 
 BridgeOptions options_of(const Arguments& a) {
@@ -84,7 +89,7 @@ int main_of(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  init_log("bridge");
+  init_log("bridge", arguments.log_format);
   const BridgeOptions options = options_of(arguments);
   if (arguments.print) {
     std::cout << "# All keys of coslam-bridge; --config FILE reads them back.\n" << config::dump_yaml(options);
