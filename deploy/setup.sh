@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/setup.sh [--lint] [--list]
+# deploy/setup.sh [--lint] [--test] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
 #   --lint   also those that the format, layer and lint checks need
+#   --test   also those of other programs that tests compare with
 #   --list   only print the names of the missing packages
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
@@ -16,6 +17,7 @@ list=no
 while [[ $# -gt 0 ]]; do
   case $1 in
     --lint) sets+=(lint) ;;
+    --test) sets+=(test) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;
