@@ -1,22 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-<<<<<<< HEAD
-# deploy/setup.sh [--lint] [--browser] [--list]
+# deploy/setup.sh [--lint] [--test] [--browser] [--package] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
 #   --lint      also those that the format, layer and lint checks need
+#   --test      also those of other programs that tests compare with
 #   --browser   also the browser that the page is tested in (300 MB)
-#   --list      only print the names of the missing packages
-# Without npm, for the page, and without the browser all else works: if they cannot be had, it says so and goes on.
-=======
-# deploy/setup.sh [--lint] [--package] [--list]
-#
-# Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
-#   --lint      also those that the format, layer and lint checks need
 #   --package   also those that packages are made and checked with
 #   --list      only print the names of the missing packages
->>>>>>> install
+# Without npm, for the page, and without the browser all else works: if they cannot be had, it says so and goes on.
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
@@ -29,11 +22,9 @@ list=no
 while [[ $# -gt 0 ]]; do
   case $1 in
     --lint) sets+=(lint) ;;
-<<<<<<< HEAD
+    --test) sets+=(test) ;;
     --browser) command -v chromium >/dev/null || optional+=(browser) ;;
-=======
     --package) sets+=(package) ;;
->>>>>>> install
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;

@@ -11,6 +11,8 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/ros/cdr.h"
+#include "common/ros/convert.h"
+#include "common/ros/messages.h"
 #include "common/ros/type.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
@@ -35,6 +37,13 @@ const BridgeOptions& checked(const BridgeOptions& options) {
                     " is that of the fleet and of ROS 2: give one of them another with --from or --domain");
   }
   return options;
+}
+
+// The map in axes that point ahead, left and up, for whoever draws or plans in them.
+PublicSample upright_map(const MapLevel& level) {
+  const Rigid3 world_from_map(flu_from_map(level), Eigen::Vector3d::Zero());
+  const ros::TFMessage message{{{ros::header_of(0, "world"), "map", ros::transform_of(world_from_map)}}};
+  return {"/tf_static", ros::type_text<ros::TFMessage>().name, 0, ros::to_cdr(message)};
 }
 
 // Says when that changes, not each time.
@@ -78,14 +87,16 @@ struct Bridge::Impl {
     });
     loop.read<idl::ServerStatus>([](const idl::ServerStatus&, const Sample&) {},
                                  [this](const WriterId&, Presence presence) { note(presence); });
-    if (!options.bridge.px4.agent.empty()) read_agent(options.bridge.px4);
+    topics.put(upright_map(options.bridge.map));
+    if (!options.bridge.px4.agent.empty()) read_agent(options.bridge);
     loop.start();
   }
 
-  void read_agent(const Px4Config& config) {
-    px4.emplace(config);
-    const auto topic = ros_topic(config.topic, ros::type_text<ros::VehicleOdometry>().name);
-    if (!topic) throw UserError("bridge.px4.topic '" + config.topic + "' is no name of a topic: it starts with '/'");
+  void read_agent(const BridgeConfig& config) {
+    px4.emplace(config.px4, config.map);
+    const auto topic = ros_topic(config.px4.topic, ros::type_text<ros::VehicleOdometry>().name);
+    if (!topic)
+      throw UserError("bridge.px4.topic '" + config.px4.topic + "' is no name of a topic: it starts with '/'");
     px4_writer = std::make_unique<OctetWriter>(ros, *topic);
     loop.read<idl::AgentPose>([this](const idl::AgentPose& message, const Sample&) {
       if (auto pose = decode(message)) px4->see(*pose);

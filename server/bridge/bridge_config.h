@@ -13,6 +13,7 @@ namespace coslam {
 struct BridgeConfig {
   int domain = -1;                                      // of the ROS 2 nodes; -1: ROS_DOMAIN_ID, else 0
   std::vector<std::string> interfaces = {"127.0.0.1"};  // on which these are; empty: all
+  MapLevel map;
   Px4Config px4;
 };
 
@@ -21,6 +22,7 @@ void describe(V& v, BridgeConfig& c) {
   v.field("domain", c.domain, {-1, 232},
           "DDS domain of the ROS 2 nodes; -1: that of the variable ROS_DOMAIN_ID, else 0");
   v.field("interfaces", c.interfaces, "IPv4 addresses of this host on which ROS 2 is spoken; empty: all");
+  v.section("map", c.map);
   v.section("px4", c.px4);
 }
 

@@ -32,20 +32,6 @@ Rigid3 body_from_camera(const Px4Config& c) {
   return {turned * Eigen::Quaterniond(frd_from_optical()), {c.forward_m, c.right_m, c.down_m}};
 }
 
-// Ahead is the map's z axis; where that points up or down, the map's -y, which is ahead when a camera looks down.
-Eigen::Quaterniond frd_from_map(const Px4Config& c) {
-  constexpr double kSteep = 0.95;
-  Eigen::Vector3d down(c.map_down_x, c.map_down_y, c.map_down_z);
-  if (down.norm() < 1e-6) down = Eigen::Vector3d::UnitY();
-  down.normalize();
-  Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();
-  if (std::abs(down.z()) > kSteep) ahead = -Eigen::Vector3d::UnitY();
-  ahead = (ahead - ahead.dot(down) * down).normalized();
-  Eigen::Matrix3d r;
-  r << ahead.transpose(), down.cross(ahead).transpose(), down.transpose();
-  return Eigen::Quaterniond(r);
-}
-
 ros::VehicleOdometry::Vector floats(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -87,8 +73,8 @@ const char* sentence_of(Px4Refusal refusal) {
   return "";
 }
 
-Px4Odometry::Px4Odometry(const Px4Config& config)
-    : config_(config), body_from_cam_(body_from_camera(config)), frd_from_map_(frd_from_map(config)) {}
+Px4Odometry::Px4Odometry(const Px4Config& config, const MapLevel& level)
+    : config_(config), body_from_cam_(body_from_camera(config)), frd_from_map_(frd_from_map(level)) {}
 
 void Px4Odometry::see(const AgentPose& pose) {
   if (pose.agent == config_.agent) told_ = pose;

@@ -11,17 +11,16 @@
 #include "common/model/agent_pose.h"
 #include "common/model/track_frame.h"
 #include "common/ros/px4_messages.h"
+#include "server/bridge/map_level.h"
 
 namespace coslam {
 
-// How the camera sits on the vehicle, and how the map lies. Body axes are those of PX4: forward, right, down.
+// How the camera sits on the vehicle. Body axes are those of PX4: forward, right, down.
 struct Px4Config {
   std::string agent;  // whose camera it is; empty: nothing is said
   std::string topic = "/fmu/in/vehicle_visual_odometry";
   double forward_m = 0, right_m = 0, down_m = 0;    // of the camera from the vehicle's origin
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // to the right, up, right side down; from looking ahead
-  // Down in the axes of the map, of any length. A map begins with the axes of its first camera: x right, y down.
-  double map_down_x = 0, map_down_y = 1, map_down_z = 0;
 };
 
 template <class V>
@@ -34,9 +33,6 @@ void describe(V& v, Px4Config& c) {
   v.field("yaw_deg", c.yaw_deg, {-180, 180}, "where the camera looks: to the right of straight ahead");
   v.field("pitch_deg", c.pitch_deg, {-90, 90}, "the same, upwards: -90 looks straight down");
   v.field("roll_deg", c.roll_deg, {-180, 180}, "how it is turned about its view, right side down");
-  v.field("map_down_x", c.map_down_x, {-1, 1}, "down in the axes of the map, which are those of its first camera");
-  v.field("map_down_y", c.map_down_y, {-1, 1}, "at the start: x right, y down, z ahead; 0 1 0 when that was level");
-  v.field("map_down_z", c.map_down_z, {-1, 1}, "the same");
 }
 
 // Why there is nothing for PX4.
@@ -53,7 +49,7 @@ const char* sentence_of(Px4Refusal refusal);
 // and down (POSE_FRAME_FRD), at the pace of the camera. A vehicle believes it, so only what is sure is said. Pure.
 class Px4Odometry {
  public:
-  explicit Px4Odometry(const Px4Config& config);
+  explicit Px4Odometry(const Px4Config& config, const MapLevel& level = {});
 
   const std::string& agent() const { return config_.agent; }
   // What the server says of the agent: the frame and the unit of its poses.

@@ -36,6 +36,17 @@ TEST(PrintConfig, Server) {
   EXPECT_EQ(printed("coslam-server", {"--config", folder.write("all.yaml", all).string()}), all);
 }
 
+TEST(PrintConfig, Bridge) {
+  const test::TempFolder folder;
+  const std::string all = printed("coslam-bridge", {"--from", "7", "--domain", "3", "--px4", "left", "--interface",
+                                                    "10.0.0.5", "--set", "bridge.px4.pitch_deg=-30"});
+  EXPECT_THAT(all, StartsWith("# All keys of coslam-bridge"));
+  EXPECT_THAT(all, HasSubstr("  domain: 7  # "));
+  EXPECT_THAT(all, HasSubstr("  domain: 3  # "));
+  EXPECT_THAT(all, HasSubstr("    pitch_deg: -30  # "));
+  EXPECT_EQ(printed("coslam-bridge", {"--config", folder.write("all.yaml", all).string()}), all);
+}
+
 TEST(PrintConfig, Agent) {
   const test::TempFolder folder;
   const std::string source = "gst:videotestsrc ! video/x-raw,width=640 name=\"a # b\"";

@@ -32,10 +32,13 @@ PublicTrackState state_of(const std::optional<PointState>& state) {
   return PublicTrackState::kNone;
 }
 
-// Of a camera that nobody described: so large that all its tracks are in the image.
+// Of a camera that nobody described: so large that all its tracks are in the image, and of a usual lens.
 void grow(CameraModel* camera, const Eigen::Vector2d& px) {
   camera->width_px = std::max(camera->width_px, static_cast<int>(px.x()) + 1);
   camera->height_px = std::max(camera->height_px, static_cast<int>(px.y()) + 1);
+  camera->fx = camera->fy = camera->width_px;
+  camera->cx = 0.5 * camera->width_px;
+  camera->cy = 0.5 * camera->height_px;
 }
 
 }  // namespace

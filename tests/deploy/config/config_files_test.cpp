@@ -4,6 +4,7 @@
 
 #include "agent/agent_options.h"
 #include "common/config/config.h"
+#include "server/bridge/bridge_config.h"
 #include "server/server_options.h"
 
 // The commented files in deploy/config say what the defaults are.
@@ -22,6 +23,7 @@ void expect_defaults(const std::filesystem::path& file) {
 TEST(ConfigFiles, HoldTheDefaults) {
   expect_defaults<ServerOptions>(kFolder / "server.yaml");
   expect_defaults<AgentOptions>(kFolder / "agent.yaml");
+  expect_defaults<BridgeOptions>(kFolder / "bridge.yaml");
 }
 
 }  // namespace

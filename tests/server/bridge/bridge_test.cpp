@@ -106,6 +106,16 @@ TEST_F(BridgeTest, ALargeMapReachesANodeThatComesLater) {
   EXPECT_TRUE(late.heard().values().front() == said.octets);
 }
 
+TEST_F(BridgeTest, TheMapHasUprightAxes) {
+  const Bridge bridge(options());
+  Node node(nodes(), *ros_topic("/tf_static", "tf2_msgs/msg/TFMessage"));
+  ASSERT_TRUE(node.heard().wait_count(1));
+  const auto heard = ros::from_cdr<ros::TFMessage>(node.heard().values().front());
+  ASSERT_TRUE(heard);
+  EXPECT_EQ(heard->transforms.at(0).header.frame_id, "world");
+  EXPECT_EQ(heard->transforms.at(0).child_frame_id, "map");
+}
+
 TEST_F(BridgeTest, Px4HearsAnAgentOfKnownScale) {
   const Bridge bridge(options("cam0"));
   Writer<idl::AgentPose> poses(server_);

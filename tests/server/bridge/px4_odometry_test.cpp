@@ -18,7 +18,9 @@ constexpr TimeNs kStart_ns = 1'700'000'000'000'000'000;
 // A vehicle that flies as the test says, and what PX4 hears of it.
 class Px4Test : public testing::Test {
  protected:
-  explicit Px4Test(const Px4Config& config = {.agent = "cam0"}) : px4_(config) { told(); }
+  explicit Px4Test(const Px4Config& config = {.agent = "cam0"}, const MapLevel& level = {}) : px4_(config, level) {
+    told();
+  }
 
   void told(bool scale_known = true, std::uint32_t epoch = 1, PoseState state = PoseState::kTracked) {
     AgentPose pose{"cam0", RunId(1), RunId(2), t_ns_, map_, MapEpoch(epoch), state, scale_known, {}};
@@ -192,12 +194,8 @@ class Px4Mounted : public Px4Test {
  protected:
   // Looking down by 30 degrees, 20 cm ahead of the vehicle's origin and 5 cm below it; so is the map's first camera.
   Px4Mounted()
-      : Px4Test({.agent = "cam0",
-                 .forward_m = 0.2,
-                 .down_m = 0.05,
-                 .pitch_deg = -30,
-                 .map_down_y = std::cos(std::numbers::pi / 6),
-                 .map_down_z = std::sin(std::numbers::pi / 6)}) {}
+      : Px4Test({.agent = "cam0", .forward_m = 0.2, .down_m = 0.05, .pitch_deg = -30},
+                {.down_y = std::cos(std::numbers::pi / 6), .down_z = std::sin(std::numbers::pi / 6)}) {}
 };
 
 TEST_F(Px4Mounted, TheVehicleIsWhereItIsNotItsCamera) {
@@ -211,13 +209,20 @@ TEST_F(Px4Mounted, TheVehicleIsWhereItIsNotItsCamera) {
 
 class Px4LooksDown : public Px4Test {
  protected:
-  Px4LooksDown() : Px4Test({.agent = "cam0", .pitch_deg = -90, .map_down_y = 0, .map_down_z = 1}) {}
+  Px4LooksDown() : Px4Test({.agent = "cam0", .pitch_deg = -90}, {.down_y = 0, .down_z = 1}) {}
 };
 
 TEST_F(Px4LooksDown, UpInTheImageIsAhead) {
   const ros::VehicleOdometry start = heard({kLevel, {0, 0, 0}});
   expect_turn(start.q, 0, {0, 0, 0});
   expect_near(heard({kLevel, {0.02, -0.1, -0.05}}).position, {0.1, 0.02, -0.05});
+}
+
+TEST(MapLevel, TheUprightAxesAreAheadLeftAndUp) {
+  const Eigen::Quaterniond level = flu_from_map({});
+  EXPECT_TRUE((level * Eigen::Vector3d(0, 0, 1)).isApprox(Eigen::Vector3d(1, 0, 0))) << "ahead";
+  EXPECT_TRUE((level * Eigen::Vector3d(-1, 0, 0)).isApprox(Eigen::Vector3d(0, 1, 0))) << "left";
+  EXPECT_TRUE((level * Eigen::Vector3d(0, -1, 0)).isApprox(Eigen::Vector3d(0, 0, 1))) << "up";
 }
 
 }  // namespace
