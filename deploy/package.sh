@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # deploy/package.sh [--check] [--maintainer 'NAME <MAIL>']
 #
-# Builds the programs and makes Debian packages of them, in build/packages: coslam-agent, coslam-server, coslam (the
-# tools), libcoslam-dev. Install them with `apt install ./FILE.deb ...`.
+# Builds the programs and makes Debian packages of them, in build/packages: coslam-agent, coslam-server,
+# coslam-bridge, coslam (the tools), libcoslam-dev. Install them with `apt install ./FILE.deb ...`.
 #   --maintainer   who hands them out, as it stands in the packages
 #   --check        also runs lintian on them, and installs and runs them in a fresh Debian (debootstrap; needs root)
 set -euo pipefail
@@ -27,7 +27,7 @@ done
 cd -- "$root"
 build=$(build_dir release)
 cmake --preset release --log-level=NOTICE "${maintainer[@]}" || die "configuring failed: CMake says why above"
-"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent --target manual_pages || exit
+"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent --target coslam-bridge --target manual_pages || exit
 step "package"
 rm -rf -- "$build/packages"
 (cd -- "$build" && cpack -G DEB -B "$build/packages") || die "the packages could not be made: CPack says why above"
@@ -54,7 +54,7 @@ for part in apt.conf apt.conf.d; do [[ ! -e /etc/apt/$part ]] || cp -r "/etc/apt
 mount -t proc proc "$fresh/proc"
 cp "$build/packages/"*.deb "$fresh/root/"
 chroot "$fresh" sh -c 'apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -q install --yes --no-install-recommends \
-  /root/coslam_*.deb /root/coslam-agent_*.deb /root/coslam-server_*.deb' >"$build/packages/install.log" 2>&1 ||
+  /root/coslam_*.deb /root/coslam-*.deb' >"$build/packages/install.log" 2>&1 ||
   die "the packages cannot be installed: see $build/packages/install.log"
 chroot "$fresh" coslam render tag /root/tag --frames 60 || die "the installed coslam cannot render a scene"
 chroot "$fresh" coslam run /root/tag --out /root/result || die "the installed programs cannot make a map"

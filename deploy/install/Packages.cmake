@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Debian packages, one a component: coslam-agent, coslam-server, coslam (the tools), libcoslam-dev.
+# Debian packages, one a component: coslam-agent, coslam-server, coslam-bridge, coslam (the tools), libcoslam-dev.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME coslam)
 set(COSLAM_MAINTAINER "The CoSLAM authors <coslam@localhost>" CACHE STRING "who hands out the packages: Name <mail>")
@@ -9,7 +9,7 @@ set(CPACK_PACKAGE_CONTACT ${COSLAM_MAINTAINER})
 set(CPACK_PACKAGE_VENDOR "The CoSLAM authors")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL agent server tools dev)
+set(CPACK_COMPONENTS_ALL agent server bridge tools dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -37,6 +37,9 @@ build together, and sends tracks and poses, never images, to the map server.")
 coslam_package(server coslam-server science "map server of CoSLAM"
 "Builds one map from the tracks of several cameras that move on their own, with
 the paths of what moves in it, and sends corrections back to the agents.")
+coslam_package(bridge coslam-bridge science "bridge from CoSLAM to ROS 2 and PX4"
+"Hands on what a map server knows to ROS 2 nodes on a DDS domain of the user's,
+and the poses of an agent to a PX4 autopilot.")
 coslam_package(tools coslam science "tools of CoSLAM, visual SLAM of several cameras"
 "Runs whole sequences on one machine, measures results, exports and explains
 them, looks after map files, calibrates cameras.")
@@ -45,7 +48,7 @@ coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with C
 want to know where the cameras are and what moves around them.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, libfastrtps-dev")
-foreach(part agent server)
+foreach(part agent server bridge)
   string(TOUPPER ${part} upper)
   file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${part}/conffiles "/etc/coslam/${part}.yaml\n")
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/${part}/conffiles)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 #
-# Completion of coslam, coslam-agent and coslam-server in bash, from what their --help prints.
+# Completion of coslam, coslam-agent, coslam-server and coslam-bridge in bash, from what their --help prints.
 
 _coslam() {
   local current=${COMP_WORDS[COMP_CWORD]} program=${COMP_WORDS[0]} subcommand='' words
@@ -23,4 +23,4 @@ _coslam() {
     *) mapfile -t COMPREPLY < <(compgen -f -- "$current") ;;
   esac
 }
-complete -o filenames -F _coslam coslam coslam-agent coslam-server
+complete -o filenames -F _coslam coslam coslam-agent coslam-server coslam-bridge

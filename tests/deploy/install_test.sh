@@ -9,7 +9,7 @@ trap 'rm -rf -- "$folder"' EXIT
 prefix=$folder/prefix
 fail() { printf 'install_test: %s\n' "$*" >&2; exit 1; }
 
-for component in agent server tools dev; do
+for component in agent server bridge tools dev; do
   "$cmake" --install "$build" --prefix "$prefix" --component "$component" >"$folder/log" || { cat "$folder/log"; fail "no $component"; }
 done
 for program in coslam coslam-agent coslam-server coslam-bridge; do
