@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "common/base/metrics.h"
 #include "server/publication.h"
 #include "server/publish/watch.h"
 #include "server/server_observer.h"
@@ -29,8 +30,10 @@ class LiveView final : public ServerObserver {
   void finished(const ServerLoop& loop) override;
 
  private:
+  LoopFacts facts(const ServerLoop& loop) const;
   void tell(Snapshot snapshot);
 
+  StageTimes times_;
   MapWatch watch_;
   LiveApi api_;
   WebServer web_;
