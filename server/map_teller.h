@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/base/metrics.h"
 #include "server/publication.h"
 #include "server/publish/watch.h"
 #include "server/server_observer.h"
@@ -23,7 +24,9 @@ class MapTeller final : public ServerObserver {
 
  private:
   void tell(Snapshot snapshot);
+  LoopFacts facts(const ServerLoop& loop) const;
 
+  StageTimes times_;
   MapWatch watch_;
   Publication publication_;
 };

@@ -39,6 +39,7 @@ class RepeatedLink : public ServerLink {
   bool at_work() const override { return true; }
   void send(const MapPatch&) override {}
   void send(const MovingState&) override {}
+  void send(const AgentPose&) override {}
   void send_status(const ServerStatus&) override {}
   void refuse(const Hello&, const std::string&) override {}
   LinkBytes bytes(const std::string&) const override { return {}; }
