@@ -14,6 +14,7 @@
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
 #include "server/map_teller.h"
+#include "server/mcap_file.h"
 #include "server/public_relay.h"
 #include "server/record/recording_link.h"
 #include "server/recorded_config.h"
@@ -92,7 +93,7 @@ void print_config(const ServerOptions& options) {
 
 struct ServeOptions {
   ServerOptions keys;
-  std::string runs, result, map, record;  // empty: none
+  std::string runs, result, map, record, mcap;  // empty: none
   bool progress = false;
 };
 
@@ -114,12 +115,15 @@ void serve(const ServeOptions& options) {
                    .adjusting = [&](int percent) { Announcer::show_adjusting(options.progress, percent); }});
   Announcer announcer(options.progress);
   PublicRelay relay(link);
+  std::vector<PublicSink*> sinks{&relay};
+  std::optional<McapFile> mcap;
+  if (!options.mcap.empty()) sinks.push_back(&mcap.emplace(options.mcap));
   std::optional<LiveView> view;
   std::optional<MapTeller> teller;
   if (keys.view.on()) {
-    announcer.show(view.emplace(keys.view, loop, std::vector<PublicSink*>{&relay}));
+    announcer.show(view.emplace(keys.view, loop, sinks));
   } else {
-    teller.emplace(loop, std::vector<PublicSink*>{&relay});
+    teller.emplace(loop, sinks);
   }
   while (!stop_requested() && loop.poll(std::chrono::milliseconds(20))) announcer.show(link, loop);
   announcer.show(link, loop);
@@ -145,6 +149,8 @@ int main_of(int argc, char** argv) {
   app.add_option("--result", options.result, "for programs: the RESULT folder itself")->type_name("DIR")->excludes(out);
   app.add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
   app.add_option("--record", options.record, "new file: what the agents send, for coslam replay")->type_name("FILE");
+  app.add_option("--mcap", options.mcap, "new file: the run for Foxglove and other viewers, while it happens")
+      ->type_name("FILE");
   app.add_option("--view", view_port, "show it on the web, on this port of this host; 0: a free one")
       ->type_name("PORT")
       ->check(CLI::Range(0, 65535));

@@ -20,6 +20,7 @@ class McapSink final : public PublicSink {
   void put(const MessagePtr& message) override;
   PartSet parts() const override { return kAllParts; }
 
+  void flush() { writer_.flush(); }  // who follows the file reads so far
   void close() { writer_.close(); }  // the end of the file
 
  private:

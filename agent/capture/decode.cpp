@@ -38,8 +38,9 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 
 }  // namespace
 
-cv::Mat GreyReader::read(const std::filesystem::path& file) {
-  const Bytes bytes = read_bytes(file);
+cv::Mat GreyReader::read(const std::filesystem::path& file) { return decode(read_bytes(file)); }
+
+cv::Mat GreyReader::decode(const Bytes& bytes) {
   if (bytes.empty() || is_truncated(bytes)) return {};
   try {
     // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "agent/capture/source.h"
 
@@ -16,6 +17,8 @@ class GreyReader {
  public:
   // Empty when the file is missing, truncated or no image.
   cv::Mat read(const std::filesystem::path& file);
+  // The same of what stands in such a file.
+  cv::Mat decode(const std::vector<unsigned char>& octets);
   // Bits of the sensor; 0 while no image had more than 8.
   int deep_bits() const { return deep_bits_; }
 

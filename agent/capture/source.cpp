@@ -7,6 +7,7 @@
 
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
+#include "common/dataset/recorded_topic.h"
 
 namespace coslam {
 
@@ -14,10 +15,11 @@ namespace {
 
 std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const SourceOptions& options) {
   if (is_live_uri(uri)) return open_live(uri, options);
+  if (uri.starts_with(kMcapScheme)) return open_mcap(uri, options);
   const std::filesystem::path path = uri;
   if (uri.find("://") != std::string::npos) {
     throw UserError("the source '" + uri +
-                    "' is of no known kind: a path, v4l2:N, gst:PIPELINE or rtsp://... is expected");
+                    "' is of no known kind: a path, mcap:FILE#TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is expected");
   }
   if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
   if (std::filesystem::is_directory(path)) return open_list(uri, list_folder(path, options.rate_hz), options);

@@ -10,6 +10,7 @@
 #include "common/base/text.h"
 #include "common/dataset/calibration_dialects.h"
 #include "common/dataset/file.h"
+#include "common/dataset/recorded_topic.h"
 
 namespace coslam {
 namespace {
@@ -85,11 +86,16 @@ std::size_t coefficient_count(const CameraModel& camera) {
   return 0;
 }
 
+CameraModel read_any(const std::filesystem::path& file, const std::string& camera) {
+  if (file.string().starts_with(kMcapScheme)) return calibration::read_recorded(file.string());
+  if (is_colmap(file)) return calibration::read_colmap(file, camera);
+  return read_yaml(YamlValue::load(file), camera);
+}
+
 }  // namespace
 
 CameraModel load_calibration(const std::filesystem::path& file, const std::string& camera) {
-  const CameraModel model =
-      is_colmap(file) ? calibration::read_colmap(file, camera) : read_yaml(YamlValue::load(file), camera);
+  const CameraModel model = read_any(file, camera);
   if (const auto problem = problem_of(model)) throw UserError(file.string() + ": " + *problem);
   return model;
 }

@@ -20,6 +20,8 @@ CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
 CameraModel read_euroc(const YamlValue& root);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
+CameraModel read_recorded(const std::string& name);  // the first CameraInfo of mcap:FILE#TOPIC
+
 // Sets model and coefficients from a model name of any dialect. Refuses unknown models and counts.
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
                     const std::vector<double>& coefficients);

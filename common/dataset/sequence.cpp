@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/config/rigs.h"
 #include "common/config/yaml_value.h"
+#include "common/dataset/recorded_topic.h"
 
 namespace coslam {
 namespace {
@@ -28,6 +29,16 @@ fs::path existing_path(const YamlValue& value) {
   fs::path path = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
   if (!fs::exists(path)) value.fail("there is no " + path.string());
   return path;
+}
+
+// A path, or mcap:PATH#TOPIC.
+fs::path existing_path_or_topic(const YamlValue& value) {
+  const std::string text = value.text();
+  if (!text.starts_with(kMcapScheme)) return existing_path(value);
+  RecordedTopic topic = recorded_topic(text);
+  topic.file = (fs::absolute(value.file()).parent_path() / topic.file).lexically_normal();
+  if (!fs::exists(topic.file)) value.fail("there is no " + topic.file.string());
+  return std::string(kMcapScheme) + topic.file.string() + (topic.topic.empty() ? "" : "#" + topic.topic);
 }
 
 std::optional<fs::path> optional_path(const YamlValue& parent, const std::string& key) {
@@ -64,8 +75,8 @@ SequenceAgent read_agent(const YamlValue& value) {
   SequenceAgent agent;
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
-  agent.source = is_uri(source.text()) ? source.text() : existing_path(source).string();
-  agent.calibration = existing_path(value.at("calibration"));
+  agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
+  agent.calibration = existing_path_or_topic(value.at("calibration"));
   if (const auto start = value.find("start_s")) agent.start_s = start->number(0, kMaxSeconds);
   if (const auto duration = value.find("duration_s")) {
     agent.duration_s = duration->number(0, kMaxSeconds);

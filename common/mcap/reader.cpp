@@ -41,6 +41,8 @@ const Schema& Reader::schema_of(const Channel& channel) const {
   return found == schemas_.end() ? kNone : found->second;
 }
 
+TimeNs Reader::first_ns() const { return blocks_.empty() ? 0 : static_cast<TimeNs>(blocks_.front().first_ns); }
+
 void Reader::fail(const std::string& what) const { throw UserError(file_.string() + ": " + what); }
 
 std::string Reader::octets_of(std::uint64_t offset, std::uint64_t length) {

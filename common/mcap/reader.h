@@ -37,6 +37,7 @@ class Reader {
   const Channel* find(std::string_view topic) const;
   const Schema& schema_of(const Channel& channel) const;  // an empty one: it has none
   bool has_summary() const { return has_summary_; }
+  TimeNs first_ns() const;  // when the first message of all was noted; 0: there is none
   // A sentence when the file was cut off or its summary is damaged; what there is can be read all the same.
   const std::string& warning() const { return warning_; }
 

@@ -28,6 +28,18 @@ class SequenceFile : public ::testing::Test {
   const std::string agent_ = "agents: [{name: cam0, source: cam0.csv, calibration: calib.yaml}]\n";
 };
 
+TEST_F(SequenceFile, RecordedTopics) {
+  folder_.write("walk.mcap", "");
+  const Sequence s = load(
+      "agents: [{name: a, source: 'mcap:walk.mcap#/left/image_raw', calibration: "
+      "'mcap:./walk.mcap#/left/camera_info'}]\n");
+  const std::string file = "mcap:" + (folder_ / "walk.mcap").string();
+  EXPECT_EQ(s.agents[0].source, file + "#/left/image_raw");
+  EXPECT_EQ(s.agents[0].calibration.string(), file + "#/left/camera_info");
+  EXPECT_THAT(error("agents: [{name: a, source: 'mcap:none.mcap#/x', calibration: calib.yaml}]\n"),
+              HasSubstr("none.mcap"));
+}
+
 TEST_F(SequenceFile, BlockStyle) {
   const Sequence s = load(R"(
 name: walking-man

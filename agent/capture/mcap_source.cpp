@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <span>
+#include <utility>
+
+#include "agent/capture/decode.h"
+#include "agent/capture/sources.h"
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/dataset/recorded_topic.h"
+#include "common/ros/cdr.h"
+#include "common/ros/convert.h"
+#include "common/ros/messages.h"
+#include "common/ros/type.h"
+
+namespace coslam {
+namespace {
+
+// How an image's pixels lie there; channels 0: in a way that is not known here.
+struct PixelForm {
+  const char* encoding = "";
+  int channels = 0;
+  int to_grey = -1;  // of OpenCV; -1: they are
+};
+
+PixelForm form_of(const std::string& encoding) {
+  static const PixelForm kForms[] = {
+      {"mono8", 1},
+      {"8UC1", 1},
+      {"rgb8", 3, cv::COLOR_RGB2GRAY},
+      {"bgr8", 3, cv::COLOR_BGR2GRAY},
+      {"8UC3", 3, cv::COLOR_BGR2GRAY},
+      {"rgba8", 4, cv::COLOR_RGBA2GRAY},
+      {"bgra8", 4, cv::COLOR_BGRA2GRAY},
+  };
+  for (const PixelForm& form : kForms) {
+    if (encoding == form.encoding) return form;
+  }
+  return {};
+}
+
+// Empty: no image of that form, or less than all of it.
+cv::Mat grey_of(ros::Image& image) {
+  const PixelForm form = form_of(image.encoding);
+  constexpr std::uint32_t kMost = 1U << 15U;
+  if (form.channels == 0 || image.width == 0 || image.height == 0 || image.width > kMost || image.height > kMost)
+    return {};
+  const std::size_t row = std::size_t{image.width} * static_cast<std::size_t>(form.channels);
+  if (image.step < row || image.data.size() < std::size_t{image.step} * (image.height - 1) + row) return {};
+  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC(form.channels),
+                       image.data.data(), image.step);
+  cv::Mat grey;
+  if (form.to_grey < 0) return pixels.clone();
+  cv::cvtColor(pixels, grey, form.to_grey);
+  return grey;
+}
+
+// The images of one topic. One is read ahead, because only reading tells whether there is another.
+class McapSource final : public ImageSource {
+ public:
+  McapSource(const std::string& uri, const SourceOptions& options)
+      : name_(uri), topic_(recorded_topic(uri)), reader_(topic_.file), span_(options) {
+    const mcap::Channel& channel = recorded_channel(
+        reader_, topic_, {ros::type_text<ros::Image>().name, ros::type_text<ros::CompressedImage>().name});
+    compressed_ = reader_.schema_of(channel).name == ros::type_text<ros::CompressedImage>().name;
+    if (!reader_.warning().empty()) log_warn(reader_.warning());
+    reader_.seek({channel.id});
+    advance();
+    while (ahead_ && span_.before(ahead_->t_ns)) advance();
+    while (ahead_ && decoded().empty()) drop_unreadable();
+    if (!ahead_) throw UserError(uri + ": there is no image in the time span asked for that can be read" + hint_);
+    require_size(decoded(), options, uri);
+    size_ = decoded().size();
+  }
+
+  std::optional<Image> next() override {
+    while (ahead_) {
+      if (decoded().size() != size_) {
+        drop_unreadable();
+        continue;
+      }
+      Image image{FrameId(frame_++), span_.played_ns(ahead_->t_ns), std::move(*ahead_->grey)};
+      advance();
+      return image;
+    }
+    return std::nullopt;
+  }
+
+  bool skip() override {
+    if (!ahead_) return false;
+    ++frame_;
+    advance();
+    return true;
+  }
+
+  std::optional<TimeNs> peek_ns() const override {
+    return ahead_ ? std::optional(span_.played_ns(ahead_->t_ns)) : std::nullopt;
+  }
+  std::size_t unreadable() const override { return unreadable_; }
+
+ private:
+  struct Ahead {
+    TimeNs t_ns = 0;  // source time
+    std::string octets;
+    std::optional<cv::Mat> grey;  // once it was decoded
+  };
+
+  // Images count from the start of the recording, so that those of several topics keep their time. A stamp that is far
+  // from when it was noted is of another clock, and counts from its own first.
+  TimeNs source_ns(TimeNs stamp_ns, TimeNs noted_ns) {
+    constexpr double kOneClock_s = 10, kUnderWay_s = 0.1;  // from its stamp until it was noted
+    if (!by_stamps_) {
+      by_stamps_ = stamp_ns != 0;
+      const bool one_clock = std::abs(to_seconds(stamp_ns - noted_ns)) < kOneClock_s;
+      zero_ns_ = one_clock || !*by_stamps_ ? reader_.first_ns() - to_ns(kUnderWay_s) : stamp_ns;
+    }
+    return (*by_stamps_ ? stamp_ns : noted_ns) - zero_ns_;
+  }
+
+  void advance() {
+    ahead_.reset();
+    while (auto message = next_message()) {
+      const auto* octets = reinterpret_cast<const std::uint8_t*>(message->octets.data());
+      // Both kinds begin with a header.
+      const auto header = ros::from_cdr<ros::Header>(std::span(octets, message->octets.size()));
+      const TimeNs t_ns = header ? source_ns(ros::ns_of(header->stamp), message->noted_ns) : last_ns_;
+      if (!header || t_ns <= last_ns_) {
+        ++unreadable_;
+        if (log_.pass()) log_warn(name_ + ": an image without a stamp, or with one that is not later; passed over");
+        continue;
+      }
+      last_ns_ = t_ns;
+      if (!span_.after(t_ns)) ahead_ = Ahead{t_ns, std::move(message->octets), std::nullopt};
+      return;
+    }
+  }
+
+  // What is damaged further on ends the source; at its start it is said to the user.
+  std::optional<mcap::Message> next_message() {
+    try {
+      return reader_.next();
+    } catch (const UserError& e) {
+      if (size_.empty()) throw;
+      log_warn(e.what());
+      return std::nullopt;
+    }
+  }
+
+  const cv::Mat& decoded() {
+    if (!ahead_->grey) ahead_->grey = decode(ahead_->octets);
+    return *ahead_->grey;
+  }
+
+  cv::Mat decode(const std::string& message) {
+    const std::span octets(reinterpret_cast<const std::uint8_t*>(message.data()), message.size());
+    if (compressed_) {
+      const auto image = ros::from_cdr<ros::CompressedImage>(octets);
+      return image ? grey_.decode(image->data) : cv::Mat();
+    }
+    auto image = ros::from_cdr<ros::Image>(octets);
+    if (!image) return {};
+    if (form_of(image->encoding).channels == 0)
+      hint_ = "; its encoding is " + image->encoding + ", known are mono8, rgb8, bgr8, rgba8, bgra8, 8UC1 and 8UC3";
+    return grey_of(*image);
+  }
+
+  void drop_unreadable() {
+    ++unreadable_;
+    ++frame_;
+    if (log_.pass()) log_warn(name_ + ": an image that cannot be read, or of another size, is passed over");
+    advance();
+  }
+
+  const std::string name_;
+  const RecordedTopic topic_;
+  mcap::Reader reader_;
+  PlayedSpan span_;
+  GreyReader grey_;
+  bool compressed_ = false;
+  std::optional<bool> by_stamps_;
+  TimeNs zero_ns_ = 0, last_ns_ = std::numeric_limits<TimeNs>::min();
+  std::optional<Ahead> ahead_;
+  std::uint32_t frame_ = 0;
+  cv::Size size_;
+  std::string hint_;
+  std::size_t unreadable_ = 0;
+  LogLimiter log_;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageSource> open_mcap(const std::string& uri, const SourceOptions& options) {
+  return std::make_unique<McapSource>(uri, options);
+}
+
+}  // namespace coslam

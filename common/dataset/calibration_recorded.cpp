@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <iomanip>
+#include <span>
+#include <sstream>
+
+#include "common/base/error.h"
+#include "common/dataset/calibration_dialects.h"
+#include "common/dataset/recorded_topic.h"
+#include "common/ros/cdr.h"
+#include "common/ros/sensor_messages.h"
+#include "common/ros/type.h"
+
+namespace coslam::calibration {
+namespace {
+
+template <class Numbers>
+void put(std::ostream& out, const char* key, const Numbers& numbers) {
+  out << key << ": [";
+  for (std::size_t i = 0; i < numbers.size(); ++i) out << (i == 0 ? "" : ", ") << numbers[i];
+  out << "]\n";
+}
+
+// The same in the form of a file, so that both are read by the same rules.
+std::string as_file(const ros::CameraInfo& info) {
+  std::ostringstream text;
+  text << std::setprecision(17) << "width: " << info.width << "\nheight: " << info.height << "\ndistortion_model: \""
+       << info.distortion_model << "\"\n";
+  put(text, "k", info.k);
+  put(text, "d", info.d);
+  return text.str();
+}
+
+}  // namespace
+
+CameraModel read_recorded(const std::string& name) {
+  const RecordedTopic topic = recorded_topic(name);
+  mcap::Reader reader(topic.file);
+  const mcap::Channel& channel = recorded_channel(reader, topic, {ros::type_text<ros::CameraInfo>().name});
+  reader.seek({channel.id});
+  const auto message = reader.next();
+  if (!message) throw UserError(name + ": there is no message of it in the file");
+  const auto* octets = reinterpret_cast<const std::uint8_t*>(message->octets.data());
+  const auto info = ros::from_cdr<ros::CameraInfo>(std::span(octets, message->octets.size()));
+  if (!info) throw UserError(name + ": its first message is damaged");
+  if (info->binning_x > 1 || info->binning_y > 1 || info->roi.width != 0 || info->roi.height != 0)
+    throw UserError(name + ": a part of the sensor, or binned pixels, are not supported");
+  std::istringstream text(as_file(*info));
+  return read_ros(YamlValue::parse(text, name));
+}
+
+}  // namespace coslam::calibration
