@@ -2,19 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/tools/map_result.h"
 
-#include <limits>
 #include <string>
 
 #include "common/base/error.h"
 #include "server/observe/result_store.h"
 
 namespace coslam {
-namespace {
-
-constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
-
-}  // namespace
-
 MapServer load_map(const MapFile& file) {
   MapServer server(RunId(1), {});
   server.restore(file.read(), 0);

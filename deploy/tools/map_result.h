@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 
 #include "server/map_server.h"
 #include "server/store/map_file.h"
 
 namespace coslam {
+
+// For MapFile::for_each_row(): to the end.
+inline constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
 
 // The map of a file.
 MapServer load_map(const MapFile& file);
