@@ -18,19 +18,29 @@ void MapTeller::tell(Snapshot snapshot) {
   if (!snapshot.empty()) publication_.put(std::move(snapshot));
 }
 
+LoopFacts MapTeller::facts(const ServerLoop& loop) const {
+  LoopFacts out = loop.facts();
+  for (const auto& [name, h] : times_.stages()) {
+    out.watching = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
+                    h.mean_ms() * static_cast<double>(h.count()), h.count()};
+  }
+  return out;
+}
+
 void MapTeller::after_set(const FrameSet& set, const ServerLoop& loop) {
-  tell(watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(),
-                        [&] { return loop.facts(); }));
+  const auto timer = times_.measure("view");
+  tell(
+      watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
 }
 
 void MapTeller::in_between(const ServerLoop& loop) {
-  tell(watch_.in_between(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return loop.facts(); }));
+  tell(watch_.in_between(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
 }
 
 void MapTeller::finishing(const ServerLoop& loop) { finished(loop); }
 
 void MapTeller::finished(const ServerLoop& loop) {
-  tell(watch_.at_the_end(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return loop.facts(); }));
+  tell(watch_.at_the_end(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
 }
 
 }  // namespace coslam

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/base/metrics.h"
 #include "server/publication.h"
 #include "server/publish/watch.h"
 #include "server/server_observer.h"
@@ -22,8 +23,10 @@ class MapTeller final : public ServerObserver {
   void finished(const ServerLoop& loop) override;
 
  private:
+  LoopFacts facts(const ServerLoop& loop) const;
   void tell(Snapshot snapshot);
 
+  StageTimes times_;
   MapWatch watch_;
   Publication publication_;
 };

@@ -13,7 +13,7 @@ constexpr std::size_t kMostOfPath = 500;  // poses
 
 // Over the last tenth of a second: longer than the noise of one pose, shorter than a turn.
 std::optional<PublicVelocity> velocity_of(const MapCamera& camera) {
-  constexpr double kLeast_s = 0.1, kMost_s = 0.5;
+  constexpr double kLeast_s = 0.09, kMost_s = 0.5;
   const FramePose& now = camera.frames.back();
   for (auto before = camera.frames.rbegin() + 1; before != camera.frames.rend(); ++before) {
     const double over_s = to_seconds(now.capture_ns - before->capture_ns);

@@ -40,7 +40,7 @@ int group_in(const std::vector<std::vector<CameraId>>& groups, CameraId camera) 
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (std::ranges::binary_search(groups[g], camera)) return static_cast<int>(g);
   }
-  return -1 - camera.value;
+  return static_cast<int>(groups.size()) + camera.value;
 }
 
 // The members of one group, by the groups that they are in elsewhere.

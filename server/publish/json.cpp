@@ -20,6 +20,9 @@ constexpr double kMs = 1000, kKilo = 1000;
 // Invalid UTF-8, which only a bug could bring here, must not end the server.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+// As short as the stamp is: 2.4, not 2.4000000000000004.
+double seconds_of(TimeNs t_ns) { return static_cast<double>(t_ns) / 1e9; }
+
 // Digits beyond are noise.
 double tenths(double value) { return std::round(value * 10) / 10; }
 
@@ -102,7 +105,7 @@ std::string run_of(const PublicState& state) {
 
 std::string state_json(const PublicState& state, const Rates& rates, RosNames& names) {
   Json out;
-  out["t_s"] = to_seconds(state.t_ns);
+  out["t_s"] = seconds_of(state.t_ns);
   out["run"] = run_of(state);
   out["scale_known"] = state.scale_known;
   out["finishing"] = state.loop.finishing;
@@ -119,7 +122,7 @@ std::string agents_json(const PublicState& state, const Rates& rates, RosNames& 
 
 std::string groups_json(const PublicState& state) {
   Json out;
-  out["t_s"] = to_seconds(state.t_ns);
+  out["t_s"] = seconds_of(state.t_ns);
   out["groups"] = state.groups;
   out["links"] = links_of(state);
   return text_of(out);
@@ -127,7 +130,7 @@ std::string groups_json(const PublicState& state) {
 
 std::string event_json(const PublicEvent& e) {
   Json out;
-  out["t_s"] = to_seconds(e.t_ns);
+  out["t_s"] = seconds_of(e.t_ns);
   out["kind"] = e.kind;
   out["text"] = e.text;
   out["agents"] = e.agents;
@@ -139,7 +142,7 @@ std::string tracks_json(const PublicImage& image) {
   constexpr std::size_t kUsualTrack = 28;
   std::string out;
   out.reserve(100 + kUsualTrack * image.tracks.size());
-  out += "{\"t_s\":" + format_double(to_seconds(image.capture_ns)) +
+  out += "{\"t_s\":" + format_double(seconds_of(image.capture_ns)) +
          ",\"width\":" + std::to_string(image.camera.width_px) +
          ",\"height\":" + std::to_string(image.camera.height_px) + ",\"tracks\":[";
   for (const PublicTrack& t : image.tracks) {

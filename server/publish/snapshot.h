@@ -127,6 +127,12 @@ struct AgentFacts {
   double stamp_correction_s = 0;  // added to its stamps
 };
 
+// Of the whole run, ms.
+struct StageTime {
+  double p50 = 0, p95 = 0, p99 = 0, sum = 0;
+  std::uint64_t count = 0;
+};
+
 // What the server's loop knows beside the map.
 struct LoopFacts {
   std::vector<AgentFacts> agents;
@@ -134,6 +140,7 @@ struct LoopFacts {
   double memory_mib = 0;                          // of the process
   bool at_work = false;                           // no longer looking for another server
   bool finishing = false;                         // the run is over, the map is adjusted as a whole
+  StageTime watching;                             // what the map thread spends on all this
   std::map<std::string, std::uint64_t> lost;      // frames and replies that were not used, by what became of them
   std::map<std::string, std::uint64_t> rejected;  // samples and datagrams, by reason
 };
@@ -170,12 +177,7 @@ struct PublicState : PublicInstant {
 
   std::size_t points = 0, moving_points = 0, objects = 0, maps = 0, key_frames = 0;
   int frame_sets = 0, merges = 0, inter_pose_calls = 0, refinements = 0;
-  // Of the whole run, ms: by stage, "frame_set" is all of them.
-  struct StageTime {
-    double p50 = 0, p95 = 0, p99 = 0, sum = 0;
-    std::uint64_t count = 0;
-  };
-  std::map<std::string, StageTime> stages;
+  std::map<std::string, StageTime> stages;  // by name; "frame_set" is all of them, "view" comes on top
 };
 
 // Absent parts are not due, or nobody wants them.

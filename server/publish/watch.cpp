@@ -179,6 +179,7 @@ PublicState MapWatch::state(const MapServer& server, TimeNs now_ns, LoopFacts lo
   out.inter_pose_calls = counts.inter_pose_calls;
   out.refinements = counts.refinements;
   put_times(server, &out);
+  out.stages["view"] = out.loop.watching;
   return out;
 }
 

@@ -25,6 +25,7 @@ Connection::Connection(WebInside& inside) : inside_(inside) {
 Connection::~Connection() {
   inside_.connections.erase(this);
   inside_.counts.open = inside_.connections.size();
+  inside_.end_if_done();
 }
 
 WebInside::WebInside(const ViewConfig& of, const std::string& session, WebApi answers, const WebLimits& bounds)
@@ -50,6 +51,7 @@ void WebInside::run() {
   accept();
   check_later();
   io.run();
+  ended = true;
 }
 
 void WebInside::accept() {
@@ -99,8 +101,11 @@ void WebInside::close() {
   for (Connection* c : std::vector<Connection*>(connections.begin(), connections.end())) c->end();
   farewell_timer.expires_after(limits.farewell);
   farewell_timer.async_wait([this](boost::system::error_code) { io.stop(); });
-  // Without connections nothing else is left to do.
-  if (connections.empty()) io.stop();
+  end_if_done();
+}
+
+void WebInside::end_if_done() {
+  if (closing && !ended && connections.empty()) io.stop();
 }
 
 void WebInside::reply(std::uint64_t request, WebAnswer answer) {

@@ -49,6 +49,8 @@ struct WebInside : std::enable_shared_from_this<WebInside> {
   void run();
   void close();
 
+  void end_if_done();
+
   // From any thread: the answer to a request that waits for it.
   void reply(std::uint64_t request, WebAnswer answer);
   void update_wanted();
@@ -70,7 +72,7 @@ struct WebInside : std::enable_shared_from_this<WebInside> {
   std::atomic<std::uint32_t> parts{0};  // that these are made of
 
   std::uint16_t port = 0;  // that it listens on
-  bool closing = false;
+  bool closing = false, ended = false;
   std::set<Connection*> connections;
   std::uint64_t next_request = 1;
   std::map<std::uint64_t, std::shared_ptr<HttpSession>> waiting;

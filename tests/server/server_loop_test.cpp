@@ -113,6 +113,41 @@ TEST_F(ServerLoopTest, AnAgentOfAnotherTimeHurtsNobody) {
   EXPECT_EQ(loop_.report()["late_frames"], 0);
 }
 
+// Notes what it is shown.
+struct Observer : ServerObserver {
+  void after_set(const FrameSet& set, const ServerLoop&) override { sets.push_back(set.id.value); }
+  void in_between(const ServerLoop& loop) override { facts = loop.facts(); }
+  void finishing(const ServerLoop& loop) override { finishing_with = loop.facts(); }
+  void finished(const ServerLoop& loop) override { reported = loop.report().contains("server"); }
+
+  std::vector<std::uint32_t> sets;
+  LoopFacts facts, finishing_with;
+  bool reported = false;
+};
+
+TEST_F(ServerLoopTest, ShowsItsObserverWhatHappens) {
+  Observer observer;
+  loop_.observe(&observer);
+  EXPECT_TRUE(loop_.map_server().journal().enabled());
+  const auto agent = join("cam0");
+  EXPECT_TRUE(loop_.poll(0ms));
+  EXPECT_THAT(observer.facts.agents, SizeIs(1)) << "also while no frames come";
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    TrackFrame frame = values_.frame("cam0", RunId(last_run_), i, 20);
+    frame.capture_ns = 33'333'333LL * i;
+    agent->send(frame, {}, {});
+  }
+  EXPECT_TRUE(loop_.poll(0ms));
+  EXPECT_GT(observer.facts.agents.at(0).bytes_up, 100U);
+  EXPECT_GT(observer.facts.memory_mib, 1);
+  EXPECT_FALSE(observer.facts.finishing);
+  EXPECT_EQ(observer.facts.lost.at("sets_left_out"), 0U);
+  loop_.finish({});
+  EXPECT_THAT(observer.sets, ::testing::Not(::testing::IsEmpty()));
+  EXPECT_TRUE(observer.finishing_with.finishing);
+  EXPECT_TRUE(observer.reported);
+}
+
 TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
   const std::string deep = R"({"a":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
   for (const std::string& text : {deep, std::string("[1,2]"), std::string("{\"a\":"), std::string("\xff\xfe")}) {

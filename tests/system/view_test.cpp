@@ -8,6 +8,7 @@
 #include <csignal>
 #include <span>
 
+#include "common/ros/cdr.h"
 #include "common/ros/messages.h"
 #include "tests/server/web/web_client.h"
 #include "tests/support/test_domain.h"

@@ -7,7 +7,9 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "common/ros/cdr.h"
 #include "common/ros/messages.h"
+#include "common/ros/type.h"
 
 namespace coslam {
 namespace {

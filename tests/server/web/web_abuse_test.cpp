@@ -95,8 +95,8 @@ TEST(WebAbuse, BrokenFramesEndTheirConnectionAlone) {
   WebServer server(config(), "run", api());
   WebClient good(server.port());
   const std::string masked_text("\x81\x85\x01\x02\x03\x04hello", 11);
-  for (const std::string& frame : {std::string("\xff\xff\xff\xff", 4),  // bits that mean nothing
-                                   std::string("\x81\x05hello", 7),     // not masked
+  for (const std::string& frame : {std::string(14, '\xff'),          // bits that mean nothing
+                                   std::string("\x81\x05hello", 7),  // not masked
                                    std::string("\x82\xff\x7f\xff\xff\xff\xff\xff\xff\xff\0\0\0\0", 14),  // 2^63 octets
                                    std::string("\x80\x80\0\0\0\0", 6),  // goes on with nothing
                                    masked_text}) {                      // text that is not UTF-8, no JSON
