@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the server says, as docs/live.md has it. Lengths are metres where the scale is known, else units of the map.
+
+export interface Channel {
+  id: number;
+  topic: string;
+  encoding: string;
+  schemaName: string;
+  schema: string;
+}
+
+// t_s is the time of the capture: UTC for live cameras, from 0 for files.
+export interface Message {
+  topic: string;
+  t_s: number;
+  data: Uint8Array;
+  channel: Channel;
+}
+
+export type AgentStatus = "tracking" | "relative" | "lost" | "none";
+
+export interface AgentState {
+  name: string;
+  alive: boolean;
+  camera: number;
+  map: number;
+  group: number;
+  frame: string;
+  state: AgentStatus;
+  why: string;
+  rate_hz: number;
+  frame_ms: number;
+  kB_up_per_s: number;
+  kB_down_per_s: number;
+  lag_s: number;
+  lost_percent: number;
+  dropped: number;
+  tracks: number;
+  bound: number;
+  clock_offset_ms: number | null;
+  pose: number[] | null;
+  fov: number[];
+}
+
+export interface ServerFigures {
+  ms_per_set: number;
+  points: number;
+  moving_points: number;
+  objects: number;
+  maps: number;
+  key_frames: number;
+  memory_mib: number;
+  frame_sets: number;
+  left_out: number;
+}
+
+export interface RunState {
+  t_s: number;
+  run: string;
+  scale_known: boolean;
+  server: ServerFigures;
+  agents: AgentState[];
+  groups: string[][];
+  links: [string, string, number][];
+}
+
+export interface RunEvent {
+  t_s: number;
+  kind: string;
+  text: string;
+  agents: string[];
+}
+
+// state: 0 none, 1 static, 2 moving, 3 uncertain
+export interface Tracks {
+  t_s: number;
+  width: number;
+  height: number;
+  tracks: [number, number, number, number][];
+}
+
+export interface Vector { x: number; y: number; z: number }
+export interface Quaternion extends Vector { w: number }
+export interface Pose { position: Vector; orientation: Quaternion }
+export interface Header { stamp: { sec: number; nsec?: number; nanosec?: number }; frame_id: string }
+export interface Odometry { header: Header; pose: { pose: Pose; covariance: ArrayLike<number> } }
+export interface Path { header: Header; poses: { header: Header; pose: Pose }[] }
+export interface Marker {
+  header: Header;
+  ns: string;
+  id: number;
+  type: number;
+  action: number;
+  pose: Pose;
+  scale: Vector;
+  points: Vector[];
+}
+export interface MarkerArray { markers: Marker[] }
+
+export const TOPIC = {
+  points: "/coslam/map/points",
+  moving: "/coslam/map/moving",
+  objects: "/coslam/objects",
+  state: "/coslam/state",
+  events: "/coslam/events",
+} as const;
+
+// "/coslam/cam0/odom" -> ["cam0", "odom"]; undefined for topics that are of no agent.
+export function agentTopic(topic: string): [string, string] | undefined {
+  const match = /^\/coslam\/(.+)\/(odom|path|tracks)$/.exec(topic);
+  return match ? [match[1]!, match[2]!] : undefined;
+}

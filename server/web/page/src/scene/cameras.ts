@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Cameras: a frustum in the colour of the group, the way it came, its name. One without a pose stays where it was, dashed.
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Matrix4, Mesh, MeshBasicMaterial, Vector3 } from "three";
+
+import type { AgentState, Odometry, Path, Pose } from "../data/types";
+import { type Frames, quaternionOf } from "./frames";
+import { type Label, Label as LabelOf, type Labels } from "./labels";
+import { Strokes, strip } from "./lines";
+import type { Palette } from "./palette";
+
+// The corners of the image at a depth of one, from the top left, clockwise.
+function cornersOf(fov: readonly number[]): [number[], number[], number[], number[]] {
+  const [width = 4, height = 3, fx = 3, fy = 3, cx = 2, cy = 1.5] = fov;
+  const ray = (u: number, v: number) => [(u - cx) / fx, (v - cy) / fy, 1];
+  return [ray(0, 0), ray(width, 0), ray(width, height), ray(0, height)];
+}
+
+export class CameraMark {
+  readonly body = new Group();
+  readonly label: Label;
+  readonly trail = new Strokes(2, { opacity: 0.85 });
+  frame = "";
+  pose: Pose | undefined;
+  covariance: ArrayLike<number> | undefined;
+  state: AgentState | undefined;
+  private readonly edges = new Strokes(2);
+  private readonly broken = new Strokes(2, { dashed: true });
+  private readonly face: Mesh;
+  private path: Path | undefined;
+  private lens = "";
+  private size = 1;
+
+  constructor(readonly name: string, labels: Labels) {
+    this.label = labels.add(new LabelOf("camera"));
+    this.label.visible = false;
+    this.label.element.dataset["camera"] = name;
+    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false });
+    this.face = new Mesh(new BufferGeometry(), material);
+    this.body.add(this.edges.object, this.broken.object, this.face);
+    this.body.visible = false;
+    this.body.matrixAutoUpdate = false;
+  }
+
+  takeState(state: AgentState): void {
+    this.state = state;
+    const lens = state.fov.join();
+    if (lens === this.lens) return;
+    this.lens = lens;
+    this.shape(state.fov);
+  }
+
+  takeOdometry(odometry: Odometry, frames: Frames): void {
+    this.pose = odometry.pose.pose;
+    this.covariance = odometry.pose.covariance;
+    this.move(odometry.header.frame_id, frames);
+    this.drawTrail();
+  }
+
+  takePath(path: Path, frames: Frames): void {
+    this.path = path;
+    const last = path.poses.at(-1);
+    if (!this.pose && last) {
+      this.pose = last.pose;
+      this.move(path.header.frame_id, frames);
+    }
+    frames.of(path.header.frame_id).group.add(this.trail.object);
+    this.drawTrail();
+  }
+
+  scale(size: number): void {
+    this.size = size;
+    this.place();
+  }
+
+  paint(colour: Color, palette: Palette): void {
+    const lost = this.state?.state === "lost" || this.state?.alive === false;
+    const relative = this.state?.state === "relative";
+    const shown = lost ? palette.lost : relative ? palette.relative : colour;
+    this.edges.object.visible = !lost && !relative;
+    this.broken.object.visible = lost || relative;
+    for (const strokes of [this.edges, this.broken]) strokes.paint(shown);
+    this.trail.paint(colour);
+    (this.face.material as MeshBasicMaterial).color.copy(shown);
+    this.label.element.style.setProperty("--colour", `#${shown.getHexString()}`);
+    this.label.element.classList.toggle("lost", lost);
+    this.label.text(this.name, lost ? (this.state?.alive === false ? "gone" : "lost") : relative ? "by its own motion" : "");
+  }
+
+  placeLabel(): void {
+    this.label.visible = this.pose !== undefined && this.body.parent?.visible === true;
+    if (this.label.visible) this.label.place.setFromMatrixPosition(this.body.matrixWorld);
+  }
+
+  private move(frameName: string, frames: Frames): void {
+    const frame = frames.of(frameName);
+    if (this.frame !== frameName) {
+      this.frame = frameName;
+      frame.group.add(this.body);
+      frame.group.add(this.trail.object);
+    }
+    this.body.visible = true;
+    this.place();
+  }
+
+  private place(): void {
+    if (!this.pose) return;
+    const { position } = this.pose;
+    const scale = new Vector3(this.size, this.size, this.size);
+    this.body.matrix.copy(new Matrix4().compose(new Vector3(position.x, position.y, position.z), quaternionOf(this.pose), scale));
+    this.body.updateMatrixWorld(true);
+  }
+
+  // Where it was, in its frame.
+  places(): Vector3[] {
+    const poses = this.path?.header.frame_id === this.frame ? this.path.poses.map(({ pose }) => pose) : [];
+    return [...poses, ...(this.pose ? [this.pose] : [])].map(({ position: p }) => new Vector3(p.x, p.y, p.z));
+  }
+
+  private drawTrail(): void { this.trail.set(strip(this.places().map((place) => place.toArray()))); }
+
+  private shape(fov: readonly number[]): void {
+    const [a, b, c, d] = cornersOf(fov);
+    const o = [0, 0, 0];
+    const top = [(a[0]! + b[0]!) / 2, a[1]! * 1.45, 1];
+    const lines = [o, a, o, b, o, c, o, d, a, b, b, c, c, d, d, a, a, top, top, b].flat();
+    this.edges.set(lines);
+    this.broken.set(lines);
+    this.broken.material.dashSize = this.broken.material.gapSize = 0.14;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array([...a, ...b, ...c, ...a, ...c, ...d]), 3));
+    this.face.geometry.dispose();
+    this.face.geometry = geometry;
+  }
+}
