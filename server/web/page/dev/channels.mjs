@@ -3,7 +3,7 @@
 //
 // The channels of the made-up run, and the messages that fall due between two instants.
 import { schemaOf } from "./schemas.mjs";
-import { NAMES, isLost } from "./script.mjs";
+import { NAMES, WHY_LOST } from "./script.mjs";
 
 const json = (value) => new TextEncoder().encode(JSON.stringify(value));
 const cloud = "sensor_msgs/msg/PointCloud2";
@@ -18,9 +18,8 @@ function channelsOf(cameras) {
   ];
   for (const i of cameras) {
     const of = `/coslam/${NAMES[i]}`;
-    const lost = (t) => isLost(NAMES[i], t);
     list.push(
-      { topic: `${of}/odom`, type: "nav_msgs/msg/Odometry", rate_hz: 30, make: (run, t) => (lost(t) ? null : run.odom(i, t)) },
+      { topic: `${of}/odom`, type: "nav_msgs/msg/Odometry", rate_hz: 30, make: (run, t) => (run.isLost(i, t) ? null : run.odom(i, t)) },
       { topic: `${of}/path`, type: "nav_msgs/msg/Path", rate_hz: 1, make: (run, t) => run.path(i, t) },
       { topic: `${of}/tracks`, rate_hz: 5, make: (run, t) => json(run.tracks(i, t)) });
   }
@@ -35,7 +34,14 @@ export class Program {
     this.run = run;
     this.channels = channelsOf(run.cameras);
     this.t_s = start_s;
+    this.said = [];  // events besides those of the script
     for (let t = 0; t < start_s; t += 0.1) run.step(t);
+  }
+
+  // From now on that camera has no pose.
+  lose(name) {
+    this.run.lost.add(name);
+    this.said.push({ kind: "lost", text: `${name} lost its pose: ${WHY_LOST}`, agents: [name] });
   }
 
   // Calls give(channel, t_s, octets) for what is due until then and wanted.
@@ -49,7 +55,8 @@ export class Program {
         if (octets) give(channel, t, octets);
       }
       const events = this.channels.find(({ topic }) => topic === "/coslam/events");
-      for (const event of this.run.eventsBetween(this.t_s, t)) if (wanted(events)) give(events, event.t_s, json(event));
+      const due = this.said.splice(0).map((event) => ({ t_s: t, ...event }));
+      for (const event of [...due, ...this.run.eventsBetween(this.t_s, t)]) if (wanted(events)) give(events, event.t_s, json(event));
       this.t_s = t;
     }
   }

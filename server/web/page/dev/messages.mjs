@@ -39,12 +39,15 @@ export class Run {
     this.poses = cameras.map(() => []);
     this.random = randomOf(11);
     this.id = "9f3a61c2";
+    this.lost = new Set();  // besides those of the script
   }
 
+  isLost(index, t_s) { return this.lost.has(NAMES[index]) || isLost(NAMES[index], t_s); }
+
   step(t_s) {
-    if (!this.whole) this.seen.step(t_s, this.cameras.filter((i) => !isLost(NAMES[i], t_s)));
+    if (!this.whole) this.seen.step(t_s, this.cameras.filter((i) => !this.isLost(i, t_s)));
     for (const i of this.cameras) {
-      if (isLost(NAMES[i], t_s)) continue;
+      if (this.isLost(i, t_s)) continue;
       const poses = this.poses[i];
       if (poses.length && t_s - poses.at(-1).t_s < 0.2) continue;
       poses.push({ t_s, pose: cameraAt(i, t_s) });
@@ -119,7 +122,7 @@ export class Run {
     const { points } = this.seen;
     const stride = Math.max(1, Math.floor(points.length / 1400));
     for (let i = index; i < points.length && tracks.length < 260; i += stride) {
-      add(i + 1, points[i], isLost(NAMES[index], t_s) || i % 17 === 0 ? 0 : i % 13 === 0 ? 3 : 1);
+      add(i + 1, points[i], this.isLost(index, t_s) || i % 17 === 0 ? 0 : i % 13 === 0 ? 3 : 1);
     }
     pointsOfMan(t_s).forEach((p, i) => i % 2 && add(900000 + i, p, 2));
     return { t_s, width: LENS.width, height: LENS.height, tracks };
@@ -127,7 +130,7 @@ export class Run {
 
   agent(index, t_s) {
     const name = NAMES[index];
-    const lost = isLost(name, t_s);
+    const lost = this.isLost(index, t_s);
     const map = mapOf(index, t_s);
     const pose = this.inMap(index, t_s, cameraAt(index, t_s));
     const wobble = (size) => (this.random() - 0.5) * size;
@@ -146,7 +149,7 @@ export class Run {
   state(t_s) {
     const groups = groupsAt(t_s);
     const links = groups.flatMap((names) => names.flatMap((a, i) => names.slice(i + 1).map((b) => [a, b, 60 + Math.round(40 * Math.sin(t_s))])))
-      .filter(([a, b]) => !isLost(a, t_s) && !isLost(b, t_s));
+      .filter((pair) => pair.slice(0, 2).every((name) => !this.isLost(NAMES.indexOf(name), t_s)));
     let points = 0;
     for (const views of this.seen.views) points += views > 0;
     return {

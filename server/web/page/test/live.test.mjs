@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { Visit } from "./browser.mjs";
+
+let visit;
+
+before(async () => { visit = await Visit.begin({ start_s: 50 }); });
+after(() => visit.end());
+
+const layer = (name) => visit.page.getByLabel(name, { exact: true });
+const seconds = async () => {
+  const [minutes, rest] = (await visit.text(".time")).split(":").map(Number);
+  return 60 * minutes + rest;
+};
+
+test("points, cameras and what moves are drawn", async () => {
+  await visit.says(".pill", /^live/);
+  await visit.says(".figures", /points/);
+  await visit.pixelsUntil("point", (count) => count > 800);
+  await visit.pixelsUntil("moving", (count) => count > 100);
+  assert.deepEqual(await visit.page.locator(".label.camera:visible").count(), 3);
+  await visit.says(".label.object", /object 7/);
+});
+
+test("what is not wanted is not drawn", async () => {
+  const all = (await visit.pixels("point")).count;
+  const flip = () => visit.page.getByLabel("What is shown, and in which colours").click();
+  await flip();
+  await layer("Static points").uncheck();
+  await flip();
+  await visit.pixelsUntil("point", (count) => count < 0.3 * all);
+  await flip();
+  await layer("Static points").check();
+  await flip();
+  await visit.pixelsUntil("point", (count) => count > 0.7 * all);
+});
+
+test("a point is picked and tells its life", async () => {
+  await visit.page.keyboard.press("t");
+  const { some } = await visit.pixelsUntil("point", (count) => count > 800);
+  for (const [x, y] of some) {
+    await visit.page.mouse.click(x, y);
+    const title = visit.page.locator(".inspector h2");
+    if ((await title.isVisible()) && /^Point \d+/.test(await title.textContent())) break;
+  }
+  await visit.says(".inspector h2", /^Point \d+/);
+  await visit.says(".inspector .life", /It was made by cam0/);
+  await visit.says(".facts", /Axes, 1 σ.*cm/);
+  assert.ok(await visit.page.locator(".label.ring").isVisible());
+  await visit.page.keyboard.press("Escape");
+  assert.ok(await visit.page.locator(".inspector").isHidden());
+});
+
+test("a card shows what the camera sees", async () => {
+  await visit.page.click(".agent[data-agent=cam0] .head");
+  await visit.says(".agent[data-agent=cam0] .long", /on the map/);
+  await visit.page.waitForFunction(() => {
+    const plane = document.querySelector(".agent[data-agent=cam0] canvas");
+    const { data } = plane.getContext("2d").getImageData(0, 0, plane.width, plane.height);
+    let dots = 0;
+    for (let i = 3; i < data.length; i += 4) dots += data[i] > 0;
+    return dots > 300;
+  });
+  await visit.page.click(".agent[data-agent=cam0] .head");
+});
+
+test("who is lost is seen, and why", async () => {
+  await visit.says(".agent[data-agent=cam1] .state", /tracking/);
+  visit.mock.program.lose("cam1");
+  await visit.says(".agent[data-agent=cam1] .state", /lost for/);
+  await visit.says(".agent[data-agent=cam1] .why", /12 are needed/);
+  await visit.says(".news", /cam1 lost its pose/);
+  await visit.says(".label.lost", /cam1/);
+});
+
+test("the time line is dragged, and left again", async () => {
+  const box = await visit.page.locator(".track").boundingBox();
+  const now = await seconds();
+  await visit.page.mouse.move(box.x + 0.8 * box.width, box.y + 30);
+  await visit.page.mouse.down();
+  await visit.page.mouse.move(box.x + 0.1 * box.width, box.y + 30, { steps: 8 });
+  await visit.page.mouse.up();
+  await visit.says(".pill", /looking back/);
+  const then = await seconds();
+  assert.ok(then < now - 1, `${then} is not before ${now}`);
+  await visit.says(".agent[data-agent=cam1] .state", /tracking/);
+  await visit.page.keyboard.press("l");
+  await visit.says(".pill", /^live/);
+  assert.ok((await seconds()) > then + 1);
+});
+
+test("a camera is followed, and looked through", async () => {
+  await visit.page.click(".agent[data-agent=cam2] .head");
+  const card = visit.page.locator(".agent[data-agent=cam2]");
+  await card.getByLabel("Follow cam2").click();
+  await visit.page.waitForSelector(".agent[data-agent=cam2] [aria-pressed=true]");
+  await card.getByLabel("Look through cam2").click();
+  await visit.pixelsUntil("point", (count) => count > 100);
+  await visit.page.keyboard.press("Escape");
+  await visit.page.keyboard.press("f");
+});
+
+test("dark becomes light", async () => {
+  const background = () => visit.page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const dark = await background();
+  await visit.page.getByLabel("Light or dark").click();
+  assert.notEqual(await background(), dark);
+  await visit.page.getByLabel("Light or dark").click();
+  assert.equal(await background(), dark);
+});
+
+test("until here the console has no error", () => assert.deepEqual(visit.errors, []));
+
+test("a server that dies is said to be gone, and heard again", async () => {
+  const again = await visit.restart();
+  await visit.says(".pill", /no connection/);
+  await visit.says(".bar", /does not answer.*Next try in/);
+  await visit.says(".bar", /Next try in [23] s/);  // the pauses grow
+  await again();
+  await visit.says(".pill", /^live/);
+  assert.ok(await visit.page.locator(".bar").isHidden());
+  await visit.pixelsUntil("point", (count) => count > 800);
+  const others = visit.errors.filter((text) => !/ERR_CONNECTION|WebSocket connection to/.test(text));
+  assert.deepEqual(others, []);
+});
+
+test("a tablet held upright shows all of it", async () => {
+  await visit.page.setViewportSize({ width: 800, height: 1100 });
+  await visit.page.waitForFunction(() => window.innerWidth === 800 && document.documentElement.scrollWidth <= 800 && document.querySelector("header").offsetWidth === 800);
+  for (const selector of ["header", ".agents", ".timeline", ".stage canvas"]) {
+    const box = await visit.page.locator(selector).boundingBox();
+    assert.ok(box.width <= 800 && box.height > 20, `${selector}: ${JSON.stringify(box)}`);
+  }
+});
