@@ -7,7 +7,8 @@ import { Vector3 } from "three";
 import { Live } from "./data/live";
 import { openRecording } from "./data/recording";
 import type { Source } from "./data/source";
-import { describe, positionCovariance } from "./describe";
+import { topicName } from "./data/types";
+import { describe, isKnown, positionCovariance } from "./describe";
 import { Player } from "./player";
 import { type Picked, pick } from "./scene/pick";
 import { View } from "./scene/view";
@@ -63,7 +64,7 @@ export class App {
     });
     this.agents = new Agents({
       select: (name) => this.select({ kind: "camera", name }), follow: (name) => this.follow(name, false),
-      through: (name) => this.follow(name, true), opened: (name, open) => this.source.want(name, open),
+      through: (name) => this.follow(name, true), opened: (name, open) => this.want(name, open),
       track: (agent, id) => this.select({ kind: "track", agent, id }),
     });
     this.timeline = new Timeline(this.source, this.player, () => { this.panels_ms = 0; });
@@ -92,6 +93,12 @@ export class App {
       this.tick(now_ms);
     };
     requestAnimationFrame(tick);
+  }
+
+  // The tracks of a camera are sent while its card is open.
+  private want(name: string, tracks: boolean): void {
+    const agent = this.view.state?.agents.find((each) => each.name === name);
+    this.source.want(agent ? topicName(agent) : name, tracks);
   }
 
   private listen(): Live {
@@ -141,7 +148,7 @@ export class App {
     this.header.showState(state);
     if (live?.recorded !== undefined && live === this.source) void this.fetchRun(live.recorded);
     const lags = state?.agents.filter(({ state: each }) => each === "tracking").map(({ lag_s }) => lag_s) ?? [];
-    if (live) this.header.showLink(live, player, lags.length > 0 ? Math.max(...lags) : undefined);
+    if (live) this.header.showLink(live, player, lags.length > 0 ? Math.max(...lags) : undefined, state?.finishing === true);
     else this.header.showRecording(this.recordingName);
     this.agents.show(state?.agents ?? [], (name) => view.colourOf(name), this.source.chronicle, player.shown_s);
     this.agents.showTracks(view.tracks);
@@ -177,7 +184,7 @@ export class App {
       selection.show(view.frames.of(view.moving.frame).group, [...now.xyz.subarray(3 * at, 3 * at + 3)], [each, 0, 0, each, 0, each]);
     } else if (picked?.kind === "camera") {
       const mark = view.cameras.get(picked.name);
-      if (!mark?.pose || !mark.covariance) return selection.hide();
+      if (!mark?.pose || !isKnown(mark.covariance)) return selection.hide();
       const { x, y, z } = mark.pose.position;
       selection.show(view.frames.of(mark.frame).group, [x, y, z], positionCovariance(mark.covariance));
     } else {

@@ -16,6 +16,12 @@ const axes = (covariance: readonly number[], unit: string): string => {
 
 const place = (p: readonly number[]): string => p.map((value) => digits(value, 2)).join("  ");
 
+const UNKNOWN_VARIANCE = 1e5;  // servers send 1e6 for what they do not know
+
+export function isKnown(covariance: ArrayLike<number> | undefined): covariance is ArrayLike<number> {
+  return covariance !== undefined && covariance[0]! > 0 && covariance[0]! < UNKNOWN_VARIANCE;
+}
+
 // The position part of a ROS covariance, xx xy xz yy yz zz.
 export function positionCovariance(of: ArrayLike<number>): number[] {
   return [0, 1, 2, 7, 8, 14].map((i) => of[i]!);
@@ -61,7 +67,7 @@ function describeCamera(view: View, name: string): Shown {
   const { unit } = view;
   const figures: [string, string][] = [];
   if (mark?.pose) figures.push(["Position", place([mark.pose.position.x, mark.pose.position.y, mark.pose.position.z])]);
-  if (mark?.covariance && mark.covariance[0]! > 0) figures.push(["Axes, 1 σ", axes(positionCovariance(mark.covariance), unit)]);
+  if (isKnown(mark?.covariance)) figures.push(["Axes, 1 σ", axes(positionCovariance(mark!.covariance!), unit)]);
   for (const [a, b, shared] of view.state?.links ?? []) {
     if (a === name || b === name) figures.push([`Shared with ${a === name ? b : a}`, `${shared} points`]);
   }

@@ -23,6 +23,7 @@ export type AgentStatus = "tracking" | "relative" | "lost" | "none";
 
 export interface AgentState {
   name: string;
+  topic?: string;        // "/coslam/<its name as ROS allows it>"; its channels begin so
   alive: boolean;
   camera: number;
   map: number;
@@ -60,6 +61,7 @@ export interface RunState {
   t_s: number;
   run: string;
   scale_known: boolean;
+  finishing?: boolean;   // no frames come any more, and the whole is adjusted
   server: ServerFigures;
   agents: AgentState[];
   groups: string[][];
@@ -107,7 +109,10 @@ export const TOPIC = {
   events: "/coslam/events",
 } as const;
 
-// "/coslam/cam0/odom" -> ["cam0", "odom"]; undefined for topics that are of no agent.
+// What the channels of an agent have between /coslam/ and their last part.
+export function topicName(agent: AgentState): string { return agent.topic?.replace(/^\/coslam\//, "") ?? agent.name; }
+
+// "/coslam/cam0/odom" -> ["cam0", "odom"], the first as topicName() has it; undefined for topics that are of no agent.
 export function agentTopic(topic: string): [string, string] | undefined {
   const match = /^\/coslam\/(.+)\/(odom|path|tracks)$/.exec(topic);
   return match ? [match[1]!, match[2]!] : undefined;

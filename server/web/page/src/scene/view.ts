@@ -7,7 +7,7 @@ import { Box3, Matrix4, Vector3 } from "three";
 import type { Cloud } from "../data/cloud";
 import { decode } from "../data/decode";
 import type { Source } from "../data/source";
-import { TOPIC, agentTopic, type MarkerArray, type Message, type Odometry, type Path, type Pose, type RunState, type Tracks } from "../data/types";
+import { TOPIC, agentTopic, topicName, type MarkerArray, type Message, type Odometry, type Path, type Pose, type RunState, type Tracks } from "../data/types";
 import { CameraMark } from "./cameras";
 import { Frames } from "./frames";
 import { Labels } from "./labels";
@@ -142,8 +142,8 @@ export class View {
     else if (topic === TOPIC.points) this.takePoints(decode<Cloud>(message));
     else if (topic === TOPIC.moving) this.takeMoving(message, source);
     else if (topic === TOPIC.objects) this.takeObjects(message);
-    else if (agent !== undefined && what === "tracks") this.takeTracks(agent, message);
-    else if (agent !== undefined) this.takePose(this.camera(agent), what!, message);
+    else if (agent !== undefined && what === "tracks") this.takeTracks(this.nameOf(agent), message);
+    else if (agent !== undefined) this.takePose(this.camera(this.nameOf(agent)), what!, message);
     else return;
     this.stage.invalidate();
   }
@@ -215,9 +215,9 @@ export class View {
     if (topic === TOPIC.points) this.points.clear();
     if (topic === TOPIC.objects) this.objects.clear();
     if (agent !== undefined) {
-      const mark = this.cameras.get(agent);
+      const mark = this.cameras.get(this.nameOf(agent));
       if (mark) mark.body.visible = false;
-      this.tracks.delete(agent);
+      this.tracks.delete(this.nameOf(agent));
     }
     this.stage.invalidate();
   }
@@ -331,6 +331,9 @@ export class View {
     this.soft?.draw(this.points, camera, this.stage.renderer.domElement.width, this.stage.renderer.domElement.height, this.points.by, this.radius);
     this.labels.place(this.stage);
   }
+
+  // The agent whose channels have that name.
+  private nameOf(topic: string): string { return this.state?.agents.find((agent) => topicName(agent) === topic)?.name ?? topic; }
 
   private camera(name: string): CameraMark {
     let mark = this.cameras.get(name);

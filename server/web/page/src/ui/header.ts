@@ -58,13 +58,14 @@ export class Header {
     this.bar.hidden = true;
   }
 
-  showLink(live: Live, player: Player, lag_s: number | undefined): void {
+  showLink(live: Live, player: Player, lag_s: number | undefined, finishing: boolean): void {
     const now = performance.now();
     const { link } = live;
     const [kind, text] = ((): [string, string] => {
       if (link.kind === "connecting") return ["waiting", live.heard_ms === 0 ? "connecting" : "connecting again"];
       if (link.kind === "silent") return ["waiting", `silent for ${digits((now - link.since_ms) / 1000, 0)} s`];
       if (link.kind === "lost") return ["lost", "no connection"];
+      if (finishing && player.mode === "live") return ["waiting", "over, being adjusted"];
       return player.mode === "live" ? ["live", lag_s === undefined ? "live" : `live, ${seconds(lag_s)} behind`] : ["past", "looking back"];
     })();
     this.pill.className = `pill ${kind}`;
