@@ -1,21 +1,26 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/setup.sh [--lint] [--list]
+# deploy/setup.sh [--lint] [--browser] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
-#   --lint   also those that the format, layer and lint checks need
-#   --list   only print the names of the missing packages
+#   --lint      also those that the format, layer and lint checks need
+#   --browser   also the browser that the page is tested in (300 MB)
+#   --list      only print the names of the missing packages
+# Without npm, for the page, and without the browser all else works: if they cannot be had, it says so and goes on.
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
 sets=(build)
+optional=()
+command -v npm >/dev/null || optional+=(page)  # from wherever it is
 list=no
 while [[ $# -gt 0 ]]; do
   case $1 in
     --lint) sets+=(lint) ;;
+    --browser) command -v chromium >/dev/null || optional+=(browser) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;
@@ -34,25 +39,33 @@ packages_of() {
     "$root/deploy/packages.txt"
 }
 
-wanted=()
-for set in "${sets[@]}"; do
-  mapfile -t -O "${#wanted[@]}" wanted < <(packages_of "$set")
-done
-[[ ${#wanted[@]} -gt 0 ]] || die "deploy/packages.txt lists no packages"
+# missing_of ARRAY SET...: puts the packages of these sets that are not installed into the array.
+missing_of() {
+  local -n out=$1
+  local wanted=() set installed package
+  for set in "${@:2}"; do
+    mapfile -t -O "${#wanted[@]}" wanted < <(packages_of "$set")
+  done
+  [[ ${#wanted[@]} -gt 0 ]] || return 0
+  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
+    awk '$2 == "installed" { print $1 }') || true
+  for package in "${wanted[@]}"; do
+    grep -qxF -- "$package" <<<"$installed" || out+=("$package")
+  done
+}
 
-installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
-  awk '$2 == "installed" { print $1 }') || true
+[[ -n $(packages_of build) ]] || die "deploy/packages.txt lists no packages"
 missing=()
-for package in "${wanted[@]}"; do
-  grep -qxF -- "$package" <<<"$installed" || missing+=("$package")
-done
+extra=()
+missing_of missing "${sets[@]}"
+missing_of extra "${optional[@]}"
 
 if [[ $list == yes ]]; then
-  [[ ${#missing[@]} -eq 0 ]] || printf '%s\n' "${missing[@]}"
+  [[ $((${#missing[@]} + ${#extra[@]})) -eq 0 ]] || printf '%s\n' "${missing[@]}" "${extra[@]}"
   exit 0
 fi
-if [[ ${#missing[@]} -eq 0 ]]; then
-  step "setup: all ${#wanted[@]} packages are installed"
+if [[ $((${#missing[@]} + ${#extra[@]})) -eq 0 ]]; then
+  step "setup: all packages are installed"
   exit 0
 fi
 
@@ -64,7 +77,9 @@ fi
 apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
 [[ -t 1 ]] || apt+=(-q -o Dpkg::Use-Pty=0)
 
-step "setup: installing ${#missing[@]} of ${#wanted[@]} packages: ${missing[*]}"
+step "setup: installing ${missing[*]} ${extra[*]}"
 "${apt[@]}" update || die "apt-get update failed: is the network there?"
-"${apt[@]}" install --yes --no-install-recommends "${missing[@]}" ||
+[[ ${#missing[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${missing[@]}" ||
   die "apt-get could not install ${missing[*]} (Debian 12 has them all)"
+[[ ${#extra[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${extra[@]}" ||
+  warn "going on without ${extra[*]}"

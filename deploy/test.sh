@@ -66,7 +66,7 @@ sanitized() {
 cd -- "$root"
 log=$(build_dir "$preset")/test.log
 rm -f -- "$log"
-"$root/deploy/setup.sh" --lint || exit
+"$root/deploy/setup.sh" --lint --browser || exit
 check format "$root/deploy/lint.sh" --format
 check layers python3 "$root/deploy/check_layers.py"
 [[ $lint == no ]] || check lint "$root/deploy/lint.sh" --tidy "${lint_options[@]}"

@@ -50,7 +50,7 @@ expect() { [[ "$code $calls" == "$1 $2" ]] || fail "test.sh $3 ends with $code, 
 # without PATTERN: its input but for these lines.
 without() { grep -v -- "$1"; }
 
-checks='setup.sh --lint
+checks='setup.sh --lint --browser
 lint.sh --format
 python3 TREE/deploy/check_layers.py'
 run='build.sh --preset release
@@ -89,7 +89,7 @@ done
 # Every package is listed once, and the whole list is read.
 listed=$(sed 's/#.*//; /^\[/d; /^ *$/d' "$deploy/packages.txt" | sort)
 [[ -z $(uniq -d <<<"$listed") ]] || fail "packages.txt lists a package twice"
-COSLAM_SETUP=off "$deploy/setup.sh" --lint || fail "setup.sh ignores COSLAM_SETUP=off"
+COSLAM_SETUP=off "$deploy/setup.sh" --lint --browser || fail "setup.sh ignores COSLAM_SETUP=off"
 if command -v shellcheck >/dev/null; then
   (cd "$deploy" && shellcheck --external-sources ./*.sh ../tests/deploy/*.sh ../.ci/run) || fail "shellcheck complains"
 fi

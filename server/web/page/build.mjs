@@ -1,35 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// node build.mjs [--out DIR] [--modules DIR] [--cpp FILE]
+// node build.mjs [--cpp FILE]
 //
-// Bundles the page into DIR (default dist/): index.html, page.js, page.css, icon.svg. With --cpp also writes them as the
-// bytes that server/web/page.h declares. --modules names a node_modules outside of this folder.
+// Bundles the page into dist/: index.html, page.js, page.css, icon.svg. With --cpp also writes them as the bytes that
+// server/web/page.h declares.
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { dirname, join, resolve } from "node:path";
+import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { parseArgs } from "node:util";
+import { build } from "esbuild";
 
 import { cppOf } from "./bytes.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const { values } = parseArgs({
-  options: {
-    out: { type: "string", default: join(here, "dist") },
-    modules: { type: "string", default: join(here, "node_modules") },
-    cpp: { type: "string" },
-  },
-});
-const modules = resolve(values.modules);
-const out = resolve(values.out);
+const out = join(here, "dist");
+const { values } = parseArgs({ options: { cpp: { type: "string" } } });
 
-const { build } = createRequire(join(modules, "of-the-page.js"))("esbuild");
 await build({
   absWorkingDir: here,
   entryPoints: { page: "src/main.ts", style: "src/style/page.css" },
   entryNames: "page",
-  nodePaths: [modules],
   outdir: out,
   bundle: true,
   minify: true,

@@ -6,8 +6,8 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { startMock } from "../dev/mock.mjs";
+import { CHROMIUM } from "./chromium.mjs";
 
-export const CHROMIUM = process.env.COSLAM_CHROMIUM ?? "/usr/bin/chromium";
 const root = join(dirname(fileURLToPath(import.meta.url)), "..", "dist");
 
 export class Visit {
