@@ -30,7 +30,7 @@ function(coslam_page name fallback)
     OUTPUT ${out}
     COMMAND ${CMAKE_COMMAND} -D FROM=${CMAKE_CURRENT_SOURCE_DIR} -D TO=${COSLAM_PAGE_DIR} -D OUT=${out}
             -D FALLBACK=${fallback} -D NODE=${COSLAM_NODE} -D NPM=${COSLAM_NPM} -D TESTS=${COSLAM_TESTS} -P ${script}
-    DEPENDS ${sources} ${fallback} ${script} build.mjs bytes.mjs package.json package-lock.json .npmrc tsconfig.json
+    DEPENDS ${sources} ${fallback} ${script} build.mjs bytes.mjs licences.mjs package.json package-lock.json .npmrc tsconfig.json
     COMMENT "Bundling the page"
     VERBATIM)
   coslam_library(${name} SOURCES ${out})

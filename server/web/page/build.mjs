@@ -3,21 +3,22 @@
 //
 // node build.mjs [--cpp FILE]
 //
-// Bundles the page into dist/: index.html, page.js, page.css, icon.svg. With --cpp also writes them as the bytes that
-// server/web/page.h declares.
-import { copyFileSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+// Bundles the page into dist/: index.html, page.js, page.css, icon.svg, licences.txt. With --cpp also writes them as the
+// bytes that server/web/page.h declares.
+import { copyFileSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { parseArgs } from "node:util";
 import { build } from "esbuild";
 
 import { cppOf } from "./bytes.mjs";
+import { licencesOf } from "./licences.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const out = join(here, "dist");
 const { values } = parseArgs({ options: { cpp: { type: "string" } } });
 
-await build({
+const { metafile } = await build({
   absWorkingDir: here,
   entryPoints: { page: "src/main.ts", style: "src/style/page.css" },
   entryNames: "page",
@@ -26,14 +27,15 @@ await build({
   minify: true,
   format: "esm",
   target: ["es2022", "chrome109", "firefox115", "safari16"],
-  legalComments: "none",
+  legalComments: "none",  // see licences.txt
+  metafile: true,
   logLevel: "warning",
 });
-mkdirSync(out, { recursive: true });
+writeFileSync(join(out, "licences.txt"), licencesOf(here, Object.keys(metafile.inputs)));
 for (const name of ["index.html", "icon.svg"]) copyFileSync(join(here, "src", name), join(out, name));
 
 if (values.cpp) {
-  const names = readdirSync(out).filter((name) => /\.(html|js|css|svg)$/.test(name));
+  const names = readdirSync(out).filter((name) => /\.(html|js|css|svg|txt)$/.test(name));
   const files = names.sort().map((name) => ({ name, bytes: readFileSync(join(out, name)) }));
   writeFileSync(values.cpp, cppOf(files));
 }

@@ -56,7 +56,13 @@ export class Run {
 
   inMap(index, t_s, room_from_camera) { return compose(ROOTS[mapOf(index, t_s)], room_from_camera); }
 
+  // Whole, they stay what they are, and are written once: the mock must not take the time that is measured.
   points(t_s) {
+    if (!this.whole) return this.cloudOfPoints(t_s);
+    return (this.written ??= this.cloudOfPoints(t_s));
+  }
+
+  cloudOfPoints(t_s) {
     const { seen } = this;
     const shown = [];
     for (let i = 0; i < seen.points.length; ++i) if (seen.views[i] > 0) shown.push(i);
@@ -150,8 +156,7 @@ export class Run {
     const groups = groupsAt(t_s);
     const links = groups.flatMap((names) => names.flatMap((a, i) => names.slice(i + 1).map((b) => [a, b, 60 + Math.round(40 * Math.sin(t_s))])))
       .filter((pair) => pair.slice(0, 2).every((name) => !this.isLost(NAMES.indexOf(name), t_s)));
-    let points = 0;
-    for (const views of this.seen.views) points += views > 0;
+    const points = this.whole ? this.seen.points.length : this.seen.views.reduce((sum, views) => sum + (views > 0), 0);
     return {
       t_s, run: this.id, scale_known: true,
       server: {

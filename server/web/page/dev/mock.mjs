@@ -10,7 +10,7 @@ import { WebSocketServer } from "ws";
 import { Program } from "./channels.mjs";
 import { Run } from "./messages.mjs";
 
-const TYPES = { html: "text/html; charset=utf-8", js: "text/javascript", css: "text/css", svg: "image/svg+xml" };
+const TYPES = { html: "text/html; charset=utf-8", js: "text/javascript", css: "text/css", svg: "image/svg+xml", txt: "text/plain; charset=utf-8" };
 
 const LIVES = {
   point: (id) => `point ${id}, in seconds of the run

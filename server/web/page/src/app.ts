@@ -76,13 +76,13 @@ export class App {
     root.append(this.header.element, this.agents.element, this.inspector.element, this.layers.element, this.news.element, legend, this.timeline.element, files.hint);
     this.listenToHands(canvas);
     new ResizeObserver(() => this.inset()).observe(root);
-    for (const element of [this.timeline.element, this.agents.element]) new ResizeObserver(() => this.inset()).observe(element);
+    new ResizeObserver(() => this.inset()).observe(this.agents.element);
   }
 
   private inset(): void {
-    const [head, side, foot] = [this.header.element, this.agents.element, this.timeline.element].map((element) => element.getBoundingClientRect());
+    const [stage, side] = [this.view.stage.renderer.domElement, this.agents.element].map((element) => element.getBoundingClientRect());
     const beside = side!.width < 0.6 * window.innerWidth;
-    this.view.stage.inset(beside ? side!.right : 0, 0, beside ? head!.bottom : side!.bottom, foot!.height);
+    this.view.stage.inset(beside ? side!.right - stage!.left : 0, 0, beside ? 0 : side!.bottom - stage!.top, 0);
   }
 
   start(): void {
@@ -154,7 +154,7 @@ export class App {
     this.agents.showTracks(view.tracks);
     this.agents.mark(this.picked?.kind === "camera" ? this.picked.name : undefined, this.followed?.name, this.followed?.through ?? false);
     this.timeline.show((state?.agents ?? []).map(({ name }) => name));
-    this.news.show(this.source.chronicle, player.mode === "live");
+    this.news.show(this.source.chronicle, player.mode === "live", player.shown_s);
     setText(this.scale, this.scaleText());
     this.showPicked();
   }

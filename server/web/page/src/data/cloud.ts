@@ -93,6 +93,8 @@ export function column(cloud: Cloud, name: string, out: Numbers): boolean {
   const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
   if (field.datatype === 7) {
     for (let i = 0, at = field.offset; i < count; ++i, at += step) out[i] = view.getFloat32(at, littleEndian);
+  } else if (field.datatype === 6) {
+    for (let i = 0, at = field.offset; i < count; ++i, at += step) out[i] = view.getUint32(at, littleEndian);
   } else {
     for (let i = 0, at = field.offset; i < count; ++i, at += step) out[i] = get(view, at, littleEndian);
   }

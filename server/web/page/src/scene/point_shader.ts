@@ -41,7 +41,7 @@ void main() {
   if (colourBy == 1) full = ramp(certain);
   if (colourBy == 2) full = ramp(height);
   if (colourBy == 3) full = ramp(look.z);
-  float light = onTrial ? 0.75 : mix(0.42, 1.0, certain);
+  float light = onTrial ? 0.75 : mix(0.5, 1.0, certain);
   if (colourBy == 0) light *= mix(0.78, 1.08, height);
   float depth = -seen.z / radius;
   light *= mix(1.0, 0.55, smoothstep(1.6, 5.0, depth));

@@ -11,6 +11,8 @@ import { COLOUR_BY, pointMaterial, type ColourBy } from "./point_shader";
 
 const SAMPLE = 3000;         // points that sizes are taken from
 const TRIMMED = 0.02;        // of a sample, on either side
+const ENOUGH = 20;           // points, to know how certain they are
+const LEAST_RANGE = 2 << 23;  // a factor of four
 const MANY_VIEWS = 40;
 const FRESH_MS = 1400;
 
@@ -38,7 +40,7 @@ export class Points {
   by: ColourBy = "state";
   private geometry = new BufferGeometry();
   private columns = columnsOf(0);
-  private range = [Math.log(0.001), Math.log(0.1)];  // of the logarithm of sigma
+  private range = [0x3a83126f, 0x3dcccccd];  // of the logarithm of sigma: 0.001 to 0.1
   private newest = 0;
   private fresh_ms = -Infinity;
   private main = 0;
@@ -70,12 +72,19 @@ export class Points {
   // Writes positions, as the maps stand now.
   place(frames: Frames): void {
     const { x, y, z, map } = this.columns;
+    const { position, count } = this;
     const matrices = new Map<number, number[]>();
-    const { position } = this;
-    for (let i = 0, at = 0; i < this.count; ++i, at += 3) {
-      let m = matrices.get(map[i]!);
-      if (!m) matrices.set(map[i]!, (m = matrixOf(frames, frames.nameOf(map[i]!, this.main))));
-      const [px, py, pz] = [x[i]!, y[i]!, z[i]!];
+    let last = -1;
+    let m: number[] = [];
+    for (let i = 0, at = 0; i < count; ++i, at += 3) {
+      if (map[i] !== last) {
+        last = map[i]!;
+        m = matrices.get(last) ?? matrixOf(frames, frames.nameOf(last, this.main));
+        matrices.set(last, m);
+      }
+      const px = x[i]!;
+      const py = y[i]!;
+      const pz = z[i]!;
       position[at] = m[0]! * px + m[4]! * py + m[8]! * pz + m[12]!;
       position[at + 1] = m[1]! * px + m[5]! * py + m[9]! * pz + m[13]!;
       position[at + 2] = m[2]! * px + m[6]! * py + m[10]! * pz + m[14]!;
@@ -181,28 +190,35 @@ export class Points {
     return [...counts].sort((a, b) => b[1] - a[1])[0]?.[0] ?? 0;
   }
 
+  // The octets of a float, read as a whole number, are about its logarithm; that is enough here, and fast.
+  private logarithms(): Uint32Array { return new Uint32Array(this.columns.sigma.buffer, 0, this.count); }
+
   private measure(): void {
+    const logarithms = this.logarithms();
     const stride = Math.max(1, Math.floor(this.count / SAMPLE));
     const sample: number[] = [];
-    for (let i = 0; i < this.count; i += stride) if (this.columns.sigma[i]! > 0) sample.push(Math.log(this.columns.sigma[i]!));
-    if (sample.length < 20) return;
+    for (let i = 0; i < this.count; i += stride) if (this.columns.sigma[i]! > 0) sample.push(logarithms[i]!);
+    if (sample.length < ENOUGH) return;
     sample.sort((a, b) => a - b);
     const low = sample[Math.floor(0.05 * sample.length)]!;
-    this.range = [low, Math.max(low + 1.5, sample[Math.floor(0.95 * sample.length)]!)];
+    this.range = [low, Math.max(low + LEAST_RANGE, sample[Math.floor(0.95 * sample.length)]!)];
   }
 
   private writeLook(): void {
-    const { sigma, state, views, id } = this.columns;
+    const { state, views, id } = this.columns;
+    const { count, look, newest: before } = this;
+    const logarithms = this.logarithms();
     const [low, high] = this.range as [number, number];
-    const before = this.newest;
+    const scale = 255 / (high - low);
     let newest = 0;
-    for (let i = 0, at = 0; i < this.count; ++i, at += 4) {
-      const certain = 1 - (Math.log(sigma[i]!) - low) / (high - low);
-      this.look[at] = 255 * Math.min(1, state[i]!);
-      this.look[at + 1] = 255 * Math.min(1, Math.max(0, certain));
-      this.look[at + 2] = 255 * Math.min(1, views[i]! / MANY_VIEWS);
-      this.look[at + 3] = before > 0 && id[i]! > before ? 255 : 0;
-      newest = Math.max(newest, id[i]!);
+    for (let i = 0, at = 0; i < count; ++i, at += 4) {
+      const certain = 255 - (logarithms[i]! - low) * scale;
+      const many = views[i]! * (255 / MANY_VIEWS);
+      look[at] = state[i] === 0 ? 0 : 255;
+      look[at + 1] = certain < 0 ? 0 : certain > 255 ? 255 : certain;
+      look[at + 2] = many > 255 ? 255 : many;
+      look[at + 3] = before > 0 && id[i]! > before ? 255 : 0;
+      if (id[i]! > newest) newest = id[i]!;
     }
     if (newest > before && before > 0) this.fresh_ms = performance.now();
     this.newest = newest;

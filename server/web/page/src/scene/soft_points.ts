@@ -65,7 +65,7 @@ export class SoftPoints {
         const certain = (index & 127) / 127;
         if (by === "state") full.copy(index >= 128 ? palette.trial : palette.fixed);
         else rampColour(index / 255, full);
-        const light = by !== "state" ? 0.85 : index >= 128 ? 0.75 : 0.42 + 0.55 * certain;
+        const light = by !== "state" ? 0.85 : index >= 128 ? 0.75 : 0.5 + 0.48 * certain;
         mixed.lerpColors(palette.background, full, light * faded);
         const hex = mixed.getHex();
         this.table[256 * fog + index] = 0xff000000 | ((hex & 0xff) << 16) | (hex & 0xff00) | (hex >> 16);
@@ -111,6 +111,7 @@ export class SoftPoints {
     const least = 255 * (material.uniforms["leastCertain"]!.value as number);
     const fogScale = FOG_LEVELS / (3.4 * radius);
     const fogFrom = 1.6 * radius;
+    const smallest = Math.round(material.uniforms["smallest"]!.value as number);
     let [left, right, bottom, top] = [width, 0, height, 0];
     for (let i = 0, at = 0; i < count; ++i, at += 3) {
       const x = position[at]!;
@@ -121,7 +122,7 @@ export class SoftPoints {
       if (w < near || certain < least) continue;
       const inverse = 1 / w;
       let grain = (size * (0.7 + 0.00216 * certain) * inverse + 0.5) | 0;
-      grain = grain < 1 ? 1 : grain > MOST_PX ? MOST_PX : grain;
+      grain = grain < smallest ? smallest : grain > MOST_PX ? MOST_PX : grain;
       const u = ((a0 * x + a1 * y + a2 * z + a3) * inverse - 0.5 * grain + 0.5) | 0;
       const v = ((b0 * x + b1 * y + b2 * z + b3) * inverse - 0.5 * grain + 0.5) | 0;
       if (u < 1 || v < 1 || u + grain >= width || v + grain >= height) continue;

@@ -24,6 +24,7 @@ import { Floor, Links } from "./surroundings";
 const STALE_S = 0.7;        // what moves is not shown after so long
 const FRUSTUM = 0.045;      // of the size of the map
 const POINT = 0.0048;
+const MANY_POINTS = 20000;
 const ENOUGH_POINTS = 50;   // to fit the view to
 const REFIT = 0.12;         // of the size of the map: it has grown by so much
 const FIRST_VIEW = new Vector3(0.35, 0.72, 1);
@@ -319,9 +320,11 @@ export class View {
 
   private beforeDraw(): void {
     const { uniforms } = this.points.material;
-    uniforms["size"]!.value = POINT * this.radius * this.pointScale;
+    // Few points are drawn larger, so that one sees what they are of.
+    const sparse = Math.min(2, Math.max(1, Math.cbrt(MANY_POINTS / Math.max(1, this.points.count))));
+    uniforms["size"]!.value = POINT * this.radius * this.pointScale * sparse;
+    uniforms["smallest"]!.value = 1.3 * sparse * this.stage.pixelRatio();
     uniforms["pixelScale"]!.value = this.stage.pixelScale();
-    uniforms["smallest"]!.value = 1.6 * this.stage.pixelRatio();
     this.moving.pixelRatio(this.stage.pixelRatio());
     for (const mark of this.cameras.values()) mark.placeLabel();
     this.objects.placeLabels();

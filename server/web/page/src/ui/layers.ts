@@ -21,7 +21,8 @@ export class Layers {
     this.element = make("div", { class: "layers", hidden: "" },
       make("h3", {}, "Points by"), by,
       make("label", {}, "Hide uncertain", least), make("label", {}, "Size", size),
-      make("h3", {}, "Show"), ...Object.keys(all).map((name) => this.toggle(name as keyof typeof all)));
+      make("h3", {}, "Show"), ...Object.keys(all).map((name) => this.toggle(name as keyof typeof all)),
+      make("a", { href: "licences.txt", target: "_blank" }, "What this page is made of"));
   }
 
   flip(): void { this.element.hidden = !this.element.hidden; }

@@ -7,6 +7,7 @@ import type { RunEvent } from "../data/types";
 import { make } from "./dom";
 
 const SHOWN_MS = 7000;
+const NEW_S = 5;             // what is older is told on the time line alone
 const MOST = 3;
 const QUIET = new Set(["joined", "left", "map_started"]);  // on the time line alone
 
@@ -20,11 +21,11 @@ export class News {
     this.element.replaceChildren();
   }
 
-  show(chronicle: Chronicle, live: boolean): void {
+  show(chronicle: Chronicle, live: boolean, now_s: number): void {
     for (const event of chronicle.events.slice(-MOST)) {
       if (this.known.has(event)) continue;
       this.known.add(event);
-      if (live && !QUIET.has(event.kind)) this.add(event);
+      if (live && now_s - event.t_s < NEW_S && !QUIET.has(event.kind)) this.add(event);
     }
   }
 

@@ -73,7 +73,7 @@ export class Timeline {
     // Redrawn when it would look different.
     const [from, to] = this.span();
     const pixel_s = (to - from) / Math.max(1, this.canvas.clientWidth);
-    const look = [this.chronicle.version, agents.length, Math.round(t_s / pixel_s), Math.round(from / pixel_s), Math.round((to - from) / pixel_s / 4), this.canvas.clientWidth].join();
+    const look = [this.chronicle.version, agents.length, Math.round(t_s / pixel_s), Math.round(from / pixel_s), Math.round(4 * to), this.canvas.clientWidth].join();
     if (look !== this.drawn) this.draw(from, to, t_s);
     this.drawn = look;
   }
