@@ -246,8 +246,7 @@ export class App {
 
   private top(): void {
     this.unfollow();
-    this.view.release();
-    this.view.stage.fromAbove(this.view.frames.extent());
+    this.view.fromAbove();
   }
 
   private theme(): void {
@@ -262,7 +261,10 @@ export class App {
   }
 
   private unfollow(): void {
-    if (this.followed?.through) this.view.stage.resetLens();
+    if (this.followed?.through) {
+      this.view.stage.resetLens();
+      this.view.cameras.get(this.followed.name)?.tint(true);
+    }
     this.followed = undefined;
   }
 

@@ -88,6 +88,9 @@ export class CameraMark {
     this.label.text(this.name, lost ? (this.state?.alive === false ? "gone" : "lost") : relative ? "by its own motion" : "");
   }
 
+  // The image plane is tinted, but not for one who looks through it.
+  tint(on: boolean): void { this.face.visible = on; }
+
   placeLabel(): void {
     this.label.visible = this.pose !== undefined && this.body.parent?.visible === true;
     if (this.label.visible) this.label.place.setFromMatrixPosition(this.body.matrixWorld);

@@ -5,8 +5,9 @@
 import { Box3, Matrix4, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
-const FOV_DEG = 50;
-const MARGIN = 1.08;
+const FOV_DEG = 40;
+const MARGIN = 1.06;
+const CENTERINGS = 4;
 const GLIDE_MS = 450;
 const SLOW_MS = 45;         // a picture that takes longer is drawn with fewer pixels
 const STILL_MS = 250;
@@ -91,22 +92,30 @@ export class Stage {
     this.measure(now_ms);
   }
 
-  // Looks at all of a box, from where the viewer stands or from `from` (a direction).
-  fit(box: Box3, from?: Vector3): void {
-    if (box.isEmpty()) return;
-    const centre = box.getCenter(new Vector3());
-    const back = from?.clone() ?? this.camera.position.clone().sub(this.controls.target);
-    const axes = new Matrix4().lookAt(back.normalize(), new Vector3(), new Vector3(0, 1, 0));
+  // Looks at all of these places, from where the viewer stands or from `from` (a direction).
+  fit(places: readonly Vector3[], from?: Vector3): void {
+    if (places.length === 0) return;
+    const box = new Box3().setFromPoints(places as Vector3[]);
+    const target = box.getCenter(new Vector3());
+    const back = (from?.clone() ?? this.camera.position.clone().sub(this.controls.target)).normalize();
+    const axes = new Matrix4().lookAt(back, new Vector3(), new Vector3(0, 1, 0));
     const [right, up] = [0, 1].map((i) => new Vector3().setFromMatrixColumn(axes, i)) as [Vector3, Vector3];
-    const tall = Math.tan((FOV_DEG * Math.PI) / 360) * (1 - (this.insets.top + this.insets.bottom) / this.height);
-    const wide = Math.tan((FOV_DEG * Math.PI) / 360) * ((this.width - this.insets.left - this.insets.right) / this.height);
+    const half = Math.tan((FOV_DEG * Math.PI) / 360) / this.height;
+    const tall = half * (this.height - this.insets.top - this.insets.bottom);
+    const wide = half * (this.width - this.insets.left - this.insets.right);
     let distance = 0;
-    for (let i = 0; i < 8; ++i) {
-      const corner = new Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z).sub(centre);
-      const side = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
-      distance = Math.max(distance, side + corner.dot(back));
+    for (let round = 0; ; ++round) {
+      const seen = places.map((place) => place.clone().sub(target)).map((p) => [p.dot(right), p.dot(up), p.dot(back)] as const);
+      distance = Math.max(...seen.map(([x, y, z]) => Math.max(Math.abs(x) / wide, Math.abs(y) / tall) + z));
+      if (round === CENTERINGS) break;
+      // What is near takes more room: the middle of the picture is not that of the box.
+      const middle = (axis: 0 | 1) => {
+        const ends = seen.map((p) => p[axis] / (distance - p[2]));
+        return 0.5 * distance * (Math.min(...ends) + Math.max(...ends));
+      };
+      target.addScaledVector(right, middle(0)).addScaledVector(up, middle(1));
     }
-    this.moveTo(centre.clone().addScaledVector(back, MARGIN * distance), centre);
+    this.moveTo(target.clone().addScaledVector(back, MARGIN * distance), target);
     this.setDepth(Math.max(1e-3, 0.5 * box.getSize(new Vector3()).length()));
   }
 
@@ -124,9 +133,9 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  fromAbove(box: Box3): void {
+  fromAbove(places: readonly Vector3[]): void {
     const azimuth = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target)).theta;
-    this.fit(box, new Vector3().setFromSphericalCoords(1, 0.0005, azimuth));
+    this.fit(places, new Vector3().setFromSphericalCoords(1, 0.0005, azimuth));
   }
 
   // Moves viewer and target together.

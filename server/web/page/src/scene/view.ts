@@ -23,9 +23,10 @@ import { Floor, Links } from "./surroundings";
 
 const STALE_S = 0.7;        // what moves is not shown after so long
 const FRUSTUM = 0.045;      // of the size of the map
-const POINT = 0.0048;
+const POINT = 0.0042;
 const MANY_POINTS = 20000;
 const ENOUGH_POINTS = 50;   // to fit the view to
+const FIT_POINTS = 1500;
 const REFIT = 0.12;         // of the size of the map: it has grown by so much
 const FIRST_VIEW = new Vector3(0.35, 0.72, 1);
 
@@ -123,8 +124,31 @@ export class View {
     this.level(true);
     this.arrange();
     this.fitted.copy(this.frames.extent());
-    this.stage.fit(this.fitted, this.fitting ? FIRST_VIEW : undefined);
+    this.stage.fit(this.places(), this.fitting ? FIRST_VIEW : undefined);
     this.fitting = true;
+  }
+
+  fromAbove(): void {
+    this.release();
+    this.stage.fromAbove(this.places());
+  }
+
+  // Some of all that is shown, without what lies far out.
+  private places(): Vector3[] {
+    const box = this.frames.extent();
+    const out: Vector3[] = [];
+    for (const mark of this.cameras.values()) {
+      const { parent } = mark.body;
+      if (!parent || !mark.body.visible || !parent.visible) continue;
+      const places = mark.places();
+      out.push(...places.filter((_, i) => i % 8 === 0 || i === places.length - 1).map((place) => place.applyMatrix4(parent.matrixWorld)));
+    }
+    const stride = Math.max(1, Math.floor(this.points.count / FIT_POINTS));
+    for (let i = 0; i < this.points.count; i += stride) {
+      const place = this.points.placeOf(i);
+      if (box.containsPoint(place)) out.push(place);
+    }
+    return out;
   }
 
   // From now on the view is somebody's choice.
@@ -177,7 +201,7 @@ export class View {
     if (!this.fitting || this.points.count < ENOUGH_POINTS || box.isEmpty()) return;
     const moved = this.fitted.min.distanceTo(box.min) + this.fitted.max.distanceTo(box.max);
     if (!this.fitted.isEmpty() && moved < REFIT * box.getSize(new Vector3()).length()) return;
-    this.stage.fit(box, this.fitted.isEmpty() ? FIRST_VIEW : undefined);
+    this.stage.fit(this.places(), this.fitted.isEmpty() ? FIRST_VIEW : undefined);
     this.fitted.copy(box);
   }
 
@@ -288,6 +312,7 @@ export class View {
     const [, height = 3, , fy = 3] = mark.state?.fov ?? [];
     const turned = new Matrix4().multiplyMatrices(mark.body.matrixWorld, new Matrix4().makeRotationX(Math.PI));
     const { camera, controls } = stage;
+    mark.tint(false);
     const scale = new Vector3();
     turned.decompose(camera.position, camera.quaternion, scale);
     controls.enabled = false;
@@ -321,7 +346,7 @@ export class View {
   private beforeDraw(): void {
     const { uniforms } = this.points.material;
     // Few points are drawn larger, so that one sees what they are of.
-    const sparse = Math.min(2, Math.max(1, Math.cbrt(MANY_POINTS / Math.max(1, this.points.count))));
+    const sparse = Math.min(1.7, Math.max(1, Math.cbrt(MANY_POINTS / Math.max(1, this.points.count))));
     uniforms["size"]!.value = POINT * this.radius * this.pointScale * sparse;
     uniforms["smallest"]!.value = 1.3 * sparse * this.stage.pixelRatio();
     uniforms["pixelScale"]!.value = this.stage.pixelScale();

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// node test/picture.mjs URL FILE.png [--wait S] [--size WxH] [--theme light] [--keys ft]: what a browser shows of a server.
+// The wait is for points, at most two minutes, and then S seconds; the keys are pressed before the last of them.
+import { parseArgs } from "node:util";
+import { chromium } from "playwright-core";
+
+import { CHROMIUM } from "./chromium.mjs";
+
+const { values, positionals } = parseArgs({
+  allowPositionals: true,
+  options: {
+    wait: { type: "string", default: "5" },
+    size: { type: "string", default: "1280x720" },
+    theme: { type: "string", default: "dark" },
+    keys: { type: "string", default: "" },
+  },
+});
+const [url, file] = positionals;
+const [width, height] = values.size.split("x").map(Number);
+const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+const page = await browser.newPage({ viewport: { width, height }, colorScheme: values.theme });
+page.on("console", (message) => { if (message.type() === "error") console.log(message.text()); });
+page.on("pageerror", (error) => console.log(error.stack));
+await page.goto(url);
+await page.waitForFunction(() => /[1-9]/.test(document.querySelector('.figures [data-key="points"] dd')?.textContent ?? ""), { timeout: 120000 });
+await page.waitForTimeout(1000 * Math.max(0, Number(values.wait) - 1));
+for (const key of values.keys) await page.keyboard.press(key);
+await page.waitForTimeout(1000);
+await page.screenshot({ path: file });
+console.log(`${await page.textContent(".pill")}: ${await page.textContent(".figures")}`);
+await browser.close();
