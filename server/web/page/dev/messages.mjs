@@ -31,14 +31,14 @@ function xyzTo(view, at, [x, y, z], sigma) {
 }
 
 export class Run {
-  constructor({ points = 6000, whole = false, cameras = [0, 1, 2] } = {}) {
+  constructor({ points = 6000, whole = false, cameras = [0, 1, 2], run = "9f3a61c2" } = {}) {
     this.seen = new Seen(pointsOfRoom(points));
     if (whole) this.seen.all();
     this.whole = whole;
     this.cameras = cameras;
     this.poses = cameras.map(() => []);
     this.random = randomOf(11);
-    this.id = "9f3a61c2";
+    this.id = run;
     this.lost = new Set();  // besides those of the script
   }
 

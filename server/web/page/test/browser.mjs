@@ -28,16 +28,16 @@ export class Visit {
     return visit;
   }
 
-  async restart() {
-    const { port } = this.mock;
-    await this.mock.stop();
-    this.mock = undefined;
-    return async () => { this.mock = await startMock({ ...this.options, port, start_s: (this.options.start_s ?? 0) + 10 }); };
+  stop() { return this.mock.stop(); }
+
+  // The server again, where it was; `changes` to its options.
+  async restart(changes = {}) {
+    this.mock = await startMock({ ...this.options, port: this.mock.port, ...changes });
   }
 
   async end() {
     await this.browser.close();
-    await this.mock?.stop();
+    await this.mock.stop().catch(() => {});
   }
 
   text(selector) { return this.page.textContent(selector); }

@@ -115,16 +115,26 @@ test("dark becomes light", async () => {
 test("until here the console has no error", () => assert.deepEqual(visit.errors, []));
 
 test("a server that dies is said to be gone, and heard again", async () => {
-  const again = await visit.restart();
+  await visit.stop();
   await visit.says(".pill", /no connection/);
   await visit.says(".bar", /does not answer.*Next try in/);
   await visit.says(".bar", /Next try in [23] s/);  // the pauses grow
-  await again();
+  await visit.restart({ start_s: 180 });
   await visit.says(".pill", /^live/);
+  await visit.says(".time", /^3:/);
   assert.ok(await visit.page.locator(".bar").isHidden());
   await visit.pixelsUntil("point", (count) => count > 800);
   const others = visit.errors.filter((text) => !/ERR_CONNECTION|WebSocket connection to/.test(text));
   assert.deepEqual(others, []);
+});
+
+test("a new run begins on an empty page", async () => {
+  await visit.stop();
+  await visit.says(".pill", /no connection/);
+  await visit.restart({ start_s: 16, run: "77777777" });
+  await visit.says(".run", /77777777/);
+  await visit.says(".time", /^0:/);
+  await visit.pixelsUntil("point", (count) => count > 800);
 });
 
 test("a tablet held upright shows all of it", async () => {

@@ -11,7 +11,7 @@ let visit;
 
 before(async () => {
   recording = await recordingOf({ seconds_s: 24, points: 4000 });
-  visit = await Visit.begin({ recording, query: "?recorded" });
+  visit = await Visit.begin({ recording, query: "?recorded&points=gpu" });
 });
 after(() => visit.end());
 

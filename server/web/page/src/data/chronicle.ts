@@ -37,9 +37,13 @@ export class Chronicle {
     ++this.version;
   }
 
+  // A server tells what happened before to each who connects, again too.
   addEvent(event: RunEvent): void {
     let at = this.events.length;
     while (at > 0 && this.events[at - 1]!.t_s > event.t_s) --at;
+    for (let same = at - 1; same >= 0 && this.events[same]!.t_s === event.t_s; --same) {
+      if (this.events[same]!.text === event.text) return;
+    }
     this.events.splice(at, 0, event);
     if (this.events.length > MOST_EVENTS) this.events.shift();
     ++this.version;

@@ -12,8 +12,10 @@ const GLIDE_MS = 450;
 const SLOW_MS = 45;         // a picture that takes longer is drawn with fewer pixels
 const STILL_MS = 250;
 
-// True where the processor draws, which smooths no edges.
+// True where the processor draws, which smooths no edges. ?points=gpu and ?points=cpu say it for tests.
 function drawsInSoftware(): boolean {
+  const asked = new URLSearchParams(location.search).get("points");
+  if (asked !== null) return asked === "cpu";
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");
   const name = info ? String(gl!.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
