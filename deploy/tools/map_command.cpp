@@ -115,6 +115,7 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
   for (const MapFrames& m : server.maps()) {
     if (m.map.value > taken.as.maps) apart.insert(m.map);
   }
+  if (apart.empty() && taken.joined.empty()) std::printf("%s has no map that anybody was in\n", name.c_str());
   for (const JoinedMaps& j : taken.joined) {
     const bool kept = j.kept.value > taken.as.maps;
     apart.erase(j.kept);

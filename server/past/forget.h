@@ -13,7 +13,7 @@ namespace coslam {
 
 struct PastConfig {
   double whole_s = 600;     // the newest part of a run that is kept whole
-  double block_s = 10;      // of a camera's frames that leave memory together
+  double block_s = 5;       // of a camera's frames that leave memory together
   double near_share = 0.1;  // of the distance of what is seen, and
   double near_rad = 0.15;   // of turn: images this near each other show one place alike
 };

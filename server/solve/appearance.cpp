@@ -75,13 +75,17 @@ void AppearanceIndex::remove(int image, const std::vector<std::uint8_t>& descrip
   for (const Sketch& s : sketches(descriptors)) {
     std::optional<Slot> of_this;
     for (int t = 0; t < kTables; ++t) {
-      auto& bucket = tables_[static_cast<std::size_t>(t)][key_of(s, t)];
+      auto& table = tables_[static_cast<std::size_t>(t)];
+      const auto entry = table.find(key_of(s, t));
+      if (entry == table.end()) continue;
+      auto& bucket = entry->second;
       const auto at = std::ranges::find_if(bucket, [&](Slot slot) {
         return of_this ? slot == *of_this : entries_[slot].image == image && entries_[slot].sketch == s;
       });
       if (at == bucket.end()) continue;
       of_this = *at;
       bucket.erase(at);
+      if (bucket.empty()) table.erase(entry);
     }
     if (of_this) free_.push_back(*of_this);
   }
