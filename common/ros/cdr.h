@@ -86,10 +86,11 @@ class CdrWriter {
 // items are read, so that a count that lies takes no memory.
 class CdrReader {
  public:
-  explicit CdrReader(std::span<const std::uint8_t> octets) : octets_(octets) {
-    ok_ = octets.size() >= kEncapsulation.size() && octets[0] == kEncapsulation[0] && octets[1] == kEncapsulation[1];
-    at_ = kEncapsulation.size();
-  }
+  explicit CdrReader(std::span<const std::uint8_t> octets)
+      : octets_(octets),
+        at_(kEncapsulation.size()),
+        ok_(octets.size() >= kEncapsulation.size() && octets[0] == kEncapsulation[0] &&
+            octets[1] == kEncapsulation[1]) {}
 
   bool ok() const { return ok_; }
   template <class T>
@@ -157,8 +158,8 @@ class CdrReader {
   }
 
   std::span<const std::uint8_t> octets_;
-  std::size_t at_ = 0;  // never behind the end while ok_
-  bool ok_ = false;
+  std::size_t at_;  // never behind the end while ok_
+  bool ok_;
 };
 
 template <Struct T>

@@ -32,7 +32,7 @@ class SchemaWriter {
     message.fields(message, writer);
     std::string text = std::move(writer.text_);
     for (const auto& [type, definition] : writer.parts_) {
-      text += std::string(80, '=') + "\nMSG: " + type + "\n" + definition;
+      text.append(80, '=').append("\nMSG: ").append(type).append("\n").append(definition);
     }
     return text;
   }
@@ -61,7 +61,7 @@ class SchemaWriter {
   }
   template <Struct T>
   std::string type_of(const T& value) {
-    const std::string type = T::kType;
+    std::string type = T::kType;
     if (std::ranges::find(parts_, type, &Part::first) != parts_.end()) return type;
     const std::size_t place = parts_.size();
     parts_.emplace_back(type, "");

@@ -48,7 +48,7 @@ class CloudWriter {
 
   template <class T>
   void put(T value) {
-    std::array<std::uint8_t, sizeof(T)> octets;
+    std::array<std::uint8_t, sizeof(T)> octets{};
     std::memcpy(octets.data(), &value, sizeof(T));
     cloud_.data.resize(aligned(cloud_.data.size(), sizeof(T)));
     cloud_.data.insert(cloud_.data.end(), octets.begin(), octets.end());
