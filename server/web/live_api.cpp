@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/flow/give_way.h"
 #include "server/explain/answer.h"
 #include "server/publish/json.h"
 #include "server/publish/metrics.h"
@@ -63,6 +64,7 @@ void put_counts(const WebCounts& c, MetricsText* text) {
 
 LiveApi::LiveApi()
     : questions_(kMostQuestions, QueuePolicy::kRefuse), worker_("explain", [this](const std::stop_token& stop) {
+        give_way();
         const std::stop_callback close(stop, [this] { questions_.close(); });
         while (const auto question = questions_.pop()) (*question)();
       }) {}
