@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/flow/give_way.h"
+
 namespace coslam {
 
 Publication::Publication(std::vector<PublicSink*> sinks)
@@ -22,6 +24,7 @@ PartSet Publication::wanted() const {
 }
 
 void Publication::run() {
+  give_way();
   const auto announce = [this](const ChannelPtr& channel) {
     for (PublicSink* sink : sinks_) sink->announce(channel);
   };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "common/flow/give_way.h"
 #include "server/web/http_session.h"
 
 namespace coslam {
@@ -48,6 +49,7 @@ void WebInside::listen() {
 }
 
 void WebInside::run() {
+  give_way();
   accept();
   check_later();
   io.run();

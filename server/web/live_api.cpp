@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "common/flow/give_way.h"
 #include "server/publish/json.h"
 #include "server/publish/metrics.h"
 #include "server/web/explain_answer.h"
@@ -39,6 +40,7 @@ void put_counts(const WebCounts& c, MetricsText* text) {
 
 LiveApi::LiveApi()
     : questions_(kMostQuestions, QueuePolicy::kRefuse), worker_("explain", [this](const std::stop_token& stop) {
+        give_way();
         const std::stop_callback close(stop, [this] { questions_.close(); });
         while (const auto question = questions_.pop()) (*question)();
       }) {}

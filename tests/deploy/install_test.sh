@@ -46,7 +46,7 @@ cat >"$folder/user/user.cpp" <<'END'
 int main() {
   coslam::MovingState state;
   state.server_run = coslam::RunId(1);
-  const auto again = coslam::decode(coslam::encode(state));
+  auto again = coslam::decode(coslam::encode(state));
   return again && again->server_run == state.server_run && coslam::version()[0] != 0 ? 0 : 1;
 }
 END

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/flow/give_way.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace coslam {
+
+void give_way() {
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);  // of this thread alone, on Linux
+}
+
+}  // namespace coslam
