@@ -43,9 +43,8 @@ void grow(CameraModel* camera, const Eigen::Vector2d& px) {
 
 }  // namespace
 
-ResultSnapshots::ResultSnapshots(const ResultContents& contents) {
-  main_ = contents.maps.front().id;
-  maps_ = contents.maps.size();
+ResultSnapshots::ResultSnapshots(const ResultContents& contents)
+    : main_(contents.maps.front().id), maps_(contents.maps.size()) {
   for (const std::string& name : contents.agents) {
     Agent& agent = agents_.emplace_back();
     agent.name = name;
