@@ -29,7 +29,8 @@ std::string escaped(std::string_view text) {
 
 void put_times(const PublicState& state, MetricsText* text) {
   text->begin("coslam_stage_seconds", Kind::kSummary,
-              "Time of each stage of a frame set; frame_set is all of them, quantiles are of the whole run");
+              "Time of each stage of a frame set; frame_set is all of them, quantiles are of the whole run; view, "
+              "processor time, comes on top");
   for (const auto& [name, t] : state.stages) {
     for (const auto& [quantile, ms] : {std::pair{"0.5", t.p50}, std::pair{"0.95", t.p95}, std::pair{"0.99", t.p99}})
       text->value(ms / kMs_per_s, {{"stage", name}, {"quantile", quantile}});

@@ -90,9 +90,9 @@ bool Program::read_more(int timeout_ms) {
   return true;
 }
 
-bool Program::has(std::size_t stream, const std::string& text) {
+bool Program::has(std::size_t stream, const std::string& text, std::size_t from) {
   const auto end = Clock::now() + kLongest;
-  while (text_.at(stream).find(text) == std::string::npos) {
+  while (text_.at(stream).find(text, from) == std::string::npos) {
     if (!read_more(ms_until(end))) return false;
   }
   return true;

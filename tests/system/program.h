@@ -21,6 +21,7 @@ class Program {
 
   // Reads until its standard error, or output, holds the text. False when it ended, or took too long, without.
   bool says(const std::string& text) { return has(1, text); }
+  bool says_again(const std::string& text) { return has(1, text, err().size()); }  // after what was read so far
   bool prints(const std::string& text) { return has(0, text); }
   // Waits until it and all that it started have ended. Its exit code; 128 + N after signal N, -1 when it took too long.
   int exit_code();
@@ -32,7 +33,7 @@ class Program {
   const std::string& err() const { return text_[1]; }
 
  private:
-  bool has(std::size_t stream, const std::string& text);
+  bool has(std::size_t stream, const std::string& text, std::size_t from = 0);
   bool read_more(int timeout_ms);
 
   pid_t pid_ = -1;
