@@ -9,7 +9,8 @@
 #   --browser   also the browser that the page is tested in (300 MB)
 #   --package   also those that packages are made and checked with
 #   --list      only print the names of the missing packages
-# Without npm, for the page, and without the browser all else works: if they cannot be had, it says so and goes on.
+# Without npm, for the page, the browser and the other programs all else works: if they cannot be had, it says so and
+# goes on.
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
@@ -22,7 +23,7 @@ list=no
 while [[ $# -gt 0 ]]; do
   case $1 in
     --lint) sets+=(lint) ;;
-    --test) sets+=(test) ;;
+    --test) optional+=(test) ;;
     --browser) command -v chromium >/dev/null || optional+=(browser) ;;
     --package) sets+=(package) ;;
     --list) list=yes ;;

@@ -18,7 +18,7 @@ endif()
 set(installed ${TO}/node_modules/.package-lock.json)
 if(NOT EXISTS ${installed} OR ${TO}/package-lock.json IS_NEWER_THAN ${installed})
   message(NOTICE "page: npm ci")
-  execute_process(COMMAND ${NPM} ci ${omit} --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${TO} TIMEOUT 600
+  execute_process(COMMAND ${NPM} ci ${omit} --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${TO} TIMEOUT 300
                   RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(failed)
     string(REGEX MATCH "npm (ERR!|error) code [A-Z0-9_]+" code "${said}")

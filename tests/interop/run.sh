@@ -25,7 +25,7 @@ mkdir -p -- "$folder"
   flock 9
   if ! cmp --silent -- "$source/package-lock.json" "$folder/installed-lock.json"; then
     cp -- "$source/package.json" "$source/package-lock.json" "$source/.npmrc" "$folder/"
-    (cd -- "$folder" && npm ci --ignore-scripts --prefer-offline --no-progress >npm.log 2>&1) ||
+    (cd -- "$folder" && timeout 150 npm ci --ignore-scripts --prefer-offline --no-progress >npm.log 2>&1) ||
       skip "npm cannot install what package-lock.json names: $(grep -m 1 'npm error' "$folder/npm.log" || tail -n 1 "$folder/npm.log")"
     cp -- "$source/package-lock.json" "$folder/installed-lock.json"
   fi
