@@ -23,6 +23,8 @@ class Subscriber final : public Connection, public HubClient, public std::enable
 
   Subscriber(WebInside& inside, boost::beast::tcp_stream stream);
   ~Subscriber() override;
+  Subscriber(const Subscriber&) = delete;
+  Subscriber& operator=(const Subscriber&) = delete;
 
   void start(Request request, const std::string& protocol);
 

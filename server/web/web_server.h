@@ -46,6 +46,8 @@ class WebServer final : public PublicSink {
   // listen.
   WebServer(const ViewConfig& config, const std::string& session, WebApi api, const WebLimits& limits = {});
   ~WebServer() override;  // sends what is left, within WebLimits::farewell
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
 
   std::uint16_t port() const;
   // For a browser, with the token.
