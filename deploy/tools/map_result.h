@@ -17,8 +17,8 @@ inline constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max(
 // The map of a file.
 MapServer load_map(const MapFile& file);
 
-// Writes the paths and points of the map file `path` as a RESULT. Throws UserError when the folder holds a run, or when the
-// file cannot be read.
+// Writes the paths and points of the map file `path` as a RESULT. Throws UserError when the folder holds a run, or when
+// the file cannot be read.
 void write_map_result(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 }  // namespace coslam
