@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/time.h"
+#include "server/record/link_to_nobody.h"
 #include "server/record/recording.h"
 
 namespace coslam {
@@ -16,7 +17,7 @@ namespace coslam {
 // Time is that of the recording. At a rate it passes with the clock of the machine, times the rate. Without one it
 // passes as the loop waits: it stands still while the loop works, and next_event() brings it to the next event at once,
 // so that every replay sees the same times. Of one thread.
-class RecordedLink : public ServerLink {
+class RecordedLink : public LinkToNobody {
  public:
   // rate: of real time; 0: as fast as the loop takes the events. Throws UserError, as next_event() does.
   explicit RecordedLink(const std::filesystem::path& file, double rate = 0);
@@ -29,15 +30,6 @@ class RecordedLink : public ServerLink {
   bool over() const;      // every event was given, and the time after the last one has passed
 
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
-  bool at_work() const override { return true; }
-  void send(const MapPatch&) override {}
-  void send(const MovingState&) override {}
-  void send(const AgentPose&) override {}
-  void send_status(const ServerStatus&) override {}
-  void refuse(const Hello&, const std::string&) override {}
-  LinkBytes bytes(const std::string&) const override { return {}; }
-  ServerLinkCounts counts() const override { return {}; }
-  const RejectionCounts& rejections() const override { return rejections_; }
 
  private:
   TimeNs due_ns() const { return next_ ? next_->t_ns : recording_.t_ns(); }
@@ -48,7 +40,6 @@ class RecordedLink : public ServerLink {
   const TimeNs opened_ns_;  // by the clock of this machine
   TimeNs stepped_ns_ = 0;   // without a rate: what time it is
   std::optional<TimedEvent> next_;
-  RejectionCounts rejections_;
 };
 
 }  // namespace coslam

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/time.h"
+#include "server/record/link_to_nobody.h"
 #include "server/record/recording.h"
 
 namespace coslam {
@@ -23,7 +24,7 @@ struct Repeats {
 // of the same names, in later time. Agents of another fleet have names with -2, -3, ... behind them. What happens comes
 // in the order of played time, which does not pass while the loop works: every replay is the same. What is sent to the
 // agents goes nowhere. Of one thread.
-class RepeatedLink : public ServerLink {
+class RepeatedLink : public LinkToNobody {
  public:
   // Throws UserError, as next_event() does.
   RepeatedLink(const std::filesystem::path& file, const Repeats& repeats);
@@ -36,15 +37,6 @@ class RepeatedLink : public ServerLink {
   bool over() const;
 
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
-  bool at_work() const override { return true; }
-  void send(const MapPatch&) override {}
-  void send(const MovingState&) override {}
-  void send(const AgentPose&) override {}
-  void send_status(const ServerStatus&) override {}
-  void refuse(const Hello&, const std::string&) override {}
-  LinkBytes bytes(const std::string&) const override { return {}; }
-  ServerLinkCounts counts() const override { return {}; }
-  const RejectionCounts& rejections() const override { return rejections_; }
 
  private:
   struct Fleet {
@@ -65,7 +57,6 @@ class RepeatedLink : public ServerLink {
   TimeNs period_ns_ = 0;  // of a fleet's times
   std::vector<Fleet> fleets_;
   TimeNs now_ns_ = 0;
-  RejectionCounts rejections_;
 };
 
 }  // namespace coslam
