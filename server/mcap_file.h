@@ -16,6 +16,8 @@ class McapFile final : public PublicSink {
  public:
   // Throws UserError: it is there already, or cannot be made.
   explicit McapFile(const std::filesystem::path& file);
+  McapFile(const McapFile&) = delete;
+  McapFile& operator=(const McapFile&) = delete;
   ~McapFile() override;  // ends the file with its index
 
   void announce(const ChannelPtr& channel) override { sink_.announce(channel); }

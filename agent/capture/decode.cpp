@@ -40,11 +40,11 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 
 cv::Mat GreyReader::read(const std::filesystem::path& file) { return decode(read_bytes(file)); }
 
-cv::Mat GreyReader::decode(const Bytes& bytes) {
-  if (bytes.empty() || is_truncated(bytes)) return {};
+cv::Mat GreyReader::decode(const Bytes& octets) {
+  if (octets.empty() || is_truncated(octets)) return {};
   try {
     // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
-    cv::Mat grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat grey = cv::imdecode(octets, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
     if (grey.depth() == CV_8U) return grey;
     if (grey.depth() != CV_16U) return {};
     if (deep_bits_ == 0) {

@@ -131,19 +131,19 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
 
 // What the other file has on disk only.
 void take_past(const MapFile& other, const Renumbered& as, std::vector<Row>* rows) {
-  const auto add = [&](PastPart past) {
+  const auto add = [&](const PastPart& past) {
     std::vector<Row> some = rows_of(past);
     rows->insert(rows->end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
   };
   other.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.frames = {past_frames_of(octets)}};
     renumber(as, &past.frames.front());
-    add(std::move(past));
+    add(past);
   });
   other.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.places = past_places_of(octets)};
     renumber(as, &*past.places);
-    add(std::move(past));
+    add(past);
   });
 }
 

@@ -88,9 +88,10 @@ std::vector<std::pair<PointId, MotionSample>> MapEdit::take_motions(SetId before
   std::vector<std::pair<PointId, MotionSample>> out;
   for (auto at = map_.motions_.begin(); at != map_.motions_.end();) {
     auto& [id, path] = *at;
-    const auto stay = std::ranges::stable_partition(path, [&](const MotionSample& s) { return s.set < before; });
-    for (auto s = path.begin(); s != stay.begin(); ++s) out.emplace_back(id, std::move(*s));
-    path.erase(path.begin(), stay.begin());
+    const auto stay =
+        std::stable_partition(path.begin(), path.end(), [&](const MotionSample& s) { return s.set < before; });
+    for (auto s = path.begin(); s != stay; ++s) out.emplace_back(id, std::move(*s));
+    path.erase(path.begin(), stay);
     at = path.empty() ? map_.motions_.erase(at) : std::next(at);
   }
   return out;

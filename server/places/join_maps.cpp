@@ -123,11 +123,13 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
   if (good.size() < kLeastImages) return std::nullopt;
   std::map<PointId, PointId> pairs = pairs_of(good);
   std::vector<double> depths;
+  depths.reserve(good.size());
   for (const Said* s : good) depths.push_back(s->depth);
   const double depth = upper_median(depths);
   const auto into_from_own = fitted(map, good.front()->into_from_own, depth, &pairs);
   if (!into_from_own) return std::nullopt;
   std::vector<const MapPoint*> evidence;
+  evidence.reserve(pairs.size());
   for (const auto& [own, other] : pairs) evidence.push_back(map.find(other));
   if (!has_relief(evidence, depth)) return std::nullopt;
   MapId kept = good.front()->into, gone = of;
