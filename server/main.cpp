@@ -13,6 +13,7 @@
 #include "common/config/log_option.h"
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
+#include "server/log_sink.h"
 #include "server/map_teller.h"
 #include "server/mcap_file.h"
 #include "server/public_relay.h"
@@ -115,7 +116,8 @@ void serve(const ServeOptions& options) {
                    .adjusting = [&](int percent) { Announcer::show_adjusting(options.progress, percent); }});
   Announcer announcer(options.progress);
   PublicRelay relay(link);
-  std::vector<PublicSink*> sinks{&relay};
+  LogSink log;
+  std::vector<PublicSink*> sinks{&relay, &log};
   std::optional<McapFile> mcap;
   if (!options.mcap.empty()) sinks.push_back(&mcap.emplace(options.mcap));
   std::optional<LiveView> view;
