@@ -25,7 +25,7 @@ void Outbox::put_message(foxglove::SubscriptionId subscription, const MessagePtr
   messages_.push_back(std::move(item));
 }
 
-void Outbox::drop(std::deque<Item>::iterator item) {
+void Outbox::drop(const std::deque<Item>::iterator& item) {
   bytes_ -= item->bytes();
   messages_.erase(item);
   ++dropped_;

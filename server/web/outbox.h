@@ -40,7 +40,7 @@ class Outbox {
   std::uint64_t dropped() const { return dropped_; }
 
  private:
-  void drop(std::deque<Item>::iterator item);
+  void drop(const std::deque<Item>::iterator& item);
 
   std::deque<std::string> texts_;  // go first
   std::optional<TimeNs> time_;
