@@ -107,6 +107,7 @@ void AgentLoop::warn_when_slow() {
 
 void AgentLoop::say_state() {
   if (const auto word = words_.server(link_.server_alive(), now_())) log_info(*word);
+  if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
 }
 

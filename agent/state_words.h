@@ -10,8 +10,8 @@
 
 namespace coslam {
 
-// What the log says of an agent's server and pose: once when it changes, and not of what is over within half a second.
-// Pure: time is an argument. Thread-compatible.
+// What the log says of an agent's server, link and pose: once when it changes, and not of what is over within half a
+// second. Pure: time is an argument. Thread-compatible.
 class StateWords {
  public:
   // Once a frame.
@@ -19,6 +19,7 @@ class StateWords {
   std::optional<std::string> pose(PoseState state, Instant now) {
     return pose_.note(state == PoseState::kTracked, now);
   }
+  std::optional<std::string> link(bool carries_all, Instant now) { return link_.note(carries_all, now); }
 
  private:
   // Something that is there or is not; nothing is said before it was there for the first time.
@@ -35,6 +36,7 @@ class StateWords {
 
   Presence server_{nullptr, "the map server is silent; going on alone", "the map server is back"};
   Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
+  Presence link_{nullptr, "the link does not carry all frames; sending fewer", "the link carries all frames again"};
 };
 
 }  // namespace coslam

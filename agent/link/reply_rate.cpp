@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeast_bytes_per_s = 4e3, kMost_bytes_per_s = 10e6;  // the middleware has its own pace above
 constexpr double kSoon_s = 0.1, kLate_s = 0.3;
-constexpr double kDoubledIn_s = 2.0;
+constexpr double kDoubledAtFirst_s = 0.2, kDoubledIn_s = 2.0;
 constexpr double kSettling_s = 0.6;  // until a change shows
 
 }  // namespace
@@ -21,11 +21,11 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, Instant now) {
   heard_ = now;
   if (uplink_wait_s > kLate_s) {
     if (halved_ && now - *halved_ < std::chrono::duration<double>(kSettling_s)) return;
-    halved_ = now;
+    halved_ = now;  // from now on more is tried slowly
     bytes_per_s_ = std::max(kLeast_bytes_per_s, 0.5 * bytes_per_s_);
   } else if (uplink_wait_s < kSoon_s && replies_wait) {
-    bytes_per_s_ =
-        std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s, kDoubledIn_s) / kDoubledIn_s));
+    const double doubled_in_s = halved_ ? kDoubledIn_s : kDoubledAtFirst_s;
+    bytes_per_s_ = std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s / doubled_in_s, 1.0)));
   }
 }
 

@@ -9,7 +9,8 @@
 namespace coslam {
 
 // How many bytes a second of replies a live agent sends beside its frames: more while frames come as soon as ever
-// though replies wait to be sent, half as soon as frames wait for them. Pure: time is an argument. Thread-compatible.
+// though replies wait to be sent, half as soon as frames wait for them. It begins with what a narrow link has left
+// beside frames and grows fast until frames waited for the first time. Pure: time is an argument. Thread-compatible.
 class ReplyRate {
  public:
   // A message of the server. uplink_wait_s: how much longer than at best the newest frame took.
@@ -17,7 +18,7 @@ class ReplyRate {
   double bytes_per_s() const { return bytes_per_s_; }
 
  private:
-  double bytes_per_s_ = 150e3;
+  double bytes_per_s_ = 8e3;
   std::optional<Instant> heard_, halved_;
 };
 

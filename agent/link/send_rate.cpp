@@ -10,14 +10,15 @@ namespace coslam {
 namespace {
 
 constexpr double kLeastRate_hz = 10;
+constexpr double kWindow_s = 0.4;  // of messages: what queues delays them all, what was lost and sent again only some
 constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
+constexpr double kLateFor_s = 1.2;              // a stall is no narrow link
+constexpr double kTry_s = 2, kLateInTry_s = 0.4;
 constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
-constexpr double kLateFor_s = 1.2;  // a stall is no narrow link
-constexpr double kSoonAtFirst_s = 0.4;
-constexpr double kSilence_s = 3;                         // as bad as late
-constexpr double kSettling_s = 1.5;                      // until a change shows
-constexpr double kPatience_s = 5, kMostPatience_s = 60;  // of soon messages before more is tried
-constexpr double kForget = 1e-4;                         // of the least time, a message: clocks drift
+constexpr double kSilence_s = 3;                                                     // as bad as late
+constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
+constexpr double kPatienceAtFirst_s = 0.4, kPatience_s = 2.5, kMostPatience_s = 60;  // of soon messages before a try
+constexpr double kForget = 1e-4;  // of the least time, a message: clocks drift
 
 double seconds(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
 
@@ -27,7 +28,7 @@ SendRate::SendRate(double rate_hz)
     : rate_hz_(rate_hz),
       most_(std::max(1, static_cast<int>(rate_hz / kLeastRate_hz))),
       one_in_(most_),
-      patience_s_(kPatience_s) {}
+      patience_s_(kPatienceAtFirst_s) {}
 
 bool SendRate::due(TimeNs capture_ns) {
   ++passed_;
@@ -41,7 +42,9 @@ bool SendRate::due(TimeNs capture_ns) {
 void SendRate::heard(double uplink_wait_s, double downlink_s, Instant now) {
   heard_ = now_ = now;
   least_downlink_s_ = least_downlink_s_ ? std::min(*least_downlink_s_ + kForget, downlink_s) : downlink_s;
-  const double wait_s = std::max(uplink_wait_s, downlink_s - *least_downlink_s_);
+  recent_.push_back({now, std::max(uplink_wait_s, downlink_s - *least_downlink_s_)});
+  while (seconds(recent_.front().at, now) > kWindow_s) recent_.pop_front();
+  const double wait_s = std::ranges::min(recent_, {}, &Waited::wait_s).wait_s;
   // A link that was cut is as it was before.
   if (before_silence_ && wait_s <= kSoon_s) one_in_ = *before_silence_;
   before_silence_.reset();
@@ -61,26 +64,29 @@ void SendRate::waited(double wait_s, Instant now) {
   if (wait_s > kLate_s && !late_since_) late_since_ = now;
   if (wait_s > kSoon_s) soon_since_.reset();
   if (wait_s <= kSoon_s && !soon_since_) soon_since_ = now;
-  if (starting_) {
-    if (soon_since_ && seconds(*soon_since_, now) >= kSoonAtFirst_s) one_in_ = 1;
-    starting_ = one_in_ > 1 && !late_since_;
-    return;
-  }
-  if (changed_ && seconds(*changed_, now) < kSettling_s) return;
-  if (late_since_ && seconds(*late_since_, now) > kLateFor_s && wait_s > kFarTooLate_s && wait_s < kSilence_s &&
-      most_ > 1 && (!held_ || seconds(*held_, now) > kBetweenPauses_s)) {
+  const bool trying = tried_ && seconds(*tried_, now) < kTry_s;
+  if (trying && wait_s > kLateInTry_s) return send_fewer(wait_s, now);
+  if (fewer_ && seconds(*fewer_, now) < kSettling_s) return;
+  const bool late = late_since_ && seconds(*late_since_, now) > kLateFor_s;
+  if (late && wait_s > kFarTooLate_s && wait_s < kSilence_s && most_ > 1 &&
+      (!held_ || seconds(*held_, now) > kBetweenPauses_s)) {
     held_ = now;
     hold_until_ = now + std::chrono::duration_cast<Instant::duration>(
                             std::chrono::duration<double>(std::min(wait_s, kLongestPause_s)));
   }
-  if (late_since_ && seconds(*late_since_, now) > kLateFor_s && one_in_ < most_) {
-    if (changed_) patience_s_ = std::min(2 * patience_s_, kMostPatience_s);
-    one_in_ = wait_s > kFarTooLate_s ? most_ : one_in_ + 1;
-    changed_ = now;
-  } else if (soon_since_ && one_in_ > 1 && seconds(std::max(*soon_since_, *changed_), now) > patience_s_) {
-    --one_in_;
-    changed_ = now;
-  }
+  if (late && one_in_ < most_) return send_fewer(wait_s, now);
+  if (one_in_ == 1 || !soon_since_) return;
+  const Instant since = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
+  if (seconds(since, now) <= patience_s_) return;
+  --one_in_;
+  tried_ = now;
+}
+
+void SendRate::send_fewer(double wait_s, Instant now) {
+  patience_s_ = std::clamp(2 * patience_s_, kPatience_s, kMostPatience_s);
+  one_in_ = wait_s > kFarTooLate_s ? most_ : std::min(one_in_ + 1, most_);
+  tried_.reset();
+  fewer_ = now;
 }
 
 }  // namespace coslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "common/base/time.h"
@@ -10,10 +11,10 @@ namespace coslam {
 
 // How many of its frames a live agent sends, by how long messages wait on the link. On one that cannot carry all, they
 // come ever later, since what waits for it heaps up: then only every second frame goes, every third and so on, down to
-// ten a second. Where far too much waits, ten at once, after a pause in which that gets through; and ten at first,
-// until the server's answers have come soon for a moment. When they come soon again, more are tried; each try that
-// fails makes the next one wait twice as long. What the server itself takes, or waits for others, does not count. Pure:
-// time is an argument. Thread-compatible.
+// ten a second. Where far too much waits, ten at once, after a pause in which that gets through; and ten at first. When
+// messages come soon, more are tried: quickly until something came late, then after a while that doubles with each try
+// that fails; a try is given up at the first sign. What the server itself takes, or waits for others, does not count.
+// Pure: time is an argument. Thread-compatible.
 class SendRate {
  public:
   explicit SendRate(double rate_hz);
@@ -29,21 +30,27 @@ class SendRate {
 
   // One frame in so many.
   int one_in() const { return one_in_; }
-  // The link carries less than everything: what is not urgent waits.
-  bool narrow() const { return one_in_ > 1 && !starting_; }
+  // The link carries less than everything, as far as is known: what is not urgent waits.
+  bool narrow() const { return one_in_ > 1; }
 
  private:
   void waited(double wait_s, Instant now);
+  void send_fewer(double wait_s, Instant now);
 
   const double rate_hz_;
   const int most_;
   int one_in_, passed_ = 0;
-  bool starting_ = true;
   Instant now_{};
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then
   std::optional<double> least_downlink_s_;
-  std::optional<Instant> heard_, late_since_, soon_since_, changed_;
+  struct Waited {
+    Instant at;
+    double wait_s = 0;
+  };
+  std::deque<Waited> recent_;
+  std::optional<Instant> heard_, late_since_, soon_since_;
+  std::optional<Instant> tried_, fewer_;  // the last try of more, while it holds; when fewer were sent last
   double patience_s_;
 };
 

@@ -253,13 +253,13 @@ TEST_F(AgentLoopOfFiveImages, ReportsToNobodyWithoutFailing) {
 class LiveAgentLoop : public AgentLoopTest {
  protected:
   LiveAgentLoop() : AgentLoopTest(Pacing::kLive) {}
-  // How many of the images of the second second are sent; the first begins slowly.
+  // How many of the images of the third second are sent; the first ones go slowly.
   template <class Answer>
   std::size_t sent_of_thirty(const Answer& answer) {
     loop_->adapt_to_link();
     std::size_t at_first = 0;
-    for (int i = 0; i < 60; ++i, time_.now += std::chrono::nanoseconds(kPeriodNs)) {
-      if (i == 30) at_first = link_.sent.size();
+    for (int i = 0; i < 90; ++i, time_.now += std::chrono::nanoseconds(kPeriodNs)) {
+      if (i == 60) at_first = link_.sent.size();
       answer(i);
       EXPECT_TRUE(step());
     }

@@ -21,6 +21,9 @@ class StateWordsTest : public testing::Test {
   void pose(PoseState state, std::chrono::milliseconds time) {
     pass(time, [&] { return words_.pose(state, now_); });
   }
+  void link(bool carries_all, std::chrono::milliseconds time) {
+    pass(time, [&] { return words_.link(carries_all, now_); });
+  }
 
   std::vector<std::string> said_;
 
@@ -42,6 +45,16 @@ TEST_F(StateWordsTest, SaysOnceThatTheServerIsSilentAndBack) {
   server(false, 3s);
   server(true, 1s);
   EXPECT_THAT(said_, ElementsAre("the map server is silent; going on alone", "the map server is back after 3.0 s"));
+}
+
+TEST_F(StateWordsTest, SaysWhenTheLinkCarriesLessThanItDid) {
+  link(false, 2s);
+  link(true, 1s);
+  EXPECT_THAT(said_, IsEmpty()) << "agents begin with few frames";
+  link(false, 3s);
+  link(true, 1s);
+  EXPECT_THAT(said_, ElementsAre("the link does not carry all frames; sending fewer",
+                                 "the link carries all frames again after 3.0 s"));
 }
 
 TEST_F(StateWordsTest, SaysWhenThePoseIsThereLostAndFound) {

@@ -60,7 +60,7 @@ Played play(SendRate& rate, Link& link, double from_s, double to_s) {
 TEST(SendRate, EverythingGoesOnAGoodLink) {
   SendRate rate(30);
   Link link(1000);
-  EXPECT_GE(play(rate, link, 0, 30).sent, 885) << "all, once the server answers";
+  EXPECT_GE(play(rate, link, 0, 30).sent, 880) << "all, once the server answers";
   EXPECT_FALSE(rate.narrow());
 }
 
@@ -102,6 +102,30 @@ TEST(SendRate, AStallIsNoNarrowLink) {
   EXPECT_FALSE(rate.narrow());
 }
 
+// Lost and sent again: late by nine tenths of a second, while what was not lost comes at once.
+TEST(SendRate, LostMessagesAreNoNarrowLink) {
+  SendRate rate(30);
+  for (int i = 0; i < 900; ++i) {
+    rate.heard(0, i % 7 < 2 ? 0.9 : 0.01, at(0.1 * i));
+    if (i >= 10) {
+      ASSERT_EQ(rate.one_in(), 1) << i;
+    }
+  }
+}
+
+TEST(SendRate, OneLateMessageAtFirstIsNoNarrowLink) {
+  SendRate rate(30);
+  rate.heard(0.9, 0.01, at(0));
+  for (int i = 1; i < 30; ++i) rate.heard(0, 0.01, at(i * kPeriod_s));
+  EXPECT_EQ(rate.one_in(), 1);
+}
+
+TEST(SendRate, ANarrowLinkIsKnownAtFirst) {
+  SendRate rate(30);
+  for (int i = 0; i < 60; ++i) rate.heard(0.9, 0.01, at(i * kPeriod_s));
+  EXPECT_TRUE(rate.narrow());
+}
+
 // Two agents that both send one frame in three send those of the same instants, whenever each began to.
 TEST(SendRate, AgentsThinAlike) {
   SendRate one(30), other(30);
@@ -109,7 +133,7 @@ TEST(SendRate, AgentsThinAlike) {
     one.heard(i < 40 ? 0 : 2, 0, at(i * kPeriod_s));
     other.heard(i < 141 ? 0 : 2, 0, at(i * kPeriod_s));
     const bool first = one.due(to_ns(7.003 + i * kPeriod_s)), second = other.due(to_ns(7 + i * kPeriod_s));
-    EXPECT_TRUE(i <= 540 || first == second) << i;
+    EXPECT_TRUE(i <= 570 || first == second) << i;
   }
   EXPECT_EQ(one.one_in(), 3);
   EXPECT_EQ(other.one_in(), 3);
