@@ -12,6 +12,7 @@
 #include "agent/agent_loop.h"
 #include "agent/agent_options.h"
 #include "agent/link/dds_agent_link.h"
+#include "agent/play_start.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/replay_rate.h"
@@ -32,28 +33,28 @@ RunId draw_run_id() {
   return RunId((high << 32U | low) | 1U);
 }
 
-// The instant of the server's by this machine's clock. What a word takes by both clocks is more than clocks differ by;
-// a little more than nothing may all be the way.
-TimeNs start_by_own_clock(TimeNs start_utc_ns, double clock_ahead_s) {
-  constexpr double kMostUsual_s = 0.25, kWorthAWord_s = 3.0;
-  if (clock_ahead_s >= 0 && clock_ahead_s < kMostUsual_s) return start_utc_ns;
-  if (std::abs(clock_ahead_s) >= kWorthAWord_s) {
-    log_warn("the clock of this machine is " + std::to_string(std::lround(std::abs(clock_ahead_s))) + " s " +
-             (clock_ahead_s > 0 ? "ahead of" : "behind") + " the server's; set it");
-  }
-  return start_utc_ns + to_ns(clock_ahead_s);
+void warn_of_clock(double ahead_s) {
+  constexpr double kWorthAWord_s = 3.0;
+  if (std::abs(ahead_s) < kWorthAWord_s) return;
+  log_warn("the clock of this machine is " + std::to_string(std::lround(std::abs(ahead_s))) + " s " +
+           (ahead_s > 0 ? "ahead of" : "behind") + " the server's; set it");
 }
 
 // Waits until the server says that everybody is here, this agent among them. Returns when to start, or nothing when
 // told to stop.
 std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
   auto told = std::chrono::steady_clock::now();
+  PlayStart start;
   while (!stop_requested) {
     const auto status = link.wait_server_status(std::chrono::milliseconds(200));
     if (status) {
       if (const auto reason = refusal_of(*status, hello.agent_run)) throw UserError(*reason);
       const bool met = std::ranges::find(status->agents, hello.agent) != status->agents.end();
-      if (status->started && met) return start_by_own_clock(status->start_utc_ns, link.clock_ahead_s().value_or(0));
+      const auto known = status->started && met ? start.heard(*status, link.clock_ahead_s().value_or(0)) : std::nullopt;
+      if (known) {
+        warn_of_clock(known->clock_ahead_s);
+        return known->start_utc_ns;
+      }
     }
     if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
       told = std::chrono::steady_clock::now();

@@ -15,6 +15,8 @@ namespace coslam {
 namespace {
 
 constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
+// Around the start: by the word that took least, agents tell what their clocks are off by.
+constexpr TimeNs kStartingPeriod_ns = 100'000'000, kStarting_ns = 1'000'000'000;
 constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
 
 }  // namespace
@@ -65,7 +67,9 @@ void ServerLoop::take_events(std::chrono::milliseconds timeout) {
   }
   if (!store_) open_result();
   for (const std::string& warning : stamps_.take_warnings()) log_warn(warning);
-  if (config_.clock.monotonic_ns() - last_status_ns_ > kStatusPeriod_ns) send_status();
+  const bool starting = started_ && config_.clock.utc_ns() - start_utc_ns_ < kStarting_ns;
+  const TimeNs period_ns = starting ? kStartingPeriod_ns : kStatusPeriod_ns;
+  if (config_.clock.monotonic_ns() - last_status_ns_ > period_ns) send_status();
   if (observer_ != nullptr) observer_->in_between(*this);
 }
 

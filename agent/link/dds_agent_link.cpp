@@ -3,6 +3,7 @@
 #include "agent/link/dds_agent_link.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -21,7 +22,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kResend{300};
+constexpr milliseconds kResend{300}, kTick{20};
 // The middleware drops a best-effort sample that comes after a later one of the same writer. With several in turn, a
 // link may let frames overtake each other by as many.
 constexpr int kWays = 6;
@@ -46,17 +47,21 @@ class DdsAgentLink : public AgentLink {
         participant_(config, "coslam-agent " + hello.agent),
         patches_(participant_),
         descriptors_(participant_),
-        hello_(participant_),
         status_(participant_),
-        loop_(participant_, "agent-link", heartbeat(config), [this] { hello_.assert_alive(); }) {
+        heartbeat_(heartbeat(config)),
+        loop_(participant_, "agent-link", kTick, [this] { tick(); }) {
     loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
                               partition_of(hello.agent_run));
     loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
                                   [this](const WriterId& w, Presence p) { server_presence(w, p); });
     const int ways = hello.pacing == Pacing::kLive ? kWays : 1;
     for (int i = 0; i < ways; ++i) tracks_.emplace_back(participant_);
+    // Last: who has found it has found the others, which the middleware makes known in order.
+    hello_.emplace(participant_);
+    ready_.agent = hello.agent;
+    ready_.agent_run = hello.agent_run;
     loop_.start();
-    hello_.write(encode(hello));
+    hello_->write(encode(hello));
   }
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
@@ -74,7 +79,10 @@ class DdsAgentLink : public AgentLink {
     last_.frame = std::move(frame);
   }
 
-  void send_status(const AgentStatus& status) override { status_.write(encode(status)); }
+  void send_status(const AgentStatus& status) override {
+    said_ready_ = true;
+    status_.write(encode(status));
+  }
 
   void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
   bool replies_wait() const override { return !patches_waiting_.empty() || !descriptors_waiting_.empty(); }
@@ -179,7 +187,24 @@ class DdsAgentLink : public AgentLink {
     tracks_.front().write(encoder_.encode_alone(*last_.frame));
   }
 
-  // On the loop's thread from here on. taken(): before anybody hears of the value.
+  // On the loop's thread from here on.
+  void tick() {
+    if (const Instant now = Clock::now(); now >= next_heartbeat_) {
+      next_heartbeat_ = now + heartbeat_;
+      hello_->assert_alive();
+    }
+    if (!said_ready_ && whole()) send_status(ready_);
+  }
+
+  // Both ways of every topic: where a word of discovery is lost, that takes seconds.
+  bool whole() const {
+    const auto found = [](const auto& writer) { return writer.readers() > 0; };
+    if (!std::ranges::all_of(tracks_, found) || !found(patches_) || !found(descriptors_) || !found(*hello_))
+      return false;
+    return found(status_) && loop_.writers<idl::MapPatch>() > 0 && server_status();
+  }
+
+  // taken(): before anybody hears of the value.
   template <class Value, class Taken>
   void receive(Decoded<Value> value, Taken taken) {
     std::optional<Rejection> reason;
@@ -241,9 +266,13 @@ class DdsAgentLink : public AgentLink {
   std::deque<Writer<idl::TrackFrame>> tracks_;  // in turn
   Writer<idl::PatchReply> patches_;
   Writer<idl::DescriptorReply> descriptors_;
-  Writer<idl::Hello> hello_;
+  std::optional<Writer<idl::Hello>> hello_;
   Writer<idl::AgentStatus> status_;  // after hello_: its end waits for the last word, before the sign of life ends
-  Loop loop_;                        // last: stops first
+  AgentStatus ready_;                // nothing to tell but that it hears and is heard
+  std::atomic<bool> said_ready_{false};
+  const milliseconds heartbeat_;
+  Instant next_heartbeat_{};
+  Loop loop_;  // last: stops first
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "common/wire/participant_impl.h"
 
 #include <algorithm>
+#include <atomic>
 #include <fastdds/dds/core/condition/GuardCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -40,12 +41,15 @@ class PresenceNotes : public dds::DataReaderListener {
     return std::exchange(notes_, {});
   }
 
+  int writers() const { return writers_; }
+
   void on_liveliness_changed(dds::DataReader*, const eprosima::fastrtps::LivelinessChangedStatus& s) override {
     if (s.not_alive_count_change > 0) note(s.last_publication_handle, Presence::kSilent);
     if (s.alive_count_change > 0) note(s.last_publication_handle, Presence::kAlive);
   }
 
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& s) override {
+    writers_ = s.current_count;
     if (s.current_count_change < 0) note(s.last_publication_handle, Presence::kGone);
   }
 
@@ -67,6 +71,7 @@ class PresenceNotes : public dds::DataReaderListener {
   dds::GuardCondition& wake_;
   std::mutex mutex_;
   std::vector<std::pair<WriterId, Presence>> notes_;
+  std::atomic<int> writers_{0};
 };
 
 // A reader of one topic.
@@ -119,6 +124,8 @@ class Source {
     }
   }
 
+  std::size_t topic() const { return topic_; }
+  int writers() const { return notes_.writers(); }
   dds::StatusCondition& condition() { return reader_->get_statuscondition(); }
 
  private:
@@ -176,6 +183,11 @@ void Loop::read_topic(std::size_t topic, std::unique_ptr<Inlet> inlet, OnPresenc
                                          std::move(on_presence), partition);
   impl_->wait_set.attach_condition(source->condition());
   impl_->sources.push_back(std::move(source));
+}
+
+int Loop::writers_of(std::size_t topic) const {
+  const auto at = std::ranges::find(impl_->sources, topic, &Source::topic);
+  return at == impl_->sources.end() ? 0 : (*at)->writers();
 }
 
 void Loop::start() {

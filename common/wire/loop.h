@@ -54,6 +54,11 @@ class Loop {
                partition);
   }
   void start();
+  // How many writers of this topic, which is read, have been found and are there.
+  template <class Message>
+  int writers() const {
+    return writers_of(topic_index<Message>());
+  }
 
   // A place for one sample of a topic's type, and what is done with it.
   class Inlet {
@@ -81,6 +86,7 @@ class Loop {
 
   void read_topic(std::size_t topic, std::unique_ptr<Inlet> inlet, OnPresence on_presence,
                   const std::string& partition);
+  int writers_of(std::size_t topic) const;
 
   std::unique_ptr<Impl> impl_;
 };

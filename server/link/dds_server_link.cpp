@@ -201,12 +201,13 @@ class DdsServerLink : public ServerLink {
     if (!refused.empty() && refused.back().agent_run != published_refusals_) publish_status();
   }
 
-  // A run is let in when its reader has found our writer: a patch sent before would be lost.
+  // A run is let in when its reader has found our writer, since a patch sent before would be lost, and when it says
+  // that it has found all that it hears and is heard by: play starts then.
   void open_paths() {
     if (!settled_) return;
     for (const RunId run : sessions_.waiting()) {
       const auto path = paths_.try_emplace(run, participant_, run).first;
-      if (path->second.writer.readers() > 0) sessions_.open(run);
+      if (path->second.writer.readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
     }
   }
 

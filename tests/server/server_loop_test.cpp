@@ -60,6 +60,29 @@ TEST_F(ServerLoopTest, TellsAnAgentAtOnceThatItIsIn) {
   EXPECT_THAT(join("cam0")->server_status()->agents, Contains("cam0")) << "a replay begins then";
 }
 
+// One may be lost: an agent tells what its clock is off by from the one that took least.
+TEST_F(ServerLoopTest, SaysAgainAndAgainWhenPlayStarts) {
+  TimeNs now_ns = to_ns(1000.0);
+  const auto now = [&] { return now_ns; };
+  ServerLoopConfig config{.refine_in_thread = false};
+  config.expected_agents = {"cam0"};
+  config.clock = {now, now};
+  ServerLoop loop(link_.server(), kServer, config);
+  const auto agent = link_.connect(values_.hello("cam0", RunId(2), Pacing::kLive));
+  const auto words_within = [&](double s) {
+    int words = 0;
+    for (const TimeNs end_ns = now_ns + to_ns(s); now_ns < end_ns; now_ns += to_ns(0.02)) {
+      EXPECT_TRUE(loop.poll(0ms));
+      const auto status = agent->wait_server_status(0ms);
+      if (status && status->started) ++words;
+    }
+    return words;
+  };
+  EXPECT_GE(words_within(0.3), 3) << "before it starts";
+  words_within(2);
+  EXPECT_LE(words_within(3), 3) << "in the run";
+}
+
 TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
   const auto agent = join("cam0");
   AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
