@@ -42,6 +42,6 @@ struct MovingState {
 
 // It travels in one datagram: a point more would be fragments, of which a lost one loses all.
 constexpr std::size_t kMostMovingObjects = 12;
-constexpr std::size_t most_moving_points(std::size_t objects) { return 26 - objects; }
+constexpr std::size_t most_moving_points(std::size_t objects) { return 23 - objects; }
 
 }  // namespace coslam

@@ -2,56 +2,74 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the server tells everybody who wants to know: MovingState.
+#include <algorithm>
+#include <array>
+
 #include "common/base/check.h"
 #include "common/wire/checks.h"
-#include "common/wire/packing.h"
 
 namespace coslam {
 namespace {
 
-constexpr std::size_t kPointBytes = 45, kObjectBytes = 42;
-
-template <class Vector>
-void put(Packer& packer, const Vector& values) {
-  for (const float v : values) packer.put(v);
+template <int N>
+std::array<float, N> plain(const Eigen::Matrix<float, N, 1>& values) {
+  std::array<float, N> out;
+  std::ranges::copy(values, out.begin());
+  return out;
 }
 
-// The octets of the whole vector must be there.
-template <class Vector>
-void get(Unpacker& in, Vector& values) {
-  for (float& v : values) v = *in.get<float>();
+template <std::size_t N>
+Eigen::Matrix<float, static_cast<int>(N), 1> vector(const std::array<float, N>& values) {
+  return Eigen::Map<const Eigen::Matrix<float, static_cast<int>(N), 1>>(values.data());
 }
 
-Problem unpack(Unpacker& in, MovingPointState& p) {
-  p.point = PointId(*in.get<std::uint32_t>());
-  p.object = ObjectId(*in.get<std::uint32_t>());
-  get(in, p.position);
-  get(in, p.covariance);
-  p.cameras = *in.get<std::uint8_t>();
-  return first_of({check_id(p.point), check_position(p.position), check_covariance(p.covariance)});
+idl::MovingObject encode_item(const MovingObjectState& o) {
+  idl::MovingObject m;
+  m.object(o.object.value);
+  m.centroid(plain(o.centroid));
+  m.velocity_per_s(plain(o.velocity_per_s));
+  m.extent(plain(o.extent));
+  m.points(o.points);
+  return m;
 }
 
-Problem unpack(Unpacker& in, MovingObjectState& o) {
-  o.object = ObjectId(*in.get<std::uint32_t>());
-  get(in, o.centroid);
-  get(in, o.velocity_per_s);
-  get(in, o.extent);
-  o.points = *in.get<std::uint16_t>();
+idl::MovingPoint encode_item(const MovingPointState& p) {
+  idl::MovingPoint m;
+  m.point(p.point.value);
+  m.object(p.object.value);
+  m.position(plain(p.position));
+  m.covariance(plain(p.covariance));
+  m.cameras(p.cameras);
+  return m;
+}
+
+Problem decode_item(const idl::MovingObject& m, MovingObjectState& o) {
+  o.object = ObjectId(m.object());
+  o.centroid = vector(m.centroid());
+  o.velocity_per_s = vector(m.velocity_per_s());
+  o.extent = vector(m.extent());
+  o.points = m.points();
   if (const Problem p = first_of(
           {check_id(o.object), check_position(o.centroid), check_position(o.velocity_per_s), check_position(o.extent)}))
     return p;
   return o.extent.minCoeff() >= 0 ? std::nullopt : Problem(Rejection::kOutOfRange);
 }
 
-template <class Item>
-Problem unpack_list(const std::vector<std::uint8_t>& octets, std::size_t item_bytes, std::size_t most,
-                    std::vector<Item>& items) {
-  if (octets.size() % item_bytes != 0) return Rejection::kSizeMismatch;
-  if (const Problem p = check_count(octets.size() / item_bytes, most)) return p;
-  items.resize(octets.size() / item_bytes);
-  Unpacker in(octets);
-  for (Item& item : items) {
-    if (const Problem p = unpack(in, item)) return p;
+Problem decode_item(const idl::MovingPoint& m, MovingPointState& p) {
+  p.point = PointId(m.point());
+  p.object = ObjectId(m.object());
+  p.position = vector(m.position());
+  p.covariance = vector(m.covariance());
+  p.cameras = m.cameras();
+  return first_of({check_id(p.point), check_position(p.position), check_covariance(p.covariance)});
+}
+
+template <class Message, class Item>
+Problem decode_list(const std::vector<Message>& messages, std::size_t most, std::vector<Item>& items) {
+  if (const Problem p = check_count(messages.size(), most)) return p;
+  items.resize(messages.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (const Problem p = decode_item(messages[i], items[i])) return p;
   }
   return std::nullopt;
 }
@@ -68,22 +86,8 @@ idl::MovingState encode(const MovingState& s) {
   m.t_ns(s.t_ns);
   m.scale_known(s.scale_known);
   m.left_out(s.left_out);
-  Packer objects(m.objects());
-  for (const MovingObjectState& o : s.objects) {
-    objects.put(o.object.value);
-    put(objects, o.centroid);
-    put(objects, o.velocity_per_s);
-    put(objects, o.extent);
-    objects.put(o.points);
-  }
-  Packer points(m.points());
-  for (const MovingPointState& p : s.points) {
-    points.put(p.point.value);
-    points.put(p.object.value);
-    put(points, p.position);
-    put(points, p.covariance);
-    points.put(p.cameras);
-  }
+  for (const MovingObjectState& o : s.objects) m.objects().push_back(encode_item(o));
+  for (const MovingPointState& p : s.points) m.points().push_back(encode_item(p));
   return m;
 }
 
@@ -95,10 +99,9 @@ Decoded<MovingState> decode(const idl::MovingState& m) {
   s.t_ns = m.t_ns();
   s.scale_known = m.scale_known();
   s.left_out = m.left_out();
-  const Problem problem = first_of(
-      {check_id(s.server_run), check_id(s.map), unpack_list(m.objects(), kObjectBytes, kMostMovingObjects, s.objects)});
-  if (problem) return *problem;
-  if (const Problem p = unpack_list(m.points(), kPointBytes, most_moving_points(s.objects.size()), s.points)) return *p;
+  if (const Problem p = first_of({check_id(s.server_run), check_id(s.map)})) return *p;
+  if (const Problem p = decode_list(m.objects(), kMostMovingObjects, s.objects)) return *p;
+  if (const Problem p = decode_list(m.points(), most_moving_points(s.objects.size()), s.points)) return *p;
   return s;
 }
 

@@ -293,23 +293,18 @@ TEST(CodecRejects, PublicSamplesThatAreNone) {
 TEST(CodecRejects, MovingStatesThatAreNone) {
   using M = idl::MovingState;
   const auto good = encode(WireValues(3).moving_state(2, 5));
-  const auto put = [](std::vector<std::uint8_t>& octets, std::size_t at, float value) {
-    std::memcpy(octets.data() + at, &value, sizeof(value));
-  };
   expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.server_run(0); });
   expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.map_id(0); });
-  expect_rejected<M>(good, Rejection::kSizeMismatch, [](M& m) { m.points().pop_back(); });
-  expect_rejected<M>(good, Rejection::kSizeMismatch, [](M& m) { m.objects().push_back(0); });
-  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.objects().resize(13 * 42, 1); });
-  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.points().resize(25 * 45, 1); });
-  expect_rejected<M>(good, Rejection::kBadId, [&](M& m) { put(m.objects(), 0, 0.0f); });
-  expect_rejected<M>(good, Rejection::kNotFinite, [&](M& m) { put(m.objects(), 4, NAN); });
-  expect_rejected<M>(good, Rejection::kNotFinite, [&](M& m) { put(m.objects(), 16, INFINITY); });
-  expect_rejected<M>(good, Rejection::kOutOfRange, [&](M& m) { put(m.objects(), 28, -1.0f); });
-  expect_rejected<M>(good, Rejection::kBadId, [&](M& m) { put(m.points(), 0, 0.0f); });
-  expect_rejected<M>(good, Rejection::kOutOfRange, [&](M& m) { put(m.points(), 8, 1e10f); });
-  expect_rejected<M>(good, Rejection::kOutOfRange, [&](M& m) { put(m.points(), 20, -1.0f); });
-  expect_rejected<M>(good, Rejection::kNotFinite, [&](M& m) { put(m.points(), 24, NAN); });
+  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.objects().resize(13, m.objects()[0]); });
+  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.points().resize(25, m.points()[0]); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.objects()[0].object(0); });
+  expect_rejected<M>(good, Rejection::kNotFinite, [](M& m) { m.objects()[1].centroid()[0] = NAN; });
+  expect_rejected<M>(good, Rejection::kNotFinite, [](M& m) { m.objects()[0].velocity_per_s()[2] = INFINITY; });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.objects()[0].extent()[1] = -1; });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.points()[0].point(0); });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.points()[4].position()[0] = 1e10F; });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.points()[0].covariance()[0] = -1; });
+  expect_rejected<M>(good, Rejection::kNotFinite, [](M& m) { m.points()[0].covariance()[1] = NAN; });
 }
 
 }  // namespace
