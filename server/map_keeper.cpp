@@ -9,6 +9,7 @@
 
 #include "common/base/log.h"
 #include "common/flow/clock.h"
+#include "server/map/sound.h"
 
 namespace coslam {
 
@@ -53,7 +54,11 @@ void MapKeeper::take(const PastPart& past) {
 
 void MapKeeper::for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const {
   const auto [first, last] = past_frames_rows_of(camera);
-  file_.for_each_row(kPastFramesTable, first, last, [&](const std::string& octets) { visit(past_frames_of(octets)); });
+  file_.for_each_row(kPastFramesTable, first, last, [&](const std::string& octets) {
+    PastFrames block = past_frames_of(octets);
+    require_sound(block, server_.map());
+    visit(std::move(block));
+  });
 }
 
 void MapKeeper::save() {

@@ -14,6 +14,10 @@ namespace {
 constexpr std::uint64_t kFooterLength = 20;
 constexpr std::size_t kMessageHead = 22;  // channel, sequence, two times
 constexpr std::uint64_t kMostChunkOctets = 1ULL << 30U;
+constexpr std::uint64_t kFarthest_ns = 4'000'000'000'000'000'000;  // the year 2096: differences stay in range
+
+// What is later counts as the farthest.
+TimeNs time_of(std::uint64_t ns) { return static_cast<TimeNs>(std::min(ns, kFarthest_ns)); }
 
 }  // namespace
 
@@ -41,7 +45,7 @@ const Schema& Reader::schema_of(const Channel& channel) const {
   return found == schemas_.end() ? kNone : found->second;
 }
 
-TimeNs Reader::first_ns() const { return blocks_.empty() ? 0 : static_cast<TimeNs>(blocks_.front().first_ns); }
+TimeNs Reader::first_ns() const { return blocks_.empty() ? 0 : time_of(blocks_.front().first_ns); }
 
 void Reader::fail(const std::string& what) const { throw UserError(file_.string() + ": " + what); }
 
@@ -254,8 +258,8 @@ std::optional<Message> Reader::next() {
   Message message;
   message.channel = in.get<std::uint16_t>();
   message.sequence = in.get<std::uint32_t>();
-  message.noted_ns = static_cast<TimeNs>(in.get<std::uint64_t>());
-  message.published_ns = static_cast<TimeNs>(in.get<std::uint64_t>());
+  message.noted_ns = time_of(in.get<std::uint64_t>());
+  message.published_ns = time_of(in.get<std::uint64_t>());
   message.octets = in.rest();
   waiting_.pop();
   return message;

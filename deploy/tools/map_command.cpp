@@ -15,6 +15,7 @@
 #include "deploy/tools/commands.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/map_result.h"
+#include "server/map/sound.h"
 #include "server/store/map_file.h"
 
 namespace coslam {
@@ -130,18 +131,20 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
 }
 
 // What the other file has on disk only.
-void take_past(const MapFile& other, const Renumbered& as, std::vector<Row>* rows) {
+void take_past(const MapFile& other, const Map& map, const Renumbered& as, std::vector<Row>* rows) {
   const auto add = [&](const PastPart& past) {
     std::vector<Row> some = rows_of(past);
     rows->insert(rows->end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
   };
   other.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.frames = {past_frames_of(octets)}};
+    require_sound(past.frames.front(), map);
     renumber(as, &past.frames.front());
     add(past);
   });
   other.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.places = past_places_of(octets)};
+    require_sound(*past.places, map);
     renumber(as, &*past.places);
     add(past);
   });
@@ -160,7 +163,7 @@ int merge(const MapArguments& arguments) {
     const MapFile other(name, Access::kRead);
     const MapServer from = load_map(other);
     const MapServer::TakenIn taken = server.take_in(from);
-    take_past(other, taken.as, &past);
+    take_past(other, from.map(), taken.as, &past);
     say_taken(server, name, taken);
   }
   std::vector<Row> rows = server.changed_rows();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/map/serialise.h"
+#include "server/map/sound.h"
 
 namespace coslam {
 
@@ -209,6 +210,9 @@ void MapRows::restore(const Tables& tables, Map* map) {
   read_state(tables, StateRow::kMap, map->metric_, map->key_frames_, map->key_images_, map->loose_, map->repatched_,
              map->next_point_, map->next_map_, map->epoch_, map->now_, map->now_ns_, map->set_interval_s_,
              map->set_times_ns_);
+  constexpr double kShortest_s = 1e-5, kLongest_s = 1e5;
+  if (!(map->set_interval_s_ >= kShortest_s && map->set_interval_s_ <= kLongest_s) || map->next_map_ == 0)
+    throw UserError("the map file has a state that cannot be");
   for_each_row<MapCamera>(tables, "camera", [&](MapCamera camera, std::int64_t) {
     if (camera.id.value != map->cameras_.size()) throw UserError("the map file lacks a camera");
     camera.alive = false;
@@ -220,7 +224,8 @@ void MapRows::restore(const Tables& tables, Map* map) {
   for (std::size_t i = 0; i < past.size(); ++i) map->cameras_[i].past = std::move(past[i]);
   for_each_row<FramePose>(tables, "frame", [&](FramePose frame, std::int64_t key) {
     const auto camera = static_cast<std::size_t>(key >> kFrameKeyBits);
-    if (camera >= map->cameras_.size()) throw UserError("the map file has a frame of no camera");
+    if (camera >= map->cameras_.size() || frame_key(CameraId(static_cast<std::uint16_t>(camera)), frame.set) != key)
+      throw UserError("the map file has a frame of no camera");
     map->cameras_[camera].frames.push_back(std::move(frame));
   });
   for_each_row<std::vector<MotionSample>>(tables, "motion", [&](std::vector<MotionSample> samples, std::int64_t key) {
@@ -233,12 +238,10 @@ void MapRows::restore(const Tables& tables, Map* map) {
     if (p.moves()) map->moving_.emplace(id, &p);
     if (map->is_recent(p.last_seen)) map->recent_.emplace(id, &p);
     for (const KeyObservation& o : p.key_observations) map->observed_at_[o.set].push_back(id);
-    for (const BoundTrack& b : p.bound) {
-      const bool known = b.camera.value < map->cameras_.size() && map->camera(b.camera).tracks.contains(b.track) &&
-                         map->track(b).point == id;
-      if (!known) throw UserError("the map file has a point on no track");
-    }
   });
+  if (!map->points_.empty() && map->points_.rbegin()->first.value >= map->next_point_)
+    throw UserError("the map file has a point of no number");
+  require_sound(*map);
 }
 
 }  // namespace coslam

@@ -33,9 +33,9 @@ template <class A>
 void serialize(A& a, PastFrames& v) {
   auto size = static_cast<std::uint32_t>(v.frames.size());
   a(v.put, v.camera, size);
-  v.frames.resize(size);
-  for (FramePose& f : v.frames) {
-    BareFrame bare{f};
+  for (std::uint32_t i = 0; i < size; ++i) {
+    if (i == v.frames.size()) v.frames.emplace_back();
+    BareFrame bare{v.frames[i]};
     a(bare);
   }
 }

@@ -12,17 +12,20 @@
 #include <cereal/types/string.hpp>
 #include <cereal/types/utility.hpp>
 #include <cereal/types/vector.hpp>
+#include <cstring>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <type_traits>
 
 #include "common/base/error.h"
 #include "common/base/ids.h"
 #include "common/geometry/rigid3.h"
 #include "server/map/rows.h"
 
-// Values as octets, for the map file; little endian. What is read was written by write_octets() and came through a
-// check sum. For the few sources that save something: the header is heavy.
+// Values as octets, for the map file; little endian. What is read came through a check sum, which anybody can make: no
+// count in it is believed. For the few sources that save something: the header is heavy.
 namespace Eigen {
 
 template <class Archive, class Scalar, int kRows, int kCols, int kOptions>
@@ -63,12 +66,56 @@ std::string octets_of(const Values&... values) {
   return std::move(out).str();
 }
 
+// Reads what BinaryOutputArchive wrote, and believes no count: whatever is counted takes an octet at least.
+class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmptyClassElision> {
+ public:
+  explicit OctetArchive(std::string_view octets) : InputArchive(this), left_(octets) {}
+
+  void loadBinary(void* to, std::size_t size) {  // NOLINT(readability-identifier-naming): cereal's
+    check_room(size);
+    if (size == 0) return;  // there may be no place either
+    std::memcpy(to, left_.data(), size);
+    left_.remove_prefix(size);
+  }
+  void check_room(std::uint64_t count) const {
+    if (count > left_.size()) throw cereal::Exception("the octets end");
+  }
+
+ private:
+  std::string_view left_;
+};
+
+// What cereal looks for, by these names.
+template <class T>
+std::enable_if_t<std::is_arithmetic_v<T>> CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, T& value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    std::uint8_t octet = 0;
+    archive.loadBinary(&octet, 1);
+    if (octet > 1) throw cereal::Exception("neither true nor false");
+    value = octet == 1;
+  } else {
+    archive.loadBinary(&value, sizeof value);
+  }
+}
+template <class T>
+void CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, cereal::NameValuePair<T>& named) {
+  archive(named.value);
+}
+template <class T>
+void CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, cereal::SizeTag<T>& count) {
+  archive(count.size);
+  archive.check_room(count.size);
+}
+template <class T>
+void CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, cereal::BinaryData<T>& data) {
+  archive.loadBinary(data.data, static_cast<std::size_t>(data.size));
+}
+
 // Throws UserError when they are not what they should be.
 template <class... Values>
 void read_octets(const std::string& octets, Values&... values) {
-  std::istringstream in(octets, std::ios::binary);
   try {
-    cereal::BinaryInputArchive archive(in);
+    OctetArchive archive(octets);
     archive(values...);
   } catch (const std::exception&) {
     throw UserError("a row of the map file is not what it should be");
@@ -85,3 +132,10 @@ void read_state(const Tables& tables, StateRow row, Values&... values) {
 }
 
 }  // namespace coslam
+
+namespace cereal::traits::detail {
+template <>
+struct get_output_from_input<coslam::OctetArchive> {
+  using type = BinaryOutputArchive;
+};
+}  // namespace cereal::traits::detail

@@ -2,18 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A sample of any topic, as octets: the first says which topic. It is decoded to a usable value or rejected.
-#include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "common/wire/codec.h"
 #include "common/wire/guard.h"
 #include "common/wire/track_codec.h"
 #include "tests/common/wire/cdr_octets.h"
+#include "tests/fuzz/fuzzer.h"
 #include "tests/support/moving_tracks.h"
 #include "tests/support/wire_values.h"
 
@@ -21,15 +17,15 @@ namespace coslam {
 namespace {
 
 using test::deserialize;
-using test::Octets;
 using test::serialize;
+using Sample = test::Octets;
 
 void require(bool holds) {
   if (!holds) std::abort();
 }
 
 template <class Message>
-void decode_octets(const Octets& octets) {
+void decode_octets(const Sample& octets) {
   const auto message = deserialize<Message>(octets);
   if (!message) return;
   if constexpr (std::is_same_v<Message, idl::TrackFrame>) {
@@ -49,14 +45,14 @@ void decode_octets(const Octets& octets) {
 
 constexpr std::size_t kSealed = kTopicCount;  // the number behind the topics: a sealed datagram
 
-void open_sealed(const Octets& octets) {
+void open_sealed(const Sample& octets) {
   static Opener opener(fleet_key("a secret of sixteen", 7));
   const auto* begin = reinterpret_cast<const std::uint8_t*>(octets.data());
   const Opened opened = opener.open({begin, octets.size()});
   require(opened.refused.has_value());  // nobody guesses a seal
 }
 
-void decode_any(std::size_t which, const Octets& octets) {
+void decode_any(std::size_t which, const Sample& octets) {
   std::size_t topic = 0;
   for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
     if (topic++ == which) decode_octets<M>(octets);
@@ -64,14 +60,18 @@ void decode_any(std::size_t which, const Octets& octets) {
   if (which == kSealed) open_sealed(octets);
 }
 
-// Good samples, to begin with.
-void write_seeds(const std::filesystem::path& folder) {
+}  // namespace
+
+void fuzz::try_octets(Octets octets) {
+  if (octets.empty()) return;
+  decode_any(octets[0] % (kTopicCount + 1), {octets.begin() + 1, octets.end()});
+}
+
+void fuzz::write_seeds(const WriteSeed& write_seed) {
   test::WireValues values(1);
   const TrackFrame frame = values.frame("cam0", RunId(1), 5, 8);
-  const auto write = [&](std::size_t topic, const Octets& octets) {
-    std::ofstream out(folder / ("topic" + std::to_string(topic)), std::ios::binary);
-    out.put(static_cast<char>(topic));
-    out.write(octets.data(), static_cast<std::streamsize>(octets.size()));
+  const auto write = [&](std::size_t topic, const Sample& octets) {
+    write_seed("topic" + std::to_string(topic), static_cast<char>(topic) + std::string(octets.data(), octets.size()));
   };
   write(topic_index<idl::TrackFrame>(), serialize(encode(frame, pixel_scale(test::vga_camera()))));
   write(topic_index<idl::PatchReply>(), serialize(encode(values.patches(frame, 2))));
@@ -83,19 +83,7 @@ void write_seeds(const std::filesystem::path& folder) {
   write(topic_index<idl::AgentPose>(), serialize(encode(values.agent_pose("cam0", RunId(1)))));
   write(topic_index<idl::PublicSample>(), serialize(encode(values.public_sample())));
   write(topic_index<idl::ServerStatus>(), serialize(encode(values.server_status(RunId(4)))));
-  write(kSealed, Octets(64, 'x'));
+  write(kSealed, Sample(64, 'x'));
 }
 
-}  // namespace
 }  // namespace coslam
-
-extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
-  if (const char* folder = std::getenv("COSLAM_FUZZ_SEEDS")) coslam::write_seeds(folder);
-  return 0;
-}
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  coslam::decode_any(data[0] % (coslam::kTopicCount + 1), {data + 1, data + size});
-  return 0;
-}

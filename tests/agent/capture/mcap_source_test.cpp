@@ -75,6 +75,14 @@ TEST_F(Recorded, ImagesComeWithTheirStamps) {
   EXPECT_EQ(source->unreadable(), 0U);
 }
 
+TEST_F(Recorded, TimesThatAreNoneOverflowNothing) {
+  ros::Image late = image(0, "mono8", 1);
+  late.header = ros::header_of(-2'000'000'000'000'000'000, "left");
+  put("/left/image_raw", std::numeric_limits<TimeNs>::max(), late);
+  const auto source = open_source(named("/left/image_raw"), kOptions);
+  EXPECT_EQ(source->peek_ns(), 0) << "of a clock of its own";
+}
+
 TEST_F(Recorded, ColoursBecomeGrey) {
   write_images("/left/image_raw", "rgb8", 3);
   const auto source = open_source(named("/left/image_raw"), kOptions);
