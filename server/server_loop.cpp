@@ -131,17 +131,32 @@ void ServerLoop::handle(const ServerEvent& event) {
   if (const auto* silent = std::get_if<AgentSilent>(&event)) on_silent(silent->agent, silent->agent_run);
 }
 
-void ServerLoop::on_hello(const Hello& hello) {
+// Why an agent cannot take part; empty: it can.
+std::optional<std::string> ServerLoop::why_not(const Hello& hello) const {
   const auto& expected = config_.expected_agents;
-  if (!expected.empty() && std::find(expected.begin(), expected.end(), hello.agent) == expected.end()) {
-    link_.refuse(hello, "agent " + hello.agent + " is not one that this server waits for");
-    return;
-  }
+  if (!expected.empty() && std::find(expected.begin(), expected.end(), hello.agent) == expected.end())
+    return "agent " + hello.agent + " is not one that this server waits for";
   if (agents_.size() >= kMostAgents && !agents_.contains(hello.agent)) {
-    link_.refuse(hello, "the map server has met " + std::to_string(kMostAgents) +
-                            " agents of different names, as many as it can: restart it");
-    return;
+    return "the map server has met " + std::to_string(kMostAgents) +
+           " agents of different names, as many as it can: restart it";
   }
+  // One in lock-step is waited for as long as it takes, which nobody who lives in real time may have to bear.
+  const auto differs = [&](const std::string& name, Pacing pacing) {
+    return name != hello.agent && pacing != hello.pacing;
+  };
+  if (std::ranges::any_of(agents_,
+                          [&](const auto& a) { return !a.second.ended && differs(a.first, a.second.pacing); }) ||
+      std::ranges::any_of(waiting_, [&](const auto& h) { return differs(h.first, h.second.pacing); })) {
+    const bool lockstep = hello.pacing == Pacing::kLockstep;
+    return "agent " + hello.agent + " plays in " + (lockstep ? "lock-step" : "real time") +
+           " and those that are here in " + (lockstep ? "real time" : "lock-step") +
+           ": give all the same kind of --rate";
+  }
+  return std::nullopt;
+}
+
+void ServerLoop::on_hello(const Hello& hello) {
+  if (const auto reason = why_not(hello)) return link_.refuse(hello, *reason);
   if (started_) {
     admit(hello);
     send_status();  // which a replay waits for
@@ -169,12 +184,13 @@ void ServerLoop::admit(const Hello& hello) {
   agent.camera = server_.admit(hello);
   if (keeper_ && !back) known_past_.push_back(agent.camera);
   agent.run = hello.agent_run;
+  agent.pacing = hello.pacing;
   agent.ended = false;
   server_.set_alive(agent.camera, true);
   const bool waits = hello.pacing == Pacing::kLockstep;
   lockstep_ |= waits;
   sync_.add(agent.camera, hello.rate_hz, waits);
-  stamps_.add(agent.camera, hello.agent);
+  stamps_.add(agent.camera, hello.agent, hello.rate_hz);
   log_info("agent " + hello.agent + (back ? " is back" : " joined"));
 }
 

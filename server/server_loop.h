@@ -77,6 +77,7 @@ class ServerLoop {
   struct Agent {
     CameraId camera;
     RunId run;
+    Pacing pacing = Pacing::kLive;
     bool ended = false;
     AgentStatus last_status;
   };
@@ -87,6 +88,7 @@ class ServerLoop {
   void on_status(const AgentStatus& status);
   void on_silent(const std::string& name, RunId run);
   void on_gone(const std::string& name, RunId run);
+  std::optional<std::string> why_not(const Hello& hello) const;
   void admit(const Hello& hello);
   void start_if_complete();
   void take_events(std::chrono::milliseconds timeout);

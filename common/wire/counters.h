@@ -32,7 +32,7 @@ enum class Rejection : std::uint8_t {
 
   kWrongProtocol,     // another protocol version
   kUnknownAgent,      // no hello from this run (yet)
-  kWrongRun,          // a run that was replaced, refused, or is not the addressee
+  kWrongRun,          // a run that was replaced, refused, is another process's, or is not the addressee
   kDuplicate,         // seen before
   kOverflow,          // a bounded buffer was full
   kMissingReference,  // coded against a frame that is not here

@@ -13,6 +13,7 @@
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
 #include "server/link/sessions.h"
+#include "server/link/speakers.h"
 
 namespace coslam {
 namespace {
@@ -146,7 +147,10 @@ class DdsServerLink : public ServerLink {
     loop_.read<Message>(
         [this](const Message& message, const Sample& sample) {
           const std::lock_guard lock(mutex_);
-          if (kSignOfLife) origins_[sample.writer] = RunId(message.agent_run());
+          const RunId run(message.agent_run());
+          if (!speakers_.may_say(run, sample.writer, kSignOfLife))
+            return participant_.rejections().add(Rejection::kWrongRun);
+          if (kSignOfLife) origins_[sample.writer] = run;
           sessions_.receive(message, sample.bytes, Clock::now());
           after_change();
         },
@@ -158,7 +162,10 @@ class DdsServerLink : public ServerLink {
     const auto origin = origins_.find(writer);
     if (origin == origins_.end()) return;
     sessions_.presence(origin->second, presence);
-    if (presence == Presence::kGone) origins_.erase(origin);
+    if (presence == Presence::kGone) {
+      origins_.erase(origin);
+      speakers_.gone(writer);
+    }
     after_change();
   }
 
@@ -236,6 +243,7 @@ class DdsServerLink : public ServerLink {
   Writer<idl::AgentPose> pose_writer_;
   Writer<idl::PublicSample> public_writer_;
   std::map<RunId, Path> paths_;
+  Speakers speakers_;
   std::map<WriterId, RunId> origins_;  // of hellos, whose writers are the agents' signs of life
   ServerStatus status_;
   RunId published_refusals_;  // the newest that agents were told of

@@ -38,6 +38,11 @@ void StampWatch::Floor::add(double value_s, double now_s, double most_fall) {
   at_s = now_s;
 }
 
+void StampWatch::add(CameraId camera, const std::string& name, double rate_hz) {
+  constexpr double kDensest = 0.45;  // of the period: twice the rate, with some jitter
+  agents_[camera] = {.name = name, .least_step_ns = std::max<TimeNs>(1, to_ns(kDensest / rate_hz))};
+}
+
 // The lower median of those heard lately.
 std::optional<double> StampWatch::lag_of_others(CameraId camera, double now_s) const {
   std::vector<double> lags_s;
@@ -161,7 +166,7 @@ std::optional<TimeNs> StampWatch::place(CameraId camera, TimeNs capture_ns, Time
   agent.heard_s = now_s;
   agent.alone.add(lag_s, now_s, kAnyFall);  // recordings may play faster than time
   if (others_s) agent.beside_others.add(lag_s - *others_s, now_s, kForget);
-  if (agent.newest_ns && t_ns <= *agent.newest_ns) return refuse();
+  if (agent.newest_ns && t_ns < *agent.newest_ns + agent.least_step_ns) return refuse();
   agent.newest_ns = t_ns;
   return t_ns;
 }

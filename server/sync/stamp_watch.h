@@ -30,8 +30,9 @@ class StampWatch {
   explicit StampWatch(std::vector<TimeNs> expected_at_zero_ns) : expected_ns_(std::move(expected_at_zero_ns)) {}
   void expect(TimeNs at_zero_ns) { expected_ns_.push_back(at_zero_ns); }
 
-  // Begins anew for an agent that restarted.
-  void add(CameraId camera, const std::string& name) { agents_[camera] = {.name = name}; }
+  // Begins anew for an agent that restarted. Frames that come more than twice as densely as rate_hz says are thinned:
+  // each would be a frame set of its own, which the others' wait behind.
+  void add(CameraId camera, const std::string& name, double rate_hz);
   // Of an agent whose stamps are of its clock.
   void exchange(CameraId camera, const ClockExchange& stamps);
   // When a frame that arrives now was taken; ascending. Empty: it is not to be used.
@@ -57,6 +58,7 @@ class StampWatch {
   };
   struct Agent {
     std::string name;
+    TimeNs least_step_ns = 1;
     TimeNs correction_ns = 0;
     bool trusted = false;
     std::optional<TimeNs> newest_ns;  // given out

@@ -20,8 +20,8 @@ const RunId kServer(1);
 // A server without a map to speak of, and agents that come and go.
 class ServerLoopTest : public ::testing::Test {
  protected:
-  std::unique_ptr<AgentLink> join(const std::string& name) {
-    auto agent = link_.connect(values_.hello(name, RunId(++last_run_), Pacing::kLive));
+  std::unique_ptr<AgentLink> join(const std::string& name, Pacing pacing = Pacing::kLive) {
+    auto agent = link_.connect(values_.hello(name, RunId(++last_run_), pacing));
     EXPECT_TRUE(loop_.poll(0ms));
     return agent;
   }
@@ -54,6 +54,18 @@ TEST_F(ServerLoopTest, TurnsAwayWhomItHasNoRoomFor) {
   EXPECT_EQ(refusal_of(*known->server_status(), RunId(last_run_)), std::nullopt) << "its camera is there already";
   loop_.finish({});
   EXPECT_THAT(known->server_status()->agents, Contains("cam7"));
+}
+
+// It would make all others wait for it.
+TEST_F(ServerLoopTest, TurnsAwayLockStepAmongLiveAgents) {
+  const auto live = join("live");
+  const auto replay = join("replay", Pacing::kLockstep);
+  EXPECT_THAT(refusal_of(*replay->server_status(), RunId(last_run_)).value_or(""), HasSubstr("lock-step"));
+  AgentStatus ended = values_.agent_status("live", RunId(last_run_ - 1), AgentState::kFinished);
+  live->send_status(ended);
+  EXPECT_TRUE(loop_.poll(0ms));
+  const auto later = join("replay", Pacing::kLockstep);
+  EXPECT_EQ(refusal_of(*later->server_status(), RunId(last_run_)), std::nullopt);
 }
 
 TEST_F(ServerLoopTest, TellsAnAgentAtOnceThatItIsIn) {

@@ -22,7 +22,7 @@ constexpr TimeNs kUtc_ns = 1'700'000'000'000'000'000;  // at the server's time 0
 class StampWatchTest : public testing::Test {
  protected:
   StampWatchTest() {
-    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i));
+    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i), 30);
   }
   struct Outcome {
     int used = 0, refused = 0;
@@ -87,7 +87,7 @@ TEST_F(StampWatchTest, GoodClocksAreUsedAsTheyAre) {
 TEST_F(StampWatchTest, AClockFarOffIsCorrectedAndSaid) {
   for (const double off_s : {5.0, -5.0, 3600.0, -3600.0}) {
     watch_ = StampWatch({kUtc_ns});
-    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i));
+    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i), 30);
     newest_.clear();
     link_s_.clear();
     auto out = play(0, 10, [&](double t) { return t + off_s; });
@@ -104,7 +104,7 @@ TEST_F(StampWatchTest, AClockFarOffIsCorrectedAndSaid) {
 TEST_F(StampWatchTest, AClockThatIsSetInTheRunIsCorrectedInThreeSeconds) {
   for (const double off_s : {5.0, -5.0}) {
     watch_ = StampWatch({kUtc_ns});
-    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i));
+    for (std::uint16_t i = 0; i < 3; ++i) watch_.add(CameraId(i), "cam" + std::to_string(i), 30);
     newest_.clear();
     link_s_.clear();
     auto out = play(0, 30, [&](double t) { return t < 15 ? t : t + off_s; });
@@ -152,7 +152,7 @@ TEST_F(StampWatchTest, AStalledLinkIsNoClock) {
 
 TEST_F(StampWatchTest, AnAgentAloneIsDatedByTheServersClock) {
   StampWatch watch({kUtc_ns});
-  watch.add(CameraId(0), "alone");
+  watch.add(CameraId(0), "alone", 30);
   int used = 0;
   for (int i = 0; i < 150; ++i) {
     const double t_s = i / 30.0;
@@ -166,8 +166,8 @@ TEST_F(StampWatchTest, AnAgentAloneIsDatedByTheServersClock) {
 
 TEST_F(StampWatchTest, RecordingsAreDatedByPlayedTime) {
   StampWatch watch({kUtc_ns, -to_ns(100)});
-  watch.add(CameraId(0), "a");
-  watch.add(CameraId(1), "b");
+  watch.add(CameraId(0), "a", 30);
+  watch.add(CameraId(1), "b", 30);
   for (int i = 0; i < 60; ++i) {
     for (const std::uint16_t c : {0, 1}) {
       EXPECT_EQ(watch.place(CameraId(c), to_ns(i / 30.0), to_ns(100 + i / 30.0 + 0.01)), to_ns(i / 30.0)) << i;
@@ -179,7 +179,7 @@ TEST_F(StampWatchTest, RecordingsAreDatedByPlayedTime) {
 TEST_F(StampWatchTest, RecordingsMayPlayFasterOrSlower) {
   for (const double rate : {0.25, 0.5, 2.0, 4.0}) {
     StampWatch watch({kUtc_ns, -to_ns(100)});
-    for (std::uint16_t c = 0; c < 3; ++c) watch.add(CameraId(c), "c");
+    for (std::uint16_t c = 0; c < 3; ++c) watch.add(CameraId(c), "c", 30);
     for (int i = 0; i < 900; ++i) {
       for (std::uint16_t c = 0; c < 3; ++c) {
         EXPECT_TRUE(watch.place(CameraId(c), to_ns(i / 30.0), to_ns(100 + i / 30.0 / rate + 0.01))) << rate << ' ' << i;
@@ -200,6 +200,19 @@ TEST_F(StampWatchTest, ExchangesCorrectWhatIsBelowASecond) {
   EXPECT_EQ(out[0].refused, 0);
   EXPECT_LT(out[0].worst_s, 0.002);
   EXPECT_THAT(warnings(), HasSubstr("the clock of agent cam0 is 300 ms ahead of"));
+}
+
+TEST(StampWatchRates, TenTimesTheAnnouncedRateIsThinned) {
+  for (const double rate_hz : {30.0, 60.0, 300.0}) {
+    StampWatch watch({0});
+    watch.add(CameraId(0), "fast", 30);
+    int used = 0;
+    for (int i = 0; i < static_cast<int>(10 * rate_hz); ++i) {
+      const TimeNs t_ns = to_ns(i / rate_hz);
+      used += watch.place(CameraId(0), t_ns, t_ns).has_value() ? 1 : 0;
+    }
+    EXPECT_NEAR(used, 10 * std::min(rate_hz, 60.0), 3) << rate_hz;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/link/speakers.h"
+
+#include <algorithm>
+
+namespace coslam {
+
+Speakers::Process Speakers::process_of(const WriterId& writer) {
+  Process process{};
+  std::copy_n(writer.guid.begin(), process.size(), process.begin());
+  return process;
+}
+
+bool Speakers::may_say(RunId run, const WriterId& writer, bool is_hello) {
+  const Process process = process_of(writer);
+  const auto known = run_of_.find(process);
+  if (known != run_of_.end()) return known->second == run;
+  if (std::ranges::any_of(run_of_, [run](const auto& r) { return r.second == run; })) return false;
+  if (is_hello) run_of_.emplace(process, run);
+  return true;
+}
+
+}  // namespace coslam

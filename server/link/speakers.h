@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+
+#include "common/base/ids.h"
+#include "common/wire/loop.h"
+
+namespace coslam {
+
+// Who says what: a process speaks for the run of its first Hello, and nobody else does. So an agent gone wrong takes no
+// other's name and no more than one seat. Thread-compatible.
+class Speakers {
+ public:
+  // Also true of a run that nobody spoke for yet: what comes ahead of its Hello is for others to judge.
+  bool may_say(RunId run, const WriterId& writer, bool is_hello);
+  void gone(const WriterId& writer) { run_of_.erase(process_of(writer)); }
+
+ private:
+  using Process = std::array<std::uint8_t, 12>;  // the part that all writers of a participant share
+  static Process process_of(const WriterId& writer);
+
+  std::map<Process, RunId> run_of_;
+};
+
+}  // namespace coslam
