@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import pathlib
+import pickle
 import re
 import signal
 import subprocess
@@ -25,6 +26,12 @@ sys.dont_write_bytecode = True
 from hosts import Hosts, Link, Unavailable  # noqa: E402
 
 SKIPPED = 77
+
+
+def udp_ports(process):
+    """That are open in the network namespace of a process."""
+    lines = pathlib.Path(f"/proc/{process}/net/udp").read_text(encoding="ascii").splitlines()[1:]
+    return {int(line.split()[1].split(":")[1], 16) for line in lines}
 
 
 def read_sequence(file):
@@ -42,7 +49,7 @@ class Run:
         self.folder = pathlib.Path(arguments.sequence).resolve().parent
         self.out.mkdir(parents=True, exist_ok=True)
         self.cpu_s, self.clients, self.attacker = {}, [], None
-        self.keeps_map = False
+        self.keeps_map, self.pace = False, 1.0
         self.make_key()
 
     def program(self, name):
@@ -64,10 +71,21 @@ class Run:
         key.chmod(0o600)
 
     def attack(self):
-        hosts = ",".join(f"10.77.0.{i + 1}" for i in range(len(self.agents) + 1))
+        """100,000 datagrams on every port that the programs have open, made of what they sent so far."""
+        (self.out / "recorded").write_bytes(pickle.dumps(self.hosts.recorded()))
+        targets = [f"10.77.0.{host + 1}:{port}" for host, p in enumerate([self.server, *self.clients])
+                   for port in sorted(udp_ports(p.pid))]
         self.attacker = self.hosts.start(
-            len(self.agents) + 1, ["python3", str(pathlib.Path(__file__).parent / "attack.py"), "--hosts", hosts, "--domain", "3",
+            len(self.agents) + 1, ["python3", str(pathlib.Path(__file__).parent / "attack.py"), "--targets", ",".join(targets),
+                          "--recorded", str(self.out / "recorded"), "--sent", str(self.out / "sent"),
                           "--rate", "2000", "--count", "100000"])
+
+    def attack_in_words(self):
+        """How many datagrams were sent, in which time; empty without an attack."""
+        if self.attacker is None:
+            return ""
+        sent, seconds = (self.out / "sent").read_text(encoding="ascii").split()
+        return f" ({int(sent):,} sent in {seconds} s)"
 
     def sample_cpu(self):
         for p in [self.server, *self.clients]:
@@ -90,7 +108,7 @@ class Run:
         a = self.agents[i]
         command = [*wrap, self.program("coslam-agent"), "--domain", "3", "--id", a["name"],
                    "--source", str(self.folder / a["source"]), "--calibration", str(self.folder / a["calibration"]),
-                   "--rate", "1", "--fps", str(self.rate), "--set", "wire.peers=10.77.0.1"]
+                   "--rate", str(self.pace), "--fps", str(self.rate), "--set", "wire.peers=10.77.0.1"]
         if "start_s" in a:
             command += ["--start", str(a["start_s"])]
         if "duration_s" in a:
@@ -125,15 +143,27 @@ class Run:
         end = begin + 300
         while any(c.poll() is None for c in self.clients):
             self.sample_cpu()
+            self.check_crashes()
             if time.monotonic() > end:
                 raise RuntimeError("the agents did not end within 300 s")
             time.sleep(0.1)
+        self.check_crashes()
         self.server.wait(300)
 
+    def check_crashes(self):
+        crashes = (-signal.SIGABRT, -signal.SIGSEGV, -signal.SIGBUS)
+        names = ["the server", *("agent " + a["name"] for a in self.agents)]
+        crashed = [name for name, p in zip(names, [self.server, *self.clients]) if p.poll() in crashes]
+        if crashed:
+            raise RuntimeError(", ".join(crashed) + " crashed")
+
     def stop(self):
-        for p in [self.server, *self.clients, self.attacker]:
-            if p is not None and p.poll() is None:
-                p.send_signal(signal.SIGKILL)
+        if self.attacker is not None and self.attacker.poll() is None:
+            self.attacker.terminate()
+            self.attacker.wait()
+        for p in [self.server, *self.clients]:
+            if p.poll() is None:
+                p.kill()
                 p.wait()
 
     def measure(self):
@@ -146,6 +176,10 @@ class Run:
 
 def nothing(_):
     pass
+
+
+def slower(run):
+    run.pace = 0.33
 
 
 def all_links(link):
@@ -210,8 +244,10 @@ def faults():
     out["server killed 3 times"] = (nothing, [(t, restart_server) for t in (6, 10, 14)], {}, [])
     out["agent at a quarter of a core"] = (nothing, slowed(1, 0.25, 2, 18), {}, [])
     out["key"] = (nothing, [], {}, ["wire.key_file=KEY"])
-    out["key, 2,000 hostile datagrams a second"] = (lambda r: r.attack(), [], {}, ["wire.key_file=KEY"])
-    out["the same without a key"] = (lambda r: r.attack(), [], {}, [])
+    # The attack takes 50 s.
+    out["key, at a third of the pace"] = (slower, [], {}, ["wire.key_file=KEY"])
+    out["the same, 2,000 hostile datagrams a second"] = (slower, [(2, lambda r: r.attack())], {}, ["wire.key_file=KEY"])
+    out["the same without a key"] = (slower, [(2, lambda r: r.attack())], {}, [])
     for off in ("+0.3s", "+5s", "-5s", "+1h"):
         out[f"clock {off}"] = (nothing, [], {1: ("faketime", "-f", off)}, [])
     return out
@@ -266,12 +302,15 @@ def main():
             print("skipped: this machine cannot have hosts of its own: " + str(error))
             return SKIPPED
         except (RuntimeError, subprocess.TimeoutExpired, OSError, KeyError) as error:
-            print(f"| {name} | failed: {error} |", flush=True)
+            print(f"| {name}{run.attack_in_words()} | failed: {error} |", flush=True)
             failed = 1
             continue
         if name == "none":
             base, images = ate, {agent: a["frames"] for agent, a in report["agents"].items()}
         tracked = tracked_percent(out / "result" / "latest", images)
+        name += run.attack_in_words()
+        if run.attacker is not None:
+            name += " refused: " + ", ".join(f"{n:,} {reason}" for reason, n in report["rejected"].items())
         print(row(name, ate, report, base, sum(run.cpu_s.values()), tracked), flush=True)
     return failed
 

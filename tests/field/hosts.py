@@ -12,6 +12,7 @@ import multiprocessing
 import os
 import random
 import select
+import socket
 import struct
 import subprocess
 import time
@@ -56,14 +57,18 @@ class Hub:
     """Forwards Ethernet frames between TAP devices by the last octet of their address."""
 
     QUEUE_BYTES = 64000  # that wait for a slow link; more are lost
+    MOST_RECORDED = 2000  # datagrams
 
     def __init__(self, taps, seed):
         self.taps, self.random = taps, random.Random(seed)
+        self.recorded = []
         self.links = [Link() for _ in taps]
         self.free_at = {(i, way): 0.0 for i in range(len(taps)) for way in ("up", "down")}
         self.waiting, self.count = [], 0
 
     def take(self, source, frame, now):
+        if len(self.recorded) < self.MOST_RECORDED and frame[12:14] == b"\x08\x00" and frame[23] == socket.IPPROTO_UDP:
+            self.recorded.append(frame[14 + 4 * (frame[14] & 15) + 8:])
         last = frame[5]
         targets = [last - 1] if frame[0] == 2 else range(len(self.taps))
         for target in targets:
@@ -104,6 +109,9 @@ class Hub:
                     order = orders.recv()
                     if order is None:
                         return
+                    if order == "recorded":
+                        orders.send(self.recorded)
+                        continue
                     host, link = order
                     self.links[host] = link
                     continue
@@ -162,6 +170,11 @@ class Hosts:
 
     def set_link(self, host, link):
         self.orders.send((host, link))
+
+    def recorded(self):
+        """The first datagrams that were sent, without the heads of Ethernet, IP and UDP."""
+        self.orders.send("recorded")
+        return self.orders.recv()
 
     def start(self, host, command, **popen):
         return subprocess.Popen(["ip", "netns", "exec", self.names[host], *command], **popen)
