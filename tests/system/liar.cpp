@@ -53,6 +53,7 @@ class Liar {
 
   void join() {
     hellos_.write(encode(hello("liar", kRun)));
+    statuses_.write(encode(values_.agent_status("liar", kRun, AgentState::kWaiting)));
     while (!started_) std::this_thread::sleep_for(10ms);
     if (pacing_ == Pacing::kLockstep)
       statuses_.write(encode(values_.agent_status("liar", kRun, AgentState::kFinished)));
