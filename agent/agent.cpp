@@ -17,7 +17,7 @@ constexpr int kShedPerFrame = 15;
 }  // namespace
 
 std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config) {
-  return klt_feature_tracker(camera, config.tracker, config.tags.family);
+  return klt_feature_tracker(camera, config.tracker, config.tags.family, cpu_matcher(config.tracker));
 }
 
 Agent::Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,
