@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 namespace coslam {
 
 struct TrackerConfig {
@@ -13,6 +15,7 @@ struct TrackerConfig {
   double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
   int most_width_px = 1280;          // wider images are shrunk to that
   double border_px = 8;              // tracks end this close to the image border
+  std::string device = "auto";       // that works on the pixels, see agent/gpu/matcher_for.h
 };
 
 }  // namespace coslam
