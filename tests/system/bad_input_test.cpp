@@ -75,7 +75,8 @@ TEST_F(BadInput, MissingSource) {
 }
 
 TEST_F(BadInput, ATrackingDeviceThatIsNotThere) {
-  ::setenv("OCL_ICD_VENDORS", scene_.folder().path().c_str(), 1);  // NOLINT(concurrency-mt-unsafe): no drivers of OpenCL
+  const std::string no_drivers = scene_.folder().path().string();
+  ::setenv("OCL_ICD_VENDORS", no_drivers.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
   Program run("coslam", this->run(scene_.sequence(), {"--set", "agent.tracker.device=opencl"}));
   expect_sentence(run, kFailed, {"agent.tracker.device", "opencl"});
   ::unsetenv("OCL_ICD_VENDORS");  // NOLINT(concurrency-mt-unsafe)
