@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "agent/gpu/matcher_for.h"
 #include "agent/track/klt_feature_tracker.h"
 
 namespace coslam {
@@ -17,7 +18,7 @@ constexpr int kShedPerFrame = 15;
 }  // namespace
 
 std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config) {
-  return klt_feature_tracker(camera, config.tracker, config.tags.family);
+  return klt_feature_tracker(camera, config.tracker, config.tags.family, matcher_for(config.tracker));
 }
 
 Agent::Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "agent/agent.h"
+#include "agent/gpu/matcher_for.h"
 
 // The keys of agent.yaml below `agent`, with unit and bounds (see common/config/config.h).
 namespace coslam {
@@ -20,6 +21,7 @@ void describe(V& v, TrackerConfig& c) {
   v.field("min_eigenvalue", c.min_eigenvalue, {0, 1}, "of a corner, relative to the strongest of recent images");
   v.field("most_width_px", c.most_width_px, {160, 16384}, "wider images are shrunk to that for tracking");
   v.field("border_px", c.border_px, {1, 100}, "tracks end this close to the image border");
+  v.field("device", c.device, tracker_devices(), "that works on the images; auto: a GPU where there is one");
 }
 
 template <class V>

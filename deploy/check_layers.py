@@ -40,6 +40,7 @@ MAY_INCLUDE = {
     "common/dataset": [*FILES, "common/ros", "common/mcap"],
     "agent/capture": [*FILES, "common/ros", "common/mcap", "common/flow", "agent/track"],
     "agent/track": [*MODEL, *AGENT_CORE],
+    "agent/gpu": [*MODEL, "agent/track"],
     "agent/pose": [*MODEL, *AGENT_CORE],
     "agent/correct": [*MODEL, *AGENT_CORE],
     "agent/link": [*MODEL, *AGENT_CORE, "common/flow", "common/wire"],
@@ -86,7 +87,8 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
     "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
-    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent", "common/dataset", "deploy/scene", "deploy/tools", "tests", "server/solve"]),
+    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "deploy/scene", "deploy/tools", "tests", "server/solve"]),
+    "OpenCL": (r"CL/", ["agent/gpu"]),
     "cryptography": (r"openssl/", ["common/wire"]),
     "serialisation": (r"cereal/", ["server/map"]),
     "web": (r"boost/(asio|beast)", ["server/web", "tests/server/web", "tests/system"]),

@@ -5,22 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "agent/track/match_limits.h"
 #include "agent/track/window.h"
 
 namespace coslam {
 namespace {
-
-constexpr int kFineIterations = 12;
-constexpr int kCoarseIterations = 8;
-constexpr float kConvergedFine_px = 0.01f;
-constexpr float kConvergedCoarse_px = 0.05f;
-constexpr float kWidestStep_px = 4.0f;  // the linearisation says nothing about further away
-constexpr float kFurthest_px = 8.0f;    // from the start, in pixels of the level
-constexpr float kLeastGain = 0.2f;
-// With noise of 2 grey levels the standard deviation of the position is 2 / sqrt(16) = 0.5 px.
-constexpr double kLeastTexture = 16.0;
-constexpr int kGuessLevel = 2;       // a window spans 64 px of level 0
-constexpr float kAlike_zncc = 0.8f;  // less than about 10 px off
 
 // Moves at_px, pixels of the level, to where the template is found. False when the search runs away.
 bool align_level(const WindowTemplate& window, const PyramidLevel& level, bool fine, Eigen::Vector2f& at_px) {

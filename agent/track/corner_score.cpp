@@ -7,12 +7,6 @@
 namespace coslam {
 namespace {
 
-constexpr int kHalf = 3;                        // of the window
-constexpr float kWindowWeight = 64.0F * 64.0F;  // binomial weights 1 6 15 20 15 6 1, down and across
-constexpr float kSobelGain = 8.0F;              // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
-// Products are stored this many bits smaller, so that the weighted sums fit: (4 * 255)^2 / 4 * 64 * 64 < 2^31.
-constexpr int kProductShift = 2;
-
 inline int binomial(int a, int b, int c, int d, int e, int f, int g) {
   return (a + g) + 6 * (b + f) + 15 * (c + e) + 20 * d;
 }
@@ -20,7 +14,7 @@ inline int binomial(int a, int b, int c, int d, int e, int f, int g) {
 }  // namespace
 
 void CornerScore::differentiate_row(const PyramidLevel& image, int x0, int y, int* xx) {
-  const std::uint8_t* p = image.at(x0 - kHalf, y);
+  const std::uint8_t* p = image.at(x0 - kCornerHalf, y);
   const std::uint8_t* up = p - image.stride();
   const std::uint8_t* down = p + image.stride();
   int* xy = xx + width_;
@@ -48,27 +42,26 @@ void CornerScore::score_row(float* out) const {
   const int* xx = columns_.data();
   const int* xy = xx + width_;
   const int* yy = xy + width_;
-  constexpr float kScale = (1 << kProductShift) / (kSobelGain * kSobelGain * kWindowWeight);
   const auto across = [](const int* p) {
     return static_cast<float>(binomial(p[0], p[1], p[2], p[3], p[4], p[5], p[6]));
   };
   for (int i = 0; i < cols_; ++i) {
     const float a = across(xx + i), b = across(xy + i), c = across(yy + i);
     const float half = 0.5F * (a - c);
-    out[i] = kScale * (0.5F * (a + c) - std::sqrt(half * half + b * b));
+    out[i] = kScoreScale * (0.5F * (a + c) - std::sqrt(half * half + b * b));
   }
 }
 
 void CornerScore::compute(const PyramidLevel& image, int x0, int y0, int cols, int rows) {
   cols_ = cols;
   rows_ = rows;
-  width_ = cols + 2 * kHalf;
+  width_ = cols + 2 * kCornerHalf;
   const int row_size = 3 * width_;
-  products_.resize(static_cast<std::size_t>(row_size * (rows + 2 * kHalf)));
+  products_.resize(static_cast<std::size_t>(row_size * (rows + 2 * kCornerHalf)));
   columns_.resize(static_cast<std::size_t>(row_size));
   scores_.resize(static_cast<std::size_t>(cols * rows));
-  for (int y = 0; y < rows + 2 * kHalf; ++y) {
-    differentiate_row(image, x0, y0 - kHalf + y, products_.data() + y * row_size);
+  for (int y = 0; y < rows + 2 * kCornerHalf; ++y) {
+    differentiate_row(image, x0, y0 - kCornerHalf + y, products_.data() + y * row_size);
   }
   for (int y = 0; y < rows; ++y) {
     sum_columns(y);

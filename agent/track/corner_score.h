@@ -9,6 +9,13 @@
 
 namespace coslam {
 
+constexpr int kCornerHalf = 3;  // of the window
+// Products are stored this many bits smaller, so that the weighted sums fit: (4 * 255)^2 / 4 * 64 * 64 < 2^31.
+constexpr int kProductShift = 2;
+constexpr float kWindowWeight = 64.0F * 64.0F;  // binomial weights 1 6 15 20 15 6 1, down and across
+constexpr float kSobelGain = 8.0F;              // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
+constexpr float kScoreScale = (1 << kProductShift) / (kSobelGain * kSobelGain * kWindowWeight);
+
 // Smaller eigenvalue of the structure tensor, in (grey levels / pixel)^2, for a part of an image. The tensor is
 // averaged under a bell of 7 x 7 pixels: a box would make plateaus of ideal corners. Buffers are kept from call to
 // call.

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "agent/track/match_limits.h"
 #include "agent/track/window.h"
 
 namespace coslam {
@@ -12,11 +13,6 @@ namespace {
 
 using Vector7f = KeyPatch::Vector7f;
 
-constexpr int kIterations = 3;
-constexpr float kConverged_px = 0.03f;  // of the last step; what it leaves is far less
-constexpr float kFurthest_px = 4.0f;    // from the guess
-constexpr float kLeastGain = 0.1f;
-constexpr float kWidestScale = 1.4f;  // beyond, the next coarser level is sampled, else pixels would be skipped
 // Expected change of the warp from image to image, and of grey values that the model does not explain.
 constexpr float kWarpSigma = 0.02f;
 constexpr float kGreySigma = 4.0f * kTemplateUnit;
@@ -125,7 +121,7 @@ KeyAlignment find_key_patch(const KeyPatch& patch, const Pyramid& pyramid, const
   const Eigen::Vector2f start = guess_px / scale;
   Eigen::Vector2f at = start;
   Eigen::Matrix2f warp = patch.warp / scale;
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kKeyIterations; ++i) {
     if (!readable(level, at, warp)) return result;
     Samples samples;
     sample_warped(level, at, warp, samples);
@@ -133,16 +129,16 @@ KeyAlignment find_key_patch(const KeyPatch& patch, const Pyramid& pyramid, const
     const float own_squares = static_cast<float>(centred_squares(samples));
     result.zncc = own_squares > 0 ? with[6] / ((1 << kTemplateShift) * std::sqrt(own_squares * patch.squares)) : 0.0f;
     const Vector7f solution = patch.inverse * with;
-    if (!(solution[6] * kTemplateUnit > kLeastGain * kSampleUnit)) return result;
+    if (!(solution[6] * kTemplateUnit > kKeyLeastGain * kSampleUnit)) return result;
     const Vector7f change = solution / solution[6];
     Eigen::Matrix2f affine;  // of the patch, as now seen; to be undone
     affine << 1 + change[2], change[3], change[4], 1 + change[5];
-    if (!(affine.determinant() > 0.5f)) return result;
+    if (!(affine.determinant() > kLeastDeterminant)) return result;
     warp = warp * affine.inverse();
     const Eigen::Vector2f step = warp * change.head<2>();
     at -= step;
-    if (!((at - start).squaredNorm() < kFurthest_px * kFurthest_px)) return result;
-    if (step.squaredNorm() < kConverged_px * kConverged_px) break;
+    if (!((at - start).squaredNorm() < kKeyFurthest_px * kKeyFurthest_px)) return result;
+    if (step.squaredNorm() < kKeyConverged_px * kKeyConverged_px) break;
   }
   result.found = true;
   result.px = at * scale;

@@ -6,6 +6,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <utility>
 
 #include "agent/track/descriptors.h"
 #include "agent/track/tags.h"
@@ -26,8 +27,11 @@ Eigen::Vector2f scaled(const Eigen::Vector2f& px, double scale) {
 // of the raw image.
 class KltFeatureTracker final : public FeatureTracker {
  public:
-  KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family)
-      : pixel_scale_(pixel_scale(camera)), work_scale_(working_scale(camera.width_px, config)), tracker_(config) {
+  KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family,
+                    std::unique_ptr<Matcher> matcher)
+      : pixel_scale_(pixel_scale(camera)),
+        work_scale_(working_scale(camera.width_px, config)),
+        tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
   }
 
@@ -127,8 +131,8 @@ double working_scale(int width_px, const TrackerConfig& config) {
 }
 
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
-                                                    const std::string& tag_family) {
-  return std::make_unique<KltFeatureTracker>(camera, config, tag_family);
+                                                    const std::string& tag_family, std::unique_ptr<Matcher> matcher) {
+  return std::make_unique<KltFeatureTracker>(camera, config, tag_family, std::move(matcher));
 }
 
 }  // namespace coslam

@@ -19,6 +19,6 @@ double working_scale(int width_px, const TrackerConfig& config);
 // Tracks by Tracker, patches and SIFT descriptors cut from the image, tags by TagFinder. Throws UserError for an
 // unknown family of tags; kNoTags: none are looked for.
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
-                                                    const std::string& tag_family);
+                                                    const std::string& tag_family, std::unique_ptr<Matcher> matcher);
 
 }  // namespace coslam

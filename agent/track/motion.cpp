@@ -9,11 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "agent/track/match_limits.h"
+
 namespace coslam {
 namespace {
 
-constexpr int kRadius = 6;  // shifts tried, pixels of the coarsest level
-constexpr int kSide = 2 * kRadius + 1;
+constexpr int kShiftSide = 2 * kShiftRadius + 1;
 
 // Zero-mean normalised cross-correlation of the two images where they overlap after the shift.
 float zncc_at_shift(const PyramidLevel& from, const PyramidLevel& to, int dx, int dy) {
@@ -70,11 +71,11 @@ Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to) {
   const int top = from.levels() - 1;
   const PyramidLevel& a = from.level(top);
   const PyramidLevel& b = to.level(top);
-  const int rx = std::min(kRadius, a.cols() / 3), ry = std::min(kRadius, a.rows() / 3);
-  std::array<std::array<float, kSide + 2>, kSide + 2> zncc{};
+  const int rx = std::min(kShiftRadius, a.cols() / 3), ry = std::min(kShiftRadius, a.rows() / 3);
+  std::array<std::array<float, kShiftSide + 2>, kShiftSide + 2> zncc{};
   int best_x = 0, best_y = 0;
   const auto at = [&](int dx, int dy) -> float& {
-    return zncc[static_cast<std::size_t>(dy + kRadius + 1)][static_cast<std::size_t>(dx + kRadius + 1)];
+    return zncc[static_cast<std::size_t>(dy + kShiftRadius + 1)][static_cast<std::size_t>(dx + kShiftRadius + 1)];
   };
   for (int dy = -ry; dy <= ry; ++dy) {
     for (int dx = -rx; dx <= rx; ++dx) {
@@ -138,7 +139,7 @@ float difference_of_middles(const PyramidLevel& a, const Eigen::Vector2f& a_px, 
 }
 
 Eigen::Vector2f MotionField::near(const Eigen::Vector2f& px) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMost = kMotionNeighbours;
   const std::size_t count = std::min(kMost, samples_.size());
   const auto middle = samples_.begin() + static_cast<std::ptrdiff_t>(count);
   std::partial_sort(samples_.begin(), middle, samples_.end(), [&](const Sample& a, const Sample& b) {

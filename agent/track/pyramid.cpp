@@ -13,6 +13,12 @@ constexpr int kSmallestSide_px = 20;
 
 }  // namespace
 
+int pyramid_levels(int cols, int rows, int most) {
+  int count = 1;
+  while (count < most && (std::min(cols, rows) >> count) >= kSmallestSide_px) ++count;
+  return count;
+}
+
 void PyramidLevel::resize(int cols, int rows) {
   if (cols == image_.cols && rows == image_.rows) return;
   padded_.create(rows + 2 * kMargin, cols + 2 * kMargin, CV_8UC1);
@@ -35,9 +41,7 @@ void PyramidLevel::fill_margin() {
 }
 
 void Pyramid::build(const cv::Mat& grey, int levels) {
-  int count = 1;
-  while (count < levels && (std::min(grey.cols, grey.rows) >> count) >= kSmallestSide_px) ++count;
-  levels_.resize(static_cast<std::size_t>(count));
+  levels_.resize(static_cast<std::size_t>(pyramid_levels(grey.cols, grey.rows, levels)));
   levels_[0].resize(grey.cols, grey.rows);
   grey.copyTo(levels_[0].image_);
   levels_[0].fill_margin();

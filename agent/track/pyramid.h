@@ -31,6 +31,9 @@ class PyramidLevel {
   cv::Mat image_;  // the part of padded_ inside the margin
 };
 
+// How many levels an image has room for, `most` at most.
+int pyramid_levels(int cols, int rows, int most);
+
 // Image pyramid by Gaussian halving. Buffers are kept from image to image. Thread-compatible.
 class Pyramid {
  public:

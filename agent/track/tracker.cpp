@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 
-#include "agent/track/align.h"
 #include "agent/track/corners.h"
 #include "agent/track/key_patch.h"
 #include "agent/track/motion.h"
@@ -17,17 +15,11 @@
 namespace coslam {
 namespace {
 
-constexpr int kRetryTop = 2;     // a start that neighbours lend needs no coarser levels, which their border may spoil
-constexpr int kBackwardTop = 1;  // the way back starts where it should end, so the finest levels do
 // Further than this from where the image before leads, the first patch is not believed.
 constexpr float kKeyAgrees_px = 0.5f;
 // Further than this one of the two is wrong: the track slides, or no longer looks like its first patch.
 constexpr float kKeyDisagrees_px = 1.5f;
 constexpr int kMostDoubts = 3;  // images in a row in which the first patch may not be found
-// What moves bends, turns and has other motions beside it: there a track may fit less well, and where its first patch
-// is lost a new one is taken, so that it may drift.
-constexpr double kMovingZncc = 0.8;             // of min_zncc
-constexpr double kMovingForwardBackward = 2.5;  // of forward_backward_px
 // Where something moves in front of the rest, windows reach over its outline: what they follow is the outline, which is
 // no place on anything. Then their middle does not go along with them: seen from image to image it changes, in standard
 // deviation, more than half as much as it would had it stayed with the rest.
@@ -60,10 +52,10 @@ struct Tracker::State {
     int comparisons = 0;
   };
 
-  explicit State(const TrackerConfig& c) : config(c) {}
+  State(const TrackerConfig& c, std::unique_ptr<Matcher> m) : config(c), matcher(std::move(m)) {}
 
   const TrackerConfig config;
-  Pyramid previous, current;
+  const std::unique_ptr<Matcher> matcher;
   std::vector<Track> tracks;
   std::vector<Memory> memories;                        // by track
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the whole image, last time
@@ -71,10 +63,7 @@ struct Tracker::State {
   std::uint32_t next_id = 1;
 
   void follow();
-  std::optional<Eigen::Vector2f> match(std::size_t index, const Eigen::Vector2f& guess_px, int top) const;
-  std::vector<std::optional<Eigen::Vector2f>> match_all();
-  bool confirm(Memory& memory, Eigen::Vector2f& px) const;
-  bool inside(const Eigen::Vector2f& px) const;
+  bool confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px) const;
   void tell_moving();
   bool on_outline(Memory& memory, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const;
   void end_outlines();
@@ -83,57 +72,14 @@ struct Tracker::State {
   void replenish();
 };
 
-bool Tracker::State::inside(const Eigen::Vector2f& px) const {
-  const float border = static_cast<float>(config.border_px);
-  const PyramidLevel& image = current.level(0);
-  return px.x() >= border && px.y() >= border && px.x() <= static_cast<float>(image.cols() - 1) - border &&
-         px.y() <= static_cast<float>(image.rows() - 1) - border;
-}
-
-// From the previous image to this one, from level `top` down, and back.
-std::optional<Eigen::Vector2f> Tracker::State::match(std::size_t index, const Eigen::Vector2f& guess_px,
-                                                     int top) const {
-  const Track& track = tracks[index];
-  const bool moving = memories[index].moving;
-  const WindowAlignment forward = align(previous, track.raw_px, current, guess_px, top);
-  if (!forward.found || !inside(forward.px) || forward.zncc < (moving ? kMovingZncc : 1.0) * config.min_zncc)
-    return std::nullopt;
-  const WindowAlignment back = align(current, forward.px, previous, track.raw_px, kBackwardTop);
-  if (!back.found ||
-      (back.px - track.raw_px).norm() > (moving ? kMovingForwardBackward : 1.0) * config.forward_backward_px)
-    return std::nullopt;
-  return forward.px;
-}
-
-// Where each track went, by the two images alone.
-std::vector<std::optional<Eigen::Vector2f>> Tracker::State::match_all() {
-  const Eigen::Vector2f shift = global_shift(previous, current);
-  const Eigen::Vector2f change = shift - std::exchange(shift_px, shift);
-  std::vector<std::optional<Eigen::Vector2f>> matches;
-  MotionField field;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    // A turn of the camera changes all motions alike; parallax stays with the track.
-    const Eigen::Vector2f at = tracks[i].raw_px, motion = memories[i].motion_px;
-    const std::array<Eigen::Vector2f, 3> guesses = {at + motion, at + motion + change, at + shift};
-    const Guess guess = best_guess(previous, at, current, guesses);
-    matches.push_back(match(i, guess.px, guess.top));
-    if (matches.back()) field.add(at, *matches.back() - at);
-  }
-  for (std::size_t i = 0; i < tracks.size() && !field.empty(); ++i) {
-    const Eigen::Vector2f at = tracks[i].raw_px;
-    if (!matches[i]) matches[i] = match(i, at + field.near(at), kRetryTop);
-  }
-  return matches;
-}
-
-// Moves px to where the track's first patch is found. False when it has not been for a while.
-bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
-  const KeyAlignment key = find_key_patch(*memory.key, current, px);
+// Moves px to where the track's first patch is found. False when it has not been for a while. What moves takes a new
+// one then, so that it may drift.
+bool Tracker::State::confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px) const {
   const float distance_px = (key.px - px).norm();
   if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) {
     if (++memory.doubts < kMostDoubts) return true;
     if (!memory.moving) return false;
-    memory.key->take(current.level(0), px);
+    memory.key->take(matcher->newest().level(0), px);
     memory.doubts = 0;
     return true;
   }
@@ -147,14 +93,20 @@ bool Tracker::State::confirm(Memory& memory, Eigen::Vector2f& px) const {
 
 void Tracker::State::follow() {
   if (tracks.empty()) return;
-  const std::vector<std::optional<Eigen::Vector2f>> matches = match_all();
+  std::vector<Sought> sought;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    sought.push_back({tracks[i].raw_px, memories[i].motion_px, memories[i].moving, memories[i].key.get()});
+  }
+  const Following following = matcher->follow(sought, shift_px);
+  shift_px = following.shift_px;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
     Memory& memory = memories[i];
-    if (!matches[i]) continue;
-    Eigen::Vector2f px = *matches[i];
-    if (!confirm(memory, px)) continue;
+    const Sighting& seen = following.sightings[i];
+    if (!seen.found) continue;
+    Eigen::Vector2f px = seen.px;
+    if (!confirm(memory, seen.key, px)) continue;
     memory.motion_px = px - track.raw_px;
     tracks[kept] = {track.id, px, track.age_frames + 1};
     if (kept != i) memories[kept] = std::move(memory);
@@ -177,7 +129,7 @@ void Tracker::State::tell_moving() {
 // Whether what the moving track follows is an outline, as far as is known by now.
 bool Tracker::State::on_outline(Memory& m, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const {
   if ((m.motion_px - rest_motion_px).squaredNorm() < kApart_px * kApart_px) return false;
-  const PyramidLevel &before = previous.level(0), &now = current.level(0);
+  const PyramidLevel &before = matcher->before().level(0), &now = matcher->newest().level(0);
   m.own_difference *= kComparisonsKept;
   m.rest_difference *= kComparisonsKept;
   m.own_difference += difference_of_middles(before, px - m.motion_px, now, px);
@@ -227,7 +179,7 @@ TrackId Tracker::State::start(const Eigen::Vector2f& px) {
   memory.moving = beside != nullptr;
   tracks.push_back({TrackId(next_id++), px, 0});
   memory.key = std::make_unique<KeyPatch>();
-  memory.key->take(current.level(0), px);
+  memory.key->take(matcher->newest().level(0), px);
   memories.push_back(std::move(memory));
   return tracks.back().id;
 }
@@ -235,27 +187,33 @@ TrackId Tracker::State::start(const Eigen::Vector2f& px) {
 void Tracker::State::replenish() {
   const int missing = config.max_tracks - static_cast<int>(tracks.size());
   if (missing <= 0) return;
-  if (!finder) finder = std::make_unique<CornerFinder>(corner_config(config, current.level(0).cols()));
+  if (!finder) {
+    const int cols = matcher->newest().level(0).cols(), rows = matcher->newest().level(0).rows();
+    const int level = corner_level(pyramid_levels(cols, rows, config.levels));
+    finder = std::make_unique<CornerFinder>(corner_config(config, cols), cols, rows, level);
+    matcher->watch(finder->cells());
+  }
   std::vector<Eigen::Vector2f> live_px, moving_px;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     live_px.push_back(tracks[i].raw_px);
     if (memories[i].moving) moving_px.push_back(tracks[i].raw_px);
   }
-  for (const Eigen::Vector2f& px : finder->find(current, live_px, moving_px, missing)) {
+  const auto look_in = [this](std::size_t cell) { return matcher->corners(cell); };
+  for (const Eigen::Vector2f& px : finder->find(look_in, live_px, moving_px, missing)) {
     start(px);
   }
 }
 
-Tracker::Tracker(const TrackerConfig& config) : state_(std::make_unique<State>(config)) {}
+Tracker::Tracker(const TrackerConfig& config, std::unique_ptr<Matcher> matcher)
+    : state_(std::make_unique<State>(config, std::move(matcher))) {}
 Tracker::~Tracker() = default;
 
 const std::vector<Track>& Tracker::step(const cv::Mat& grey) {
   COSLAM_CHECK(grey.type() == CV_8UC1, "a grey 8-bit image");
-  const Pyramid& last = state_->current;
+  const Pyramid& last = state_->matcher->newest();
   COSLAM_CHECK(last.empty() || (last.level(0).cols() == grey.cols && last.level(0).rows() == grey.rows),
                "constant size");
-  std::swap(state_->previous, state_->current);
-  state_->current.build(grey, state_->config.levels);
+  state_->matcher->push(grey);
   state_->follow();
   state_->tell_moving();
   state_->end_outlines();
@@ -282,7 +240,7 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
 void Tracker::thin(int at_most) {
   constexpr int kColumns = 10, kRows = 8;
   auto& tracks = state_->tracks;
-  const PyramidLevel& image = state_->current.level(0);
+  const PyramidLevel& image = state_->matcher->newest().level(0);
   std::array<std::vector<std::size_t>, kColumns * kRows> cells;  // ascending age of ids, so the newest is last
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const int x = static_cast<int>(tracks[i].raw_px.x()) * kColumns / image.cols();

@@ -8,21 +8,12 @@
 #include <vector>
 
 #include "agent/track/feature_tracker.h"
+#include "agent/track/matcher.h"
+#include "agent/track/tracker_config.h"
 #include "common/base/ids.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
-
-struct TrackerConfig {
-  int max_tracks = 300;
-  int levels = 5;                    // pyramid levels, level 0 included; the KLT window is 16 x 16 pixels of each
-  double min_distance_px = 12;       // between a new corner and any live track, at 640 px width (scaled with width)
-  double forward_backward_px = 0.5;  // largest return error
-  double min_zncc = 0.75;            // of a track's window with the one in the previous image, and with its first
-  double min_eigenvalue = 1e-3;      // of the structure tensor, relative to the strongest corner of recent images
-  int most_width_px = 1280;          // wider images are shrunk to that
-  double border_px = 8;              // tracks end this close to the image border
-};
 
 // Shi-Tomasi corners followed by pyramidal KLT with a gain and offset per window, checked forward and backward and
 // against the patch that was seen first, which also keeps a track from drifting. New corners fill the emptiest parts of
@@ -30,7 +21,8 @@ struct TrackerConfig {
 // Pure and deterministic: the same images give the same tracks. Thread-compatible.
 class Tracker {
  public:
-  explicit Tracker(const TrackerConfig& config);
+  explicit Tracker(const TrackerConfig& config) : Tracker(config, cpu_matcher(config)) {}
+  Tracker(const TrackerConfig& config, std::unique_ptr<Matcher> matcher);
   ~Tracker();
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;

@@ -9,11 +9,6 @@
 namespace coslam {
 namespace {
 
-constexpr int kWeightSum = 256;    // of the four bilinear weights: 255 * 256 just fits 16 bits
-constexpr int kWeightShift = 3;    // kWeightSum / kSampleUnit = 2^3
-constexpr int kTemplateCols = 24;  // a pixel more on either side than the window, and up to whole vectors
-constexpr int kTemplateRows = kWindowSide + 2;
-
 // Whole pixel and bilinear weights of the first sample; the others of a window share its fractions.
 struct FirstSample {
   const std::uint8_t* pixel;
@@ -81,11 +76,9 @@ void prepare(WindowTemplate& w) {
 }  // namespace
 
 bool window_readable(const PyramidLevel& level, const Eigen::Vector2f& centre_px) {
-  // Half a window, a pixel for the derivative, one for the interpolation, and what kTemplateCols reads beyond.
-  constexpr float kReach = PyramidLevel::kMargin - kWindowHalf_px - 2 - (kTemplateCols - kTemplateRows);
-  return centre_px.x() >= -kReach && centre_px.y() >= -kReach &&
-         centre_px.x() <= static_cast<float>(level.cols() - 1) + kReach &&
-         centre_px.y() <= static_cast<float>(level.rows() - 1) + kReach;
+  return centre_px.x() >= -kWindowReach_px && centre_px.y() >= -kWindowReach_px &&
+         centre_px.x() <= static_cast<float>(level.cols() - 1) + kWindowReach_px &&
+         centre_px.y() <= static_cast<float>(level.rows() - 1) + kWindowReach_px;
 }
 
 void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, WindowTemplate& window) {

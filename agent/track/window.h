@@ -9,6 +9,12 @@
 
 namespace coslam {
 
+constexpr int kTemplateCols = 24;  // a pixel more on either side than the window, and up to whole vectors
+constexpr int kTemplateRows = kWindowSide + 2;
+// How far beyond the level a window's centre may lie: half a window, a pixel for the derivative, one for the
+// interpolation, and what kTemplateCols reads beyond stay in the margin.
+constexpr float kWindowReach_px = PyramidLevel::kMargin - kWindowHalf_px - 2 - (kTemplateCols - kTemplateRows);
+
 // A window of one image, to be found in another, with what Gauss-Newton needs of it. Another window is explained as
 // gain * template(moved) + offset: taking means out eliminates the offset, the third row the gain.
 struct WindowTemplate {  // NOLINT(cppcoreguidelines-pro-type-member-init): the samples are written at once

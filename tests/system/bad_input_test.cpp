@@ -74,6 +74,14 @@ TEST_F(BadInput, MissingSource) {
   expect_sentence(camera, kFailed, {"coslam-agent: ", "v4l2:99"});
 }
 
+TEST_F(BadInput, ATrackingDeviceThatIsNotThere) {
+  const std::string no_drivers = scene_.folder().path().string();
+  ::setenv("OCL_ICD_VENDORS", no_drivers.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  Program run("coslam", this->run(scene_.sequence(), {"--set", "agent.tracker.device=opencl"}));
+  expect_sentence(run, kFailed, {"agent.tracker.device", "opencl"});
+  ::unsetenv("OCL_ICD_VENDORS");  // NOLINT(concurrency-mt-unsafe)
+}
+
 TEST_F(BadInput, CalibrationOfAnotherSize) {
   save_calibration(scene_.folder() / "vga.yaml", {640, 480, 500, 500, 320, 240, DistortionModel::kNone, {}});
   Program run("coslam", this->run(sequence("cam0.csv", "vga.yaml")));

@@ -17,11 +17,14 @@ cv::Mat plane_image(std::uint64_t seed, bool outlines = true) {
   return test::render(test::plane_texture(640, 480, seed, outlines), test::View::at({320, 240}, 0, 1, kImage), kImage);
 }
 
-std::vector<Eigen::Vector2f> corners_of(const cv::Mat& image, int wanted = 300) {
+std::vector<Eigen::Vector2f> corners_of(const cv::Mat& image, int wanted = 300,
+                                        const std::vector<Eigen::Vector2f>& live = {}) {
   Pyramid p;
   p.build(image, 3);
-  CornerFinder finder({});
-  return finder.find(p, {}, {}, wanted);
+  CornerFinder finder({}, image.cols, image.rows, 1);
+  CornerScore score;
+  const std::vector<CornerCell> cells = finder.cells();
+  return finder.find([&](std::size_t i) { return corners_in(cells[i], p.level(1), score); }, live, {}, wanted);
 }
 
 // Number of corners in each of 6 x 8 parts of the image.
@@ -79,14 +82,11 @@ TEST(Corners, SitOnTheCrossingsOfACheckerboard) {
 }
 
 TEST(Corners, ComeWhereNoTrackLives) {
-  Pyramid p;
-  p.build(plane_image(4), 3);
   std::vector<Eigen::Vector2f> live;
   for (int y = 20; y < 480; y += 20) {
     for (int x = 20; x < 320; x += 20) live.emplace_back(x, y);
   }
-  CornerFinder finder({});
-  const auto& corners = finder.find(p, live, {}, 20);
+  const auto corners = corners_of(plane_image(4), 20, live);
   ASSERT_EQ(corners.size(), 20U);
   for (const Eigen::Vector2f& c : corners) EXPECT_GT(c.x(), 310);
 }

@@ -46,7 +46,8 @@ class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
 INSTANTIATE_TEST_SUITE_P(Widths, KltFeatureTrackerAtWidth, testing::Values(320, 500, 640));
 
 TEST_P(KltFeatureTrackerAtWidth, TracksAreInRawPixels) {
-  const auto tracker = klt_feature_tracker(camera_of(size_), {.most_width_px = 560}, kNoTags);
+  const TrackerConfig config = {.most_width_px = 560};
+  const auto tracker = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
   std::map<TrackId, Eigen::Vector2f> began;
   for (const Track& t : tracker->step(image(0))) began[t.id] = t.raw_px;
   ASSERT_GT(began.size(), 80U);
@@ -67,7 +68,8 @@ TEST_P(KltFeatureTrackerAtWidth, TracksAreInRawPixels) {
 }
 
 TEST_P(KltFeatureTrackerAtWidth, PatchesAreCutFromTheRawImage) {
-  const auto tracker = klt_feature_tracker(camera_of(size_), {.most_width_px = 560}, kNoTags);
+  const TrackerConfig config = {.most_width_px = 560};
+  const auto tracker = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
   const Image first = image(0);
   tracker->step(first);
   const std::vector<Track> live = tracker->live();
@@ -79,7 +81,8 @@ TEST_P(KltFeatureTrackerAtWidth, PatchesAreCutFromTheRawImage) {
 }
 
 TEST_P(KltFeatureTrackerAtWidth, DescribedFeaturesStartTracksInRawPixels) {
-  const auto tracker = klt_feature_tracker(camera_of(size_), {.max_tracks = 20, .most_width_px = 560}, kNoTags);
+  const TrackerConfig config = {.max_tracks = 20, .most_width_px = 560};
+  const auto tracker = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
   tracker->step(image(0));
   const std::size_t before = tracker->live().size();
   const DescribedTracks described = tracker->describe_strongest(100, 100);

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The device's answers against the CPU's, on whatever device there is: without a GPU that of pocl-opencl-icd.
+#include "agent/gpu/opencl_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "agent/track/tracker.h"
+#include "tests/support/compared_matcher.h"
+#include "tests/support/synthetic_view.h"
+
+namespace coslam {
+namespace {
+
+std::unique_ptr<Matcher> device_matcher(const TrackerConfig& config) {
+  try {
+    return opencl_matcher(config, false).matcher;
+  } catch (const NoDevice&) {
+    return nullptr;
+  }
+}
+
+// A plane under a camera that moves, turns, zooms and changes its exposure, with a block that passes in front.
+class Sequence {
+ public:
+  explicit Sequence(const cv::Size& size) : size_(size) {}
+  cv::Mat image(int i) const {
+    const double a = 0.05 * i, scale = size_.width / 640.0;
+    test::View view = test::View::at({700 + 200 * scale * std::cos(a), 550 + 120 * scale * std::sin(2 * a)},
+                                     0.3 * std::sin(a), std::exp(0.2 * std::cos(3 * a)), size_);
+    view.gain = 1 + 0.1 * std::sin(2 * a);
+    view.noise = 2;
+    cv::Mat image = test::render(plane_, view, size_, static_cast<std::uint64_t>(i) + 1);
+    const cv::Rect at(7 * i % (size_.width / 2), size_.height / 3, size_.width / 5, size_.height / 3);
+    block_(cv::Rect({}, at.size())).copyTo(image(at));
+    return image;
+  }
+
+ private:
+  cv::Size size_;
+  cv::Mat plane_ = test::plane_texture(1400, 1100, 1), block_ = test::plane_texture(200, 200, 2);
+};
+
+class OpenClMatcherAt : public testing::TestWithParam<cv::Size> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, OpenClMatcherAt, testing::Values(cv::Size(640, 480), cv::Size(301, 177)));
+
+TEST_P(OpenClMatcherAt, SeesTracksAndCornersWhereTheCpuDoes) {
+  const TrackerConfig config;
+  auto device = device_matcher(config);
+  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
+  test::Agreement agreement;
+  Tracker tracker(config, std::make_unique<test::ComparedMatcher>(cpu_matcher(config), std::move(device), &agreement));
+  const Sequence sequence(GetParam());
+  for (int i = 0; i < 20; ++i) tracker.step(sequence.image(i));
+  ASSERT_GT(agreement.distances_px.size(), 1000U);
+  EXPECT_LT(test::quantile(agreement.distances_px, 0.5), 1e-3F);
+  EXPECT_LT(test::quantile(agreement.distances_px, 0.99), 0.05F);
+  ASSERT_GT(agreement.corner_distances_px.size(), 300U);
+  EXPECT_LT(test::quantile(agreement.corner_distances_px, 0.99), 1e-3F);
+}
+
+TEST(OpenClMatcher, TracksByItselfAsWellAsTheCpu) {
+  const TrackerConfig config;
+  auto device = device_matcher(config);
+  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
+  Tracker on_device(config, std::move(device)), on_cpu(config);
+  const Sequence sequence({640, 480});
+  double device_ages = 0, cpu_ages = 0;
+  for (int i = 0; i < 20; ++i) {
+    for (const Track& t : on_device.step(sequence.image(i))) device_ages += t.age_frames;
+    for (const Track& t : on_cpu.step(sequence.image(i))) cpu_ages += t.age_frames;
+  }
+  EXPECT_NEAR(device_ages / cpu_ages, 1, 0.01);
+}
+
+TEST(OpenClMatcher, SameImagesSameBits) {
+  const TrackerConfig config;
+  auto first = device_matcher(config), second = device_matcher(config);
+  if (!first) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
+  Tracker one(config, std::move(first)), two(config, std::move(second));
+  const Sequence sequence({320, 240});
+  for (int i = 0; i < 8; ++i) {
+    const auto &a = one.step(sequence.image(i)), &b = two.step(sequence.image(i));
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      EXPECT_EQ(a[k].id, b[k].id);
+      EXPECT_EQ(a[k].raw_px, b[k].raw_px);
+    }
+  }
+}
+
+// More tracks than there were before, images with nothing to see, and levels that have no room.
+TEST(OpenClMatcher, BearsWhatTheCpuBears) {
+  const TrackerConfig config{.max_tracks = 30, .levels = 8};
+  auto device = device_matcher(config);
+  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
+  Tracker tracker(config, std::move(device));
+  const Sequence sequence({64, 48});
+  tracker.step(sequence.image(0));
+  std::vector<Eigen::Vector2f> places;
+  for (int x = 0; x < 64; ++x) places.emplace_back(x, 20);
+  tracker.add(places, 0);
+  tracker.step(sequence.image(1));
+  EXPECT_FALSE(tracker.live().empty());
+  EXPECT_TRUE(tracker.step(cv::Mat(48, 64, CV_8U, cv::Scalar(255))).empty());
+  EXPECT_FALSE(tracker.step(sequence.image(2)).empty());
+}
+
+}  // namespace
+}  // namespace coslam
