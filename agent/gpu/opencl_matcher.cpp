@@ -139,8 +139,8 @@ DeviceKey device_key(const KeyPatch& k) {
           copied<std::array<cl_float, 49>>(k.inverse)};
 }
 
-Sighting sighting(const DeviceSighting& s) {
-  Sighting out;
+TrackSighting sighting(const DeviceSighting& s) {
+  TrackSighting out;
   if (s.found == 0) return out;
   out.found = true;
   out.px = {s.px[0], s.px[1]};

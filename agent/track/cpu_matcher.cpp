@@ -38,7 +38,7 @@ class CpuMatcher final : public Matcher {
     for (std::size_t i = 0; i < tracks.size(); ++i) {
       const Sought& t = tracks[i];
       if (!matches[i] && !field.empty()) matches[i] = match(t, t.from_px + field.near(t.from_px), kRetryTop);
-      Sighting& s = out.sightings.emplace_back();
+      TrackSighting& s = out.sightings.emplace_back();
       if (!matches[i]) continue;
       s = {true, *matches[i], find_key_patch(*t.key, newest_, *matches[i])};
     }

@@ -22,7 +22,7 @@ struct Sought {
 };
 
 // Where a track is in the newest image.
-struct Sighting {
+struct TrackSighting {
   bool found = false;                            // by the two images alone
   Eigen::Vector2f px = Eigen::Vector2f::Zero();  // if found
   KeyAlignment key;                              // the first patch, looked for around px
@@ -30,7 +30,7 @@ struct Sighting {
 
 struct Following {
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the image as a whole
-  std::vector<Sighting> sightings;                     // by track
+  std::vector<TrackSighting> sightings;                     // by track
 };
 
 // The tracker's work on pixels, so that a GPU may do it: the tracker decides what becomes of the tracks.

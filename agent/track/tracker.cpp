@@ -103,7 +103,7 @@ void Tracker::State::follow() {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
     Memory& memory = memories[i];
-    const Sighting& seen = following.sightings[i];
+    const TrackSighting& seen = following.sightings[i];
     if (!seen.found) continue;
     Eigen::Vector2f px = seen.px;
     if (!confirm(memory, seen.key, px)) continue;
