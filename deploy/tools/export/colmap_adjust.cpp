@@ -42,8 +42,11 @@ BundleProblem problem_of(const ColmapModel& model) {
   return problem;
 }
 
-// Where cameras are and to where they look, so that a straight path tells the turn about it too.
-std::vector<Eigen::Vector3d> gauge_marks(const std::vector<Rigid3>& poses, double reach) {
+// Where cameras are and to where they look, so that a straight path tells the turn about it too. As far out as the
+// cameras are from each other, for the solution is free to change the scale of all.
+std::vector<Eigen::Vector3d> gauge_marks(const std::vector<Rigid3>& poses) {
+  double reach = 0;
+  for (const Rigid3& pose : poses) reach = std::max(reach, (pose.center() - poses.front().center()).norm());
   std::vector<Eigen::Vector3d> marks;
   for (const Rigid3& cam_from_world : poses) {
     const Rigid3 world_from_cam = cam_from_world.inverse();
@@ -62,11 +65,8 @@ std::vector<Rigid3> poses_of(const ColmapModel& model) {
 
 // Moves the model as a whole to where these poses of it were.
 void restore_gauge(const std::vector<Rigid3>& before, ColmapModel* model) {
-  const std::vector<Rigid3> now = poses_of(*model);
-  double reach = 0;
-  for (const Rigid3& pose : before) reach = std::max(reach, (pose.center() - before.front().center()).norm());
   const auto aligned =
-      align_points(gauge_marks(now, reach), gauge_marks(before, reach), AlignmentScale::kFree).target_from_source;
+      align_points(gauge_marks(poses_of(*model)), gauge_marks(before), AlignmentScale::kFree).target_from_source;
   if (!aligned) return;
   for (auto& image : model->images) image.cam_from_world = transform_world(image.cam_from_world, *aligned);
   for (auto& [id, point] : model->points) point.position = *aligned * point.position;
