@@ -14,6 +14,7 @@ void darken(Image& image) {
   constexpr double kBlackLevel = 6, kNoise = 2.5;  // grey values
   cv::RNG random(0x5eedU + image.frame.value);
   random.fill(image.grey, cv::RNG::NORMAL, kBlackLevel, kNoise);
+  image.color.release();
 }
 
 // Something lies on the lens at times.

@@ -60,6 +60,16 @@ cv::Mat GreyReader::decode(const Bytes& octets) {
   }
 }
 
+cv::Mat read_color(const std::filesystem::path& file) {
+  try {
+    const cv::Mat image =
+        cv::imdecode(read_bytes(file), cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    return image.type() == CV_8UC3 ? image : cv::Mat();
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 cv::Mat to_grey(const cv::Mat& frame) {
   if (frame.empty() || frame.depth() != CV_8U) return {};
   cv::Mat grey;

@@ -26,6 +26,9 @@ class GreyReader {
   int deep_bits_ = 0;
 };
 
+// The image of a file as CV_8UC3; empty when it has no colours or more than 8 bits a pixel and colour.
+cv::Mat read_color(const std::filesystem::path& file);
+
 // CV_8UC1 of a frame as a video or camera delivers it; empty for a format that is none.
 cv::Mat to_grey(const cv::Mat& frame);
 

@@ -14,7 +14,8 @@ namespace {
 class ListSource final : public ImageSource {
  public:
   // frames: those to play, with played times.
-  ListSource(const std::string& name, FrameList frames, const SourceOptions& options) : frames_(std::move(frames)) {
+  ListSource(const std::string& name, FrameList frames, const SourceOptions& options)
+      : frames_(std::move(frames)), color_(options.color) {
     // The first readable image tells the size; it is kept for its turn.
     for (first_ = 0; first_ < frames_.size(); ++first_) {
       first_image_ = reader_.read(frames_[first_].file);
@@ -35,7 +36,11 @@ class ListSource final : public ImageSource {
     while (position_ < frames_.size()) {
       const std::size_t i = position_++;
       cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : reader_.read(frames_[i].file);
-      if (grey.size() == size_) return Image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
+      if (grey.size() == size_) {
+        Image image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
+        if (color_) image.color = read_color(frames_[i].file);
+        return image;
+      }
       ++unreadable_;
       if (!log_.pass()) continue;
       log_warn(frames_[i].file.string() +
@@ -57,6 +62,7 @@ class ListSource final : public ImageSource {
 
  private:
   FrameList frames_;
+  bool color_;
   GreyReader reader_;
   std::size_t position_ = 0;
   std::size_t first_ = 0;

@@ -74,6 +74,7 @@ class VideoSource final : public ImageSource {
   VideoSource(const std::filesystem::path& file, const SourceOptions& options)
       : capture_(open_file(file.string())),
         span_(options),
+        color_wanted_(options.color),
         times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
     if (!capture_.isOpened()) throw UserError(file.string() + ": neither a list of images (.csv, .txt) nor a video");
     settle_rotation(file.string(), options, &capture_);
@@ -101,7 +102,8 @@ class VideoSource final : public ImageSource {
         drop_unreadable();
         continue;
       }
-      const Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), grey};
+      Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), grey};
+      image.color = std::exchange(color_, {});
       grab();
       return image;
     }
@@ -129,7 +131,9 @@ class VideoSource final : public ImageSource {
   }
   cv::Mat retrieve() {
     cv::Mat frame;
-    return capture_.retrieve(frame) ? to_grey(frame) : cv::Mat();
+    if (!capture_.retrieve(frame)) return {};
+    if (color_wanted_ && frame.type() == CV_8UC3) color_ = frame.clone();
+    return to_grey(frame);
   }
   void drop_unreadable() {
     ++unreadable_;
@@ -139,6 +143,8 @@ class VideoSource final : public ImageSource {
 
   cv::VideoCapture capture_;
   PlayedSpan span_;
+  bool color_wanted_;
+  cv::Mat color_;  // of the frame last retrieved
   VideoTimes times_;
   std::size_t position_ = 0;          // frames grabbed from the file
   std::optional<TimeNs> grabbed_ns_;  // source time of the frame grabbed ahead; empty at the end

@@ -15,6 +15,7 @@ struct Image {
   TimeNs capture_ns = 0;         // played time for files: source time minus start_s
   cv::Mat grey;                  // CV_8UC1
   std::optional<Instant> since;  // when it was there, of feeds that keep time
+  cv::Mat color;                 // CV_8UC3 as BGR; where it is asked for, and the source has it
 };
 
 }  // namespace coslam

@@ -18,6 +18,7 @@ struct ExportArguments {
   std::string format;
   std::string folder;
   std::string sequence;
+  bool undistort = false;
 };
 
 exporting::MapExport exporter(const ExportArguments& arguments) {
@@ -28,12 +29,13 @@ exporting::MapExport exporter(const ExportArguments& arguments) {
   if (arguments.sequence.empty()) {
     throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
-  return [sequence = sequence_argument(arguments.sequence)](const ResultMap& map, const std::filesystem::path& folder) {
-    return exporting::export_colmap(map, sequence, folder);
-  };
+  const auto as = arguments.undistort ? exporting::export_colmap_undistorted : exporting::export_colmap;
+  return [as, sequence = sequence_argument(arguments.sequence)](
+             const ResultMap& map, const std::filesystem::path& folder) { return as(map, sequence, folder); };
 }
 
 int export_result(const ExportArguments& arguments) {
+  if (arguments.undistort && arguments.format != "colmap") throw UsageError("--undistort is for --format colmap");
   exporting::MapExport as;
   const bool whole = arguments.format == "mcap";  // all maps in one file
   if (!whole) as = exporter(arguments);
@@ -58,6 +60,9 @@ void add_export_command(CLI::App& app, Command& chosen) {
                    "folder to write; what could not be brought together with the largest map goes to DIR/maps/ID")
       ->required();
   command->add_option("--sequence", arguments->sequence, "what was played; for colmap, which needs its cameras");
+  command->add_flag("--undistort", arguments->undistort,
+                    "for colmap: pinhole cameras, with their images, in the folders that dense stereo and Gaussian "
+                    "splatting start from");
   command->callback([arguments, &chosen] { chosen = [arguments] { return export_result(*arguments); }; });
 }
 

@@ -115,7 +115,8 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   }
   std::map<double, ceres::ScaledLoss> losses;
   const auto weighted = [&](double weight) {
-    return &losses.try_emplace(weight, &loss, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
+    ceres::LossFunction* const robust = config.loss_sigmas > 0 ? &loss : nullptr;
+    return &losses.try_emplace(weight, robust, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
   };
   result.lenses = problem.lenses;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {

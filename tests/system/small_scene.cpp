@@ -18,11 +18,6 @@ constexpr int kImages = 30;  // different ones of each camera
 constexpr int kTexture = 1024;
 constexpr double kTexels_per_m = 110;
 
-const CameraModel& camera_model() {
-  static const CameraModel camera{320, 240, 280, 280, 160, 120, DistortionModel::kNone, {}};
-  return camera;
-}
-
 // A rectangle across the view, nearest first.
 struct Panel {
   double z, left, right, top, bottom;
@@ -55,15 +50,14 @@ Rigid3 pose_of(int camera, int image) {
   return {cam_from_world, -(cam_from_world * center)};
 }
 
-cv::Mat render(const cv::Mat& texture, const Rigid3& cam_from_world) {
-  const CameraModel& camera = camera_model();
+cv::Mat render(const CameraModel& camera, const cv::Mat& texture, const Rigid3& cam_from_world) {
   const Eigen::Vector3d center = cam_from_world.center();
   const Eigen::Matrix3d world_from_cam = cam_from_world.rotation.conjugate().toRotationMatrix();
   cv::Mat map_x(camera.height_px, camera.width_px, CV_32F), map_y = map_x.clone();
   for (int v = 0; v < camera.height_px; ++v) {
     for (int u = 0; u < camera.width_px; ++u) {
-      const Eigen::Vector3d ray =
-          world_from_cam * Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+      const Eigen::Vector2d px = camera.undistorted_from_raw({u, v}).value();
+      const Eigen::Vector3d ray = world_from_cam * camera.normalized_from_pixel(px).homogeneous();
       for (const Panel& panel : kPanels) {
         const Eigen::Vector3d hit = center + (panel.z - center.z()) / ray.z() * ray;
         if (hit.x() < panel.left || hit.x() > panel.right || hit.y() < panel.top || hit.y() > panel.bottom) continue;
@@ -87,13 +81,15 @@ int image_of(int frame) {
 
 }  // namespace
 
-SmallScene::SmallScene(int cameras, int frames) {
+SmallScene::SmallScene(int cameras, int frames, DistortionModel lens, const std::array<double, 8>& coefficients) {
+  const CameraModel camera{320, 240, 280, 280, 160, 120, lens, coefficients};
   const cv::Mat texture = make_texture();
-  save_calibration(calibration(), camera_model());
+  save_calibration(calibration(), camera);
   std::string yaml = "name: small\nrate_hz: 30\nscale: {baseline_m: " + format_double(kBaseline_m) + "}\nagents:\n";
   for (int c = 0; c < cameras; ++c) {
     std::filesystem::create_directory(folder_ / name(c));
-    for (int i = 0; i < std::min(frames, kImages); ++i) cv::imwrite(image(c, i), render(texture, pose_of(c, i)));
+    for (int i = 0; i < std::min(frames, kImages); ++i)
+      cv::imwrite(image(c, i), render(camera, texture, pose_of(c, i)));
     std::string list = "t_s,file\n";
     Trajectory truth;
     for (int f = 0; f < frames; ++f) {

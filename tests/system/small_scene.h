@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 
+#include "common/geometry/camera_model.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::test {
@@ -17,7 +19,8 @@ class SmallScene {
   static constexpr double kBaseline_m = 0.4000001;  // shows whether it arrives with all its digits
 
   // Longer than 30 frames: the cameras go back and forth.
-  explicit SmallScene(int cameras = 2, int frames = 30);
+  explicit SmallScene(int cameras = 2, int frames = 30, DistortionModel lens = DistortionModel::kNone,
+                      const std::array<double, 8>& coefficients = {});
 
   std::string sequence() const { return (folder_ / "sequence.yaml").string(); }
   std::string source(int camera) const { return (folder_ / (name(camera) + ".csv")).string(); }

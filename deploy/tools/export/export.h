@@ -22,8 +22,12 @@ Files export_kitti(const ResultMap& map, const std::filesystem::path& folder);  
 Files export_ply(const ResultMap& map, const std::filesystem::path& folder);    // map.ply
 
 // Text model of COLMAP (cameras.txt, images.txt, points3D.txt): the images of tracks/<agent>.csv, named
-// <agent>/<6-digit frame>.png, and the static points that two of them see. The sequence gives the cameras.
+// <agent>/<6-digit frame>.png, and the static points that two of them see, adjusted once more as what they are
+// (colmap_adjust.h). The sequence gives the cameras.
 Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
+// The same of pinhole cameras in sparse/, with their images in images/ and what dense stereo needs in stereo/. The
+// sequence gives the images too.
+Files export_colmap_undistorted(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
 
 // run.mcap: the run as a viewer would have seen it live (docs/live.md), all maps of it.
 Files export_mcap(const ResultContents& contents, const std::filesystem::path& folder);

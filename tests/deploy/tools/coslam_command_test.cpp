@@ -186,6 +186,7 @@ TEST_F(CoslamCommand, Export) {
   EXPECT_TRUE(std::filesystem::exists(temp_ / "out/cam0.txt"));
   EXPECT_THAT(coslam("export --help").text, Not(HasSubstr("rosbag2")));
   EXPECT_EQ(coslam("export " + result() + " --format colmap " + out).exit_code, 2);  // needs --sequence
+  EXPECT_EQ(coslam("export " + result() + " --format ply --undistort " + out).exit_code, 2);
   EXPECT_EQ(coslam("export " + result() + " --format rosbag2 " + out).exit_code, 2);
   EXPECT_EQ(coslam("export " + result() + " --format dwg " + out).exit_code, 2);
 }

@@ -61,41 +61,55 @@ TEST_F(Export, Ply) {
   EXPECT_EQ(lines_of(out_ / "map.ply").at(0), "ply");
 }
 
+// Sixteen points that both images see; points 1 to 16.
+Eigen::Vector3d seen_point(int i) { return {2.0 + i % 4, 3.0 + i / 4, 14.0 + (i * 7) % 5}; }
+
 TEST_F(Export, Colmap) {
   const CameraModel camera{640, 480, 400, 410, 320, 240, DistortionModel::kRadTan, {0.1, 0, 0, 0}};
   save_calibration(temp_ / "calib.yaml", camera);
   Sequence sequence;
   sequence.agents.push_back({"a", "", temp_ / "calib.yaml", 0, {}, {}});
+  const Trajectory path = load_tum(result_.trajectory("a"));
+  const auto raw_px = [&](std::size_t image, int i) {
+    return camera.raw_from_undistorted(camera.project(path[image].cam_from_world * seen_point(i)));
+  };
   PointWriter points(result_.points());
-  for (const std::uint32_t id : {5U, 6U}) {
-    ResultPoint point;
-    point.id = PointId(id);
-    point.position = {4, 5, 16};
-    points.write(point);
-  }
-  points.close();
   TrackWriter tracks(result_.tracks("a"));
-  // The second image shows the points in its principal point; here the observation is one pixel further.
-  tracks.write({FrameId(0), 0, TrackId(1), {100, 200}, PointId(5), PointState::kStatic});
-  tracks.write({FrameId(0), 0, TrackId(2), {1, 2}, PointId(6), PointState::kStatic});  // seen once
-  tracks.write({FrameId(0), 0, TrackId(3), {3, 4}, PointId(7), PointState::kDynamic});
-  tracks.write({FrameId(10), 500'000'000, TrackId(1), {321, 240}, PointId(5), PointState::kStatic});
-  tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(5), PointState::kStatic});  // has no pose
+  for (int i = 0; i < 17; ++i) {
+    ResultPoint point;
+    point.id = PointId(static_cast<std::uint32_t>(i + 1));
+    point.position = seen_point(i);
+    points.write(point);
+    const TrackId track(static_cast<std::uint32_t>(i + 1));
+    const PointId then = i == 3 ? PointId() : point.id;  // it had no point yet
+    tracks.write({FrameId(0), 0, track, raw_px(0, i), then, PointState::kStatic});
+  }
+  tracks.write({FrameId(0), 0, TrackId(18), {3, 4}, PointId(99), PointState::kDynamic});
+  for (int i = 0; i < 16; ++i) {  // point 17 is seen once
+    const Eigen::Vector2d off(0, i == 5 ? 40 : 0);
+    const TrackId track(static_cast<std::uint32_t>(i + 1));
+    tracks.write({FrameId(10), 500'000'000, track, raw_px(1, i) + off, PointId(track.value), PointState::kStatic});
+  }
+  tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(1), PointState::kStatic});  // has no pose
+  points.close();
   tracks.close();
 
   const auto files = export_colmap(common(), sequence, out_);
   EXPECT_EQ(lines_of(files[0]).back(), "1 OPENCV 640 480 400 410 320.5 240.5 0.1 0 0 0");
   const auto images = lines_of(files[1]);
   ASSERT_EQ(images.size(), 6u);
-  EXPECT_THAT(images[2], HasSubstr(" 1.000000000 2.000000000 -3.000000000 1 a/000000.png"));
-  EXPECT_EQ(images[3], "100.500 200.500 5 1.500 2.500 -1 3.500 4.500 -1");
-  EXPECT_EQ(images[4],
-            "2 1.000000000 0.000000000 0.000000000 0.000000000 -4.000000000 -5.000000000 -6.000000000 1 a/000010.png");
-  EXPECT_EQ(images[5], "321.500 240.500 5");
+  EXPECT_THAT(images[2], HasSubstr(" 1 a/000000.png"));
+  EXPECT_THAT(images[3], HasSubstr(" 3.500 4.500 -1"));
+  std::istringstream pose(images[4]);
+  std::vector<double> numbers(9);
+  for (double& n : numbers) pose >> n;
+  EXPECT_THAT(numbers, ::testing::Pointwise(::testing::DoubleNear(0.01), {2., 1., 0., 0., 0., -4., -5., -6., 1.}));
+  EXPECT_THAT(images[4], HasSubstr(" 1 a/000010.png"));
   const auto model_points = lines_of(files[2]);
-  ASSERT_EQ(model_points.size(), 2u);
-  EXPECT_THAT(model_points[1], HasSubstr("5 4 5 16 128 128 128 "));
-  EXPECT_THAT(model_points[1], HasSubstr(" 1 0 2 0"));
+  ASSERT_EQ(model_points.size(), 2u + 15u);  // without 6, of which one observation is wrong, and 17
+  EXPECT_THAT(model_points[1], HasSubstr("# Number of points: 15, mean reprojection error: 0.0"));
+  EXPECT_EQ(model_points[2].substr(0, 2), "1 ");
+  EXPECT_THAT(model_points[5], HasSubstr(" 1 3 2 3"));
 }
 
 TEST_F(Export, EachMapByItself) {

@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/export/undistort.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "agent/capture/source.h"
+#include "common/base/error.h"
+
+namespace coslam::exporting {
+namespace {
+
+CameraModel pinhole(const CameraModel& lens, int half_width_px, int half_height_px) {
+  return {2 * half_width_px,    2 * half_height_px,     lens.fx, lens.fy, half_width_px - 0.5,
+          half_height_px - 0.5, DistortionModel::kNone, {}};
+}
+
+Eigen::Vector2d raw_of(const CameraModel& lens, const CameraModel& pinhole, const Eigen::Vector2d& px) {
+  return lens.pixel_from_normalized(lens.distort_normalized(pinhole.normalized_from_pixel(px)));
+}
+
+// Beyond its valid field a lens model folds back into the image: only what leads there and back is seen.
+bool sees(const CameraModel& lens, const CameraModel& pinhole, const Eigen::Vector2d& px) {
+  constexpr double kSame = 1e-3;
+  const Eigen::Vector2d raw_px = raw_of(lens, pinhole, px);
+  if (!lens.contains_raw(raw_px)) return false;
+  const auto back = lens.undistorted_from_raw(raw_px);
+  return back && (lens.normalized_from_pixel(*back) - pinhole.normalized_from_pixel(px)).norm() < kSame;
+}
+
+// What is seen has no holes, so that its border tells.
+bool is_full(const CameraModel& lens, const CameraModel& pinhole) {
+  constexpr int kSteps = 32;
+  const double right = pinhole.width_px - 1, bottom = pinhole.height_px - 1;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x = right * i / kSteps, y = bottom * i / kSteps;
+    for (const Eigen::Vector2d& px :
+         {Eigen::Vector2d(x, 0), Eigen::Vector2d(x, bottom), Eigen::Vector2d(0, y), Eigen::Vector2d(right, y)})
+      if (!sees(lens, pinhole, px)) return false;
+  }
+  return true;
+}
+
+// The tallest full image of that width; 0: there is none.
+int half_height_px(const CameraModel& lens, int half_width_px, int most_px) {
+  int full = 0, beyond = most_px + 1;
+  while (beyond - full > 1) {
+    const int middle = (full + beyond) / 2;
+    (is_full(lens, pinhole(lens, half_width_px, middle)) ? full : beyond) = middle;
+  }
+  return full;
+}
+
+bool contains(const CameraModel& camera, const Eigen::Vector2d& px) {
+  constexpr double kToEdge = 0.5;  // from the middle of a pixel
+  return camera.contains_raw(px, -kToEdge);
+}
+
+cv::Vec3b color_at(const cv::Mat& image, const Eigen::Vector2d& px) {
+  const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
+  return image.channels() == 3 ? image.at<cv::Vec3b>(y, x) : cv::Vec3b::all(image.at<std::uint8_t>(y, x));
+}
+
+// Means over the images.
+class PointColors {
+ public:
+  void add(const cv::Mat& image, const ColmapModel::Image& seen) {
+    for (const auto& o : seen.observations) {
+      if (o.point == PointId()) continue;
+      Sum& sum = sums_[o.point];
+      sum.bgr += cv::Vec3d(color_at(image, o.px));
+      ++sum.images;
+    }
+  }
+  void give(ColmapModel* model) const {
+    for (const auto& [id, sum] : sums_) {
+      auto& rgb = model->points.at(id).rgb;
+      for (int i = 0; i < 3; ++i)
+        rgb[static_cast<std::size_t>(i)] = cv::saturate_cast<std::uint8_t>(sum.bgr[2 - i] / sum.images);
+    }
+  }
+
+ private:
+  struct Sum {
+    cv::Vec3d bgr{0, 0, 0};
+    int images = 0;
+  };
+  std::map<PointId, Sum> sums_;
+};
+
+using ImagesByFrame = std::map<FrameId, const ColmapModel::Image*>;
+
+ImagesByFrame images_of(const ColmapModel& model, std::size_t camera) {
+  ImagesByFrame images;
+  for (const auto& image : model.images) {
+    if (image.camera == camera) images.emplace(image.frame, &image);
+  }
+  return images;
+}
+
+void write_image(const std::filesystem::path& file, const cv::Mat& image) {
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  bool written = false;
+  try {
+    written = !error && cv::imwrite(file.string(), image);
+  } catch (const cv::Exception&) {  // the sentence below says it
+  }
+  if (!written) throw UserError(file.string() + ": the image cannot be written");
+}
+
+// Those of one camera.
+void write_images(const CameraModel& lens, double rate_hz, const std::filesystem::path& folder,
+                  const ColmapModel& model, std::size_t camera, PointColors* colors) {
+  ImagesByFrame missing = images_of(model, camera);
+  if (missing.empty()) return;
+  const SequenceAgent& agent = model.cameras[camera].agent;
+  const auto source = open_source(agent.source, {agent.start_s, agent.duration_s, rate_hz, lens.width_px,
+                                                 lens.height_px, agent.calibration.string(), agent.covered, true});
+  if (source->live()) throw UserError("agent " + agent.name + ": the images of a live source are gone");
+  const Undistorter undistort(lens, model.cameras[camera].model);
+  for (FrameId at(0); !missing.empty();) {
+    if (!missing.contains(at)) {
+      if (!source->skip()) break;
+      at = FrameId(at.value + 1);
+      continue;
+    }
+    const auto image = source->next();
+    if (!image) break;
+    at = FrameId(image->frame.value + 1);
+    const auto wanted = missing.find(image->frame);
+    if (wanted == missing.end()) continue;
+    const cv::Mat seen = undistort(image->color.empty() ? image->grey : image->color);
+    write_image(folder / model.name_of(*wanted->second), seen);
+    colors->add(seen, *wanted->second);
+    missing.erase(wanted);
+  }
+  if (missing.empty()) return;
+  throw UserError("agent " + agent.name + ": " + agent.source + " has no image " +
+                  std::to_string(missing.begin()->first.value) + ": is that the sequence that was played?");
+}
+
+}  // namespace
+
+CameraModel pinhole_of(const CameraModel& lens) {
+  constexpr int kWidths = 200;
+  const double most = std::tan(M_PI / 3);
+  const int most_x = static_cast<int>(most * lens.fx), most_y = static_cast<int>(most * lens.fy);
+  int best_x = 0, best_y = 0;
+  for (int i = 1; i <= kWidths; ++i) {
+    const int x = most_x * i / kWidths;
+    const int y = x > 0 ? half_height_px(lens, x, most_y) : 0;
+    if (std::int64_t{x} * y > std::int64_t{best_x} * best_y) best_x = x, best_y = y;
+  }
+  if (best_x == 0) throw UserError("no part of the lens's image is that of a pinhole");
+  return pinhole(lens, best_x, best_y);
+}
+
+Undistorter::Undistorter(const CameraModel& lens, const CameraModel& pinhole)
+    : x_(pinhole.height_px, pinhole.width_px, CV_32F), y_(x_.size(), CV_32F) {
+  for (int v = 0; v < x_.rows; ++v) {
+    for (int u = 0; u < x_.cols; ++u) {
+      const Eigen::Vector2d raw_px = raw_of(lens, pinhole, {u, v});
+      x_.at<float>(v, u) = static_cast<float>(raw_px.x());
+      y_.at<float>(v, u) = static_cast<float>(raw_px.y());
+    }
+  }
+}
+
+cv::Mat Undistorter::operator()(const cv::Mat& image) const {
+  cv::Mat out;
+  cv::remap(image, out, x_, y_, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return out;
+}
+
+void undistort_model(ColmapModel* model) {
+  std::vector<CameraModel> lenses;
+  for (auto& camera : model->cameras) {
+    lenses.push_back(camera.model);
+    camera.model = pinhole_of(camera.model);
+  }
+  for (auto& image : model->images) {
+    const CameraModel &lens = lenses[image.camera], &pinhole = model->camera_of(image);
+    std::vector<ColmapModel::Observation> seen;
+    for (const auto& o : image.observations) {
+      const auto undistorted_px = lens.undistorted_from_raw(o.px);
+      if (!undistorted_px) continue;
+      const Eigen::Vector2d px = pinhole.pixel_from_normalized(lens.normalized_from_pixel(*undistorted_px));
+      if (contains(pinhole, px)) seen.push_back({px, o.point});
+    }
+    image.observations = std::move(seen);
+  }
+  link_points(model);
+}
+
+void write_undistorted_images(const std::vector<CameraModel>& lenses, double rate_hz,
+                              const std::filesystem::path& folder, ColmapModel* model) {
+  PointColors colors;
+  for (std::size_t c = 0; c < model->cameras.size(); ++c) write_images(lenses[c], rate_hz, folder, *model, c, &colors);
+  colors.give(model);
+}
+
+}  // namespace coslam::exporting
