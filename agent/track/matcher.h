@@ -30,7 +30,7 @@ struct TrackSighting {
 
 struct Following {
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the image as a whole
-  std::vector<TrackSighting> sightings;                     // by track
+  std::vector<TrackSighting> sightings;                // by track
 };
 
 // The tracker's work on pixels, so that a GPU may do it: the tracker decides what becomes of the tracks.

@@ -18,7 +18,7 @@ struct Agreement {
 
   void add(const Following& one, const Following& other) {
     for (std::size_t i = 0; i < one.sightings.size(); ++i) {
-      const Sighting &a = one.sightings[i], &b = other.sightings[i];
+      const TrackSighting &a = one.sightings[i], &b = other.sightings[i];
       if (!a.found && !b.found) continue;
       float distance = a.found != b.found || a.key.found != b.key.found ? kFar : (a.px - b.px).norm();
       if (a.found && a.key.found && b.key.found) distance = std::max(distance, (a.key.px - b.key.px).norm());
