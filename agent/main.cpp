@@ -8,6 +8,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <random>
+#include <utility>
 
 #include "agent/agent_loop.h"
 #include "agent/agent_options.h"
@@ -84,6 +85,8 @@ void run(AgentOptions& o) {
   o.play.calibration = o.calibration;
   std::unique_ptr<ImageSource> source = open_source(o.source, o.play);
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
+  // Before anybody hears of this agent: a device that is not there ends it.
+  std::unique_ptr<FeatureTracker> tracker = make_feature_tracker(hello.camera, o.agent);
   const std::unique_ptr<AgentLink> link = open_agent_link(o.wire, hello);
   TimeNs start_utc_ns = 0;
   const bool live = source->live();
@@ -95,7 +98,7 @@ void run(AgentOptions& o) {
   }
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
-      hello, o.agent);
+      hello, o.agent, std::move(tracker));
   loop.log_state();
   if (live) loop.stamps_are_utc();
   if (live || rate == 1) loop.adapt_to_link();

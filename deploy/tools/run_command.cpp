@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "agent/capture/source.h"
+#include "agent/gpu/matcher_for.h"
 #include "common/base/error.h"
 #include "common/base/replay_rate.h"
 #include "common/base/text.h"
@@ -54,9 +55,10 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
   sequence.agents = std::move(chosen);
 }
 
-void check_sets(const std::vector<std::string>& sets) {
+RunConfig checked_sets(const std::vector<std::string>& sets) {
   RunConfig checked;
   for (const std::string& s : sets) config::apply_set(checked, s);
+  return checked;
 }
 
 // What the sequence knows of the scale: the distance of two cameras, or the side of tags, which the agents are to look
@@ -72,7 +74,7 @@ void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
     known.push_back("agent.tags.family=" + sequence.tag_family);
   }
   sets.insert(sets.begin(), known.begin(), known.end());
-  check_sets(sets);
+  checked_sets(sets);
 }
 
 // Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the
@@ -92,8 +94,8 @@ int check_inputs(const Sequence& sequence) {
 
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
-  parse_replay_rate(options.rate);  // a wrong one is said before anything starts
-  check_sets(options.sets);
+  parse_replay_rate(options.rate);                        // a wrong one is said before anything starts
+  matcher_for(checked_sets(options.sets).agent.tracker);  // a device that is not there
   if (std::filesystem::exists(options.record)) {
     throw UserError(options.record.string() + " exists already: name another file for the recording");
   }

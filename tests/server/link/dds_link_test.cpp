@@ -120,7 +120,7 @@ TEST_F(DdsLinkTest, LockstepLosesNothingAndChangesNoBit) {
 }
 
 TEST_F(DdsLinkTest, WhatMovesIsHeardByWhoeverReadsIt) {
-  const MovingState state = WireValues(4).moving_state(12, 14);
+  const MovingState state = WireValues(4).moving_state(12, 11);
   EchoServer server(config_, kServer);
   server.link().send(state);  // nobody reads it yet
   test::Planner planner(config_);
