@@ -78,7 +78,7 @@ void SendRate::waited(double wait_s, Instant now) {
   if (one_in_ == 1 || !soon_since_) return;
   const Instant since = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
   if (seconds(since, now) <= patience_s_) return;
-  --one_in_;
+  one_in_ = fewer_ ? one_in_ - 1 : 1;  // all at once while nothing came late
   tried_ = now;
 }
 

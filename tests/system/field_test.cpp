@@ -39,7 +39,7 @@ double percent_tracked(const std::string& table, const std::string& fault) {
 }
 
 TEST(Field, LossReorderAndAWrongClockLoseNobody) {
-  const test::SmallScene scene(2, 150);
+  const test::SmallScene scene(2, 240);
   const std::string table = (scene.folder() / "table.txt").string();
   const std::string command = "python3 " COSLAM_SOURCE "/tests/field/field.py --bin " COSLAM_BIN " --sequence " +
                               scene.sequence() + " --out " + (scene.folder() / "field").string() +
