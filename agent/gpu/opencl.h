@@ -64,7 +64,7 @@ class ClDevice {
   template <class T>
   static void set(const ClKernel& kernel, cl_uint index, const T& value) {
     if constexpr (std::is_same_v<T, ClBuffer>) {
-      const cl_mem memory = value.get();
+      cl_mem memory = value.get();
       set_bytes(kernel, index, &memory, sizeof(memory));
     } else {
       set_bytes(kernel, index, &value, sizeof(value));

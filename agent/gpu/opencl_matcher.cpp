@@ -116,7 +116,7 @@ std::string source() {
 
 template <class To, class From>
 To copied(const From& from) {
-  To to;
+  To to{};
   std::copy_n(from.data(), to.size(), to.begin());
   return to;
 }
@@ -196,6 +196,7 @@ class OpenClMatcher final : public Matcher {
 
   void watch(const std::vector<CornerCell>& cells) override {
     std::vector<DeviceCell> device_cells;
+    device_cells.reserve(cells.size());
     for (const CornerCell& c : cells) device_cells.push_back({c.x0, c.y0, c.x1, c.y1});
     cells_ = device_.buffer(device_cells.size() * sizeof(DeviceCell));
     device_.write(cells_, device_cells.data(), device_cells.size() * sizeof(DeviceCell));

@@ -13,7 +13,7 @@ namespace {
 
 template <int N>
 std::array<float, N> plain(const Eigen::Matrix<float, N, 1>& values) {
-  std::array<float, N> out;
+  std::array<float, N> out{};
   std::ranges::copy(values, out.begin());
   return out;
 }
