@@ -150,7 +150,6 @@ class DdsServerLink : public ServerLink {
           const RunId run(message.agent_run());
           if (!speakers_.may_say(run, sample.writer, kSignOfLife))
             return participant_.rejections().add(Rejection::kWrongRun);
-          if (kSignOfLife) origins_[sample.writer] = run;
           sessions_.receive(message, sample.bytes, Clock::now());
           after_change();
         },
@@ -159,13 +158,10 @@ class DdsServerLink : public ServerLink {
 
   void presence(const WriterId& writer, Presence presence) {
     const std::lock_guard lock(mutex_);
-    const auto origin = origins_.find(writer);
-    if (origin == origins_.end()) return;
-    sessions_.presence(origin->second, presence);
-    if (presence == Presence::kGone) {
-      origins_.erase(origin);
-      speakers_.gone(writer);
-    }
+    const auto run = speakers_.run_of(writer);  // of hellos, whose writers are the agents' signs of life
+    if (!run) return;
+    sessions_.presence(*run, presence);
+    if (presence == Presence::kGone) speakers_.gone(writer);
     after_change();
   }
 
@@ -244,7 +240,6 @@ class DdsServerLink : public ServerLink {
   Writer<idl::PublicSample> public_writer_;
   std::map<RunId, Path> paths_;
   Speakers speakers_;
-  std::map<WriterId, RunId> origins_;  // of hellos, whose writers are the agents' signs of life
   ServerStatus status_;
   RunId published_refusals_;  // the newest that agents were told of
   std::uint64_t resent_ = 0;

@@ -13,12 +13,15 @@ Speakers::Process Speakers::process_of(const WriterId& writer) {
 }
 
 bool Speakers::may_say(RunId run, const WriterId& writer, bool is_hello) {
-  const Process process = process_of(writer);
-  const auto known = run_of_.find(process);
-  if (known != run_of_.end()) return known->second == run;
+  if (const auto known = run_of(writer)) return *known == run;
   if (std::ranges::any_of(run_of_, [run](const auto& r) { return r.second == run; })) return false;
-  if (is_hello) run_of_.emplace(process, run);
+  if (is_hello) run_of_.emplace(process_of(writer), run);
   return true;
+}
+
+std::optional<RunId> Speakers::run_of(const WriterId& writer) const {
+  const auto known = run_of_.find(process_of(writer));
+  return known == run_of_.end() ? std::nullopt : std::optional(known->second);
 }
 
 }  // namespace coslam

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "common/base/ids.h"
 #include "common/wire/loop.h"
@@ -17,6 +18,7 @@ class Speakers {
  public:
   // Also true of a run that nobody spoke for yet: what comes ahead of its Hello is for others to judge.
   bool may_say(RunId run, const WriterId& writer, bool is_hello);
+  std::optional<RunId> run_of(const WriterId& writer) const;
   void gone(const WriterId& writer) { run_of_.erase(process_of(writer)); }
 
  private:
