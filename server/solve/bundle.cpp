@@ -92,6 +92,23 @@ void add_ties(const BundleProblem& problem, std::vector<Block>* poses, ceres::Pr
   }
 }
 
+// One loss function for each weight.
+class WeightedLoss {
+ public:
+  explicit WeightedLoss(double sigmas) : cauchy_(sigmas), robust_(sigmas > 0 ? &cauchy_ : nullptr) {}
+  WeightedLoss(const WeightedLoss&) = delete;
+  WeightedLoss& operator=(const WeightedLoss&) = delete;
+
+  ceres::LossFunction* operator()(double weight) {
+    return &losses_.try_emplace(weight, robust_, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
+  }
+
+ private:
+  ceres::CauchyLoss cauchy_;
+  ceres::LossFunction* const robust_;  // nothing: squares
+  std::map<double, ceres::ScaledLoss> losses_;
+};
+
 }  // namespace
 
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config) {
@@ -101,7 +118,7 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
   result.points = problem.points;
 
   const std::unique_ptr<ceres::Manifold> manifold = make_pose_manifold();
-  ceres::CauchyLoss loss(config.loss_sigmas);
+  WeightedLoss weighted(config.loss_sigmas);
   ceres::Problem::Options ownership;
   ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -113,11 +130,6 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
     ceres_problem.AddParameterBlock(p.data(), 3);
     ordering->AddElementToGroup(p.data(), 0);
   }
-  std::map<double, ceres::ScaledLoss> losses;
-  const auto weighted = [&](double weight) {
-    ceres::LossFunction* const robust = config.loss_sigmas > 0 ? &loss : nullptr;
-    return &losses.try_emplace(weight, robust, weight, ceres::DO_NOT_TAKE_OWNERSHIP).first->second;
-  };
   result.lenses = problem.lenses;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     add_lens(problem.cameras[i], result.lenses[i], &ceres_problem);
