@@ -51,6 +51,19 @@ export class Visit {
     return this.text(selector);
   }
 
+  // What was done is in the picture two frames later.
+  frames() {
+    return this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  }
+
+  async until(holds, tries = 100) {
+    for (let left = tries; left > 0; --left) {
+      if (await holds()) return;
+      await this.frames();
+    }
+    throw new Error(`never came: ${holds}`);
+  }
+
   // How many pixels of the picture are of a kind, and where some of them are.
   async pixels(kind) {
     const png = (await this.page.screenshot()).toString("base64");
@@ -80,7 +93,7 @@ export class Visit {
     for (let left = tries; left > 0; --left) {
       const found = await this.pixels(kind);
       if (enough(found.count)) return found;
-      await this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+      await this.frames();
     }
     throw new Error(`the pixels of ${kind} are not as expected`);
   }
