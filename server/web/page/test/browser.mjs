@@ -8,6 +8,7 @@ import { fileURLToPath } from "node:url";
 import { startMock } from "../dev/mock.mjs";
 import { CHROMIUM } from "./chromium.mjs";
 
+const PATIENCE_MS = 60000;
 const root = join(dirname(fileURLToPath(import.meta.url)), "..", "dist");
 
 export class Visit {
@@ -20,7 +21,7 @@ export class Visit {
     visit.mock = await startMock(visit.options);
     visit.browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     visit.page = await visit.browser.newPage({ viewport: { width: size[0], height: size[1] }, hasTouch: touch, reducedMotion: "reduce", colorScheme: "dark" });
-    visit.page.setDefaultTimeout(60000);
+    visit.page.setDefaultTimeout(PATIENCE_MS);
     visit.page.on("console", (message) => { if (message.type() === "error") visit.errors.push(message.text()); });
     visit.page.on("pageerror", (error) => visit.errors.push(error.stack));
     visit.blank = await visit.browser.newPage();
@@ -56,12 +57,14 @@ export class Visit {
     return this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
 
-  async until(holds, tries = 100) {
-    for (let left = tries; left > 0; --left) {
-      if (await holds()) return;
+  // Asks once a picture; a machine that draws slowly has as many seconds as one that draws fast.
+  async until(holds, what = `${holds}`) {
+    for (const end = Date.now() + PATIENCE_MS;;) {
+      const found = await holds();
+      if (found) return found;
+      if (Date.now() > end) throw new Error(`never came: ${what}`);
       await this.frames();
     }
-    throw new Error(`never came: ${holds}`);
   }
 
   // How many pixels of the picture are of a kind, and where some of them are.
@@ -89,12 +92,11 @@ export class Visit {
     }, [png, kind]);
   }
 
-  async pixelsUntil(kind, enough, tries = 25) {
-    for (let left = tries; left > 0; --left) {
+  pixelsUntil(kind, enough) {
+    const look = async () => {
       const found = await this.pixels(kind);
-      if (enough(found.count)) return found;
-      await this.frames();
-    }
-    throw new Error(`the pixels of ${kind} are not as expected`);
+      return enough(found.count) && found;
+    };
+    return this.until(look, `pixels of ${kind}, ${enough}`);
   }
 }

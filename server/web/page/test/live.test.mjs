@@ -40,6 +40,7 @@ test("what is not wanted is not drawn", async () => {
 
 test("a point is picked and tells its life", async () => {
   await visit.page.keyboard.press("t");
+  await visit.frames();
   const { some } = await visit.pixelsUntil("point", (count) => count > 800);
   for (const [x, y] of some) {
     await visit.page.mouse.click(x, y);
