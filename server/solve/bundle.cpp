@@ -96,6 +96,7 @@ void add_ties(const BundleProblem& problem, std::vector<Block>* poses, ceres::Pr
 class WeightedLoss {
  public:
   explicit WeightedLoss(double sigmas) : cauchy_(sigmas), robust_(sigmas > 0 ? &cauchy_ : nullptr) {}
+  ~WeightedLoss() = default;
   WeightedLoss(const WeightedLoss&) = delete;
   WeightedLoss& operator=(const WeightedLoss&) = delete;
 

@@ -66,7 +66,7 @@ class SimTracker final : public FeatureTracker {
 
  private:
   struct Live {
-    int point;
+    int point = -1;
     Eigen::Vector2d offset_px = Eigen::Vector2d::Zero(), slide_px = Eigen::Vector2d::Zero();
   };
   std::optional<Eigen::Vector2d> seen_at(int point) const;

@@ -50,10 +50,10 @@ class SimWorld {
   struct Point {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     double radius_m = 0, rate_rad_s = 0, phase_rad = 0;
-    Descriptor descriptor;
+    Descriptor descriptor{};
     struct Ripple {
-      Eigen::Vector2d rad_px;  // at the size that a patch has from the origin
-      double phase_rad;
+      Eigen::Vector2d rad_px = Eigen::Vector2d::Zero();  // at the size that a patch has from the origin
+      double phase_rad = 0;
     };
     std::array<Ripple, 12> texture;
   };

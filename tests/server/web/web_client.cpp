@@ -96,12 +96,6 @@ WebClient::WebClient(std::uint16_t port, const Options& options) {
   protocol_ = std::string(response[http::field::sec_websocket_protocol]);
 }
 
-WebClient::~WebClient() {
-  beast::get_lowest_layer(stream_).close();
-  io_.restart();
-  io_.run_for(kDeadline);
-}
-
 bool WebClient::read() {
   if (!open_) return false;
   beast::flat_buffer buffer;

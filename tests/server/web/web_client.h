@@ -38,9 +38,6 @@ class WebClient {
   };
   explicit WebClient(std::uint16_t port, const Options& options);
   explicit WebClient(std::uint16_t port) : WebClient(port, Options()) {}
-  ~WebClient();
-  WebClient(const WebClient&) = delete;
-  WebClient& operator=(const WebClient&) = delete;
 
   bool open() const { return open_; }
   int refusal() const { return refusal_; }  // HTTP status of the answer that turned it away
