@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <iostream>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
-#include <random>
 #include <utility>
 
 #include "agent/agent_loop.h"
@@ -17,22 +14,15 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/replay_rate.h"
-#include "common/base/version.h"
-#include "common/config/config.h"
-#include "common/config/log_option.h"
+#include "common/config/program.h"
 #include "common/dataset/calibration.h"
 #include "common/flow/clock.h"
+#include "common/wire/run_id.h"
 
 namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-
-RunId draw_run_id() {
-  std::random_device device;
-  const std::uint64_t high = device(), low = device();
-  return RunId((high << 32U | low) | 1U);
-}
 
 void warn_of_clock(double ahead_s) {
   constexpr double kWorthAWord_s = 3.0;
@@ -113,19 +103,16 @@ void run(AgentOptions& o) {
 }
 
 struct Arguments {
-  std::string file;
-  std::vector<std::string> sets;
+  CommonArguments common;
   std::string id, source, calibration, rate;
   std::optional<int> domain;
   std::optional<double> start_s, duration_s, rate_hz;
   std::vector<std::pair<double, double>> covered;
-  bool loopback = false, print = false;
-  LogFormat log_format = LogFormat::kText;
+  bool loopback = false;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
-  app.set_version_flag("--version", version());
-  app.add_option("--config", a.file, "agent.yaml")->type_name("FILE");
+  a.common.add_to(app, "agent.yaml", "agent.tracker.max_tracks=200");
   app.add_option("--id", a.id, "name of this agent")->type_name("NAME");
   app.add_option("--source", a.source, "images")->type_name("URI");
   app.add_option("--calibration", a.calibration, "camera calibration")->type_name("FILE");
@@ -137,18 +124,12 @@ void add_options(CLI::App& app, Arguments& a) {
       ->type_name("FROM TO");
   app.add_option("--fps", a.rate_hz, "nominal frame rate")->type_name("HZ")->check(CLI::Range(0.01, 1000.0));
   app.add_flag("--loopback", a.loopback, "talk on this machine only");
-  app.add_option("--set", a.sets, "override a key of the configuration, e.g. agent.tracker.max_tracks=200")
-      ->type_name("KEY=VALUE");
-  app.add_flag("--print-config", a.print,
-               "only print all keys with values, bounds and meaning, as a file for --config");
-  add_log_option(app, a.log_format);
 }
 
 AgentOptions options_of(const Arguments& a) {
   AgentOptions o;
   if (a.loopback) o.wire = loopback_config(0);
-  if (!a.file.empty()) config::load(o, a.file);
-  for (const std::string& s : a.sets) config::apply_set(o, s);
+  a.common.apply_to(o);
   if (!a.id.empty()) o.id = a.id;
   if (!a.source.empty()) o.source = a.source;
   if (!a.calibration.empty()) o.calibration = a.calibration;
@@ -161,28 +142,18 @@ AgentOptions options_of(const Arguments& a) {
   return o;
 }
 
-void print_config(const AgentOptions& options) {
-  std::cout << "# All keys of coslam-agent; --config FILE reads them back.\n"
-            << config::dump_yaml(options) << std::flush;
-  if (!std::cout) throw UserError("the configuration cannot be written to standard output");
-}
-
 int main_of(int argc, char** argv) {
   CLI::App app("Camera agent: tracks features in one camera and localises it; see docs/configuration.md");
   Arguments arguments;
   add_options(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto code = parse_arguments(app, argc, argv)) return *code;
   AgentOptions o = options_of(arguments);
-  if (arguments.print) {
-    print_config(o);
-    return 0;
+  if (arguments.common.print) {
+    print_config("coslam-agent", o);
+  } else {
+    init_log(o.id, arguments.common.log_format);
+    run(o);
   }
-  init_log(o.id, arguments.log_format);
-  run(o);
   return 0;
 }
 
@@ -194,13 +165,5 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
   cv::setNumThreads(1);  // the other cores belong to the other processes of this machine
-  try {
-    return coslam::main_of(argc, argv);
-  } catch (const coslam::UsageError& e) {
-    std::cerr << "coslam-agent: " << e.what() << "\n";
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "coslam-agent: " << e.what() << "\n";
-    return 1;
-  }
+  return coslam::run_program("coslam-agent", [&] { return coslam::main_of(argc, argv); });
 }

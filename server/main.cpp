@@ -1,16 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <csignal>
-#include <iostream>
-#include <random>
 #include <utility>
 
-#include "common/base/error.h"
 #include "common/base/log.h"
-#include "common/base/version.h"
-#include "common/config/config.h"
-#include "common/config/log_option.h"
+#include "common/config/program.h"
+#include "common/wire/run_id.h"
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
 #include "server/log_sink.h"
@@ -25,12 +20,6 @@
 
 namespace coslam {
 namespace {
-
-RunId draw_run_id() {
-  std::random_device device;
-  const std::uint64_t high = device(), low = device();
-  return RunId((high << 32U | low) | 1U);
-}
 
 // What the server does, once a second: in the log, or on standard output for the program that started it, which also
 // waits for the words "ready" (no other server is in the domain) and "started" (all agents are here).
@@ -86,12 +75,6 @@ class Announcer {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void print_config(const ServerOptions& options) {
-  std::cout << "# All keys of coslam-server; --config FILE reads them back.\n"
-            << config::dump_yaml(options) << std::flush;
-  if (!std::cout) throw UserError("the configuration cannot be written to standard output");
-}
-
 struct ServeOptions {
   ServerOptions keys;
   std::string runs, result, map, record, mcap;  // empty: none
@@ -137,13 +120,10 @@ void serve(const ServeOptions& options) {
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
   ServeOptions options;
-  std::string file;
+  CommonArguments common;
   std::optional<int> domain, view_port;
-  std::vector<std::string> sets;
-  bool loopback = false, print = false;
-  LogFormat log_format = LogFormat::kText;
-  app.set_version_flag("--version", version());
-  app.add_option("--config", file, "server.yaml")->type_name("FILE");
+  bool loopback = false;
+  common.add_to(app, "server.yaml", "server.theta=2.5");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   auto* out =
       app.add_option("--out", options.runs, "where the RESULT of each run gets a folder; DIR/latest is the newest");
@@ -159,23 +139,15 @@ int main_of(int argc, char** argv) {
   app.add_flag("--loopback", loopback, "talk on this machine only");
   app.add_flag("--report-progress", options.progress,
                "for programs: 'view: URL', 'ready', 'started' and 'progress DONE' on standard output");
-  app.add_option("--set", sets, "override a key of the configuration, e.g. server.theta=2.5")->type_name("KEY=VALUE");
-  app.add_flag("--print-config", print, "only print all keys with values, bounds and meaning, as a file for --config");
-  add_log_option(app, log_format);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  init_log("server", log_format);
+  if (const auto code = parse_arguments(app, argc, argv)) return *code;
+  init_log("server", common.log_format);
   ServerOptions& o = options.keys;
   if (loopback) o.wire = loopback_config(0);
-  if (!file.empty()) config::load(o, file);
-  for (const std::string& s : sets) config::apply_set(o, s);
+  common.apply_to(o);
   if (domain) o.wire.domain = *domain;
   if (view_port) o.view.port = *view_port;
-  if (print) {
-    print_config(o);
+  if (common.print) {
+    print_config("coslam-server", o);
   } else {
     serve(options);
   }
@@ -188,13 +160,5 @@ int main_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   coslam::catch_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);  // a result is written even when nobody reads the progress any more
-  try {
-    return coslam::main_of(argc, argv);
-  } catch (const coslam::UsageError& e) {
-    std::cerr << "coslam-server: " << e.what() << "\n";
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "coslam-server: " << e.what() << "\n";
-    return 1;
-  }
+  return coslam::run_program("coslam-server", [&] { return coslam::main_of(argc, argv); });
 }

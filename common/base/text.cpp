@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cinttypes>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <numeric>
 
 namespace coslam {
@@ -104,6 +106,20 @@ std::string format_seconds(TimeNs t_ns) {
                 static_cast<unsigned long long>(magnitude / 1'000'000'000),
                 static_cast<unsigned long long>(magnitude % 1'000'000'000));
   return text;
+}
+
+std::string format_utc(TimeNs utc_ns, const char* fields) {
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::array<char, 64> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), fields, &utc)};
+}
+
+std::string format_hex(std::uint64_t number) {
+  std::array<char, 20> text{};
+  std::snprintf(text.data(), text.size(), "%016" PRIx64, number);
+  return text.data();
 }
 
 std::string nearest_of(std::string_view word, const std::vector<std::string>& known) {

@@ -27,6 +27,10 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 // Decimal seconds, kept exact to the nanosecond (a double would lose 100 ns on a UTC stamp).
 std::optional<TimeNs> parse_seconds(std::string_view text);
 std::string format_seconds(TimeNs t_ns);  // 9 decimals
+// A date, by the fields of strftime.
+std::string format_utc(TimeNs utc_ns, const char* fields);
+
+std::string format_hex(std::uint64_t number);  // 16 digits
 
 // The known word closest to `word` by edit distance, or one that it begins or ends; empty when none is near.
 std::string nearest_of(std::string_view word, const std::vector<std::string>& known);

@@ -13,8 +13,6 @@
 
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
-#include <cinttypes>
-#include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <filesystem>
@@ -24,6 +22,7 @@
 #include "common/base/check.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/text.h"
 #include "common/wire/guard.h"
 #include "common/wire/middleware_log.h"
 #include "idl/coslamPubSubTypes.h"
@@ -203,11 +202,7 @@ WireConfig loopback_config(int domain) {
   return config;
 }
 
-std::string partition_of(RunId agent_run) {
-  std::array<char, 24> text{};
-  std::snprintf(text.data(), text.size(), "run-%016" PRIx64, agent_run.value);
-  return text.data();
-}
+std::string partition_of(RunId agent_run) { return "run-" + format_hex(agent_run.value); }
 
 std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key) {
   const std::uint64_t seal = with_key ? kSealBytes : 0;

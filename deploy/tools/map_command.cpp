@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <ctime>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "common/base/text.h"
 #include "common/flow/clock.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/console.h"
@@ -27,15 +27,6 @@ struct MapArguments {
   std::string file, folder;
   std::vector<std::string> others;
 };
-
-std::string text_of_time(TimeNs utc_ns) {
-  const std::time_t t = utc_ns / 1'000'000'000;
-  std::tm utc{};
-  gmtime_r(&t, &utc);
-  std::string text(32, '\0');
-  text.resize(std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &utc));
-  return text;
-}
 
 struct MapCensus {
   int points = 0, moving = 0;
@@ -63,7 +54,7 @@ int list(const MapArguments& arguments) {
   const Map& map = server.map();
   const double mib = static_cast<double>(std::filesystem::file_size(file.path())) / (1U << 20U);
   std::printf("%s: %.1f MiB, saved %s\n", file.path().c_str(), mib,
-              file.saved_ns() ? text_of_time(*file.saved_ns()).c_str() : "never");
+              file.saved_ns() ? format_utc(*file.saved_ns(), "%Y-%m-%d %H:%M:%S UTC").c_str() : "never");
   for (const auto& [id, of] : census(map)) {
     std::printf("map %u%s: %d points, %d of them moving; key frames of all maps: %zu\n", id.value,
                 map.is_metric(id) ? " (metres)" : "", of.points, of.moving, map.key_frames().size());

@@ -1,16 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
-#include <iostream>
 #include <optional>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
-#include "common/base/version.h"
-#include "common/config/config.h"
-#include "common/config/log_option.h"
+#include "common/config/program.h"
 #include "server/bridge/bridge.h"
 
 namespace coslam {
@@ -29,16 +25,15 @@ std::optional<int> domain_of_ros() {
 }
 
 struct Arguments {
-  std::string file, key, px4;
-  std::vector<std::string> sets, interfaces;
+  CommonArguments common;
+  std::string key, px4;
+  std::vector<std::string> interfaces;
   std::optional<int> domain, from;
-  bool loopback = false, print = false;
-  LogFormat log_format = LogFormat::kText;
+  bool loopback = false;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
-  app.set_version_flag("--version", version());
-  app.add_option("--config", a.file, "bridge.yaml")->type_name("FILE");
+  a.common.add_to(app, "bridge.yaml", "bridge.px4.pitch_deg=-30");
   app.add_option("--from", a.from, "DDS domain of the map server and its agents")
       ->type_name("N")
       ->check(CLI::Range(0, 232));
@@ -50,18 +45,12 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--key", a.key, "the fleet's key")->type_name("FILE");
   app.add_option("--px4", a.px4, "agent whose poses PX4 gets")->type_name("AGENT");
   app.add_flag("--loopback", a.loopback, "the map server is on this machine");
-  app.add_option("--set", a.sets, "override a key of the configuration, e.g. bridge.px4.pitch_deg=-30")
-      ->type_name("KEY=VALUE");
-  app.add_flag("--print-config", a.print,
-               "only print all keys with values, bounds and meaning, as a file for --config");
-  add_log_option(app, a.log_format);
 }
 
 BridgeOptions options_of(const Arguments& a) {
   BridgeOptions o;
   if (a.loopback) o.wire = loopback_config(0);
-  if (!a.file.empty()) config::load(o, a.file);
-  for (const std::string& s : a.sets) config::apply_set(o, s);
+  a.common.apply_to(o);
   if (a.from) o.wire.domain = *a.from;
   if (a.domain) o.bridge.domain = *a.domain;
   if (!a.key.empty()) o.wire.key_file = a.key;
@@ -84,15 +73,11 @@ int main_of(int argc, char** argv) {
   CLI::App app{"Hands on what a CoSLAM map server knows to ROS 2 nodes and PX4", "coslam-bridge"};
   Arguments arguments;
   add_options(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  init_log("bridge", arguments.log_format);
+  if (const auto code = parse_arguments(app, argc, argv)) return *code;
+  init_log("bridge", arguments.common.log_format);
   const BridgeOptions options = options_of(arguments);
-  if (arguments.print) {
-    std::cout << "# All keys of coslam-bridge; --config FILE reads them back.\n" << config::dump_yaml(options);
+  if (arguments.common.print) {
+    print_config("coslam-bridge", options);
     return 0;
   }
   sigset_t signals;
@@ -108,13 +93,5 @@ int main_of(int argc, char** argv) {
 }  // namespace coslam
 
 int main(int argc, char** argv) {
-  try {
-    return coslam::main_of(argc, argv);
-  } catch (const coslam::UsageError& e) {
-    std::cerr << "coslam-bridge: " << e.what() << "\n";
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "coslam-bridge: " << e.what() << "\n";
-    return 1;
-  }
+  return coslam::run_program("coslam-bridge", [&] { return coslam::main_of(argc, argv); });
 }

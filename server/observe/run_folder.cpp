@@ -4,13 +4,11 @@
 
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstdio>
-#include <ctime>
 #include <system_error>
 
 #include "common/base/error.h"
+#include "common/base/text.h"
 #include "common/dataset/result_folder.h"
 
 namespace coslam {
@@ -23,13 +21,7 @@ namespace {
 }  // namespace
 
 std::string run_folder_name(TimeNs utc_ns, RunId run) {
-  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::array<char, 64> text{};
-  const std::size_t n = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
-  std::snprintf(text.data() + n, text.size() - n, "-%016llx", static_cast<unsigned long long>(run.value));
-  return text.data();
+  return format_utc(utc_ns, "%Y%m%dT%H%M%SZ-") + format_hex(run.value);
 }
 
 void make_folder_of_runs(const std::filesystem::path& runs) {

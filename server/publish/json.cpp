@@ -95,18 +95,12 @@ Json links_of(const PublicState& state) {
   return out;
 }
 
-std::string run_of(const PublicState& state) {
-  std::array<char, 20> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(state.run.value));
-  return text.data();
-}
-
 }  // namespace
 
 std::string state_json(const PublicState& state, const Rates& rates, RosNames& names) {
   Json out;
   out["t_s"] = seconds_of(state.t_ns);
-  out["run"] = run_of(state);
+  out["run"] = format_hex(state.run.value);
   out["scale_known"] = state.scale_known;
   out["finishing"] = state.loop.finishing;
   out["server"] = server_of(state, rates);

@@ -38,11 +38,7 @@ class BridgeRun : public ::testing::Test {
     return {"--loopback", "--domain", fleet(), "--out", runs_.string(), "--mcap", mcap_.string()};
   }
   std::vector<std::string> bridge() const { return {"--loopback", "--from", fleet(), "--domain", nodes()}; }
-  std::vector<std::string> agent(int camera) const {
-    return {
-        "--loopback",    "--domain",           fleet(),  "--id", scene_.name(camera), "--source", scene_.source(camera),
-        "--calibration", scene_.calibration(), "--rate", "max"};
-  }
+  std::vector<std::string> agent(int camera) const { return scene_.agent(camera, fleet()); }
   std::string fleet() const { return std::to_string(fleet_.number()); }
   std::string nodes() const { return std::to_string(nodes_.number()); }
 

@@ -37,19 +37,7 @@ class Fault : public ::testing::Test {
   }
   std::vector<std::string> server() const { return {"--loopback", "--domain", domain(), "--out", runs_.string()}; }
   ResultFolder latest() const { return find_result(runs_); }
-  std::vector<std::string> agent(int camera, const std::string& source = {}) const {
-    return {"--loopback",
-            "--domain",
-            domain(),
-            "--id",
-            scene_.name(camera),
-            "--source",
-            source.empty() ? scene_.source(camera) : source,
-            "--calibration",
-            scene_.calibration(),
-            "--rate",
-            "max"};
-  }
+  std::vector<std::string> agent(int camera) const { return scene_.agent(camera, domain()); }
   std::string domain() const { return std::to_string(domain_.number()); }
 
   const SmallScene scene_{2, kFrames};
@@ -99,9 +87,7 @@ TEST_F(Fault, KilledServerGoesOnWithItsMap) {
   std::vector<std::string> words = server();
   for (const char* word : {"--map", map.c_str(), "--set", "server.map_file.period_s=0.2"}) words.emplace_back(word);
   Program first("coslam-server", words);
-  std::vector<std::string> live[2] = {agent(0, scene.source(0)), agent(1, scene.source(1))};
-  for (auto& l : live) l.back() = "1";
-  Program a("coslam-agent", live[0]), b("coslam-agent", live[1]);
+  Program a("coslam-agent", scene.agent(0, domain(), "1")), b("coslam-agent", scene.agent(1, domain(), "1"));
   ASSERT_TRUE(a.says("info: playing ")) << a.err();
   const auto begin = steady_clock::now();
   const auto played_s = [&] { return std::chrono::duration<double>(steady_clock::now() - begin).count(); };
@@ -179,7 +165,9 @@ TEST_F(Fault, LateAgentCatchesUp) {
     list += std::to_string(f / SmallScene::kRate_hz) + "," + (f == kGate ? gate : scene_.image(0, f)) + "\n";
   }
   Program server("coslam-server", this->server());
-  Program a("coslam-agent", agent(0, scene_.folder().write("gated.csv", list).string()));
+  std::vector<std::string> gated = agent(0);
+  std::ranges::replace(gated, scene_.source(0), scene_.folder().write("gated.csv", list).string());
+  Program a("coslam-agent", gated);
   const int opened = open(gate.c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader
   ASSERT_GE(opened, 0);
   Program b("coslam-agent", agent(1));

@@ -79,19 +79,9 @@ class Lies : public ::testing::Test {
   }
 
   std::vector<std::string> agent(int camera, const std::string& rate) const {
-    return {"--loopback",
-            "--domain",
-            domain(),
-            "--id",
-            scene_.name(camera),
-            "--source",
-            scene_.source(camera),
-            "--calibration",
-            scene_.calibration(),
-            "--rate",
-            rate,
-            "--set",
-            key()};
+    std::vector<std::string> arguments = scene_.agent(camera, domain(), rate);
+    arguments.insert(arguments.end(), {"--set", key()});
+    return arguments;
   }
   std::string domain() const { return std::to_string(domain_.number()); }
   std::string key() const { return "wire.key_file=" + key_.string(); }

@@ -110,4 +110,11 @@ std::string SmallScene::image(int camera, int frame) const {
   return (folder_ / name(camera) / (number + ".png")).string();
 }
 
+std::vector<std::string> SmallScene::agent(int camera, const std::string& domain, const std::string& rate) const {
+  std::vector<std::string> arguments{"--loopback", "--domain", domain};
+  arguments.insert(arguments.end(), {"--id", name(camera), "--source", source(camera)});
+  arguments.insert(arguments.end(), {"--calibration", calibration(), "--rate", rate});
+  return arguments;
+}
+
 }  // namespace coslam::test

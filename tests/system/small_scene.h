@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/geometry/camera_model.h"
 #include "tests/support/temp_folder.h"
@@ -27,6 +28,8 @@ class SmallScene {
   std::string calibration() const { return (folder_ / "calibration.yaml").string(); }
   std::string image(int camera, int frame) const;
   static std::string name(int camera) { return "cam" + std::to_string(camera); }
+  // Arguments of coslam-agent that plays what this camera sees.
+  std::vector<std::string> agent(int camera, const std::string& domain, const std::string& rate = "max") const;
   const TempFolder& folder() const { return folder_; }
 
  private:

@@ -31,11 +31,7 @@ TEST(Status, TellsWhoIsAlive) {
   const test::TestDomain domain;
   const std::string number = std::to_string(domain.number());
   Program server("coslam-server", {"--loopback", "--domain", number});
-  const auto agent = [&](int camera) -> std::vector<std::string> {
-    return {
-        "--loopback",    "--domain",          number,   "--id", scene.name(camera), "--source", scene.source(camera),
-        "--calibration", scene.calibration(), "--rate", "1"};
-  };
+  const auto agent = [&](int camera) { return scene.agent(camera, number, "1"); };
   Program a("coslam-agent", agent(0)), b("coslam-agent", agent(1));
   for (const int camera : {0, 1}) ASSERT_TRUE(server.says("agent " + scene.name(camera) + " joined")) << server.err();
   ASSERT_TRUE(server.says("frame set")) << server.err();

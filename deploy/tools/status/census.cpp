@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "common/base/text.h"
 namespace coslam {
 namespace {
 
@@ -129,8 +130,8 @@ std::string Census::text(Instant now) const {
   std::string text;
   for (const auto& [run, s] : servers_) {
     const char* state = !alive(run) ? "silent" : s.stopping ? "stopping" : s.started ? "running" : "waiting";
-    text += format("map server %016llx: %s, %u frame sets, %u points\n", static_cast<unsigned long long>(run.value),
-                   state, s.frame_sets, s.points);
+    text += format("map server %s: %s, %u frame sets, %u points\n", format_hex(run.value).c_str(), state, s.frame_sets,
+                   s.points);
   }
   if (servers_.empty()) text += "no map server\n";
   text += format("%-16s %-8s %-8s %5s %8s %7s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "frames",

@@ -20,6 +20,13 @@ TEST(Text, SecondsKeepNanoseconds) {
   }
 }
 
+TEST(Text, DatesAndNumbersOfRuns) {
+  constexpr TimeNs kUtc_ns = 1'700'000'000'999'999'999;
+  EXPECT_EQ(format_utc(kUtc_ns, "%Y-%m-%d %H:%M:%S UTC"), "2023-11-14 22:13:20 UTC");
+  EXPECT_EQ(format_hex(0x1f), "000000000000001f");
+  EXPECT_EQ(format_hex(~std::uint64_t{0}), "ffffffffffffffff");
+}
+
 TEST(Text, FormatsWhatItParses) {
   for (const TimeNs t : {TimeNs{0}, TimeNs{1}, TimeNs{-1}, TimeNs{1403638518377829376}, TimeNs{-2'500'000'000}}) {
     EXPECT_EQ(parse_seconds(format_seconds(t)), t) << format_seconds(t);
