@@ -30,57 +30,27 @@ bool readable(const PyramidLevel& level, const Eigen::Vector2f& centre, const Ei
          centre.y() + reach.y() <= static_cast<float>(level.rows() - 1) + kMargin;
 }
 
-void sample_warped(const PyramidLevel& level, const Eigen::Vector2f& centre, const Eigen::Matrix2f& warp,
-                   Samples& out) {
+WarpedSample first_warped(const PyramidLevel& level, const Eigen::Vector2f& centre, const Eigen::Matrix2f& warp) {
   const Eigen::Vector2f first = centre - warp * Eigen::Vector2f(kWindowHalf_px, kWindowHalf_px);
-  const int x_u = fixed(warp(0, 0)), y_u = fixed(warp(1, 0)), x_v = fixed(warp(0, 1)), y_v = fixed(warp(1, 1));
-  int x_row = fixed(first.x()), y_row = fixed(first.y());
-  const std::uint8_t* origin = level.at(0, 0);
-  const std::ptrdiff_t stride = level.stride();
-  std::int16_t* sample = out.data();
-  for (int r = 0; r < kWindowSide; ++r, x_row += x_v, y_row += y_v) {
-    int x = x_row, y = y_row;
-    for (int c = 0; c < kWindowSide; ++c, x += x_u, y += y_u) {
-      const std::uint8_t* p = origin + (y >> kFixedShift) * stride + (x >> kFixedShift);
-      const int a = (x >> 8) & 255, b = (y >> 8) & 255;  // fractions in 8 bits, so the value has 16 below a grey level
-      const int upper = (p[0] << 8) + (p[1] - p[0]) * a;
-      const int lower = (p[stride] << 8) + (p[stride + 1] - p[stride]) * a;
-      *sample++ = static_cast<std::int16_t>((((upper << 8) + (lower - upper) * b) >> 11) - kSampleCentre);
-    }
-  }
+  return {.origin = level.at(0, 0),
+          .stride = level.stride(),
+          .x = fixed(first.x()),
+          .y = fixed(first.y()),
+          .x_u = fixed(warp(0, 0)),
+          .y_u = fixed(warp(1, 0)),
+          .x_v = fixed(warp(0, 1)),
+          .y_v = fixed(warp(1, 1))};
 }
 
-// Samples times their column, or row, from the window's centre, in eighths.
-constexpr float kMomentUnit = 8.0f;
-
-Samples times_column(const Samples& samples) {
-  Samples out;
-  for (int i = 0; i < kWindowArea; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    out[k] = static_cast<std::int16_t>((samples[k] * (2 * (i % kWindowSide) - (kWindowSide - 1)) + 8) >> 4);
-  }
-  return out;
-}
-
-Samples times_row(const Samples& samples) {
-  Samples out;
-  for (int i = 0; i < kWindowArea; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    out[k] = static_cast<std::int16_t>((samples[k] * (2 * (i / kWindowSide) - (kWindowSide - 1)) + 8) >> 4);
-  }
-  return out;
-}
+constexpr float kMomentUnit = 8.0f;  // of WarpedSums
 
 // Products of the samples, mean taken out, with the derivatives of the patch by all parameters.
-Vector7f project(const KeyPatch& patch, const Samples& samples) {
-  const Samples by_column = times_column(samples), by_row = times_row(samples);
-  Vector7f sums;
-  sums << static_cast<float>(dot(samples, patch.dx)), static_cast<float>(dot(samples, patch.dy)),
-      kMomentUnit * static_cast<float>(dot(by_column, patch.dx)),
-      kMomentUnit * static_cast<float>(dot(by_row, patch.dx)),
-      kMomentUnit * static_cast<float>(dot(by_column, patch.dy)),
-      kMomentUnit * static_cast<float>(dot(by_row, patch.dy)), static_cast<float>(dot(samples, patch.grey));
-  return sums - patch.totals * (static_cast<float>(total(samples)) / kWindowArea);
+Vector7f project(const KeyPatch& patch, const WarpedSums& sums) {
+  Vector7f with;
+  with << static_cast<float>(sums.dx), static_cast<float>(sums.dy), kMomentUnit * static_cast<float>(sums.column_dx),
+      kMomentUnit * static_cast<float>(sums.row_dx), kMomentUnit * static_cast<float>(sums.column_dy),
+      kMomentUnit * static_cast<float>(sums.row_dy), static_cast<float>(sums.grey);
+  return with - patch.totals * (static_cast<float>(sums.total) / kWindowArea);
 }
 
 }  // namespace
@@ -123,10 +93,10 @@ KeyAlignment find_key_patch(const KeyPatch& patch, const Pyramid& pyramid, const
   Eigen::Matrix2f warp = patch.warp / scale;
   for (int i = 0; i < kKeyIterations; ++i) {
     if (!readable(level, at, warp)) return result;
-    Samples samples;
-    sample_warped(level, at, warp, samples);
-    const Vector7f with = project(patch, samples);
-    const float own_squares = static_cast<float>(centred_squares(samples));
+    const WarpedSums sums =
+        kernels().warped(first_warped(level, at, warp), patch.grey.data(), patch.dx.data(), patch.dy.data());
+    const Vector7f with = project(patch, sums);
+    const float own_squares = static_cast<float>(centred(sums.small_squares, sums.small_total, sums.small_total));
     result.zncc = own_squares > 0 ? with[6] / ((1 << kTemplateShift) * std::sqrt(own_squares * patch.squares)) : 0.0f;
     const Vector7f solution = patch.inverse * with;
     if (!(solution[6] * kTemplateUnit > kKeyLeastGain * kSampleUnit)) return result;

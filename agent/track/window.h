@@ -4,13 +4,11 @@
 
 #include <Eigen/Core>
 
+#include "agent/track/kernels.h"
 #include "agent/track/pyramid.h"
-#include "agent/track/samples.h"
 
 namespace coslam {
 
-constexpr int kTemplateCols = 24;  // a pixel more on either side than the window, and up to whole vectors
-constexpr int kTemplateRows = kWindowSide + 2;
 // How far beyond the level a window's centre may lie: half a window, a pixel for the derivative, one for the
 // interpolation, and what kTemplateCols reads beyond stay in the margin.
 constexpr float kWindowReach_px = PyramidLevel::kMargin - kWindowHalf_px - 2 - (kTemplateCols - kTemplateRows);
