@@ -27,13 +27,15 @@ void describe(V& v, SyncConfig& c) {
   v.field("queue_frames", c.queue_frames, {1, 10000}, "waiting per agent at most");
 }
 
-// Gathers the frames of all agents into frame sets, in the order of capture time. Live, a set waits for an agent as
-// long as its link usually takes, and the deadline more. Pure: the time comes as an argument.
+// Gathers the frames of all agents into frame sets, in the order of capture time. Frames are of one instant when they
+// are nearer to each other than to the next of any camera in the set, by how often its frames come, which is measured.
+// Live, a set waits for an agent as long as its link usually takes, and the deadline more. Pure: the time comes as an
+// argument.
 class FrameSetSync {
  public:
   explicit FrameSetSync(const SyncConfig& config) : config_(config) {}
 
-  // lockstep: this agent's frames are waited for as long as it takes.
+  // rate_hz: until a few frames were used. lockstep: this agent's frames are waited for as long as it takes.
   void add(CameraId camera, double rate_hz, bool lockstep);
   // Sets are numbered on from this one.
   void begin_after(SetId set) { next_set_ = set.value + 1; }
@@ -60,11 +62,16 @@ class FrameSetSync {
   struct Member {
     bool lockstep = false, finished = false, silent = false;
     TimeNs period_ns = 0;
+    std::optional<TimeNs> newest_ns;   // of the frames that were used
+    std::deque<TimeNs> steps_ns;       // between the last of them
     TimeNs lag_ns = 0, lag_at_ns = 0;  // how long after their capture its frames arrive, at most lately
     std::deque<Waiting> queue;
   };
 
   bool overdue(const Waiting& oldest, TimeNs since_ns, TimeNs now_ns) const;
+  TimeNs tolerance_ns(TimeNs period_ns) const;
+  std::vector<CameraFrame> take_instant(TimeNs first_ns);
+  static CameraFrame take_head(Member& m);
 
   SyncConfig config_;
   std::map<CameraId, Member> members_;

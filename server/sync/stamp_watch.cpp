@@ -39,8 +39,10 @@ void StampWatch::Floor::add(double value_s, double now_s, double most_fall) {
 }
 
 void StampWatch::add(CameraId camera, const std::string& name, double rate_hz) {
-  constexpr double kDensest = 0.45;  // of the period: twice the rate, with some jitter
-  agents_[camera] = {.name = name, .least_step_ns = std::max<TimeNs>(1, to_ns(kDensest / rate_hz))};
+  constexpr double kDensest = 0.45;     // of the period: twice the rate, with some jitter
+  constexpr double kUsualRate_hz = 30;  // of a camera whose own was told too low
+  agents_[camera] = {.name = name,
+                     .least_step_ns = std::max<TimeNs>(1, to_ns(kDensest / std::max(rate_hz, kUsualRate_hz)))};
 }
 
 // The lower median of those heard lately.

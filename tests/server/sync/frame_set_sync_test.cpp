@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -146,7 +147,56 @@ TEST_F(SyncTest, AFasterCameraGetsSetsOfItsOwn) {
   }
   wait_ms(200);
   for (std::string s = pop(); !s.empty(); s = pop()) sets.push_back(s);
-  EXPECT_THAT(sets, ElementsAre("0@0 1@0", "0@16 1@32", "0@32", "0@48"));
+  EXPECT_THAT(sets, ElementsAre("0@0 1@0", "0@16", "0@32 1@32", "0@48"));
+}
+
+// Said to run at 30 Hz, both take 10 images a second, 35 ms apart.
+TEST_F(SyncTest, HowOftenFramesComeIsMeasured) {
+  add({kA, kB});
+  std::vector<std::string> sets;
+  for (int i = 0; i < 20; ++i) {
+    push(kA, i * 100 * kMs);
+    push(kB, (i * 100 + 35) * kMs);
+    for (std::string s = pop(); !s.empty(); s = pop()) sets.push_back(s);
+  }
+  ASSERT_GE(sets.size(), 10U);
+  for (std::size_t i = 12; i < sets.size(); ++i) EXPECT_THAT(sets[i], testing::HasSubstr(" ")) << i;
+}
+
+// A tenth of the frames of a camera at 30 Hz is nearer to those of another than to its own neighbours.
+TEST_F(SyncTest, FramesJoinTheNearestOfAFasterCamera) {
+  sync_.add(kA, 30, true);
+  sync_.add(kB, 30, true);  // in truth 10
+  sync_.add(kC, 10, true);  // likewise, 45 ms after that
+  std::map<std::string, int> joined;
+  for (int i = 0; i < 300; ++i) {
+    push(kA, i * kPeriod);
+    if (i % 3 == 0) push(kB, (i * 33 + 10) * kMs);
+    if (i % 3 == 0) push(kC, (i * 33 + 55) * kMs);
+    for (std::string s = pop(); !s.empty(); s = pop()) {
+      if (i > 30)
+        ++joined[std::string{s.find("1@") == std::string::npos ? '-' : 'b',
+                             s.find("2@") == std::string::npos ? '-' : 'c'}];
+    }
+  }
+  EXPECT_EQ(joined["bc"], 0) << "45 ms apart";
+  EXPECT_GT(joined["b-"], 80);
+  EXPECT_GT(joined["-c"], 80);
+}
+
+TEST_F(SyncTest, LostFramesAreNoOtherRate) {
+  add({kA, kB}, true);
+  std::mt19937 random(3);
+  std::bernoulli_distribution lost(0.3);
+  int pairs = 0, both = 0;
+  for (int i = 0; i < 300; ++i) {
+    const bool a = !lost(random), b = !lost(random);
+    if (a) push(kA, i * kPeriod);
+    if (b) push(kB, i * kPeriod + 3 * kMs);
+    both += a && b;
+    for (std::string s = pop(); !s.empty(); s = pop()) pairs += s.find(' ') != std::string::npos;
+  }
+  EXPECT_NEAR(pairs, both, 3);
 }
 
 TEST_F(SyncTest, AfterTheDeadlineTheOthersGoOn) {
