@@ -63,9 +63,33 @@ void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
   }
 }
 
+// Its newest frames, more than so many, are without a pose.
+bool without_map_for(const MapCamera& camera, int sets) {
+  const auto n = static_cast<std::size_t>(sets) + 1;
+  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
+                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
+}
+
+// Two views leave depth and direction weakly known; the ones from the first of them to the last settle it.
+void settle_between(MapEdit& edit, MapId id, SetId first, SetId last, const RefineConfig& refine) {
+  constexpr std::uint32_t kSteps = 6;
+  if (first == last) return;
+  const std::uint32_t steps = std::min(kSteps, last.value - first.value);
+  for (std::uint32_t i = 0; i <= steps; ++i) {
+    edit.add_key_frame(SetId(first.value + i * (last.value - first.value) / steps));
+  }
+  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, refine)) {
+    apply_refine(edit, *job, solve_refine(*job));
+  }
+}
+
+SetId first_in_map(const MapCamera& camera) {
+  return std::ranges::find(camera.frames, camera.map, &FramePose::map)->set;
+}
+
 // All unplaced cameras with descriptors at once.
 void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
-                    StartReport* report) {
+                    const RefineConfig& refine, StartReport* report) {
   const Map& map = edit.map();
   std::vector<TrackFeatures> features;
   std::vector<CameraId> cameras;
@@ -83,6 +107,13 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
     report->reason = result.reason;
     return;
   }
+  // Side by side, a turn and a way look much alike. Where the cameras were just before tells them apart.
+  constexpr double kWide_rad = 0.1, kBefore_s = 0.1;
+  const auto seen_for = [&](CameraId c) { return without_map_for(map.camera(c), map.camera(c).frames_in(kBefore_s)); };
+  if (!result.metric && result.parallax_rad < kWide_rad && !std::ranges::all_of(cameras, seen_for)) {
+    report->reason = "cameras side by side are looked at for a moment";
+    return;
+  }
   const auto together = static_cast<double>(cameras.size());
   const MapId id = edit.new_map(Why::kStartedTogether, together);
   if (result.metric) edit.set_metric(id);
@@ -92,9 +123,13 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
   }
   add_points(edit, id, cameras, features, result);
   edit.add_key_frame(set.id);
+  SetId oldest = set.id;
   for (const CameraId c : cameras) {
-    if (map.camera(c).map == id) localise_backwards(edit, map.camera(c), set.id, localise);
+    if (map.camera(c).map != id) continue;
+    localise_backwards(edit, map.camera(c), set.id, localise);
+    oldest = std::min(oldest, first_in_map(map.camera(c)));
   }
+  settle_between(edit, id, oldest, set.id, refine);
   edit.put_on_trial(id, Why::kMapIsNew);
   edit.raise_epoch();
   ++report->started;
@@ -142,13 +177,6 @@ std::optional<Common> widest_common(const MapCamera& camera) {
   return common_tracks(camera, oldest->set);
 }
 
-// Its newest frames, more than so many, are without a pose.
-bool without_map_for(const MapCamera& camera, int sets) {
-  const auto n = static_cast<std::size_t>(sets) + 1;
-  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
-                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
-}
-
 // Two views of one camera at different times.
 void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
                  const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
@@ -172,14 +200,7 @@ void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, co
   }
   localise_backwards(edit, camera, set.id, localise);
   localise_backwards(edit, camera, common->set, localise);
-  // Two views leave depth and direction weakly known; the ones between settle it.
-  constexpr std::uint32_t kSteps = 6;
-  for (std::uint32_t i = 0; i <= kSteps; ++i) {
-    edit.add_key_frame(SetId(common->set.value + i * (set.id.value - common->set.value) / kSteps));
-  }
-  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, refine)) {
-    apply_refine(edit, *job, solve_refine(*job));
-  }
+  settle_between(edit, id, common->set, set.id, refine);
   edit.put_on_trial(id, Why::kMapIsNew);
   edit.raise_epoch();
   ++report->started;
@@ -191,7 +212,7 @@ StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& co
                   const RefineConfig& refine) {
   constexpr double kTry_s = 0.1;
   StartReport report;
-  start_together(edit, set, config, localise, &report);
+  start_together(edit, set, config, localise, refine, &report);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
     // Cameras of a rig first try together: they know lengths.

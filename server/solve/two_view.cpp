@@ -12,6 +12,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "common/geometry/robust.h"
+
 namespace coslam {
 namespace {
 
@@ -33,6 +35,15 @@ double sampson(const Eigen::Matrix3d& e, const Eigen::Vector2d& pa, const Eigen:
 
 Eigen::Matrix3d essential(const Rigid3& m) { return skew(m.translation) * m.rotation.toRotationMatrix(); }
 
+constexpr double kSigmaOfMedian = 1.4826;  // of what is normally distributed
+
+double median_distance(const Rigid3& m, const Points& pa, const Points& pb) {
+  const Eigen::Matrix3d e = essential(m);
+  std::vector<double> off;
+  for (std::size_t i = 0; i < pa.size(); ++i) off.push_back(std::abs(sampson(e, pa[i], pb[i])));
+  return upper_median(off);
+}
+
 // Moved by three angles of rotation and two of the direction of translation.
 Rigid3 stepped(const Rigid3& m, const Eigen::Matrix<double, 5, 1>& step) {
   const Eigen::Vector3d u = m.translation.unitOrthogonal(), v = m.translation.cross(u);
@@ -40,38 +51,84 @@ Rigid3 stepped(const Rigid3& m, const Eigen::Matrix<double, 5, 1>& step) {
           (m.translation + step(3) * u + step(4) * v).normalized()};
 }
 
-// Least squares of the Sampson distances with Cauchy weights: minimal samples of noisy matches, as RANSAC draws them,
-// are far from the best motion when the baseline is short.
-Rigid3 polished(Rigid3 m, const Points& pa, const Points& pb, double threshold) {
-  constexpr int kIterations = 12;
+// Cauchy's cost of the Sampson distances from `scale` on.
+double cost_of(const Rigid3& m, const Points& pa, const Points& pb, double scale) {
+  const Eigen::Matrix3d e = essential(m);
+  double cost = 0;
+  for (std::size_t i = 0; i < pa.size(); ++i) {
+    const double r = sampson(e, pa[i], pb[i]) / scale;
+    cost += std::log1p(r * r);
+  }
+  return cost;
+}
+
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+// Normal equations of that cost for a step from m.
+void linearise(const Rigid3& m, const Points& pa, const Points& pb, double scale, Matrix5d* h, Vector5d* g) {
   constexpr double kStep = 1e-6;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    std::array<Eigen::Matrix3d, 5> shifted;
-    for (int k = 0; k < 5; ++k) {
-      const Eigen::Matrix<double, 5, 1> unit = kStep * Eigen::Matrix<double, 5, 1>::Unit(k);
-      shifted[static_cast<std::size_t>(k)] = essential(stepped(m, unit));
+  std::array<Eigen::Matrix3d, 5> shifted;
+  for (int k = 0; k < 5; ++k) {
+    shifted[static_cast<std::size_t>(k)] = essential(stepped(m, kStep * Vector5d::Unit(k)));
+  }
+  const Eigen::Matrix3d e = essential(m);
+  h->setZero();
+  g->setZero();
+  for (std::size_t i = 0; i < pa.size(); ++i) {
+    const double r = sampson(e, pa[i], pb[i]);
+    const double weight = 1 / (1 + r * r / (scale * scale));
+    Vector5d j;
+    for (int k = 0; k < 5; ++k) j(k) = (sampson(shifted[static_cast<std::size_t>(k)], pa[i], pb[i]) - r) / kStep;
+    *h += weight * j * j.transpose();
+    *g += weight * r * j;
+  }
+}
+
+// The motion of least cost, by Levenberg and Marquardt: with a short baseline a turn and a way are hard to tell apart.
+Rigid3 polished(Rigid3 m, const Points& pa, const Points& pb, double scale) {
+  constexpr int kIterations = 20;
+  constexpr double kMostDamping = 1e6, kConverged = 1e-8;
+  double damping = 1e-4, cost = cost_of(m, pa, pb, scale);
+  for (int iteration = 0; iteration < kIterations && damping < kMostDamping; ++iteration) {
+    Matrix5d h;
+    Vector5d g;
+    linearise(m, pa, pb, scale, &h, &g);
+    for (; damping < kMostDamping; damping *= 10) {
+      Matrix5d damped = h;
+      damped.diagonal() *= 1 + damping;
+      damped.diagonal().array() += 1e-12;
+      const Vector5d step = -damped.ldlt().solve(g);
+      if (!step.allFinite()) continue;
+      const Rigid3 moved = stepped(m, step);
+      const double then = cost_of(moved, pa, pb, scale);
+      if (!(then <= cost)) continue;
+      m = moved;
+      cost = then;
+      damping = std::max(1e-9, 0.1 * damping);
+      if (step.norm() < kConverged) return m;
+      break;
     }
-    const Eigen::Matrix3d e = essential(m);
-    Eigen::Matrix<double, 5, 5> h = 1e-12 * Eigen::Matrix<double, 5, 5>::Identity();
-    Eigen::Matrix<double, 5, 1> g = Eigen::Matrix<double, 5, 1>::Zero();
-    for (std::size_t i = 0; i < pa.size(); ++i) {
-      const double r = sampson(e, pa[i], pb[i]);
-      const double weight = 1 / (1 + r * r / (threshold * threshold));
-      Eigen::Matrix<double, 5, 1> j;
-      for (int k = 0; k < 5; ++k) j(k) = (sampson(shifted[static_cast<std::size_t>(k)], pa[i], pb[i]) - r) / kStep;
-      h += weight * j * j.transpose();
-      g += weight * r * j;
-    }
-    const Eigen::Matrix<double, 5, 1> step = -h.ldlt().solve(g);
-    if (!step.allFinite() || step.norm() > 0.5) break;
-    m = stepped(m, step);
-    if (step.norm() < 1e-8) break;
   }
   return m;
 }
 
+// Minimal samples of noisy matches, as RANSAC draws them, are far from the best motion when the baseline is short. And
+// most matches are far better than the threshold, which a few that are not on its side would bend the motion by: so the
+// scale follows what is left of them.
+Rigid3 polished_all(Rigid3 m, const Points& pa, const Points& pb, double threshold) {
+  constexpr int kRounds = 4;
+  constexpr double kSigmas = 2.5, kLeast = 0.05;  // of the threshold
+  double scale = 0.5 * threshold;
+  for (int round = 0; round < kRounds; ++round) {
+    m = polished(m, pa, pb, scale);
+    scale = std::clamp(kSigmas * kSigmaOfMedian * median_distance(m, pa, pb), kLeast * threshold, scale);
+  }
+  return polished(m, pa, pb, scale);
+}
+
 TwoViewMotion judged(const Rigid3& start, const Points& pa, const Points& pb, double threshold) {
-  const Rigid3 second_from_first = polished(start, pa, pb, 0.5 * threshold);
+  const Rigid3 second_from_first = polished_all(start, pa, pb, threshold);
   TwoViewMotion m{second_from_first, std::vector<bool>(pa.size()), 0};
   const Eigen::Matrix3d r = second_from_first.rotation.toRotationMatrix();
   const Eigen::Vector3d& t = second_from_first.translation;
@@ -94,6 +151,35 @@ Rigid3 to_motion(const cv::Mat& r, const cv::Mat& t) {
   cv::cv2eigen(r, rotation);
   cv::cv2eigen(t, translation);
   return {Eigen::Quaterniond(rotation).normalized(), translation.normalized()};
+}
+
+// Of those that support alike, the one that matches fit best, by Cauchy's cost at the noise of the best.
+const TwoViewMotion* best_of(const std::vector<TwoViewMotion>& motions, const Points& pa, const Points& pb,
+                             double threshold) {
+  constexpr double kAlike = 0.9;
+  const int most = std::ranges::max(motions, {}, &TwoViewMotion::support).support;
+  double scale = threshold;
+  for (const TwoViewMotion& m : motions) {
+    if (m.support >= kAlike * most) {
+      scale = std::min(scale, kSigmaOfMedian * median_distance(m.second_from_first, pa, pb));
+    }
+  }
+  scale = std::max(scale, 1e-3 * threshold);
+  const TwoViewMotion* best = nullptr;
+  double least = 0;
+  for (const TwoViewMotion& m : motions) {
+    if (m.support < kAlike * most) continue;
+    const Eigen::Matrix3d e = essential(m.second_from_first);
+    double cost = 0;
+    for (std::size_t i = 0; i < pa.size(); ++i) {
+      const double off = m.fits[i] ? sampson(e, pa[i], pb[i]) / scale : threshold / scale;
+      cost += std::log1p(off * off);
+    }
+    if (best != nullptr && cost >= least) continue;
+    best = &m;
+    least = cost;
+  }
+  return best;
 }
 
 // Matches that the rotation nearest to a homography explains alone.
@@ -143,9 +229,7 @@ std::optional<TwoViewMotion> two_view_motion(const std::vector<Eigen::Vector2d>&
     }
   }
   if (motions.empty()) return std::nullopt;
-  const auto best =
-      std::max_element(motions.begin(), motions.end(),
-                       [](const TwoViewMotion& x, const TwoViewMotion& y) { return x.support < y.support; });
+  const TwoViewMotion* best = best_of(motions, first, second, threshold);
   constexpr double kSameDirection = 0.88;  // cosine of 0.5 rad
   constexpr double kTurnShare = 0.7;
   if (turn > kTurnShare * best->support) return std::nullopt;

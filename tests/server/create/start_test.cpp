@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <vector>
+
 #include "tests/support/map_fit.h"
 #include "tests/support/sim_map.h"
 
@@ -66,6 +69,53 @@ TEST_F(StartTest, SaysWhyNot) {
   const StartReport report = start(blind.edit, blind.set, config_, {}, {});
   EXPECT_EQ(report.started, 0);
   EXPECT_FALSE(report.reason.empty());
+}
+
+// A quarter of a metre apart, driving on.
+class StartSideBySide : public StartTest {
+ protected:
+  static constexpr double kApart_m = 0.25, kSpeed_m_s = 3;
+  static test::CameraPath drives(double right_m) {
+    return [=](double t_s) { return test::looking({right_m, 0, kSpeed_m_s * t_s - 1}); };
+  }
+  StartSideBySide() { sim_.emplace(world_, std::vector{drives(0), drives(kApart_m)}); }
+  StartReport step(const RefineConfig& refine = {}) {
+    sim_->ingest(false, true);
+    localise(sim_->edit, sim_->set, {});
+    return start(sim_->edit, sim_->set, config_, {}, refine);
+  }
+  // How far the way between them points off, radians.
+  double way_off() const {
+    const Rigid3 second_from_first =
+        camera(1).frames.back().cam_from_world * camera(0).frames.back().cam_from_world.inverse();
+    return (second_from_first.center().normalized() - Eigen::Vector3d::UnitX()).norm();
+  }
+  const MapCamera& camera(int i) const { return sim_->map.camera(cam(i)); }
+
+  std::optional<test::SimMap> sim_;
+};
+
+TEST_F(StartSideBySide, IsNotDecidedByOneInstant) {
+  const StartReport first = step();
+  EXPECT_EQ(first.started, 0);
+  EXPECT_FALSE(first.reason.empty());
+  int started = 0;
+  for (int i = 0; i < 10 && started == 0; ++i) started = step().started;
+  EXPECT_EQ(started, 1);
+  EXPECT_EQ(fit_of(*sim_, camera(0).map).poses, std::ssize(camera(0).frames) + std::ssize(camera(1).frames));
+  EXPECT_GE(sim_->map.key_frames().size(), 3U);
+  EXPECT_LT(way_off(), 0.1);
+}
+
+TEST_F(StartSideBySide, IsAdjustedAsConfigured) {
+  std::vector<double> off;
+  for (const int iterations : {1, 40}) {
+    sim_.emplace(world_, std::vector{drives(0), drives(kApart_m)});
+    int started = 0;
+    for (int i = 0; i < 10 && started == 0; ++i) started = step({.final_iterations = iterations}).started;
+    off.push_back(way_off());
+  }
+  EXPECT_NE(off[0], off[1]);
 }
 
 class StartAlone : public StartTest {
