@@ -110,7 +110,7 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
   // Side by side, a turn and a way look much alike. Where the cameras were just before tells them apart.
   constexpr double kWide_rad = 0.1, kBefore_s = 0.1;
   const auto seen_for = [&](CameraId c) { return without_map_for(map.camera(c), map.camera(c).frames_in(kBefore_s)); };
-  if (!result.metric && result.parallax_rad < kWide_rad && !std::ranges::all_of(cameras, seen_for)) {
+  if (!result.metric && result.parallax_rad < kWide_rad && std::ranges::none_of(cameras, seen_for)) {
     report->reason = "cameras side by side are looked at for a moment";
     return;
   }
