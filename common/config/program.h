@@ -21,8 +21,8 @@ struct CommonArguments {
   bool print = false;
   LogFormat log_format = LogFormat::kText;
 
-  // file: what it is called in the documents; example: KEY=VALUE.
-  void add_to(CLI::App& app, const std::string& file, const std::string& example);
+  // name: that of the file in the documents; example: KEY=VALUE.
+  void add_to(CLI::App& app, const std::string& name, const std::string& example);
 
   template <class Options>
   void apply_to(Options& options) const {

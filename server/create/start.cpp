@@ -87,6 +87,12 @@ SetId first_in_map(const MapCamera& camera) {
   return std::ranges::find(camera.frames, camera.map, &FramePose::map)->set;
 }
 
+double way_since(const MapCamera& camera, SetId then) {
+  const FramePose* f = camera.frame_at(then);
+  if (f == nullptr || f->map != camera.map) return 0;
+  return (camera.frames.back().cam_from_world.center() - f->cam_from_world.center()).norm();
+}
+
 // All unplaced cameras with descriptors at once.
 void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
                     const RefineConfig& refine, StartReport* report) {
@@ -107,13 +113,6 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
     report->reason = result.reason;
     return;
   }
-  // Side by side, a turn and a way look much alike. Where the cameras were just before tells them apart.
-  constexpr double kWide_rad = 0.1, kBefore_s = 0.1;
-  const auto seen_for = [&](CameraId c) { return without_map_for(map.camera(c), map.camera(c).frames_in(kBefore_s)); };
-  if (!result.metric && result.parallax_rad < kWide_rad && std::ranges::none_of(cameras, seen_for)) {
-    report->reason = "cameras side by side are looked at for a moment";
-    return;
-  }
   const auto together = static_cast<double>(cameras.size());
   const MapId id = edit.new_map(Why::kStartedTogether, together);
   if (result.metric) edit.set_metric(id);
@@ -129,7 +128,10 @@ void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& 
     localise_backwards(edit, map.camera(c), set.id, localise);
     oldest = std::min(oldest, first_in_map(map.camera(c)));
   }
-  settle_between(edit, id, oldest, set.id, refine);
+  // Side by side, a turn and a way look much alike. Cameras that have gone farther than they stand apart tell more.
+  constexpr double kOfApart = 0.5;  // which is 1
+  const auto goes = [&](CameraId c) { return map.camera(c).map == id && way_since(map.camera(c), oldest) > kOfApart; };
+  if (!result.metric && std::ranges::any_of(cameras, goes)) settle_between(edit, id, oldest, set.id, refine);
   edit.put_on_trial(id, Why::kMapIsNew);
   edit.raise_epoch();
   ++report->started;

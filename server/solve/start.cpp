@@ -275,7 +275,6 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   result.first = best->first;
   result.second = best->second;
   result.metric = best->metric;
-  result.parallax_rad = best->median_parallax_rad;
   result.cam_from_world[static_cast<std::size_t>(best->first)] = Rigid3();
   result.cam_from_world[static_cast<std::size_t>(best->second)] = best->second_from_first;
   Correspondences links(images.size());

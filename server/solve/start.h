@@ -53,7 +53,6 @@ struct StartResult {
   std::vector<Point> points;
   int first = 0, second = 0;  // the best pair; `first` is the origin
   bool metric = false;        // a rig tells lengths
-  double parallax_rad = 0;    // median over the pair's matches
 };
 
 // Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and

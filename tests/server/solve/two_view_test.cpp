@@ -109,8 +109,9 @@ TEST(TwoViewMotion, AFewThatAreNearlyRightDoNotBendIt) {
     for (int i = 0; i < 100; ++i) {
       const Vector3d p = depth_m(random) * Vector2d(across(random), down(random)).homogeneous();
       const double moved_px = i < 15 ? off_px(random) : 0;
-      first.push_back(p.hnormalized() + Vector2d(noise_px(random), noise_px(random)) / kFocal_px);
-      second.push_back((aside * p).hnormalized() + Vector2d(noise_px(random), noise_px(random) + moved_px) / kFocal_px);
+      first.emplace_back(p.hnormalized() + Vector2d(noise_px(random), noise_px(random)) / kFocal_px);
+      second.emplace_back((aside * p).hnormalized() +
+                          Vector2d(noise_px(random), noise_px(random) + moved_px) / kFocal_px);
     }
     const auto found = two_view_motion(first, second, kThreshold_px / kFocal_px);
     ASSERT_TRUE(found.has_value()) << seed;
