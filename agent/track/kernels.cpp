@@ -80,7 +80,6 @@ CorrelationSums correlate(const FirstSample& first, Values grey) {
 }
 
 void sample_warped(const WarpedSample& first, Samples& out) {
-  constexpr int kFixedShift = 16;
   std::int16_t* sample = out.data();
   int x_row = first.x, y_row = first.y;
   for (int r = 0; r < kWindowSide; ++r, x_row += first.x_v, y_row += first.y_v) {

@@ -19,7 +19,8 @@ struct FirstSample {
   std::uint16_t w00 = 0, w01 = 0, w10 = 0, w11 = 0;
 };
 
-// Of a window that is turned and scaled: coordinates 16 bits below a pixel, from `origin`.
+constexpr int kFixedShift = 16;
+// Of a window that is turned and scaled: coordinates kFixedShift bits below a pixel, from `origin`.
 struct WarpedSample {
   const std::uint8_t* origin = nullptr;
   std::ptrdiff_t stride = 0;

@@ -12,8 +12,6 @@ namespace coslam {
 #if defined(__AVX2__)
 namespace {
 
-constexpr int kColumns = kTemplateCols + 8;  // of the rows of samples of a template, whole vectors
-
 __m256i load(const std::int16_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
 void store(std::int16_t* p, __m256i v) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
 
@@ -72,19 +70,19 @@ class Rows {
 };
 
 TemplateSums cut(const FirstSample& first, std::int16_t* grey_out, std::int16_t* dx_out, std::int16_t* dy_out) {
-  alignas(32) std::int16_t samples[kColumns * kTemplateRows];
+  alignas(32) std::int16_t samples[kTemplateCols * kTemplateRows];
   Rows first_columns(first, 0), last_columns(first, 8);
   for (int r = 0; r < kTemplateRows; ++r) {
-    store(samples + r * kColumns, first_columns.next());
-    store(samples + r * kColumns + 8, last_columns.next());
+    store(samples + r * kTemplateCols, first_columns.next());
+    store(samples + r * kTemplateCols + 8, last_columns.next());
   }
   Sum grey, dx, dy, grey_grey, dx_dx, dy_dy, dx_dy, dx_grey, dy_grey;
   for (int r = 0; r < kWindowSide; ++r) {
-    const std::int16_t* row = samples + (r + 1) * kColumns + 1;
+    const std::int16_t* row = samples + (r + 1) * kTemplateCols + 1;
     const __m256i g = _mm256_srai_epi16(load(row), kTemplateShift);
     const __m256i x = _mm256_srai_epi16(_mm256_sub_epi16(load(row + 1), load(row - 1)), kTemplateShift + 1);
     const __m256i y =
-        _mm256_srai_epi16(_mm256_sub_epi16(load(row + kColumns), load(row - kColumns)), kTemplateShift + 1);
+        _mm256_srai_epi16(_mm256_sub_epi16(load(row + kTemplateCols), load(row - kTemplateCols)), kTemplateShift + 1);
     store(grey_out + r * kWindowSide, g);
     store(dx_out + r * kWindowSide, x);
     store(dy_out + r * kWindowSide, y);
@@ -130,9 +128,9 @@ CorrelationSums correlate(const FirstSample& first, const std::int16_t* grey) {
 
 // Eight samples at these coordinates, in lanes of 32 bits. Reads two bytes beyond the pixels, which are in the margin.
 __m256i warped_samples(const WarpedSample& first, __m256i x, __m256i y) {
-  const __m256i at =
-      _mm256_add_epi32(_mm256_mullo_epi32(_mm256_srai_epi32(y, 16), _mm256_set1_epi32(static_cast<int>(first.stride))),
-                       _mm256_srai_epi32(x, 16));
+  const __m256i at = _mm256_add_epi32(
+      _mm256_mullo_epi32(_mm256_srai_epi32(y, kFixedShift), _mm256_set1_epi32(static_cast<int>(first.stride))),
+      _mm256_srai_epi32(x, kFixedShift));
   // A pixel and its right neighbour, each in 16 bits.
   const __m256i spread = _mm256_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1,  //
                                           0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1);

@@ -17,7 +17,6 @@ using Vector7f = KeyPatch::Vector7f;
 constexpr float kWarpSigma = 0.02f;
 constexpr float kGreySigma = 4.0f * kTemplateUnit;
 
-constexpr int kFixedShift = 16;  // coordinates of the warped samples, 16 bits below a pixel
 constexpr int kFixedOne = 1 << kFixedShift;
 
 int fixed(float value) { return static_cast<int>(std::lround(value * static_cast<float>(kFixedOne))); }

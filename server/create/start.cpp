@@ -63,13 +63,6 @@ void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
   }
 }
 
-// Its newest frames, more than so many, are without a pose.
-bool without_map_for(const MapCamera& camera, int sets) {
-  const auto n = static_cast<std::size_t>(sets) + 1;
-  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
-                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
-}
-
 // Two views leave depth and direction weakly known; the ones from the first of them to the last settle it.
 void settle_between(MapEdit& edit, MapId id, SetId first, SetId last, const RefineConfig& refine) {
   constexpr std::uint32_t kSteps = 6;
@@ -177,6 +170,13 @@ std::optional<Common> widest_common(const MapCamera& camera) {
   const auto oldest = std::find_if(first, camera.frames.end(), [](const FramePose& f) { return !f.valid(); });
   if (oldest == camera.frames.end() || oldest->set == camera.frames.back().set) return std::nullopt;
   return common_tracks(camera, oldest->set);
+}
+
+// Its newest frames, more than so many, are without a pose.
+bool without_map_for(const MapCamera& camera, int sets) {
+  const auto n = static_cast<std::size_t>(sets) + 1;
+  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
+                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
 }
 
 // Two views of one camera at different times.
