@@ -66,6 +66,7 @@ struct Evaluation {
   Alignment alignment;  // truth from map, one for all agents
   std::string problem;  // why there is no alignment
   std::optional<double> ate_m, ate_percent, path_m, tracked_percent;
+  std::optional<double> truth_spread_m;  // of the true places of all agents around their mean
   std::optional<double> live_ate_m, live_ate_percent, live_scale;
   std::optional<MotionError> motion;
   std::optional<RelativePoseError> relative_pose;  // of the first two agents

@@ -205,6 +205,7 @@ Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz)
   if (frames > 0) e.tracked_percent = 100 * poses / frames;
 
   e.alignment = align_centers(pairs);
+  e.truth_spread_m = spread_of_truth(pairs);
   e.problem = e.alignment.problem;
   if (const auto& truth_from_map = e.alignment.target_from_source) {
     e.ate_m = e.alignment.rmse;

@@ -132,6 +132,12 @@ std::string agent_row(const AgentEvaluation& a) {
          cell(rotation, 9, 3) + cell(a.drift_m, 9, 4) + cell(a.path_m, 9, 2) + "\n";
 }
 
+// Whoever knew only the middle of the true paths would be off by their spread.
+bool says_little(const Evaluation& e) {
+  constexpr double kOfSpread = 0.5;
+  return e.ate_m && e.truth_spread_m && *e.ate_m > kOfSpread * *e.truth_spread_m;
+}
+
 std::string headline(const Evaluation& e) {
   if (!e.ate_m) return "  no absolute error: " + e.problem + " with truth\n";
   std::string text = printed("  joint ATE %.4f m", *e.ate_m);
@@ -139,7 +145,12 @@ std::string headline(const Evaluation& e) {
   text += printed("; scale %.5f", e.alignment.target_from_source->scale);
   if (e.tracked_percent) text += printed("; %.1f %% of the frames tracked", *e.tracked_percent);
   if (e.live_ate_m) text += printed("; live ATE %.4f m", *e.live_ate_m);
-  return text + "\n";
+  text += "\n";
+  if (says_little(e)) {
+    text += printed("  this says LITTLE of where the cameras were: their true places are spread by %.4f m themselves\n",
+                    *e.truth_spread_m);
+  }
+  return text;
 }
 
 std::string list_of(const AgentNames& names) {
@@ -227,6 +238,7 @@ Json to_json(const Evaluation& e) {
   json["scale"] = e.alignment.target_from_source ? Json(e.alignment.target_from_source->scale) : Json();
   json["problem"] = e.problem.empty() ? Json() : Json(e.problem);
   json["path_m"] = json_of(e.path_m);
+  json["truth_spread_m"] = json_of(e.truth_spread_m);
   json["rpe"] = json_of(e.motion);
   json["tracked_percent"] = json_of(e.tracked_percent);
   json["live"] = {

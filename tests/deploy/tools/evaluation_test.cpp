@@ -144,15 +144,32 @@ TEST_F(ResultOfWall, AllFigures) {
 TEST_F(ResultOfWall, UnknownFiguresAreNull) {
   for (SequenceAgent& agent : sequence_.agents) agent.truth.reset();
   const auto json = to_json(evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr));
-  for (const char* key : {"ate_m", "ate_percent", "scale", "path_m", "rpe", "tracked_percent", "relative_pose",
-                          "points", "nees", "classification", "dynamic_error_m", "dynamic_relative_error",
-                          "dynamic_coverage", "object_found", "object_velocity_error_m_s"}) {
+  for (const char* key : {"ate_m", "ate_percent", "scale", "path_m", "truth_spread_m", "rpe", "tracked_percent",
+                          "relative_pose", "points", "nees", "classification", "dynamic_error_m",
+                          "dynamic_relative_error", "dynamic_coverage", "object_found", "object_velocity_error_m_s"}) {
     ASSERT_TRUE(json.contains(key)) << key;
     EXPECT_TRUE(json[key].is_null()) << key;
   }
   EXPECT_EQ(json["agents"]["cam0"]["poses"], 30);
   EXPECT_TRUE(json["agents"]["cam0"]["ate_m"].is_null());
   EXPECT_EQ(json["problem"], "fewer than three pairs");
+}
+
+TEST_F(ResultOfWall, AnErrorAsLargeAsTheSpreadOfTheTruthIsSaidToSayLittle) {
+  const auto told = [&] { return to_text(evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr)); };
+  EXPECT_THAT(told(), ::testing::Not(HasSubstr("says LITTLE")));
+  for (int c = 0; c < 2; ++c) {  // places that have nothing to do with the truth
+    Trajectory estimate;
+    for (int i = 0; i < WallScene::kFrames; ++i) {
+      const Eigen::Vector3d center(std::sin(7.0 * i), std::cos(5.0 * i + c), std::sin(3.0 * i));
+      estimate.push_back({i * 100'000'000LL, Rigid3(Eigen::Quaterniond::Identity(), center)});
+    }
+    save_tum(result_.trajectory("cam" + std::to_string(c)), estimate);
+  }
+  const Evaluation e = evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr);
+  EXPECT_NEAR(*e.truth_spread_m, *e.ate_m, 0.3 * *e.ate_m);
+  EXPECT_EQ(to_json(e)["truth_spread_m"], *e.truth_spread_m);
+  EXPECT_THAT(told(), HasSubstr("this says LITTLE of where the cameras were"));
 }
 
 TEST_F(ResultOfWall, MarkedPointsAndReportedFrames) {
