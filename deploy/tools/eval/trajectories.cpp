@@ -83,8 +83,8 @@ std::optional<double> spread_of_truth(const std::vector<PosePairs>& agents) {
   }
   if (places.empty()) return std::nullopt;
   mean /= static_cast<double>(places.size());
-  std::vector<double> distances;
-  for (const Eigen::Vector3d& place : places) distances.push_back((place - mean).norm());
+  std::vector<double> distances(places.size());
+  std::ranges::transform(places, distances.begin(), [&](const Eigen::Vector3d& p) { return (p - mean).norm(); });
   return root_mean_square(distances);
 }
 
