@@ -64,6 +64,7 @@ Alignment align_points(std::span<const Eigen::Vector3d> source, std::span<const 
   double squared = 0;
   for (std::size_t i = 0; i < source.size(); ++i) squared += (target[i] - similarity * source[i]).squaredNorm();
   result.rmse = std::sqrt(squared / count);
+  result.target_spread = std::sqrt(target_variance);
   result.target_from_source = similarity;
   return result;
 }

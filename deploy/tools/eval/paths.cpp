@@ -205,10 +205,10 @@ Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz)
   if (frames > 0) e.tracked_percent = 100 * poses / frames;
 
   e.alignment = align_centers(pairs);
-  e.truth_spread_m = spread_of_truth(pairs);
   e.problem = e.alignment.problem;
   if (const auto& truth_from_map = e.alignment.target_from_source) {
     e.ate_m = e.alignment.rmse;
+    e.truth_spread_m = e.alignment.target_spread;
     e.ate_percent = percent_of(e.ate_m, e.path_m);
     e.motion = motion_error(pairs, truth_from_map->scale, to_ns(1));
     for (std::size_t i = 0; i < agents.size(); ++i) evaluate_jointly(e.agents[i], pairs[i], *truth_from_map);

@@ -75,19 +75,6 @@ std::vector<double> center_distances(const PosePairs& pairs, const Similarity3& 
 
 }  // namespace
 
-std::optional<double> spread_of_truth(const std::vector<PosePairs>& agents) {
-  std::vector<Eigen::Vector3d> places;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PosePairs& pairs : agents) {
-    for (const PosePair& p : pairs) mean += places.emplace_back(p.truth.center());
-  }
-  if (places.empty()) return std::nullopt;
-  mean /= static_cast<double>(places.size());
-  std::vector<double> distances(places.size());
-  std::ranges::transform(places, distances.begin(), [&](const Eigen::Vector3d& p) { return (p - mean).norm(); });
-  return root_mean_square(distances);
-}
-
 std::optional<double> position_rmse(const PosePairs& pairs, const Similarity3& truth_from_map) {
   if (pairs.empty()) return std::nullopt;
   return root_mean_square(center_distances(pairs, truth_from_map));

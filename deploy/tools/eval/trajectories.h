@@ -28,10 +28,6 @@ double path_length(const Trajectory& trajectory);
 // One similarity for all camera centres of all agents together; its rmse is the joint absolute trajectory error.
 Alignment align_centers(const std::vector<PosePairs>& agents);
 
-// Root mean square distance of all true centres from their mean: the error of who says of each only that it is there
-// somewhere. Empty without pairs.
-std::optional<double> spread_of_truth(const std::vector<PosePairs>& agents);
-
 // Root mean square distance of the centres under a given similarity; empty without pairs.
 std::optional<double> position_rmse(const PosePairs& pairs, const Similarity3& truth_from_map);
 

@@ -49,6 +49,7 @@ TEST(Alignment, FixedScaleKeepsTheResidual) {
   ASSERT_TRUE(result.target_from_source);
   EXPECT_EQ(result.target_from_source->scale, 1);
   EXPECT_NEAR(result.rmse, 1, 1e-12);
+  EXPECT_NEAR(result.target_spread, 2, 1e-12);
 }
 
 TEST(Alignment, NeverReflects) {
