@@ -51,7 +51,7 @@ MAY_INCLUDE = {
     "server/solve": MODEL,
     "server/covisibility": [*MODEL, *SERVER_COVISIBILITY],
     "server/associate": [*MODEL, *SERVER_ASSOCIATE],
-    "server/pose": [*MODEL, *SERVER_COVISIBILITY],
+    "server/pose": [*MODEL, *SERVER_ASSOCIATE],
     "server/places": [*MODEL, *SERVER_PLACES],
     "server/adjust": [*MODEL, *SERVER_ADJUST],
     "server/motion": [*MODEL, *SERVER_MOTION],

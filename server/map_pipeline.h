@@ -22,8 +22,10 @@
 #include "server/past/forget.h"
 #include "server/pipeline/pipeline.h"
 #include "server/places/meet.h"
+#include "server/pose/find_again.h"
 #include "server/pose/inter_pose.h"
 #include "server/pose/localise.h"
+#include "server/pose/window.h"
 
 namespace coslam {
 
@@ -31,6 +33,8 @@ namespace coslam {
 using MapPipeline = Pipeline<  //
     TakeAdjustment,            // the solution of the last bundle adjustment
     Localise,                  // each camera's pose, on the points bound to its tracks
+    WindowPose,                // where known points run out: the newest poses with all that was followed
+    FindAgain,                 // and points that are seen again after a while
     InterPose,                 // where static points run out: the cameras of a group together
     Start,                     // maps, by several cameras at once or by one alone
     Meetings,                  // places known again: cameras put into maps, maps joined, loops closed

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/pose/find_again.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/pose_refinement.h"
+#include "server/associate/patch_match.h"
+#include "server/associate/track_grid.h"
+
+namespace coslam {
+namespace {
+
+struct Match {
+  const MapPoint* point;
+  const ServerTrack* track;
+  double zncc;
+};
+
+// Of the tracks around it the one that looks like it, when no other does.
+std::optional<Match> match_of(const Map& map, const MapCamera& camera, const MapPoint& point, const TrackGrid& grid,
+                              double radius_px) {
+  Eigen::Vector2d px;
+  if (!project_world(camera.model, camera.frames.back().cam_from_world, point.position, &px)) return std::nullopt;
+  Match best{&point, nullptr, map.config().zncc_min};
+  double second = -1;
+  grid.near(px, radius_px, [&](const ServerTrack* t) {
+    if ((t->seen.back().undistorted_px.cast<double>() - px).norm() > radius_px) return;
+    const FramePose* cut_at = camera.frame_at(t->patch_set);
+    if (cut_at == nullptr || cut_at->map != point.map) return;
+    const auto fit = fit_patch(map, point, camera, cut_at->cam_from_world, *t->patch);
+    if (!fit) return;
+    if (fit->zncc > best.zncc && fit->same_centre) {
+      if (best.track != nullptr) second = std::max(second, best.zncc);
+      best = {&point, t, fit->zncc};
+    } else {
+      second = std::max(second, fit->zncc);
+    }
+  });
+  if (best.track == nullptr || best.zncc < second + map.config().zncc_margin) return std::nullopt;
+  return best;
+}
+
+std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const FindAgainConfig& config) {
+  TrackGrid grid;
+  for (const auto& [id, t] : camera.tracks) {
+    if (t.free_and_resting() && t.patch) grid.add(&t);
+  }
+  const double radius_px = config.search_rad * camera.model.focal_px();
+  std::map<TrackId, Match> best;  // a track shows one point
+  const SetId since(map.now().value - std::min(map.now().value, map.sets_in(config.memory_s)));
+  for (const MapPoint* p : map.points_seen_since(since)) {
+    if (!p->proven() || p->map != camera.map || seen_by(*p, camera.id)) continue;
+    const auto match = match_of(map, camera, *p, grid, radius_px);
+    if (!match) continue;
+    const auto [at, added] = best.try_emplace(match->track->id, *match);
+    if (!added && at->second.zncc < match->zncc) at->second = *match;
+  }
+  std::vector<Match> out;
+  for (const auto& [id, match] : best) out.push_back(match);
+  return out;
+}
+
+}  // namespace
+
+FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainConfig& config, int least) {
+  constexpr double kLeastShare = 0.5;
+  FindAgainReport report;
+  const Map& map = edit.map();
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (!camera.sparse || !camera.frames.back().valid()) continue;
+    const std::vector<Match> matches = matches_of(map, camera, config);
+    if (static_cast<int>(matches.size()) < least) continue;
+    std::vector<PointObservation> observations;
+    for (const Match& m : matches) {
+      observations.push_back(
+          {m.point->position, m.point->covariance, m.track->seen.back().undistorted_px.cast<double>()});
+    }
+    for (const auto& [id, t] : camera.tracks) {
+      const MapPoint* p = map.find(t.point);
+      if (p != nullptr && p->proven())
+        observations.push_back({p->position, p->covariance, t.seen.back().undistorted_px.cast<double>()});
+    }
+    const PoseResult r = refine_pose(camera.model, observations, camera.frames.back().cam_from_world,
+                                     {.sigma_px = map.sigma_bound_px(camera), .max_iterations = 30});
+    if (r.status != PoseStatus::kOk) continue;
+    const auto agree =
+        std::count(r.is_inlier.begin(), r.is_inlier.begin() + static_cast<std::ptrdiff_t>(matches.size()), true);
+    if (agree < least || static_cast<double>(agree) < kLeastShare * static_cast<double>(matches.size())) continue;
+    edit.set_pose(camera, set.id, r.cam_from_world);
+    ++report.cameras;
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (!r.is_inlier[i] || seen_by(*matches[i].point, camera.id)) continue;
+      edit.bind(*matches[i].point, camera.id, *matches[i].track, Why::kRegistered, {0, matches[i].zncc});
+      edit.keep_recent(*matches[i].point);
+      ++report.points;
+    }
+  }
+  return report;
+}
+
+}  // namespace coslam
