@@ -28,7 +28,7 @@ struct AgentConfig {
   int descriptor_features = 400;  // most, in an answer to a request for descriptors everywhere
   int place_features = 160;       // the same at tracks
   TagConfig tags;
-  double readout_s = 0;  // of a rolling shutter, from the first row to the last
+  double readout_s = -1;  // of a rolling shutter, from the first row to the last; negative: found out
 };
 
 // How much of what the server asked for goes with an image; the rest waits for a later one.

@@ -42,8 +42,9 @@ void describe(V& v, AgentConfig& c) {
   v.section("tracker", c.tracker);
   v.section("pose", c.pose);
   v.section("tags", c.tags);
-  v.field("readout_s", c.readout_s, {0, 0.2},
-          "of a rolling shutter, from the first row to the last; 0: global shutter");
+  v.field(
+      "readout_s", c.readout_s, {-1, 0.2},
+      "of a rolling shutter, from the first row to the last; 0: global shutter; -1: found out while the camera turns");
   v.field("descriptor_features", c.descriptor_features, {50, kMostDescribed},
           "most in an answer to a descriptor request");
   v.field("place_features", c.place_features, {10, kMostDescribed},
