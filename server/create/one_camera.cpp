@@ -10,15 +10,23 @@
 namespace coslam {
 namespace {
 
+// Poses that rest on hardly any known points may be off by some share of the turn between them: less parallax may be
+// theirs alone.
+constexpr double kOfTurn = 0.25;
+
 // Cheap bound before anything is solved: angle between the rays of the first and the newest view.
 double ray_angle(const std::vector<View>& views) {
   const double c = world_ray(views.front()).dot(world_ray(views.back()));
   return std::acos(std::clamp(c, -1.0, 1.0));
 }
 
+double turn_rad(const std::vector<View>& views) {
+  return views.front().cam_from_world.rotation.angularDistance(views.back().cam_from_world.rotation);
+}
+
 // The track becomes a point, when its views determine one.
 bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapIntraConfig& config,
-               MapIntraReport* report) {
+               bool in_window, MapIntraReport* report) {
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
   const int long_enough = camera.frames_in(config.min_track_s, kLeastFrames);
@@ -28,7 +36,8 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
   if (static_cast<int>(all.size()) < least) return false;
   edit.map_not_before(track, SetId(map.now().value + map.sets_in(map.config().match_period_s)));
   const bool mature = static_cast<int>(all.size()) >= long_enough;
-  const double parallax = mature ? map.config().min_parallax_rad : config.early_parallax_rad;
+  double parallax = mature ? map.config().min_parallax_rad : config.early_parallax_rad;
+  if (in_window && !mature) parallax = std::max(parallax, kOfTurn * turn_rad(all));
   if (ray_angle(all) < parallax) return false;
   ++report->tried;
   const TriangulationResult t = triangulate(map.views_of(camera, track, 12), camera.sigma_px, parallax);
@@ -47,14 +56,15 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
 
 }  // namespace
 
-MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const MapIntraConfig& config) {
+MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
+                         const MapIntraConfig& config) {
   MapIntraReport report;
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
     for (const auto& [id, track] : camera.tracks) {
       if (!track.free_and_resting() || set.id.value < track.mapping_after) continue;
-      report.created += try_track(edit, camera, track, config, &report) ? 1 : 0;
+      report.created += try_track(edit, camera, track, config, windows.has(camera.id), &report) ? 1 : 0;
     }
   }
   return report;

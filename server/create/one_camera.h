@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/map/edit.h"
+#include "server/pose/window.h"
 
 namespace coslam {
 
@@ -26,14 +27,17 @@ struct MapIntraReport {
 };
 
 // New static points from unmapped tracks of one camera (paper 5.2.1): from the widest parallax, gate theta in every
-// frame.
-MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const MapIntraConfig& config);
+// frame. Of a camera whose poses rest on a window, young tracks need the more parallax the more it turned.
+MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
+                         const MapIntraConfig& config);
 
 struct MapIntra {
   static constexpr std::string_view kName = "map_intra";
   using Config = MapIntraConfig;
   Config config;
-  MapIntraReport run(MapEdit& edit, const FrameSet& set) const { return map_intra(edit, set, config); }
+  MapIntraReport run(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows) const {
+    return map_intra(edit, set, windows, config);
+  }
 };
 
 }  // namespace coslam

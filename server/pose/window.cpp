@@ -143,7 +143,7 @@ WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set) {
     own.in_need = points_seen(map, camera) < map.config().few_points / (own.in_need ? 1 : 2);
     if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid()) continue;
     if (!camera.rig.empty() && map.is_metric(camera.map)) continue;  // its pose is that of the rig
-    report.solved += solve(edit, camera, own) ? 1 : 0;
+    if (solve(edit, camera, own)) report.solved.push_back(camera.id);
   }
   return report;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <vector>
@@ -26,9 +27,10 @@ void describe(V& v, WindowPoseConfig& c) {
 }
 
 struct WindowPoseReport {
-  int solved = 0;
+  std::vector<CameraId> solved;
 
-  void count(auto&& add) const { add("windows", solved); }
+  bool has(CameraId camera) const { return std::ranges::find(solved, camera) != solved.end(); }
+  void count(auto&& add) const { add("windows", static_cast<long>(solved.size())); }
 };
 
 // A camera that turns fast sees hardly any points: those of before are out of sight, and what it follows now tells no

@@ -21,12 +21,13 @@ struct OneCamera {
     int created = 0;
     for (int i = 0; i < sets; ++i) {
       sim.advance();
-      created += map_intra(sim.edit, sim.set, config).created;
+      created += map_intra(sim.edit, sim.set, windows, config).created;
     }
     return created;
   }
   test::SimMap sim;
   MapIntraConfig config;
+  WindowPoseReport windows;
 };
 
 test::CameraPath sideways(double speed_m_s) {
@@ -53,6 +54,18 @@ TEST(MapIntra, PointsAreWhereTheyShouldBe) {
   // of independent noise does not have: it may be too large, by that factor squared and the views that it leaves out.
   EXPECT_GT(test::median(values), 0.03);
   EXPECT_LT(test::median(values), 4.5);
+}
+
+TEST(MapIntra, WherePosesRestOnAWindowATurnAsksForMoreParallaxOfYoungTracks) {
+  const test::SimWorld world({});
+  const test::CameraPath turning = [](double t_s) { return looking({0.6 * t_s, 0, 0}, 0.8 * t_s); };
+  OneCamera sure(world, turning), unsure(world, turning), straight(world, sideways(0.6)),
+      straight_unsure(world, sideways(0.6));
+  unsure.windows.solved = straight_unsure.windows.solved = {CameraId(0)};
+  const int usual = sure.step(20);
+  EXPECT_GT(usual, 20);
+  EXPECT_LT(unsure.step(20), usual / 2);
+  EXPECT_EQ(straight_unsure.step(20), straight.step(20));
 }
 
 TEST(MapIntra, NothingFromAHoveringCamera) {
@@ -141,7 +154,8 @@ TEST(MapIntra, FramesWithoutAPoseDoNotCount) {
   for (int i = 0; i < 30; ++i) {
     run.sim.ingest();
     if (i % 5 == 0) run.sim.place_truly();
-    EXPECT_EQ(map_intra(run.sim.edit, run.sim.set, run.config).created, 0) << "fewer than 8 views with a pose";
+    EXPECT_EQ(map_intra(run.sim.edit, run.sim.set, run.windows, run.config).created, 0)
+        << "fewer than 8 views with a pose";
   }
 }
 
