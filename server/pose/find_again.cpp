@@ -61,6 +61,7 @@ std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const Fin
     if (!added && at->second.zncc < match->zncc) at->second = *match;
   }
   std::vector<Match> out;
+  out.reserve(best.size());
   for (const auto& [id, match] : best) out.push_back(match);
   return out;
 }
@@ -77,6 +78,7 @@ FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainCo
     const std::vector<Match> matches = matches_of(map, camera, config);
     if (static_cast<int>(matches.size()) < least) continue;
     std::vector<PointObservation> observations;
+    observations.reserve(matches.size() + camera.tracks.size());
     for (const Match& m : matches) {
       observations.push_back(
           {m.point->position, m.point->covariance, m.track->seen.back().undistorted_px.cast<double>()});

@@ -96,7 +96,7 @@ class LookingAround {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> side(-0.9, 0.9), inverse_depth(0.1, 0.5);
     for (int i = 0; i < 300; ++i) {
-      places_.push_back(Eigen::Vector3d(side(random), side(random), 1) / inverse_depth(random));
+      places_.emplace_back(Eigen::Vector3d(side(random), side(random), 1) / inverse_depth(random));
     }
   }
   Eigen::Vector2d at(std::size_t i, double t_s) const {

@@ -37,7 +37,7 @@ class WindowPoseTest : public testing::Test {
     for (int i = 0; i < sets; ++i) {
       sim_.ingest();
       localise(sim_.edit, sim_.set, {});
-      solved_ += window_.run(sim_.edit, sim_.set).solved;
+      solved_ += static_cast<int>(window_.run(sim_.edit, sim_.set).solved.size());
     }
   }
   const MapCamera& camera() { return sim_.map.camera(kCam); }
