@@ -74,14 +74,16 @@ void ReadoutEstimate::take(TimeNs capture_ns, const std::vector<SeenPlace>& plac
 // The turn at an instant is known when the image after it is there.
 void ReadoutEstimate::measure_turns(SeenImage* now) {
   SeenImage& before = images_.back();
-  interval_s_ = to_seconds(now->capture_ns - before.capture_ns);
+  const double since_s = to_seconds(now->capture_ns - before.capture_ns);
+  seen_s_ += since_s;
+  ++intervals_;
   DirectionPairs pairs;
   for (const auto& [id, seen] : before.seen) {
     const auto at = now->seen.find(id);
     if (at != now->seen.end()) pairs.emplace_back(seen.direction, at->second.direction);
   }
   const auto turn_rad = common_turn_rad(std::move(pairs));
-  if (turn_rad && interval_s_ > 0) now->since_rad_s = *turn_rad / interval_s_;
+  if (turn_rad && since_s > 0) now->since_rad_s = *turn_rad / since_s;
   if (!before.since_rad_s || !now->since_rad_s) return;
   before.turn_rad_s = 0.5 * (*before.since_rad_s + *now->since_rad_s);
   const auto first = std::ranges::find_if(
@@ -135,8 +137,8 @@ void ReadoutEstimate::take(double readout_s, double variance_s2) {
   const double scatter = (squares_s2_ - mean_s * weighted_s_) / (pairs_ - 1);
   const double sigma_s = std::sqrt(std::max(1.0, scatter) / information_);
   const bool sure = sigma_s < kSure_s && mean_s > kSure * sigma_s;
-  // Once found it stays so, as well as it is known; no image takes longer than until the next.
-  if (sure || readout_s_ > 0) readout_s_ = std::clamp(mean_s, 0.0, interval_s_);
+  // Once found it stays so, as well as it is known; no image takes longer than until the next, as they usually come.
+  if (sure || readout_s_ > 0) readout_s_ = std::clamp(mean_s, 0.0, seen_s_ / intervals_);
 }
 
 }  // namespace coslam

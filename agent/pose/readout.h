@@ -57,7 +57,8 @@ class ReadoutEstimate {
 
   CameraModel camera_;
   std::deque<SeenImage> images_;
-  double interval_s_ = 0;  // between the newest two
+  double seen_s_ = 0;  // since the first image
+  int intervals_ = 0;  // since then
   double readout_s_ = 0;
   double information_ = 0, weighted_s_ = 0, squares_s2_ = 0, pairs_ = 0;
 };

@@ -75,6 +75,7 @@ FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainCo
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.sparse || !camera.frames.back().valid()) continue;
+    if (!camera.rig.empty() && map.is_metric(camera.map)) continue;  // its pose is that of the rig
     const std::vector<Match> matches = matches_of(map, camera, config);
     if (static_cast<int>(matches.size()) < least) continue;
     std::vector<PointObservation> observations;
