@@ -84,7 +84,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   {
     const auto timer = times_.measure("pose");
     if (!patches.empty()) heard_ns_ = capture_ns_;
-    pose_.step(frame_, observations_, map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
+    pose_.step(frame_, capture_ns_, observations_, map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   const auto timer = times_.measure("answer");

@@ -7,7 +7,10 @@
 namespace coslam {
 namespace {
 constexpr std::size_t kHistory = 64;
-}
+// From which on a pose stands by itself; of the image.
+constexpr int kFirmPoints = 30;
+constexpr double kFirmHull = 0.2;
+}  // namespace
 
 PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
     : camera_(camera), config_(config), own_(camera) {}
@@ -26,14 +29,18 @@ std::vector<PointObservation> PoseTracker::known_points(const std::vector<TrackO
   return observations;
 }
 
-void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map, bool alone) {
+void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<TrackObservation>& tracks,
+                       const LocalMap& map, bool alone) {
   if (past_.empty()) {
     result_ = {};
     return;  // never placed, or lost and waiting for the server
   }
   const std::vector<PointObservation> observations = known_points(tracks, map, alone);
-  const PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
-  result_ = refine_pose(camera_, observations, predicted(), refinement);
+  PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
+  const Rigid3& last = past_.back().cam_from_world;
+  const auto dt_s = steady_s(capture_ns);
+  if (dt_s) refinement.prior = motion_.predict(last, *dt_s);
+  result_ = refine_pose(camera_, observations, dt_s ? motion_.expected(last, *dt_s) : last, refinement);
 
   const bool good = result_.status == PoseStatus::kOk && result_.inliers >= config_.min_inliers &&
                     result_.inliers >= config_.min_inlier_ratio * static_cast<double>(observations.size());
@@ -48,23 +55,34 @@ void PoseTracker::step(FrameId frame, const std::vector<TrackObservation>& track
   }
   hull_ = hull_fraction(std::move(inliers), camera_);
   if (state_ == PoseState::kLost) past_.clear();  // the motion across the gap is unknown
+  follow(capture_ns);
   state_ = PoseState::kTracked;
   own_.observe(result_.cam_from_world, tracks);
-  past_.push_back({frame, result_.cam_from_world});
+  past_.push_back({frame, capture_ns, result_.cam_from_world});
   if (past_.size() > kHistory) past_.pop_front();
 }
 
-Rigid3 PoseTracker::predicted() const {
-  const Past& last = past_.back();
-  if (past_.size() < 2 || state_ == PoseState::kLost) return last.cam_from_world;
-  const Past& before = past_[past_.size() - 2];
-  if (last.frame.value != before.frame.value + 1) return last.cam_from_world;
-  return last.cam_from_world * before.cam_from_world.inverse() * last.cam_from_world;
+std::optional<double> PoseTracker::steady_s(TimeNs capture_ns) const {
+  constexpr double kGap_s = 0.3;
+  if (state_ == PoseState::kLost || past_.empty() || past_.back().capture_ns == 0) return std::nullopt;
+  const double dt_s = to_seconds(capture_ns - past_.back().capture_ns);
+  return dt_s > 0 && dt_s < kGap_s ? std::optional(dt_s) : std::nullopt;
+}
+
+void PoseTracker::follow(TimeNs capture_ns) {
+  const auto dt_s = steady_s(capture_ns);
+  if (!dt_s) {
+    motion_.lose();
+    return;
+  }
+  const bool firm = result_.inliers >= kFirmPoints && hull_ >= kFirmHull;
+  motion_.follow(past_.back().cam_from_world, result_.cam_from_world, result_.covariance, *dt_s, firm);
 }
 
 void PoseTracker::rebase(const Similarity3& new_from_old) {
   for (Past& p : past_) p.cam_from_world = transform_world(p.cam_from_world, new_from_old);
   own_.move(new_from_old);
+  motion_.rescale(new_from_old.scale);
 }
 
 void PoseTracker::place(const PlacedPose& placed) {
@@ -72,12 +90,16 @@ void PoseTracker::place(const PlacedPose& placed) {
   if (same != past_.end() && state_ == PoseState::kTracked) {
     // Rigid change of the world that moves that pose to the given one; the frames since keep their motion.
     const Rigid3 old_from_new = same->cam_from_world.inverse() * placed.cam_from_world;
+    const Rigid3 thought = past_.back().cam_from_world;
     for (Past& p : past_) p.cam_from_world = p.cam_from_world * old_from_new;
+    motion_.correct(local(thought, past_.back().cam_from_world),
+                    to_seconds(past_.back().capture_ns - same->capture_ns));
     const Rigid3 new_from_old = old_from_new.inverse();
     own_.move({1.0, new_from_old.rotation, new_from_old.translation});
     return;
   }
-  past_ = {{placed.frame, placed.cam_from_world}};
+  past_ = {{placed.frame, 0, placed.cam_from_world}};
+  motion_.lose();
   own_.clear();
   if (state_ == PoseState::kNone) state_ = PoseState::kLost;  // placed, not yet tracked
 }
@@ -85,6 +107,7 @@ void PoseTracker::place(const PlacedPose& placed) {
 void PoseTracker::reset() {
   past_.clear();
   own_.clear();
+  motion_ = {};
   state_ = PoseState::kNone;
   result_ = {};
   hull_ = 0;

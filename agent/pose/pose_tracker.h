@@ -9,6 +9,7 @@
 #include "agent/pose/own_map.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/pose_refinement.h"
+#include "common/geometry/steady_motion.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
@@ -20,14 +21,15 @@ struct PoseTrackerConfig {
 };
 
 // Where the agent is, frame by frame, from the static points bound to its tracks (paper 4.1). Keeps a short history of
-// its own poses so that a pose that the server gives for an earlier frame can be carried to now. Alone, it rests on
-// points of its own as well.
+// its own poses so that a pose that the server gives for an earlier frame can be carried to now. Where points are few,
+// it goes on as it went. Alone, it rests on points of its own as well.
 class PoseTracker {
  public:
   PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config);
 
   // Estimates the pose of `frame`. `tracks` are its undistorted tracks. alone: the server has been silent for a while.
-  void step(FrameId frame, const std::vector<TrackObservation>& tracks, const LocalMap& map, bool alone = false);
+  void step(FrameId frame, TimeNs capture_ns, const std::vector<TrackObservation>& tracks, const LocalMap& map,
+            bool alone = false);
   // The map moved under the agent: every pose so far is re-expressed. What was published stays published.
   void rebase(const Similarity3& new_from_old);
   // The server's pose for an earlier frame; the motion since then is kept when it is known.
@@ -40,7 +42,9 @@ class PoseTracker {
   double inlier_hull_fraction() const { return hull_; }
 
  private:
-  Rigid3 predicted() const;
+  // Since the newest pose; nothing after a gap.
+  std::optional<double> steady_s(TimeNs capture_ns) const;
+  void follow(TimeNs capture_ns);
   std::vector<PointObservation> known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map,
                                              bool alone) const;
 
@@ -50,8 +54,10 @@ class PoseTracker {
   PoseResult result_;
   double hull_ = 0;
   OwnMap own_;
+  SteadyMotion motion_;
   struct Past {
     FrameId frame;
+    TimeNs capture_ns = 0;
     Rigid3 cam_from_world;
   };
   std::deque<Past> past_;  // newest last, successive good poses

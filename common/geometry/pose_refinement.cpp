@@ -79,7 +79,8 @@ struct System {
 };
 
 // Whitened residual norm against t = 3 (in standard deviations).
-System build(const std::vector<Residual>& residuals, double sigma_px, std::vector<bool>* is_inlier) {
+System build(const std::vector<Residual>& residuals, double sigma_px, const std::optional<PosePrior>& prior,
+             const Rigid3& pose, std::vector<bool>* is_inlier) {
   constexpr double kTukey = 3.0 * 1.2;  // 3 sigma of one axis, for the norm of two
   System s;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
@@ -99,6 +100,12 @@ System build(const std::vector<Residual>& residuals, double sigma_px, std::vecto
     const Eigen::Matrix<double, 6, 2> jw = r.j.transpose() * (w * information);
     s.a += jw * r.j;
     s.b += jw * r.r;
+  }
+  if (prior) {
+    const PriorTerm term = prior_term(*prior, pose);
+    s.a += term.a;
+    s.b += term.b;
+    s.cost += term.cost;
   }
   return s;
 }
@@ -146,7 +153,7 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
   evaluate(rig, observations, result.cam_from_world, {}, &residuals);
   const std::vector<Residual> at_start = residuals;
   double sigma = measured_sigma(residuals, config, cap_px);
-  System s = build(residuals, sigma, &result.is_inlier);
+  System s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
   for (int i = 0; i < config.max_iterations && s.inliers >= kMinPoints; ++i) {
     ++result.iterations;
     Matrix6d a = s.a;
@@ -157,7 +164,7 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
     std::vector<Residual> next;
     evaluate(rig, observations, candidate, at_start, &next);
     std::vector<bool> next_inlier(observations.size());
-    const System t = build(next, sigma, &next_inlier);
+    const System t = build(next, sigma, config.prior, candidate, &next_inlier);
     if (t.cost > s.cost * (1 + 1e-9)) {
       lambda = std::max(lambda * 10, 1e-4);
       if (lambda > 1e4) break;
@@ -170,13 +177,13 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
     const double new_sigma = measured_sigma(residuals, config, cap_px);
     const bool settled = improved < 1e-4 * s.cost && std::abs(new_sigma - sigma) < 0.02 * sigma;
     sigma = new_sigma;
-    s = build(residuals, sigma, &result.is_inlier);
+    s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
     if (settled && sigma <= config.sigma_px) break;
     if (settled) cap_px = config.sigma_px;
   }
   if (sigma > config.sigma_px) {
     sigma = config.sigma_px;
-    s = build(residuals, sigma, &result.is_inlier);
+    s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
   }
 
   conclude(s, sigma, &result);

@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "common/geometry/steady_motion.h"
 
 namespace coslam {
 
@@ -31,6 +33,7 @@ struct PoseRefinementConfig {
   double sigma_px = 3.0;        // largest believed standard deviation of an observation
   double sigma_floor_px = 0.2;  // smallest: quantisation and sub-pixel accuracy of the tracker
   int max_iterations = 15;
+  std::optional<PosePrior> prior;  // counts beside the observations, and in the covariance
 };
 
 enum class PoseStatus : std::uint8_t { kOk, kTooFewPoints, kTooFewInliers, kDegenerate };

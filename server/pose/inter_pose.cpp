@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/pose_refinement.h"
@@ -20,10 +21,19 @@ struct Member {
   const MapCamera* camera;
   std::vector<PointObservation> statics;
   int moving = 0;
+  bool weak = false;
+  std::optional<Matrix6d> covariance{};  // of the pose that was found together
 };
 
-Member look_at(const Map& map, const CameraFrame& cf) {
-  Member m{&cf, &map.camera(cf.camera), {}, 0};
+bool weak(const Member& m, const InterPoseConfig& config) {
+  if (!m.camera->frames.back().valid() || m.moving > static_cast<int>(m.statics.size())) return true;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const PointObservation& o : m.statics) pixels.push_back(o.undistorted_px);
+  return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
+}
+
+Member look_at(const Map& map, const CameraFrame& cf, const InterPoseConfig& config) {
+  Member m{.frame = &cf, .camera = &map.camera(cf.camera)};
   for (const auto& [id, track] : m.camera->tracks) {
     const MapPoint* p = map.find(track.point);
     if (p == nullptr || p->map != m.camera->map) continue;
@@ -32,14 +42,8 @@ Member look_at(const Map& map, const CameraFrame& cf) {
     if (track.gate_failures > 0) continue;
     m.statics.push_back({p->position, p->covariance, track.seen.back().undistorted_px.cast<double>()});
   }
+  m.weak = weak(m, config);
   return m;
-}
-
-bool weak(const Member& m, const InterPoseConfig& config) {
-  if (!m.camera->frames.back().valid() || m.moving > static_cast<int>(m.statics.size())) return true;
-  std::vector<Eigen::Vector2d> pixels;
-  for (const PointObservation& o : m.statics) pixels.push_back(o.undistorted_px);
-  return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
 }
 
 // The newest observation of a moving point as the camera would have made it from this pose of its newest frame had it
@@ -96,15 +100,46 @@ int shares(const InterPoseProblem& problem, int camera) {
   }));
 }
 
-void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConfig& config, int min_inliers,
-                 InterPoseReport* report) {
+// The frame before the newest, to follow a camera's motion from; null where there is none, or a gap.
+const FramePose* before_newest(const MapCamera& c) {
+  constexpr double kGap_s = 0.3;
+  if (c.frames.size() < 2) return nullptr;
+  const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
+  const double dt_s = to_seconds(now.capture_ns - before.capture_ns);
+  return before.valid() && before.map == c.map && dt_s > 0 && dt_s < kGap_s ? &before : nullptr;
+}
+
+using Motions = std::map<CameraId, SteadyMotion>;
+
+std::optional<PosePrior> prior_of(const MapCamera& c, const Motions& motions) {
+  const FramePose* before = before_newest(c);
+  const auto at = motions.find(c.id);
+  if (before == nullptr || at == motions.end()) return std::nullopt;
+  return at->second.predict(before->cam_from_world, to_seconds(c.frames.back().capture_ns - before->capture_ns));
+}
+
+void follow(const Member& m, Motions* motions) {
+  SteadyMotion& motion = (*motions)[m.camera->id];
+  const FramePose* before = before_newest(*m.camera);
+  const FramePose& now = m.camera->frames.back();
+  if (before == nullptr || !now.valid() || (m.weak && !m.covariance)) {
+    motion.lose();
+    return;
+  }
+  motion.follow(before->cam_from_world, now.cam_from_world, m.weak ? *m.covariance : Matrix6d::Zero(),
+                to_seconds(now.capture_ns - before->capture_ns), !m.weak);
+}
+
+void solve_group(MapEdit& edit, std::vector<Member>& members, const InterPoseConfig& config, int min_inliers,
+                 const Motions& motions, InterPoseReport* report) {
   const Map& map = edit.map();
   InterPoseProblem problem;
   std::vector<Rigid3> poses;
   for (Member& m : members) {
     const FramePose& f = m.camera->frames.back();
     poses.push_back(f.valid() ? f.cam_from_world : start_pose(map, *m.camera, m.frame->frame));
-    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(0.3, m.camera->sigma_px), m.statics});
+    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(0.3, m.camera->sigma_px), m.statics,
+                               m.weak ? prior_of(*m.camera, motions) : std::nullopt});
   }
   problem.moving = shared_moving(map, members, poses);
   if (static_cast<int>(problem.moving.size()) < config.min_moving) return;
@@ -115,7 +150,8 @@ void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConf
     if (result.cameras[i].inliers < min_inliers) continue;
     report->rescued += !members[i].camera->frames.back().valid();
     ++report->posed;
-    const bool joint = weak(members[i], config) && shares(problem, static_cast<int>(i)) >= config.min_moving;
+    members[i].covariance = result.cameras[i].covariance;
+    const bool joint = members[i].weak && shares(problem, static_cast<int>(i)) >= config.min_moving;
     edit.set_joint_pose(*members[i].camera, result.cameras[i].cam_from_world, joint);
   }
 }
@@ -123,7 +159,7 @@ void solve_group(MapEdit& edit, std::vector<Member> members, const InterPoseConf
 }  // namespace
 
 InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
-                           const LocaliseConfig& localise) {
+                           const LocaliseConfig& localise, Motions* motions) {
   const Map& map = edit.map();
   InterPoseReport report;
   if (!config.enabled) return report;
@@ -131,14 +167,14 @@ InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& 
     std::vector<Member> members;
     for (const CameraFrame& cf : set.frames) {
       const bool in = std::find(group.begin(), group.end(), cf.camera) != group.end();
-      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf));
+      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf, config));
     }
-    if (members.size() < 2) continue;
-    const bool same_map = std::all_of(members.begin(), members.end(),
-                                      [&](const Member& m) { return m.camera->map == members[0].camera->map; });
-    if (!same_map) continue;
-    if (std::none_of(members.begin(), members.end(), [&](const Member& m) { return weak(m, config); })) continue;
-    solve_group(edit, std::move(members), config, localise.min_inliers, &report);
+    const bool same_map =
+        std::ranges::all_of(members, [&](const Member& m) { return m.camera->map == members[0].camera->map; });
+    if (members.size() > 1 && same_map && std::ranges::any_of(members, &Member::weak)) {
+      solve_group(edit, members, config, localise.min_inliers, *motions, &report);
+    }
+    for (const Member& m : members) follow(m, motions);
   }
   return report;
 }

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+
+#include "common/geometry/steady_motion.h"
 #include "server/covisibility/group.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
@@ -36,17 +39,24 @@ struct InterPoseReport {
 
 // Inter-camera pose (paper 4.2), for a group of which some camera sees more moving points than static ones, or static
 // ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
-// static and moving points, which have to agree with a pose as static ones have to otherwise. graph: of the set before.
+// static and moving points, which have to agree with a pose as static ones have to otherwise; and from how such a
+// camera went before. graph: of the set before. motions: of every camera, followed set by set.
 InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
-                           const LocaliseConfig& localise);
+                           const LocaliseConfig& localise, std::map<CameraId, SteadyMotion>* motions);
 
-struct InterPose {
+class InterPose {
+ public:
   static constexpr std::string_view kName = "inter_pose";
   using Config = InterPoseConfig;
-  Config config;
-  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) const {
-    return inter_pose(edit, set, graph.of, config, localise);
+  explicit InterPose(const InterPoseConfig& of) : config(of) {}
+  InterPoseConfig config;
+
+  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) {
+    return inter_pose(edit, set, graph.of, config, localise, &motions_);
   }
+
+ private:
+  std::map<CameraId, SteadyMotion> motions_;
 };
 
 }  // namespace coslam

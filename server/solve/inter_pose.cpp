@@ -117,6 +117,12 @@ System build(const InterPoseProblem& problem, const State& state, const Sigmas& 
       s.a.block<6, 6>(at, at) += jw * p.by_pose;
       s.b.segment<6>(at) += jw * p.r;
     }
+    if (camera.prior) {
+      const PriorTerm prior = prior_term(*camera.prior, state.poses[c]);
+      s.a.block<6, 6>(at, at) += prior.a;
+      s.b.segment<6>(at) += prior.b;
+      s.cost += prior.cost;
+    }
   }
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {

@@ -3,19 +3,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/rigid3.h"
+#include "common/geometry/steady_motion.h"
 
 namespace coslam {
 
 // Poses of several cameras at one instant, from the static points that each sees and the moving points that they see
 // together (3):
 //   argmin over poses and moving points of sum_c [ sum_static rho(|m - pi(M; T_c)|) + sum_moving rho(|m - pi(X; T_c)|)
-//   ]
+//   ] + rho_prior(pose against its prior)
 // Static points stand (their covariance weighs them), moving points are free.
 struct InterPoseProblem {
   struct Camera {
@@ -23,6 +25,7 @@ struct InterPoseProblem {
     Rigid3 cam_from_world;  // where to start
     double sigma_px = 1.0;
     std::vector<PointObservation> statics;
+    std::optional<PosePrior> prior;  // where its own motion says that it is
   };
   struct MovingPoint {
     Eigen::Vector3d position;                           // where to start

@@ -53,7 +53,7 @@ class PoseTrackerTest : public testing::Test {
     const TrackFrame f = next_frame();
     if (bind) bind_all(f);
     map_.keep_only(f.tracks);
-    pose_.step(f.frame, f.tracks, map_, alone);
+    pose_.step(f.frame, f.capture_ns, f.tracks, map_, alone);
   }
   static TimeNs time_of(std::uint32_t frame) { return kPeriodNs * frame; }
   Rigid3 truth(std::uint32_t frame) const { return tracker_.truth(time_of(frame)); }
@@ -153,7 +153,7 @@ TEST_F(PoseTrackerTest, IsLostWhenTheMapContradictsTheTracks) {
     patch.updated.push_back(b);
   }
   map_.apply(patch);
-  pose_.step(f.frame, f.tracks, map_);
+  pose_.step(f.frame, f.capture_ns, f.tracks, map_);
   EXPECT_EQ(pose_.state(), PoseState::kLost);
 }
 
@@ -168,7 +168,7 @@ TEST_F(PoseTrackerTest, UsesStaticPointsOnly) {
     patch.updated.push_back(b);
   }
   map_.apply(patch);
-  pose_.step(f.frame, f.tracks, map_);
+  pose_.step(f.frame, f.capture_ns, f.tracks, map_);
   EXPECT_EQ(pose_.result().is_inlier.size(), f.tracks.size() / 2);
   EXPECT_THAT(pose_.result().cam_from_world, PoseNear(truth(newest()), 0.002, 0.01));
 }
@@ -197,7 +197,7 @@ TEST_F(PoseTrackerTest, APlacedPoseOfThePastKeepsTheMotionSince) {
   pose_.place({FrameId(then), transform_world(truth(then), shift)});
   const TrackFrame f = next_frame();
   bind_all(f, shift.translation);
-  pose_.step(f.frame, f.tracks, map_);
+  pose_.step(f.frame, f.capture_ns, f.tracks, map_);
   ASSERT_EQ(pose_.state(), PoseState::kTracked);
   EXPECT_THAT(pose_.result().cam_from_world, PoseNear(transform_world(truth(newest()), shift), 0.002, 0.01));
   EXPECT_LE(pose_.result().iterations, 5) << "it started where it was";
@@ -229,7 +229,7 @@ TEST_F(PoseTrackerTest, DirectionsHoldItWherePointsDoNot) {
       patch.updated.push_back(b);
     }
     ASSERT_TRUE(map_.apply(patch).accepted);
-    pose_.step(f.frame, f.tracks, map_);
+    pose_.step(f.frame, f.capture_ns, f.tracks, map_);
     ASSERT_EQ(pose_.state(), PoseState::kTracked) << i;
     EXPECT_LT(pose_.result().cam_from_world.rotation.angularDistance(truth(newest()).rotation), 0.004) << i;
   }

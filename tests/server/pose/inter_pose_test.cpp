@@ -34,12 +34,13 @@ class InterPoseTest : public testing::Test {
     }
   }
   InterPoseReport run(const InterPoseConfig& config = {}) {
-    return inter_pose(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config, {});
+    return inter_pose(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set), config, {}, &motions_);
   }
   const FramePose& frame() { return sim_.map.camera(kPoor).frames.back(); }
 
   const test::SimWorld world_{{.points = 300, .moving_points = 75}};
   test::SimMap sim_;
+  std::map<CameraId, SteadyMotion> motions_;
 };
 
 TEST_F(InterPoseTest, FindsTheCameraThatHasNoStaticPoints) {

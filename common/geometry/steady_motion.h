@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "common/geometry/rigid3.h"
+
+namespace coslam {
+
+// What is known of a camera's pose before anything was seen.
+struct PosePrior {
+  Rigid3 cam_from_world;
+  Matrix6d covariance = Matrix6d::Zero();  // order of retract()
+};
+
+// What a prior adds to the normal equations of a pose (order of retract()) and to the sum of its losses.
+struct PriorTerm {
+  Matrix6d a;
+  Vector6d b;
+  double cost = 0;
+};
+// Cauchy's loss: who is pushed does not go on as he went.
+PriorTerm prior_term(const PosePrior& prior, const Rigid3& cam_from_world);
+
+// A camera that goes on as it went: its velocity and the uncertainty of pose and velocity, with white acceleration
+//   x' = [1 dt; 0 1] x,  Q = q [dt^3/3 dt^2/2; dt^2/2 dt]
+// as strong as its well-determined poses showed it in the last second or two, turning and moving each by itself. All in
+// the camera's own axes, so that it stays true when the world is moved under the camera.
+class SteadyMotion {
+ public:
+  // Where it is dt_s after the pose of the image before: there still, when its velocity is not known.
+  Rigid3 expected(const Rigid3& last_from_world, double dt_s) const;
+  // The same and how sure that is; nothing as long as too little was seen of it.
+  std::optional<PosePrior> predict(const Rigid3& last_from_world, double dt_s) const;
+  // Its pose dt_s after the last, and the covariance of that, found with the prediction's help or without. learn: the
+  // pose would stand without it, so it tells how strongly the camera accelerates.
+  void follow(const Rigid3& last_from_world, const Rigid3& cam_from_world, const Matrix6d& covariance, double dt_s,
+              bool learn);
+  // Somebody who knows for sure says where it was since_s ago: so its newest pose is `off` (order of retract()) from
+  // where it was thought to be.
+  void correct(const Vector6d& off, double since_s);
+  // The unit of length became shorter by that.
+  void rescale(double factor);
+  // Nothing is known of its velocity.
+  void lose() { known_ = false; }
+
+ private:
+  using Matrix12d = Eigen::Matrix<double, 12, 12>;
+  Matrix12d predicted(double dt_s) const;
+  void update(const Matrix12d& before, const Vector6d& off, const Matrix6d& covariance);
+
+  bool known_ = false;
+  Vector6d velocity_ = Vector6d::Zero();      // a second, order of retract()
+  Matrix12d covariance_ = Matrix12d::Zero();  // of pose and velocity
+  double turn_ = 0, way_ = 0;                 // q of an axis, rad^2 / s^3 and m^2 / s^3
+  double seen_s_ = 0;                         // that they were learned from
+};
+
+}  // namespace coslam
