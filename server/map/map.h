@@ -106,7 +106,7 @@ struct MapCamera {
   std::string rig;         // name of the first camera of the rig that it is fixed to; empty: it is free
   Rigid3 cam_from_rig;     // metres
   MapId map;               // that it is being localised in; 0 = not placed
-  bool corrected = false;  // its pose in this set comes from all cameras of its group: the agent is to take it
+  bool corrected = false;  // its pose in this set rests on more than its agent has: the agent is to take it
   double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
   bool sparse = false;     // it sees so few proven points that it has to use the others too
   int lost_sets = 0;       // frame sets in succession without a pose, while it has a map

@@ -96,6 +96,7 @@ FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainCo
         std::count(r.is_inlier.begin(), r.is_inlier.begin() + static_cast<std::ptrdiff_t>(matches.size()), true);
     if (agree < least || static_cast<double>(agree) < kLeastShare * static_cast<double>(matches.size())) continue;
     edit.set_pose(camera, set.id, r.cam_from_world);
+    edit.tell_pose(camera);
     ++report.cameras;
     for (std::size_t i = 0; i < matches.size(); ++i) {
       if (!r.is_inlier[i] || seen_by(*matches[i].point, camera.id)) continue;

@@ -129,6 +129,7 @@ bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, const OfCamera& o
   if (std::ranges::none_of(problem.is_free, std::identity{})) return false;
   const WindowResult r = solve_window(problem);
   poses.give_back(r, &edit);
+  edit.tell_pose(camera);
   return true;
 }
 
