@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace coslam {
 namespace {
@@ -14,7 +15,23 @@ namespace {
 constexpr double kCauchy = 2.0;  // standard deviations
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
-double cauchy_rho(double d2) { return kCauchy * kCauchy * std::log1p(d2 / (kCauchy * kCauchy)); }
+// Sum of Cauchy's loss. A logarithm of many factors costs what one of a single factor does.
+class CauchySum {
+ public:
+  void add(double d2) {
+    constexpr double kMost = 1e200;
+    factors_ *= 1 + d2 / (kCauchy * kCauchy);
+    if (factors_ > kMost) {
+      sum_ += std::log(factors_);
+      factors_ = 1;
+    }
+  }
+  double value() const { return kCauchy * kCauchy * (sum_ + std::log(factors_)); }
+
+ private:
+  double factors_ = 1, sum_ = 0;
+};
+
 double cauchy_weight(double d2) { return 1 / (1 + d2 / (kCauchy * kCauchy)); }
 
 // What does not change while it is solved.
@@ -71,13 +88,6 @@ class Solver {
     return state;
   }
 
-  double cost(const State& state) const {
-    double sum = 0;
-    for_each(state, [&](std::size_t, const Observation*, const Residual&, double d2) { sum += cauchy_rho(d2); });
-    for (std::size_t i = 0; i < state.things.size(); ++i) sum += prior_cost(i, state.things[i]);
-    return sum;
-  }
-
   System build(const State& state) const {
     const Eigen::Index n = 6 * free_;
     System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, 0};
@@ -88,8 +98,9 @@ class Solver {
       s.coupling.emplace_back().reserve(seen_[i].size());
       s.cost += prior_cost(i, state.things[i]);
     }
+    CauchySum loss;
     for_each(state, [&](std::size_t i, const Observation* o, const Residual& e, double d2) {
-      s.cost += cauchy_rho(d2);
+      loss.add(d2);
       if (o == nullptr) return;
       const double w = cauchy_weight(d2);
       s.own[i] += w * e.by_thing.transpose() * e.by_thing;
@@ -101,6 +112,7 @@ class Solver {
       s.b.segment<6>(at) += jw * e.r;
       s.coupling[i].push_back({o->column, jw * e.by_thing});
     });
+    s.cost += loss.value();
     return s;
   }
 
@@ -150,8 +162,10 @@ class Solver {
         }
         const Eigen::Matrix<double, 2, 3> j = o.whiten * problem_.camera->project_jacobian(x);
         e.r = o.whiten * (o.px - problem_.camera->project(x));
-        e.by_pose << -j * skew(x), inverse_depth * j;
-        e.by_thing << j * r * frame.leftCols<2>(), j * (r * origin + t);
+        e.by_pose.leftCols<3>().noalias() = -j * skew(x);
+        e.by_pose.rightCols<3>() = inverse_depth * j;
+        e.by_thing.leftCols<2>().noalias() = j * (r * frame.leftCols<2>());
+        e.by_thing.col(2).noalias() = j * (r * origin + t);
         visit(i, &o, e, e.r.squaredNorm());
       }
     }
@@ -205,14 +219,14 @@ WindowResult solve_window(const WindowProblem& problem, int max_iterations) {
     const Eigen::VectorXd step = step_of_poses(s, inverses, lambda);
     if (!step.allFinite()) break;
     const State next = solver.stepped(s, state, step, inverses);
-    const double cost = solver.cost(next);
-    if (!(cost <= s.cost)) {
+    System t = solver.build(next);
+    if (!(t.cost <= s.cost)) {
       lambda *= 10;
       continue;
     }
-    const bool settled = s.cost - cost < kSettled * s.cost;
+    const bool settled = s.cost - t.cost < kSettled * s.cost;
     state = next;
-    s = solver.build(state);
+    s = std::move(t);
     lambda = std::max(1e-9, 0.1 * lambda);
     if (settled) break;
   }
