@@ -112,23 +112,31 @@ std::optional<WindowThing> WindowPose::thing_of(const Map& map, const MapCamera&
   const FarPoint start = far_point(views, camera.scene_depth, sigma_px(camera));
   const Eigen::Vector2d ray = camera.model.normalized_from_pixel(thing.seen.front().second);
   thing.theta = {ray.x(), ray.y(), start.inverse_depth};
+  if (f.place) set_start(*f.place, &thing);
   thing.prior = {ray.x(), ray.y(), usual};
   thing.information(2, 2) = 1 / (usual * usual);
   return thing;
 }
 
-bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, const OfCamera& own) const {
+bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) const {
   const auto frames = static_cast<std::size_t>(camera.frames_in(config.free_s, kLeastFrames));
   const auto present = camera.present_frames();
   if (present.size() <= frames || camera.scene_depth <= 0) return false;
   WindowProblem problem{.camera = &camera.model, .sigma_px = sigma_px(camera)};
   Poses poses(camera, present[present.size() - frames].set, &problem);
-  for (const auto& [id, f] : own.tracks) {
-    if (auto thing = thing_of(edit.map(), camera, f, &poses)) problem.things.push_back(std::move(*thing));
+  std::vector<Followed*> followed;
+  for (auto& [id, f] : own->tracks) {
+    auto thing = thing_of(edit.map(), camera, f, &poses);
+    if (!thing) continue;
+    problem.things.push_back(std::move(*thing));
+    followed.push_back(&f);
   }
   if (std::ranges::none_of(problem.is_free, std::identity{})) return false;
   const WindowResult r = solve_window(problem);
   poses.give_back(r, &edit);
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    followed[i]->place = place_of(problem.things[i].frame_from_world, r.theta[i]);
+  }
   edit.tell_pose(camera);
   return true;
 }
@@ -144,7 +152,7 @@ WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set) {
     own.in_need = points_seen(map, camera) < map.config().few_points / (own.in_need ? 1 : 2);
     if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid()) continue;
     if (!camera.rig.empty() && map.is_metric(camera.map)) continue;  // its pose is that of the rig
-    if (solve(edit, camera, own)) report.solved.push_back(camera.id);
+    if (solve(edit, camera, &own)) report.solved.push_back(camera.id);
   }
   return report;
 }

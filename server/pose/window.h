@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -53,6 +54,7 @@ class WindowPose {
     std::vector<TrackPoint> seen;
     PointId point;
     bool rests = true;
+    std::optional<Eigen::Vector4d> place;  // as it was solved last: homogeneous, in the map
   };
   struct OfCamera {
     RunId run;
@@ -62,7 +64,7 @@ class WindowPose {
   void remember(const Map& map, const MapCamera& camera, OfCamera* own) const;
   class Poses;
   std::optional<WindowThing> thing_of(const Map& map, const MapCamera& camera, const Followed& f, Poses* poses) const;
-  bool solve(MapEdit& edit, const MapCamera& camera, const OfCamera& own) const;
+  bool solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) const;
 
   std::map<CameraId, OfCamera> cameras_;
 };

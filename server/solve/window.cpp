@@ -251,4 +251,20 @@ bool set_known(const Eigen::Vector3d& position, const Eigen::Matrix3d& covarianc
   return thing->information.allFinite();
 }
 
+Eigen::Vector4d place_of(const Rigid3& frame_from_world, const Eigen::Vector3d& theta) {
+  const Rigid3 world_from_frame = frame_from_world.inverse();
+  Eigen::Vector4d place;
+  place << world_from_frame.rotation * Eigen::Vector3d(theta.x(), theta.y(), 1) +
+               theta.z() * world_from_frame.translation,
+      theta.z();
+  return place;
+}
+
+void set_start(const Eigen::Vector4d& place, WindowThing* thing) {
+  constexpr double kLeast = 1e-3;
+  const Rigid3& frame = thing->frame_from_world;
+  const Eigen::Vector3d x = frame.rotation * place.head<3>() + place.w() * frame.translation;
+  if (x.z() > kLeast) thing->theta = {x.x() / x.z(), x.y() / x.z(), place.w() / x.z()};
+}
+
 }  // namespace coslam
