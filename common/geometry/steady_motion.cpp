@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kMemory_s = 1.5;  // of the acceleration
 constexpr double kLeast_s = 0.3;   // below which it is not known
+// Square of what a prediction from exact poses misses on three axes, over q dt^3, once the velocity has settled:
+// 3 (1 / sqrt(12) + 1 / 3).
+constexpr double kMissed = 1.866;
 constexpr double kLeastQ = 1e-10;  // nothing is quite at rest
 constexpr double kAny = 1e4;       // variance of a velocity of which nothing is known
 
@@ -66,15 +69,18 @@ void SteadyMotion::follow(const Rigid3& last_from_world, const Rigid3& cam_from_
     // The first steps count alike.
     seen_s_ = std::min(kMemory_s, seen_s_ + dt_s);
     const double share = dt_s / seen_s_, dt3 = dt_s * dt_s * dt_s;
-    turn_ += share * (off.head<3>().squaredNorm() / dt3 - turn_);
-    way_ += share * (off.tail<3>().squaredNorm() / dt3 - way_);
+    turn_ += share * (off.head<3>().squaredNorm() / (kMissed * dt3) - turn_);
+    way_ += share * (off.tail<3>().squaredNorm() / (kMissed * dt3) - way_);
   }
   update(predicted(dt_s), off, covariance);
 }
 
 void SteadyMotion::correct(const Vector6d& off, double since_s) {
   if (!known_) return;
-  update(covariance_, off, Matrix6d::Zero());
+  // What is far more than it may be wrong by is a change of the world, of which its velocity tells nothing.
+  const double d2 = off.dot(covariance_.topLeftCorner<6, 6>().ldlt().solve(off));
+  const double share = std::isfinite(d2) ? 1 / (1 + d2 / kPrior2) : 0;
+  update(covariance_, share * off, Matrix6d::Zero());
   if (known_ && since_s > 0) covariance_ = predicted(since_s);
 }
 

@@ -307,6 +307,10 @@ class Map {
   bool is_recent(SetId set) const { return set.value + sets_in(config_.recent_s) >= now_.value; }
   // How many frame sets come in that time, by the newest ones; at least one.
   std::uint32_t sets_in(double time_s) const;
+  // The set so long ago, or the first.
+  SetId set_ago(double time_s) const { return SetId(now_.value - std::min(now_.value, sets_in(time_s))); }
+  // The camera's pose is that of its rig, which all its cameras tell together.
+  bool is_posed_by_rig(const MapCamera& camera) const { return !camera.rig.empty() && is_metric(camera.map); }
   // True at one set in that time.
   bool every(double period_s) const { return now_.value % sets_in(period_s) == 0; }
 

@@ -52,7 +52,7 @@ std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const Fin
   }
   const double radius_px = config.search_rad * camera.model.focal_px();
   std::map<TrackId, Match> best;  // a track shows one point
-  const SetId since(map.now().value - std::min(map.now().value, map.sets_in(config.memory_s)));
+  const SetId since = map.set_ago(config.memory_s);
   for (const MapPoint* p : map.points_seen_since(since)) {
     if (!p->proven() || p->map != camera.map || seen_by(*p, camera.id)) continue;
     const auto match = match_of(map, camera, *p, grid, radius_px);
@@ -74,8 +74,7 @@ FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainCo
   const Map& map = edit.map();
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
-    if (!camera.sparse || !camera.frames.back().valid()) continue;
-    if (!camera.rig.empty() && map.is_metric(camera.map)) continue;  // its pose is that of the rig
+    if (!camera.sparse || !camera.frames.back().valid() || map.is_posed_by_rig(camera)) continue;
     const std::vector<Match> matches = matches_of(map, camera, config);
     if (static_cast<int>(matches.size()) < least) continue;
     std::vector<PointObservation> observations;

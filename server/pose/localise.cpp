@@ -74,8 +74,7 @@ std::vector<Body> bodies_of(const Map& map, const FrameSet& set) {
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (camera.map == MapId()) continue;
-    const bool in_rig = !camera.rig.empty() && map.is_metric(camera.map);
-    if (!in_rig) {
+    if (!map.is_posed_by_rig(camera)) {
       out.push_back({{&cf}, {{&camera.model, Rigid3()}}});
       continue;
     }

@@ -73,10 +73,7 @@ class WindowPose::Poses {
 
 void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* own) const {
   if (own->run != camera.run) *own = {.run = camera.run};
-  const auto oldest = [&](double time_s) {
-    return SetId(map.now().value - std::min(map.now().value, map.sets_in(time_s)));
-  };
-  const SetId ended_before = oldest(config.free_s), seen_before = oldest(config.seen_s);
+  const SetId ended_before = map.set_ago(config.free_s), seen_before = map.set_ago(config.seen_s);
   for (const auto& [id, track] : camera.tracks) {
     Followed& f = own->tracks[id];
     f.seen.push_back(track.seen.back());
@@ -150,8 +147,7 @@ WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set) {
     OfCamera& own = cameras_[camera.id];
     remember(map, camera, &own);
     own.in_need = points_seen(map, camera) < map.config().few_points / (own.in_need ? 1 : 2);
-    if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid()) continue;
-    if (!camera.rig.empty() && map.is_metric(camera.map)) continue;  // its pose is that of the rig
+    if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid() || map.is_posed_by_rig(camera)) continue;
     if (solve(edit, camera, &own)) report.solved.push_back(camera.id);
   }
   return report;

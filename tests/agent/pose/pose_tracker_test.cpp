@@ -211,6 +211,25 @@ TEST_F(PoseTrackerTest, ResetForgetsEverything) {
   EXPECT_EQ(pose_.state(), PoseState::kNone);
 }
 
+// Fifteen points in one corner, with noise: without its own motion each pose would be decimetres off.
+TEST_F(PoseTrackerTest, WherePointsAreFewItGoesOnAsItWent) {
+  start();
+  for (int i = 0; i < 60; ++i) step();
+  std::vector<double> errors_m;
+  for (int i = 0; i < 30; ++i) {
+    TrackFrame f = next_frame();
+    bind_all(f);
+    std::erase_if(f.tracks,
+                  [](const TrackObservation& o) { return o.undistorted_px.x() > 320 || o.undistorted_px.y() > 240; });
+    if (f.tracks.size() > 15) f.tracks.resize(15);
+    map_.keep_only(f.tracks);
+    pose_.step(f.frame, f.capture_ns, f.tracks, map_);
+    ASSERT_EQ(pose_.state(), PoseState::kTracked) << i << " with " << f.tracks.size();
+    errors_m.push_back((pose_.result().cam_from_world.center() - truth(newest()).center()).norm());
+  }
+  EXPECT_LT(*std::ranges::max_element(errors_m), 0.03);
+}
+
 // Told by the server where no points are: how far away things are does not matter while the camera turns.
 TEST_F(PoseTrackerTest, DirectionsHoldItWherePointsDoNot) {
   start();

@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "common/geometry/robust.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
@@ -18,6 +19,8 @@ namespace {
 
 using test::looking;
 using test::PoseNear;
+
+double median(std::vector<double> values) { return upper_median(values); }
 
 const CameraModel kCamera = test::sim_camera();
 const Rigid3 kTruth = looking({0.4, -0.2, 0.3}, 0.1, -0.05);
@@ -283,6 +286,39 @@ TEST(RefineRigPose, OneCameraAtTheBodyIsRefinePose) {
   EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
   EXPECT_EQ(a.inliers, b.inliers);
   EXPECT_EQ(a.covariance, b.covariance);
+}
+
+// Points in a corner of the image hold a pose poorly; what is known beforehand holds the rest.
+TEST(RefinePose, APriorCountsBesideTheObservations) {
+  std::vector<double> with_m, without_m, values;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    auto observations = observe(2000, {.px = 0.5}, seed);
+    std::erase_if(observations, [](const PointObservation& o) {
+      return o.undistorted_px.x() > kCamera.width_px / 4 || o.undistorted_px.y() > kCamera.height_px / 4;
+    });
+    observations.resize(std::min<std::size_t>(observations.size(), 15));
+    PosePrior prior{off(0.003, 0.01, seed), Matrix6d::Zero()};
+    prior.covariance.diagonal() << 3e-6, 3e-6, 3e-6, 3.3e-5, 3.3e-5, 3.3e-5;
+    const auto error_m = [](const PoseResult& r) { return (r.cam_from_world.center() - kTruth.center()).norm(); };
+    const PoseResult poor = refine_pose(kCamera, observations, prior.cam_from_world, {});
+    const PoseResult r = refine_pose(kCamera, observations, prior.cam_from_world, {.prior = prior});
+    ASSERT_EQ(r.status, PoseStatus::kOk);
+    without_m.push_back(error_m(poor));
+    with_m.push_back(error_m(r));
+    const Vector6d error = local(r.cam_from_world, kTruth);
+    values.push_back(error.dot(r.covariance.inverse() * error));
+  }
+  EXPECT_LT(median(with_m), 0.012);
+  EXPECT_LT(median(with_m), 0.5 * median(without_m));
+  EXPECT_LT(median(values), 9);
+}
+
+TEST(RefinePose, AWrongPriorDoesNotStandAgainstManyPoints) {
+  const auto observations = observe(120, {.px = 0.5}, 1);
+  PosePrior prior{off(0.05, 0.2, 3), 1e-6 * Matrix6d::Identity()};
+  const PoseResult r = refine_pose(kCamera, observations, prior.cam_from_world, {.prior = prior});
+  ASSERT_EQ(r.status, PoseStatus::kOk);
+  EXPECT_THAT(r.cam_from_world, PoseNear(kTruth, 0.003, 0.01));
 }
 
 }  // namespace

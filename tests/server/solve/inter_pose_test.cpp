@@ -104,5 +104,28 @@ TEST_F(InterPoseSolve, ItsCovarianceIsHonest) {
   EXPECT_NEAR(test::median(values), 5.35, 2.0);  // of a chi-squared variable with six degrees of freedom
 }
 
+// Eight moving points of 3 px hardly tell where a camera is that has nothing else.
+TEST_F(InterPoseSolve, APriorHoldsACameraThatLittleElseHolds) {
+  std::vector<double> with_m, without_m;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    InterPoseProblem p = make({.statics = {60, 60, 2}, .noise_px = 1.5}, seed);
+    p.moving.resize(8);
+    const auto error_m = [&](const InterPoseResult& r) {
+      return (r.cameras[2].cam_from_world.center() - truth_[2].center()).norm();
+    };
+    const InterPoseResult poor = solve_inter_pose(p, 30);
+    Vector6d off;
+    off << 0.001, -0.001, 0.002, 0.004, -0.005, 0.005;
+    p.cameras[2].prior = {retract(truth_[2], off), Matrix6d::Zero()};
+    p.cameras[2].prior->covariance.diagonal() << 4e-6, 4e-6, 4e-6, 2.5e-5, 2.5e-5, 2.5e-5;
+    const InterPoseResult r = solve_inter_pose(p, 30);
+    ASSERT_TRUE(r.ok);
+    with_m.push_back(error_m(r));
+    without_m.push_back(poor.ok ? error_m(poor) : 1.0);
+  }
+  EXPECT_LT(test::median(with_m), 0.012);
+  EXPECT_LT(test::median(with_m), 0.5 * test::median(without_m));
+}
+
 }  // namespace
 }  // namespace coslam

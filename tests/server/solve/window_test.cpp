@@ -170,5 +170,26 @@ TEST(SetKnown, WhatIsBehindIsRefused) {
   EXPECT_FALSE(set_known({0, 0, -1}, Eigen::Matrix3d::Identity(), &thing));
 }
 
+TEST(PlaceOf, IsTheSameInEveryFrame) {
+  const Rigid3 frame(so3_exp({0.1, -0.2, 0.3}), {0.5, -0.2, 0.1});
+  for (const Eigen::Vector3d& theta : {Eigen::Vector3d(0.2, -0.3, 0.5), Eigen::Vector3d(0.2, -0.3, 0)}) {
+    const Eigen::Vector4d place = place_of(frame, theta);
+    WindowThing same, other;
+    same.frame_from_world = frame;
+    set_start(place, &same);
+    EXPECT_LT((same.theta - theta).norm(), 1e-12);
+    other.frame_from_world = Rigid3(so3_exp({-0.1, 0.2, 0.1}), {1, 0, 0.4});
+    set_start(place, &other);
+    EXPECT_LT((place_of(other.frame_from_world, other.theta).normalized() - place.normalized()).norm(), 1e-12);
+  }
+}
+
+TEST(PlaceOf, WhatIsBehindIsNoStart) {
+  WindowThing thing;
+  thing.theta = {0.1, 0.2, 0.3};
+  set_start({0, 0, -1, 0}, &thing);
+  EXPECT_EQ(thing.theta, Eigen::Vector3d(0.1, 0.2, 0.3));
+}
+
 }  // namespace
 }  // namespace coslam
