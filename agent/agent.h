@@ -68,6 +68,8 @@ class Agent {
   const LocalMap& local_map() const { return map_; }
   const StageTimes& times() const { return times_; }
   std::uint32_t tracked_frames() const { return tracked_frames_; }
+  // Of a rolling shutter, when it is not given but found; else 0.
+  double found_readout_s() const { return shutter_.found_s(); }
   std::size_t tracks() const { return observations_.size(); }
 
  private:

@@ -109,6 +109,7 @@ void AgentLoop::say_state() {
   if (const auto word = words_.server(link_.server_alive(), now_())) log_info(*word);
   if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
+  if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
 }
 
 double AgentLoop::mean_frame_ms() const {

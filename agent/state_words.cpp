@@ -3,6 +3,7 @@
 #include "agent/state_words.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -28,6 +29,19 @@ std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
   if (now - *gone_since_ < kPasses) return std::nullopt;
   said_lost_ = true;
   return lost_;
+}
+
+std::optional<std::string> StateWords::readout(double readout_s) {
+  constexpr double kDifferent = 0.33;
+  if (std::abs(readout_s - said_readout_s_) <= kDifferent * said_readout_s_) return std::nullopt;
+  said_readout_s_ = readout_s;
+  if (readout_s <= 0) return "its images do not look like those of a rolling shutter any more";
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "a rolling shutter: the rows of an image are read over about %.0f ms, which is made up for; "
+                "agent.readout_s sets it",
+                1e3 * readout_s);
+  return text;
 }
 
 }  // namespace coslam

@@ -27,6 +27,8 @@ class RollingShutter {
   // tracks made since the image before.
   void correct(TimeNs capture_ns, std::vector<SeenPlace>* places);
   double readout_s() const { return configured_s_ < 0 ? estimate_.readout_s() : configured_s_; }
+  // As it is found out; 0 when it is given.
+  double found_s() const { return configured_s_ < 0 ? estimate_.readout_s() : 0; }
 
  private:
   CameraModel camera_;

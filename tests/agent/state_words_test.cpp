@@ -79,5 +79,17 @@ TEST_F(StateWordsTest, WhatIsSoonOverIsNoWordWorth) {
   EXPECT_THAT(said_, IsEmpty());
 }
 
+TEST(StateWords, SaysOnceThatAShutterIsFound) {
+  StateWords words;
+  EXPECT_FALSE(words.readout(0));
+  const auto word = words.readout(0.0257);
+  ASSERT_TRUE(word);
+  EXPECT_THAT(*word, testing::HasSubstr("26 ms"));
+  EXPECT_FALSE(words.readout(0.0265));
+  EXPECT_TRUE(words.readout(0.017)) << "it is another one by now";
+  EXPECT_TRUE(words.readout(0));
+  EXPECT_FALSE(words.readout(0));
+}
+
 }  // namespace
 }  // namespace coslam
