@@ -159,18 +159,26 @@ class DdsAgentLink : public AgentLink {
     }
   }
 
-  // Patches first: they are small, and what moves soon looks different.
+  // Patches and descriptors have half of the room each while both wait: patches never end, and where maps have not met,
+  // descriptors are what everything hangs on.
   void write_waiting() {
     constexpr double kUnlimited = 1e12, kMostLeft = 1500;  // bytes that were not used last time
     reply_room_ = reply_bytes_a_frame_ ? std::min(reply_room_, kMostLeft) + *reply_bytes_a_frame_ : kUnlimited;
-    write_waiting(patches_waiting_, patches_);
-    write_waiting(descriptors_waiting_, descriptors_);
+    while (reply_room_ > 0 && replies_wait()) {
+      const bool both = !patches_waiting_.empty() && !descriptors_waiting_.empty();
+      if (!both) patches_ahead_bytes_ = 0;
+      const bool patches_next = both ? patches_ahead_bytes_ <= 0 : !patches_waiting_.empty();
+      const double bytes =
+          patches_next ? write_first(patches_waiting_, patches_) : write_first(descriptors_waiting_, descriptors_);
+      reply_room_ -= bytes;
+      patches_ahead_bytes_ += patches_next ? bytes : -bytes;
+    }
   }
   template <class Message>
-  void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
-    for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
-      reply_room_ -= static_cast<double>(writer.write(waiting.front()));
-    }
+  static double write_first(std::deque<Message>& waiting, Writer<Message>& writer) {
+    const auto bytes = static_cast<double>(writer.write(waiting.front()));
+    waiting.pop_front();
+    return bytes;
   }
 
   // Lock-step.
@@ -253,7 +261,7 @@ class DdsAgentLink : public AgentLink {
   std::deque<idl::PatchReply> patches_waiting_;
   std::deque<idl::DescriptorReply> descriptors_waiting_;
   std::optional<double> reply_bytes_a_frame_;
-  double reply_room_ = 0;
+  double reply_room_ = 0, patches_ahead_bytes_ = 0;
 
   mutable std::mutex mutex_;  // for the five below
   std::condition_variable arrived_;
