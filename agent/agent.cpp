@@ -88,7 +88,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   const auto timer = times_.measure("answer");
-  out.descriptors = describe_image(answers.described_one_in);  // may start tracks, so before the frame is made
+  out.descriptors = describe_image(answers.described);  // may start tracks, so before the frame is made
   out.patches = cut_patches(answers.patches);
   out.frame = make_frame();
   out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
@@ -117,16 +117,16 @@ int Agent::room_for_described() const {
   return std::max(0, most - static_cast<int>(tracker_->live().size()));
 }
 
-std::optional<DescriptorReply> Agent::describe_image(int one_in) {
-  if (one_in == 0) return std::nullopt;
+std::optional<DescriptorReply> Agent::describe_image(int most) {
+  if (most == 0) return std::nullopt;
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
   if (wanted == DescriptorRequest::kNone) return std::nullopt;
   const bool everywhere = wanted == DescriptorRequest::kEverywhere;
   if (everywhere) since_described_ = 0;
   const int room = room_for_described();
-  const DescribedTracks described = everywhere
-                                        ? tracker_->describe_strongest(config_.descriptor_features / one_in, room)
-                                        : tracker_->describe_at(observed(), config_.place_features / one_in, room);
+  const DescribedTracks described =
+      everywhere ? tracker_->describe_strongest(std::min(most, config_.descriptor_features), room)
+                 : tracker_->describe_at(observed(), std::min(most, config_.place_features), room);
   observe();
   const std::vector<TrackId> ids = observed();
   DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -33,12 +34,10 @@ struct AgentConfig {
 
 // How much of what the server asked for goes with an image; the rest waits for a later one.
 struct Answers {
-  std::size_t patches = kMaxTracks;  // most
-  int described_one_in = 1;          // one feature in so many is described; 0: none, the request waits
+  std::size_t patches = kMaxTracks;                 // most
+  int described = std::numeric_limits<int>::max();  // most features; 0: none, the request waits
 
   static constexpr Answers all() { return {}; }
-  static constexpr Answers few() { return {4, 2}; }  // a link that carries little
-  static constexpr Answers patches_alone() { return {4, 0}; }
   static constexpr Answers none() { return {0, 0}; }
 };
 
@@ -76,7 +75,7 @@ class Agent {
   void take(const MapPatch& patch);
   void observe();
   void look_for_tags();
-  std::optional<DescriptorReply> describe_image(int one_in);
+  std::optional<DescriptorReply> describe_image(int most);
   std::optional<PatchReply> cut_patches(std::size_t most);
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;

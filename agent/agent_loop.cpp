@@ -61,11 +61,24 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   return true;
 }
 
-// New ones wait for the old ones.
+// New ones wait for the old ones. On a link that carries little an image is described in no more features than get
+// through in about a second: later its tracks are others.
 Answers AgentLoop::answers() const {
-  if (!adapts_) return Answers::all();
-  if (link_.replies_wait()) return Answers::patches_alone();
-  return send_rate_.narrow() ? Answers::few() : Answers::all();
+  constexpr double kSeconds = 1, kBytesAFeature = 80;
+  constexpr int kLeastFeatures = 140, kFewFeatures = 200;
+  constexpr std::size_t kFewPatches = 4;
+  Answers out = Answers::all();
+  if (!adapts_) return out;
+  if (reply_rate_.limited()) {
+    const double most = kSeconds * reply_rate_.bytes_per_s() / kBytesAFeature;
+    out = {kFewPatches, std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)))};
+  } else if (send_rate_.narrow()) {
+    out = {kFewPatches, kFewFeatures};
+  }
+  const RepliesWaiting waiting = link_.waiting();
+  if (waiting.patches) out.patches = 0;
+  if (waiting.descriptors) out.described = 0;
+  return out;
 }
 
 // From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
@@ -81,7 +94,8 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   }
   if (downlink_s) {
     send_rate_.heard(wait_s, *downlink_s, now_());
-    reply_rate_.heard(wait_s, link_.replies_wait(), now_());
+    const RepliesWaiting waiting = link_.waiting();
+    reply_rate_.heard(wait_s, waiting.patches || waiting.descriptors, now_());
   }
   link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);
   if (link_.server_alive()) send_rate_.tick(now_());

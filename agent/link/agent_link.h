@@ -17,6 +17,11 @@ namespace coslam {
 // (server/link/inline_link.h). The hello goes out at construction and stays available to servers that start later.
 // Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads: send,
 // wait_patch and take_patches belong to one thread; everything else may be called from any.
+// Replies that did not go with their frame.
+struct RepliesWaiting {
+  bool patches = false, descriptors = false;
+};
+
 class AgentLink {
  public:
   virtual ~AgentLink() = default;
@@ -28,7 +33,7 @@ class AgentLink {
   virtual void send_status(const AgentStatus& status) = 0;
   // From now on replies of no more than so many bytes go with a frame; the rest waits for the next frames.
   virtual void limit_replies(double /*bytes_a_frame*/) {}
-  virtual bool replies_wait() const { return false; }
+  virtual RepliesWaiting waiting() const { return {}; }
 
   // Lock-step replay. The next patch in order of sequence; waits while there is none. Empty at the timeout, and at once
   // when the patch that answers `after_frame` was returned before. While the answer is due, the last frame sent is sent

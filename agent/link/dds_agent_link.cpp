@@ -68,7 +68,10 @@ class DdsAgentLink : public AgentLink {
             const std::optional<DescriptorReply>& descriptors) override {
     last_ = {};
     if (patches) put_parts(*patches, patches_waiting_, last_.patches);
-    if (descriptors) put_parts(*descriptors, descriptors_waiting_, last_.descriptors);
+    if (descriptors) {
+      put_parts(*descriptors, descriptors_waiting_, last_.descriptors);
+      described_ = Clock::now();
+    }
     last_.sent = Clock::now();
     write_waiting();
     // What waits rides with a later frame, so that this one does not wait for it.
@@ -85,7 +88,7 @@ class DdsAgentLink : public AgentLink {
   }
 
   void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
-  bool replies_wait() const override { return !patches_waiting_.empty() || !descriptors_waiting_.empty(); }
+  RepliesWaiting waiting() const override { return {!patches_waiting_.empty(), !descriptors_waiting_.empty()}; }
 
   std::optional<MapPatch> wait_patch(FrameId after_frame, milliseconds timeout) override {
     const Instant deadline = Clock::now() + timeout;
@@ -159,26 +162,21 @@ class DdsAgentLink : public AgentLink {
     }
   }
 
-  // Patches and descriptors have half of the room each while both wait: patches never end, and where maps have not met,
-  // descriptors are what everything hangs on.
+  // Descriptors first: they are rare, and where maps have not met everything hangs on them. Those of long ago are
+  // left: few of their tracks are there still.
   void write_waiting() {
     constexpr double kUnlimited = 1e12, kMostLeft = 1500;  // bytes that were not used last time
+    constexpr std::chrono::milliseconds kStale{2500};
     reply_room_ = reply_bytes_a_frame_ ? std::min(reply_room_, kMostLeft) + *reply_bytes_a_frame_ : kUnlimited;
-    while (reply_room_ > 0 && replies_wait()) {
-      const bool both = !patches_waiting_.empty() && !descriptors_waiting_.empty();
-      if (!both) patches_ahead_bytes_ = 0;
-      const bool patches_next = both ? patches_ahead_bytes_ <= 0 : !patches_waiting_.empty();
-      const double bytes =
-          patches_next ? write_first(patches_waiting_, patches_) : write_first(descriptors_waiting_, descriptors_);
-      reply_room_ -= bytes;
-      patches_ahead_bytes_ += patches_next ? bytes : -bytes;
-    }
+    if (Clock::now() - described_ > kStale) descriptors_waiting_.clear();
+    write_waiting(descriptors_waiting_, descriptors_);
+    write_waiting(patches_waiting_, patches_);
   }
   template <class Message>
-  static double write_first(std::deque<Message>& waiting, Writer<Message>& writer) {
-    const auto bytes = static_cast<double>(writer.write(waiting.front()));
-    waiting.pop_front();
-    return bytes;
+  void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
+    for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
+      reply_room_ -= static_cast<double>(writer.write(waiting.front()));
+    }
   }
 
   // Lock-step.
@@ -261,7 +259,8 @@ class DdsAgentLink : public AgentLink {
   std::deque<idl::PatchReply> patches_waiting_;
   std::deque<idl::DescriptorReply> descriptors_waiting_;
   std::optional<double> reply_bytes_a_frame_;
-  double reply_room_ = 0, patches_ahead_bytes_ = 0;
+  double reply_room_ = 0;
+  Instant described_{};
 
   mutable std::mutex mutex_;  // for the five below
   std::condition_variable arrived_;

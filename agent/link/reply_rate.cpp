@@ -21,8 +21,10 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, Instant now) {
   heard_ = now;
   if (uplink_wait_s > kLate_s) {
     if (halved_ && now - *halved_ < std::chrono::duration<double>(kSettling_s)) return;
-    halved_ = now;  // from now on more is tried slowly
-    bytes_per_s_ = std::max(kLeast_bytes_per_s, 0.5 * bytes_per_s_);
+    // It grew fast until now and is far above what the link carries; from now on more is tried slowly.
+    const double share = halved_ ? 0.5 : 0.125;
+    halved_ = now;
+    bytes_per_s_ = std::max(kLeast_bytes_per_s, share * bytes_per_s_);
   } else if (uplink_wait_s < kSoon_s && replies_wait) {
     const double doubled_in_s = halved_ ? kDoubledIn_s : kDoubledAtFirst_s;
     bytes_per_s_ = std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s / doubled_in_s, 1.0)));

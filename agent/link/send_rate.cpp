@@ -13,7 +13,7 @@ constexpr double kLeastRate_hz = 10;
 constexpr double kWindow_s = 0.4;  // of messages: what queues delays them all, what was lost and sent again only some
 constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
 constexpr double kLateFor_s = 1.2;              // a stall is no narrow link
-constexpr double kTry_s = 2, kLateInTry_s = 0.4;
+constexpr double kTry_s = 2, kLateInTry_s = 0.25;
 constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
 constexpr double kSilence_s = 3;                                                     // as bad as late
 constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
@@ -78,13 +78,15 @@ void SendRate::waited(double wait_s, Instant now) {
   if (one_in_ == 1 || !soon_since_) return;
   const Instant since = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
   if (seconds(since, now) <= patience_s_) return;
+  before_try_ = one_in_;
   one_in_ = fewer_ ? one_in_ - 1 : 1;  // all at once while nothing came late
   tried_ = now;
 }
 
 void SendRate::send_fewer(double wait_s, Instant now) {
   patience_s_ = std::clamp(2 * patience_s_, kPatience_s, kMostPatience_s);
-  one_in_ = wait_s > kFarTooLate_s ? most_ : std::min(one_in_ + 1, most_);
+  const bool trying = tried_ && seconds(*tried_, now) < kTry_s;
+  one_in_ = wait_s > kFarTooLate_s ? most_ : std::min(std::max(one_in_ + 1, trying ? before_try_ : 1), most_);
   tried_.reset();
   fewer_ = now;
 }

@@ -39,7 +39,7 @@ class SendRate {
 
   const double rate_hz_;
   const int most_;
-  int one_in_, passed_ = 0;
+  int one_in_, before_try_ = 1, passed_ = 0;
   Instant now_{};
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then

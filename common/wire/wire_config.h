@@ -21,7 +21,7 @@ struct WireConfig {
                              // datagrams to this process can stop it
 
   double lease_s = 3.0;         // a participant unheard for this long is gone
-  double announce_s = 0.5;      // period of announcements; at most a third of lease_s
+  double announce_s = 1.0;      // period of announcements; at most a third of lease_s
   double silent_after_s = 0.5;  // no sign of life from an agent or server for this long: silent
 
   std::uint32_t bulk_bytes_per_s = 1'250'000;  // pace of patches and descriptors; below the uplink's rate; 0 = no limit

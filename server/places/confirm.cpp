@@ -10,7 +10,7 @@
 namespace coslam {
 namespace {
 
-constexpr double kPending_s = 2.0;  // within which a hypothesis is to be confirmed
+constexpr double kPending_s = 5.0;  // within which a hypothesis is to be confirmed
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
