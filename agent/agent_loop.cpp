@@ -16,7 +16,7 @@ namespace {
 
 constexpr auto kServerPatience = std::chrono::seconds(5);
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
-constexpr std::size_t kDelaysKept = 128;
+constexpr std::size_t kSentKept = 128;
 
 }  // namespace
 
@@ -45,9 +45,10 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   if (sends) {
     last_sent_ = out.frame.frame;
-    if (image->since) delays_.push_back({image->frame, std::chrono::duration<double>(now_() - *image->since).count()});
-    if (delays_.size() > kDelaysKept) delays_.pop_front();
+    const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
+    sent_.push_back({image->frame, delay_s, link_.waiting().sent_bytes});
+    if (sent_.size() > kSentKept) sent_.pop_front();
   }
   warn_when_slow();
   if (logs_state_) say_state();
@@ -85,25 +86,27 @@ Answers AgentLoop::answers() const {
 // waited for one that was lost: the last of them tells how long the link takes.
 void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   std::optional<double> downlink_s;
-  double wait_s = 0;
+  double wait_s = 0, delivered_bytes = 0;
   for (const MapPatch& p : patches) {
     if (p.sent_ns == 0) continue;
     const double took_s = to_seconds(p.received_ns - p.sent_ns);
     downlink_s = std::min(downlink_s.value_or(took_s), took_s);
-    wait_s = std::max(0.0, p.uplink_wait_s - own_delay_s(p.after_frame));
+    const Sent sent = sent_with(p.after_frame);
+    wait_s = std::max(0.0, p.uplink_wait_s - sent.delay_s);
+    delivered_bytes = sent.reply_bytes;
   }
   if (downlink_s) {
-    send_rate_.heard(wait_s, *downlink_s, now_());
-    const RepliesWaiting waiting = link_.waiting();
-    reply_rate_.heard(wait_s, waiting.patches || waiting.descriptors, now_());
+    const bool replies_wait = link_.waiting().any();
+    send_rate_.heard(wait_s, *downlink_s, replies_wait, now_());
+    reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
   }
   link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);
   if (link_.server_alive()) send_rate_.tick(now_());
 }
 
-double AgentLoop::own_delay_s(FrameId frame) const {
-  const auto at = std::ranges::find(delays_, frame, &Sent::frame);
-  return at == delays_.end() ? 0 : at->delay_s;
+AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
+  const auto at = std::ranges::find(sent_, frame, &Sent::frame);
+  return at == sent_.end() ? Sent{frame} : *at;
 }
 
 // Once, when what the images need is known.

@@ -52,7 +52,6 @@ class AgentLoop {
   bool server_stops() const;
   Answers answers() const;
   void watch_link(const std::vector<MapPatch>& patches);
-  double own_delay_s(FrameId frame) const;
   void warn_when_slow();
   void say_state();
   double mean_frame_ms() const;
@@ -70,9 +69,11 @@ class AgentLoop {
   std::optional<FrameId> last_sent_;
   struct Sent {
     FrameId frame;
-    double delay_s = 0;
+    double delay_s = 0;      // between image and link: no fault of the link's
+    double reply_bytes = 0;  // that had been sent by then
   };
-  std::deque<Sent> delays_;  // of the last frames, between image and link: no fault of the link's
+  Sent sent_with(FrameId frame) const;
+  std::deque<Sent> sent_;  // the last frames
   bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false;
   StateWords words_;
   ClockExchange exchange_;  // begun by the newest patch

@@ -20,6 +20,9 @@ namespace coslam {
 // Replies that did not go with their frame.
 struct RepliesWaiting {
   bool patches = false, descriptors = false;
+  double sent_bytes = 0;  // of all replies, since the start
+
+  bool any() const { return patches || descriptors; }
 };
 
 class AgentLink {

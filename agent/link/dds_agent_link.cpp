@@ -88,7 +88,9 @@ class DdsAgentLink : public AgentLink {
   }
 
   void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
-  RepliesWaiting waiting() const override { return {!patches_waiting_.empty(), !descriptors_waiting_.empty()}; }
+  RepliesWaiting waiting() const override {
+    return {!patches_waiting_.empty(), !descriptors_waiting_.empty(), reply_bytes_};
+  }
 
   std::optional<MapPatch> wait_patch(FrameId after_frame, milliseconds timeout) override {
     const Instant deadline = Clock::now() + timeout;
@@ -175,7 +177,9 @@ class DdsAgentLink : public AgentLink {
   template <class Message>
   void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
     for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
-      reply_room_ -= static_cast<double>(writer.write(waiting.front()));
+      const auto bytes = static_cast<double>(writer.write(waiting.front()));
+      reply_room_ -= bytes;
+      reply_bytes_ += bytes;
     }
   }
 
@@ -259,7 +263,7 @@ class DdsAgentLink : public AgentLink {
   std::deque<idl::PatchReply> patches_waiting_;
   std::deque<idl::DescriptorReply> descriptors_waiting_;
   std::optional<double> reply_bytes_a_frame_;
-  double reply_room_ = 0;
+  double reply_room_ = 0, reply_bytes_ = 0;
   Instant described_{};
 
   mutable std::mutex mutex_;  // for the five below

@@ -16,7 +16,7 @@ constexpr double kSettling_s = 0.6;  // until a change shows
 
 }  // namespace
 
-void ReplyRate::heard(double uplink_wait_s, bool replies_wait, Instant now) {
+void ReplyRate::heard(double uplink_wait_s, bool replies_wait, double delivered_bytes, Instant now) {
   const double since_s = heard_ ? std::chrono::duration<double>(now - *heard_).count() : 0;
   heard_ = now;
   if (uplink_wait_s > kLate_s) {
@@ -29,6 +29,21 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, Instant now) {
     const double doubled_in_s = halved_ ? kDoubledIn_s : kDoubledAtFirst_s;
     bytes_per_s_ = std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s / doubled_in_s, 1.0)));
   }
+  if (replies_wait) {
+    note_delivered(delivered_bytes, now);
+  } else {
+    delivered_.clear();  // who sends little sees little arrive
+  }
+}
+
+void ReplyRate::note_delivered(double bytes, Instant now) {
+  constexpr double kWindow_s = 0.25, kAhead = 2, kAtLeast_bytes_per_s = 8e3;
+  delivered_.push_back({now, bytes});
+  const auto ago_s = [&](std::size_t i) { return std::chrono::duration<double>(now - delivered_[i].at).count(); };
+  while (delivered_.size() > 2 && ago_s(1) >= kWindow_s) delivered_.pop_front();
+  if (ago_s(0) < kWindow_s) return;
+  const double arrives_bytes_per_s = (bytes - delivered_.front().bytes) / ago_s(0);
+  bytes_per_s_ = std::min(bytes_per_s_, kAhead * arrives_bytes_per_s + kAtLeast_bytes_per_s);
 }
 
 }  // namespace coslam

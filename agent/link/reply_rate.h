@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "common/base/time.h"
@@ -10,17 +11,25 @@ namespace coslam {
 
 // How many bytes a second of replies a live agent sends beside its frames: more while frames come as soon as ever
 // though replies wait to be sent, half as soon as frames wait for them. It begins with what a narrow link has left
-// beside frames and grows fast until frames waited for the first time, which costs it seven eighths. Pure: time is an
-// argument. Thread-compatible.
+// beside frames and grows fast until frames waited for the first time, which costs it seven eighths; never far beyond
+// what is seen to arrive. Pure: time is an argument. Thread-compatible.
 class ReplyRate {
  public:
-  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took.
-  void heard(double uplink_wait_s, bool replies_wait, Instant now);
+  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took. delivered_bytes: of all
+  // replies that were sent before that frame.
+  void heard(double uplink_wait_s, bool replies_wait, double delivered_bytes, Instant now);
   double bytes_per_s() const { return bytes_per_s_; }
   // Frames had to wait for replies before: the link does not carry whatever is given to it.
   bool limited() const { return halved_.has_value(); }
 
  private:
+  void note_delivered(double bytes, Instant now);
+
+  struct Delivered {
+    Instant at;
+    double bytes = 0;
+  };
+  std::deque<Delivered> delivered_;
   double bytes_per_s_ = 8e3;
   std::optional<Instant> heard_, halved_;
 };

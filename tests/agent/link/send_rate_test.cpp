@@ -29,7 +29,7 @@ class Link {
   void answer(SendRate& rate, double now_s) {
     rate.tick(at(now_s));
     for (; !under_way_.empty() && under_way_.front().first <= now_s; under_way_.pop_front()) {
-      rate.heard(under_way_.front().second, 1e6, at(now_s));  // whatever the clocks say
+      rate.heard(under_way_.front().second, 1e6, false, at(now_s));  // whatever the clocks say
     }
   }
   double waits_s(double now_s) const { return std::max(0.0, free_s_ - now_s); }
@@ -83,22 +83,22 @@ TEST(SendRate, GivesWayWhenNothingComesThrough) {
 
 TEST(SendRate, ALinkThatWasCutIsAsItWasBefore) {
   SendRate rate(30);
-  for (int i = 0; i < 60; ++i) rate.heard(0, 0.01, at(i * kPeriod_s));
+  for (int i = 0; i < 60; ++i) rate.heard(0, 0.01, false, at(i * kPeriod_s));
   for (int i = 60; i < 400; ++i) rate.tick(at(i * kPeriod_s));
   EXPECT_TRUE(rate.narrow());
-  rate.heard(0, 0.01, at(400 * kPeriod_s));
+  rate.heard(0, 0.01, false, at(400 * kPeriod_s));
   EXPECT_FALSE(rate.narrow());
 }
 
 TEST(SendRate, TheWayDownCountsToo) {
   SendRate rate(30);
-  for (int i = 0; i < 600; ++i) rate.heard(0, -77 + (i < 60 ? 0.01 : 0.9), at(i * kPeriod_s));
+  for (int i = 0; i < 600; ++i) rate.heard(0, -77 + (i < 60 ? 0.01 : 0.9), false, at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 3);
 }
 
 TEST(SendRate, AStallIsNoNarrowLink) {
   SendRate rate(30);
-  for (int i = 0; i < 600; ++i) rate.heard(i > 300 && i < 312 ? 2 : 0.01, 0.01, at(i * kPeriod_s));
+  for (int i = 0; i < 600; ++i) rate.heard(i > 300 && i < 312 ? 2 : 0.01, 0.01, false, at(i * kPeriod_s));
   EXPECT_FALSE(rate.narrow());
 }
 
@@ -106,7 +106,7 @@ TEST(SendRate, AStallIsNoNarrowLink) {
 TEST(SendRate, LostMessagesAreNoNarrowLink) {
   SendRate rate(30);
   for (int i = 0; i < 900; ++i) {
-    rate.heard(0, i % 7 < 2 ? 0.9 : 0.01, at(0.1 * i));
+    rate.heard(0, i % 7 < 2 ? 0.9 : 0.01, false, at(0.1 * i));
     if (i >= 10) {
       ASSERT_EQ(rate.one_in(), 1) << i;
     }
@@ -115,14 +115,14 @@ TEST(SendRate, LostMessagesAreNoNarrowLink) {
 
 TEST(SendRate, OneLateMessageAtFirstIsNoNarrowLink) {
   SendRate rate(30);
-  rate.heard(0.9, 0.01, at(0));
-  for (int i = 1; i < 30; ++i) rate.heard(0, 0.01, at(i * kPeriod_s));
+  rate.heard(0.9, 0.01, false, at(0));
+  for (int i = 1; i < 30; ++i) rate.heard(0, 0.01, false, at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 1);
 }
 
 TEST(SendRate, ANarrowLinkIsKnownAtFirst) {
   SendRate rate(30);
-  for (int i = 0; i < 60; ++i) rate.heard(0.9, 0.01, at(i * kPeriod_s));
+  for (int i = 0; i < 60; ++i) rate.heard(0.9, 0.01, false, at(i * kPeriod_s));
   EXPECT_TRUE(rate.narrow());
 }
 
@@ -130,8 +130,8 @@ TEST(SendRate, ANarrowLinkIsKnownAtFirst) {
 TEST(SendRate, AgentsThinAlike) {
   SendRate one(30), other(30);
   for (int i = 0; i < 600; ++i) {
-    one.heard(i < 40 ? 0 : 2, 0, at(i * kPeriod_s));
-    other.heard(i < 141 ? 0 : 2, 0, at(i * kPeriod_s));
+    one.heard(i < 40 ? 0 : 2, 0, false, at(i * kPeriod_s));
+    other.heard(i < 141 ? 0 : 2, 0, false, at(i * kPeriod_s));
     const bool first = one.due(to_ns(7.003 + i * kPeriod_s)), second = other.due(to_ns(7 + i * kPeriod_s));
     EXPECT_TRUE(i <= 570 || first == second) << i;
   }
@@ -159,6 +159,14 @@ TEST(SendRate, ASlowCameraSendsAll) {
   SendRate rate(10);
   Link link(2);
   EXPECT_EQ(play(rate, link, 0, 10).sent, 300);
+}
+
+TEST(SendRate, TriesNoMoreWhileRepliesWait) {
+  SendRate rate(30);
+  for (int i = 0; i < 300; ++i) rate.heard(0.01, 0.01, true, at(i * kPeriod_s));
+  EXPECT_TRUE(rate.narrow());
+  for (int i = 300; i < 330; ++i) rate.heard(0.01, 0.01, false, at(i * kPeriod_s));
+  EXPECT_FALSE(rate.narrow());
 }
 
 }  // namespace
