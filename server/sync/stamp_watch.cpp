@@ -19,7 +19,7 @@ constexpr double kSteady_s = 0.25;  // spread of lags of a clock that was set on
 constexpr double kLookAhead_s = 1.0, kLookBehind_s = 2.0;  // how long to look at lags before they are believed
 constexpr std::size_t kLeastFrames = 5;
 constexpr double kNoTimes_s = 3.0;  // of unsteady lags
-constexpr double kForget = 0.1, kAnyFall = 1e9;
+constexpr double kForget = 0.1, kDrift = 1e-3, kAnyFall = 1e9;
 constexpr double kWorthCorrecting_s = 0.001, kWorthSaying_s = 0.02;
 
 std::string in_words(double seconds) {
@@ -32,9 +32,9 @@ std::string in_words(double seconds) {
 
 }  // namespace
 
-void StampWatch::Floor::add(double value_s, double now_s, double most_fall) {
+void StampWatch::Floor::add(double value_s, double now_s, double most_rise, double most_fall) {
   const double passed_s = now_s - at_s;
-  least_s = least_s ? std::clamp(value_s, *least_s - most_fall * passed_s, *least_s + kForget * passed_s) : value_s;
+  least_s = least_s ? std::clamp(value_s, *least_s - most_fall * passed_s, *least_s + most_rise * passed_s) : value_s;
   at_s = now_s;
 }
 
@@ -84,7 +84,8 @@ bool StampWatch::fits(const Agent& agent, std::optional<double> others_s, double
   const double late_s = lag_s - expected_lag_s(agent, others_s, lag_s);
   if (!agent.trusted && others_s) return std::abs(late_s) <= kAlike_s;
   if (!agent.trusted) return is_by_clock(lag_s);
-  if (late_s < -kAhead_s) return false;
+  // Soon beside others whose links are slow just now, but no sooner than ever, is as it should be.
+  if (late_s < -kAhead_s && lag_s < agent.ever.least_s.value_or(lag_s) - kAhead_s) return false;
   return !others_s || late_s <= kBehind_s;
 }
 
@@ -136,7 +137,7 @@ void StampWatch::exchange(CameraId camera, const ClockExchange& stamps) {
   if (std::abs(by_s) < kWorthCorrecting_s) return;
   agent.correction_ns += to_ns(by_s);
   agent.lag_s -= by_s;
-  for (Floor* f : {&agent.alone, &agent.beside_others}) {
+  for (Floor* f : {&agent.alone, &agent.beside_others, &agent.ever}) {
     if (f->least_s) *f->least_s -= by_s;
   }
   say_corrected(agent, by_s);
@@ -166,8 +167,10 @@ std::optional<TimeNs> StampWatch::place(CameraId camera, TimeNs capture_ns, Time
   agent.trusted = true;
   agent.lag_s = lag_s;
   agent.heard_s = now_s;
-  agent.alone.add(lag_s, now_s, kAnyFall);  // recordings may play faster than time
-  if (others_s) agent.beside_others.add(lag_s - *others_s, now_s, kForget);
+  // Recordings may play faster than time.
+  agent.alone.add(lag_s, now_s, kForget, kAnyFall);
+  agent.ever.add(lag_s, now_s, kDrift, kForget);
+  if (others_s) agent.beside_others.add(lag_s - *others_s, now_s, kForget, kForget);
   if (agent.newest_ns && t_ns < *agent.newest_ns + agent.least_step_ns) return refuse();
   agent.newest_ns = t_ns;
   return t_ns;

@@ -47,11 +47,11 @@ class StampWatch {
   std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
 
  private:
-  // The least of what was seen lately: it changes by a tenth of a second each second, and falls by most_fall at most.
+  // The least of what was seen: it rises and falls by no more than so much each second.
   struct Floor {
     std::optional<double> least_s;
     double at_s = 0;
-    void add(double value_s, double now_s, double most_fall);
+    void add(double value_s, double now_s, double most_rise, double most_fall);
   };
   struct Held {
     double lag_s = 0, now_s = 0;
@@ -63,7 +63,8 @@ class StampWatch {
     bool trusted = false;
     std::optional<TimeNs> newest_ns;  // given out
     double lag_s = 0, heard_s = 0;    // of the newest frame that was used
-    Floor alone, beside_others;       // of the lag, and of its difference to that of the others
+    Floor alone, beside_others;       // of the lag, and of its difference to that of the others, lately
+    Floor ever;                       // of the lag: no more than clocks drift
     std::deque<Held> held;            // lags of the frames that were held back in succession
     bool said = false;                // that its stamps are no times
     ClockEstimate clock;

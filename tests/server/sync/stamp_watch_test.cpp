@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -28,10 +29,12 @@ class StampWatchTest : public testing::Test {
     int used = 0, refused = 0;
     double worst_s = 0;  // of what was used, against when it was taken
   };
-  // Plays one time; stamp_s: how the first camera dates what it takes at a time; late_s: what its link takes longer.
+  // Plays one time; stamp_s: how the first camera dates what it takes at a time; late_s: what its link takes longer,
+  // and what those of the others do.
   std::map<int, Outcome> play(
       double from_s, double to_s, const std::function<double(double)>& stamp_s,
-      const std::function<double(double)>& late_s = [](double) { return 0.0; }) {
+      const std::function<double(double)>& late_s = [](double) { return 0.0; },
+      const std::function<double(double)>& others_late_s = [](double) { return 0.0; }) {
     std::uniform_real_distribution<> delay_s(0.002, 0.012);
     struct Frame {
       int camera = 0;
@@ -42,7 +45,8 @@ class StampWatchTest : public testing::Test {
     for (double t_s = from_s; t_s < to_s; t_s += 1 / 30.0) {
       for (int c = 0; c < 3; ++c) {
         const double stamp = c == 0 ? stamp_s(t_s) : t_s;
-        link_s_[c] = std::max(link_s_[c] + 1e-5, t_s + delay_s(random_) + (c == 0 ? late_s(t_s) : 0));  // in order
+        link_s_[c] = std::max(link_s_[c] + 1e-5,
+                              t_s + delay_s(random_) + (c == 0 ? late_s(t_s) : others_late_s(t_s)));  // in order
         arrivals.emplace(link_s_[c], Frame{c, kUtc_ns + to_ns(stamp), t_s});
       }
     }
@@ -147,6 +151,20 @@ TEST_F(StampWatchTest, AStalledLinkIsNoClock) {
       0, 20, [](double t) { return t; }, [](double t) { return t > 8 && t < 10 ? 10 - t : 0.0; });
   expect_untouched(out);
   EXPECT_EQ(out[0].refused, 0);
+  EXPECT_EQ(warnings(), "");
+}
+
+// The others' links are full for a while, and then the first one's too; each comes out of it in its own time.
+TEST_F(StampWatchTest, LinksThatFillAndEmptyInTheirOwnTimesAreNoClocks) {
+  const auto full = [](double t, double from, double to) {
+    return std::clamp(std::min(t - from, 3 * (to - t)), 0.0, 1.2);
+  };
+  auto out = play(
+      0, 40, [](double t) { return t; }, [&](double t) { return full(t, 5, 14) + full(t, 22, 30); },
+      [&](double t) { return full(t, 3, 18) + full(t, 21, 34); });
+  expect_untouched(out);
+  EXPECT_EQ(out[0].refused, 0);
+  EXPECT_LT(out[0].worst_s, 1e-6);
   EXPECT_EQ(warnings(), "");
 }
 
