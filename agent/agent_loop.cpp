@@ -85,6 +85,7 @@ Answers AgentLoop::answers() const {
 // From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
 // waited for one that was lost: the last of them tells how long the link takes.
 void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
+  constexpr double kWide_bytes_per_s = 40e3;  // of replies: frames take less
   std::optional<double> downlink_s;
   double wait_s = 0, delivered_bytes = 0;
   for (const MapPatch& p : patches) {
@@ -97,7 +98,8 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   }
   if (downlink_s) {
     const bool replies_wait = link_.waiting().any();
-    send_rate_.heard(wait_s, *downlink_s, replies_wait, now_());
+    const bool full = replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s;
+    send_rate_.heard(wait_s, *downlink_s, full, now_());
     reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
   }
   link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);

@@ -39,7 +39,7 @@ bool SendRate::due(TimeNs capture_ns) {
   return true;
 }
 
-void SendRate::heard(double uplink_wait_s, double downlink_s, bool replies_wait, Instant now) {
+void SendRate::heard(double uplink_wait_s, double downlink_s, bool full, Instant now) {
   heard_ = now_ = now;
   least_downlink_s_ = least_downlink_s_ ? std::min(*least_downlink_s_ + kForget, downlink_s) : downlink_s;
   recent_.push_back({now, std::max(uplink_wait_s, downlink_s - *least_downlink_s_)});
@@ -48,7 +48,7 @@ void SendRate::heard(double uplink_wait_s, double downlink_s, bool replies_wait,
   // A link that was cut is as it was before.
   if (before_silence_ && wait_s <= kSoon_s) one_in_ = *before_silence_;
   before_silence_.reset();
-  waited(wait_s, replies_wait, now);
+  waited(wait_s, full, now);
 }
 
 void SendRate::tick(Instant now) {
@@ -59,10 +59,10 @@ void SendRate::tick(Instant now) {
   waited(kSilence_s, false, now);
 }
 
-void SendRate::waited(double wait_s, bool replies_wait, Instant now) {
+void SendRate::waited(double wait_s, bool full, Instant now) {
   if (wait_s <= kLate_s) late_since_.reset();
   if (wait_s > kLate_s && !late_since_) late_since_ = now;
-  const bool soon = wait_s <= kSoon_s && !(replies_wait && narrow());
+  const bool soon = wait_s <= kSoon_s && !(full && narrow());
   if (!soon) soon_since_.reset();
   if (soon && !soon_since_) soon_since_ = now;
   const bool trying = tried_ && seconds(*tried_, now) < kTry_s;

@@ -23,8 +23,8 @@ class SendRate {
   // those of the same instants, as far as their clocks agree: what several cameras see at once is worth most.
   bool due(TimeNs capture_ns);
   // A message of the server. uplink_wait_s: how much longer than at best the newest frame took, as the server says;
-  // downlink_s: how long the message took, give or take what the clocks differ by. replies_wait: no room is left over.
-  void heard(double uplink_wait_s, double downlink_s, bool replies_wait, Instant now);
+  // downlink_s: how long the message took, give or take what the clocks differ by. full: no room is left over.
+  void heard(double uplink_wait_s, double downlink_s, bool full, Instant now);
   // Once a frame, while the server lives: hearing nothing is as bad as hearing late.
   void tick(Instant now);
 
@@ -34,7 +34,7 @@ class SendRate {
   bool narrow() const { return one_in_ > 1; }
 
  private:
-  void waited(double wait_s, bool replies_wait, Instant now);
+  void waited(double wait_s, bool full, Instant now);
   void send_fewer(double wait_s, Instant now);
 
   const double rate_hz_;
