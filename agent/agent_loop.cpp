@@ -85,7 +85,7 @@ Answers AgentLoop::answers() const {
 // From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
 // waited for one that was lost: the last of them tells how long the link takes.
 void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
-  constexpr double kWide_bytes_per_s = 40e3;  // of replies: frames take less
+  constexpr double kWide_bytes_per_s = 25e3;  // of replies: frames take less
   std::optional<double> downlink_s;
   double wait_s = 0, delivered_bytes = 0;
   for (const MapPatch& p : patches) {

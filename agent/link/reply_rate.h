@@ -30,6 +30,7 @@ class ReplyRate {
     double bytes = 0;
   };
   std::deque<Delivered> delivered_;
+  double arrive_bytes_per_s_ = 0;  // lately, at most
   double bytes_per_s_ = 8e3;
   std::optional<Instant> heard_, halved_;
 };

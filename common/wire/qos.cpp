@@ -25,7 +25,7 @@ using eprosima::fastrtps::rtps::Locator_t;
 constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
-constexpr double kHeartbeat_s = 0.5, kPacedHeartbeat_s = 0.5;
+constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr std::uint32_t kSecureMessageBytes = 8192;
 

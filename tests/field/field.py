@@ -175,7 +175,7 @@ class Run:
             self.attacker.wait()
         for p in [self.server, *self.clients]:
             if p.poll() is None:
-                p.kill()
+                os.killpg(p.pid, signal.SIGKILL)
                 p.wait()
 
     def measure(self):

@@ -177,4 +177,5 @@ class Hosts:
         return self.orders.recv()
 
     def start(self, host, command, **popen):
-        return subprocess.Popen(["ip", "netns", "exec", self.names[host], *command], **popen)
+        # A session of its own: faketime stays between an agent and its parent.
+        return subprocess.Popen(["ip", "netns", "exec", self.names[host], *command], start_new_session=True, **popen)
