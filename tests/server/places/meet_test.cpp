@@ -193,7 +193,7 @@ TEST_F(MergeTest, TwoMapsBecomeOneWithOneScale) {
 
 TEST_F(MergeTest, WhatIsNotConfirmedSoonIsForgotten) {
   EXPECT_GE(see().doubted, 1);
-  for (int i = 0; i < 61; ++i) {
+  for (int i = 0; i < 151; ++i) {  // five seconds
     sim_.ingest();
     for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
     sim_.place(cam(2), own_, transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_));
