@@ -37,7 +37,7 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, double delivered_
 }
 
 void ReplyRate::note_delivered(double bytes, Instant now) {
-  constexpr double kWindow_s = 0.25, kAhead = 2, kAtLeast_bytes_per_s = 8e3;
+  constexpr double kWindow_s = 0.25, kAhead = 2;
   constexpr double kForgottenIn_s = 1;  // half of the most that arrived: where words are lost, some windows tell little
   delivered_.push_back({now, bytes});
   const auto ago_s = [&](std::size_t i) { return std::chrono::duration<double>(now - delivered_[i].at).count(); };
@@ -46,7 +46,7 @@ void ReplyRate::note_delivered(double bytes, Instant now) {
   const double since_s = std::chrono::duration<double>(now - delivered_[delivered_.size() - 2].at).count();
   arrive_bytes_per_s_ = std::max(arrive_bytes_per_s_ * std::exp2(-since_s / kForgottenIn_s),
                                  (bytes - delivered_.front().bytes) / ago_s(0));
-  bytes_per_s_ = std::min(bytes_per_s_, kAhead * arrive_bytes_per_s_ + kAtLeast_bytes_per_s);
+  bytes_per_s_ = std::min(bytes_per_s_, kAhead * arrive_bytes_per_s_ + kAtFirst_bytes_per_s);
 }
 
 }  // namespace coslam

@@ -31,7 +31,8 @@ class ReplyRate {
   };
   std::deque<Delivered> delivered_;
   double arrive_bytes_per_s_ = 0;  // lately, at most
-  double bytes_per_s_ = 8e3;
+  static constexpr double kAtFirst_bytes_per_s = 8e3;
+  double bytes_per_s_ = kAtFirst_bytes_per_s;
   std::optional<Instant> heard_, halved_;
 };
 

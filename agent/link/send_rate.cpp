@@ -65,8 +65,7 @@ void SendRate::waited(double wait_s, bool full, Instant now) {
   const bool soon = wait_s <= kSoon_s && !(full && narrow());
   if (!soon) soon_since_.reset();
   if (soon && !soon_since_) soon_since_ = now;
-  const bool trying = tried_ && seconds(*tried_, now) < kTry_s;
-  if (trying && wait_s > kLateInTry_s) return send_fewer(wait_s, now);
+  if (trying(now) && wait_s > kLateInTry_s) return send_fewer(wait_s, now);
   if (fewer_ && seconds(*fewer_, now) < kSettling_s) return;
   const bool late = late_since_ && seconds(*late_since_, now) > kLateFor_s;
   if (late && wait_s > kFarTooLate_s && wait_s < kSilence_s && most_ > 1 &&
@@ -84,10 +83,11 @@ void SendRate::waited(double wait_s, bool full, Instant now) {
   tried_ = now;
 }
 
+bool SendRate::trying(Instant now) const { return tried_ && seconds(*tried_, now) < kTry_s; }
+
 void SendRate::send_fewer(double wait_s, Instant now) {
   patience_s_ = std::clamp(2 * patience_s_, kPatience_s, kMostPatience_s);
-  const bool trying = tried_ && seconds(*tried_, now) < kTry_s;
-  one_in_ = wait_s > kFarTooLate_s ? most_ : std::min(std::max(one_in_ + 1, trying ? before_try_ : 1), most_);
+  one_in_ = wait_s > kFarTooLate_s ? most_ : std::min(std::max(one_in_ + 1, trying(now) ? before_try_ : 1), most_);
   tried_.reset();
   fewer_ = now;
 }

@@ -36,6 +36,7 @@ class SendRate {
  private:
   void waited(double wait_s, bool full, Instant now);
   void send_fewer(double wait_s, Instant now);
+  bool trying(Instant now) const;
 
   const double rate_hz_;
   const int most_;

@@ -63,10 +63,9 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
 }
 
 std::optional<double> PoseTracker::steady_s(TimeNs capture_ns) const {
-  constexpr double kGap_s = 0.3;
-  if (state_ == PoseState::kLost || past_.empty() || past_.back().capture_ns == 0) return std::nullopt;
-  const double dt_s = to_seconds(capture_ns - past_.back().capture_ns);
-  return dt_s > 0 && dt_s < kGap_s ? std::optional(dt_s) : std::nullopt;
+  if (state_ == PoseState::kLost || past_.empty() || !past_.back().capture_ns) return std::nullopt;
+  const double dt_s = to_seconds(capture_ns - *past_.back().capture_ns);
+  return dt_s > 0 && dt_s < SteadyMotion::kLongestGap_s ? std::optional(dt_s) : std::nullopt;
 }
 
 void PoseTracker::follow(TimeNs capture_ns) {
@@ -92,13 +91,14 @@ void PoseTracker::place(const PlacedPose& placed) {
     const Rigid3 old_from_new = same->cam_from_world.inverse() * placed.cam_from_world;
     const Rigid3 thought = past_.back().cam_from_world;
     for (Past& p : past_) p.cam_from_world = p.cam_from_world * old_from_new;
+    const TimeNs now_ns = past_.back().capture_ns.value_or(0);
     motion_.correct(local(thought, past_.back().cam_from_world),
-                    to_seconds(past_.back().capture_ns - same->capture_ns));
+                    to_seconds(now_ns - same->capture_ns.value_or(now_ns)));
     const Rigid3 new_from_old = old_from_new.inverse();
     own_.move({1.0, new_from_old.rotation, new_from_old.translation});
     return;
   }
-  past_ = {{placed.frame, 0, placed.cam_from_world}};
+  past_ = {{placed.frame, std::nullopt, placed.cam_from_world}};
   motion_.lose();
   own_.clear();
   if (state_ == PoseState::kNone) state_ = PoseState::kLost;  // placed, not yet tracked

@@ -57,7 +57,7 @@ class PoseTracker {
   SteadyMotion motion_;
   struct Past {
     FrameId frame;
-    TimeNs capture_ns = 0;
+    std::optional<TimeNs> capture_ns;  // not known of a placed one
     Rigid3 cam_from_world;
   };
   std::deque<Past> past_;  // newest last, successive good poses

@@ -30,6 +30,9 @@ PriorTerm prior_term(const PosePrior& prior, const Rigid3& cam_from_world);
 // the camera's own axes, so that it stays true when the world is moved under the camera.
 class SteadyMotion {
  public:
+  // Between images: after longer it may have done anything.
+  static constexpr double kLongestGap_s = 0.3;
+
   // Where it is dt_s after the pose of the image before: there still, when its velocity is not known.
   Rigid3 expected(const Rigid3& last_from_world, double dt_s) const;
   // The same and how sure that is; nothing as long as too little was seen of it.

@@ -102,11 +102,10 @@ int shares(const InterPoseProblem& problem, int camera) {
 
 // The frame before the newest, to follow a camera's motion from; null where there is none, or a gap.
 const FramePose* before_newest(const MapCamera& c) {
-  constexpr double kGap_s = 0.3;
   if (c.frames.size() < 2) return nullptr;
   const FramePose &now = c.frames.back(), &before = c.frames[c.frames.size() - 2];
   const double dt_s = to_seconds(now.capture_ns - before.capture_ns);
-  return before.valid() && before.map == c.map && dt_s > 0 && dt_s < kGap_s ? &before : nullptr;
+  return before.valid() && before.map == c.map && dt_s > 0 && dt_s < SteadyMotion::kLongestGap_s ? &before : nullptr;
 }
 
 using Motions = std::map<CameraId, SteadyMotion>;

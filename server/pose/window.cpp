@@ -106,10 +106,11 @@ std::optional<WindowThing> WindowPose::thing_of(const Map& map, const MapCamera&
   thing.frame_from_world = views.front().cam_from_world;
   if (p != nullptr) return set_known(p->position, p->covariance, &thing) ? std::optional(thing) : std::nullopt;
   const double usual = 1 / camera.scene_depth;
-  const FarPoint start = far_point(views, camera.scene_depth, sigma_px(camera));
   const Eigen::Vector2d ray = camera.model.normalized_from_pixel(thing.seen.front().second);
-  thing.theta = {ray.x(), ray.y(), start.inverse_depth};
-  if (f.place) set_start(*f.place, &thing);
+  if (!f.place || !set_start(*f.place, &thing)) {
+    const FarPoint start = far_point(views, camera.scene_depth, sigma_px(camera));
+    thing.theta = {ray.x(), ray.y(), start.inverse_depth};
+  }
   thing.prior = {ray.x(), ray.y(), usual};
   thing.information(2, 2) = 1 / (usual * usual);
   return thing;

@@ -260,11 +260,13 @@ Eigen::Vector4d place_of(const Rigid3& frame_from_world, const Eigen::Vector3d& 
   return place;
 }
 
-void set_start(const Eigen::Vector4d& place, WindowThing* thing) {
+bool set_start(const Eigen::Vector4d& place, WindowThing* thing) {
   constexpr double kLeast = 1e-3;
   const Rigid3& frame = thing->frame_from_world;
   const Eigen::Vector3d x = frame.rotation * place.head<3>() + place.w() * frame.translation;
-  if (x.z() > kLeast) thing->theta = {x.x() / x.z(), x.y() / x.z(), place.w() / x.z()};
+  if (x.z() <= kLeast) return false;
+  thing->theta = {x.x() / x.z(), x.y() / x.z(), place.w() / x.z()};
+  return true;
 }
 
 }  // namespace coslam

@@ -45,8 +45,9 @@ WindowResult solve_window(const WindowProblem& problem, int max_iterations = 50)
 // Makes a place that is known the prior and the start of a thing with that frame; false when it is not in front of it.
 bool set_known(const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, WindowThing* thing);
 
-// A thing's place in the world, homogeneous; and a thing of that place to start from, with its own frame.
+// A thing's place in the world, homogeneous; and a thing of that place to start from, with its own frame: false, and
+// nothing changed, when it is not in front of it.
 Eigen::Vector4d place_of(const Rigid3& frame_from_world, const Eigen::Vector3d& theta);
-void set_start(const Eigen::Vector4d& place, WindowThing* thing);
+bool set_start(const Eigen::Vector4d& place, WindowThing* thing);
 
 }  // namespace coslam
