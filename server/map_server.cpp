@@ -123,7 +123,7 @@ void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
   lenses_ = adjust_whole(edit_, largest_map(), refine, since, tell);
   adjusted_[largest_map()] = map().now();
-  const SettleReport settled = settle_frames(edit_, largest_map());
+  const SettleReport settled = settle_frames(edit_, largest_map(), lenses_);
   report_.counts["frames_settled"] += settled.changed;
   report_.counts["frames_placed_late"] += settled.placed;
   take(pipeline_.stage<Scale>().finish(edit_));
