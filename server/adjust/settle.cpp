@@ -73,8 +73,8 @@ std::optional<PoseResult> solve(const Map& map, const MapCamera& camera, const P
   for (const HeldTrack& held : frame.held) {
     const auto at = points.find(held.track);
     if (at == points.end()) continue;
-    seen.push_back({at->second->position, at->second->covariance,
-                    lens.undone(camera.model, held.undistorted_px.cast<double>())});
+    seen.push_back(
+        {at->second->position, at->second->covariance, lens.undone(camera.model, held.undistorted_px.cast<double>())});
   }
   if (std::ssize(seen) < kLeastPoints) return std::nullopt;
   PoseResult result = refine_pose(camera.model, seen, initial, {.sigma_px = map.sigma_bound_px(camera)});

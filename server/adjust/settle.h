@@ -18,7 +18,8 @@ struct SettleReport {
 // After the last adjustment: solves each frame of a map again by what it saw of the points as they are now, also by
 // tracks that had no point yet when it was taken. One that is farther off than both solutions may be takes the new one:
 // adjustments carry frames between key frames along, and a live pose that was wrong stays wrong. A frame without a pose
-// beside one that has one is placed in the same way. lenses: by camera, as the adjustment found them; empty: as calibrated.
+// beside one that has one is placed in the same way. lenses: by camera, as the adjustment found them; empty: as
+// calibrated.
 SettleReport settle_frames(MapEdit& edit, MapId of, const std::vector<LensChange>& lenses = {});
 // The same for the frames of one camera from one set to before another, in whatever map they are, that are about to
 // leave memory.

@@ -19,7 +19,8 @@ struct LensChange {
   Eigen::Vector2d centre_px() const { return {values[1], values[2]}; }
   // Undistorted pixel by the calibration of a point in the camera frame; z must be positive.
   Eigen::Vector2d project(const CameraModel& camera, const Eigen::Vector3d& in_cam) const;
-  // Where the calibration alone would have it: the inverse, so that camera.project(p) is there when project(p) is at px.
+  // Where the calibration alone would have it: the inverse, so that camera.project(p) is there when project(p) is at
+  // px.
   Eigen::Vector2d undone(const CameraModel& camera, const Eigen::Vector2d& px) const;
 };
 
