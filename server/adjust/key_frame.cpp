@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/geometry/robust.h"
-#include "server/associate/track_grid.h"
 
 namespace coslam {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
+#include "server/associate/points_by_place.h"
 #include "server/associate/track_grid.h"
 
 namespace coslam {
@@ -21,22 +22,20 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points, FuseReport* report,
+void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points, FuseReport* report,
              std::vector<Candidate>* out) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  TrackGrid grid;
   std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of the tracks in the grid
-  for (const auto& [id, t] : camera.tracks) {
+  const TrackGrid grid(camera, [&](const ServerTrack& t) {
     const MapPoint* p = map.find(t.point);
-    if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) continue;
+    if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) return false;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
-    if (!window) continue;
-    covariances[id] = window->covariance;
-    grid.add(&t);
-  }
-  for (const MapPoint* p : points) {
-    if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+    if (window) covariances[t.id] = window->covariance;
+    return window.has_value();
+  });
+  for (const MapPoint* p : points.near_tracks(camera, grid, {theta, gate_px})) {
+    if (seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
@@ -95,7 +94,7 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   FuseReport report;
   std::vector<Candidate> candidates;
-  const std::vector<const MapPoint*> points = recent_static_points(map);
+  const PointsByPlace points(recent_static_points(map));
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);

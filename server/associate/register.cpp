@@ -7,6 +7,7 @@
 
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
+#include "server/associate/points_by_place.h"
 #include "server/associate/track_grid.h"
 
 namespace coslam {
@@ -18,16 +19,12 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(const Map& map, const MapCamera& camera, const std::vector<const MapPoint*>& points,
-             std::vector<Candidate>* out) {
-  TrackGrid grid;
-  for (const auto& [id, t] : camera.tracks) {
-    if (t.free_and_resting() && t.patch) grid.add(&t);
-  }
+void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points, std::vector<Candidate>* out) {
+  const TrackGrid grid(camera, [](const ServerTrack& t) { return t.free_and_resting() && t.patch; });
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  for (const MapPoint* p : points) {
-    if (p->map != camera.map || seen_by(*p, camera.id)) continue;
+  for (const MapPoint* p : points.near_tracks(camera, grid, {theta, gate_px})) {
+    if (seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
@@ -61,7 +58,7 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
 RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   RegisterReport report;
-  const std::vector<const MapPoint*> points = recent_static_points(map);
+  PointsByPlace points(recent_static_points(map));
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
@@ -79,6 +76,7 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
       edit.bind(*c.point, camera.id, *c.track, Why::kRegistered, {std::sqrt(c.d2), fit->zncc});
       edit.keep_recent(*c.point);
       retriangulate(edit, *c.point);
+      points.moved(*c.point);
       ++report.registered;
     }
   }

@@ -5,9 +5,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <compare>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "server/map/map.h"
@@ -18,26 +17,93 @@ namespace coslam {
 // Tracks of one camera by place.
 class TrackGrid {
  public:
-  void add(const ServerTrack* t) { cells_[cell(t->seen.back().undistorted_px.cast<double>())].push_back(t); }
+  // Those of them that are wanted.
+  TrackGrid(const MapCamera& camera, auto&& wanted) {
+    for (const auto& entry : camera.tracks) {
+      if (wanted(entry.second)) add(entry.second);
+    }
+    sort();
+  }
+  // Those in cells that are not farther off, in x and in y.
   template <class Visit>
   void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
-    const auto low = cell(px - Eigen::Vector2d::Constant(radius_px)),
-               high = cell(px + Eigen::Vector2d::Constant(radius_px));
-    for (int y = low.second; y <= high.second; ++y) {
-      for (int x = low.first; x <= high.first; ++x) {
-        const auto at = cells_.find({x, y});
-        if (at == cells_.end()) continue;
-        for (const ServerTrack* t : at->second) visit(t);
-      }
-    }
+    any_of_rows(px, radius_px, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) visit(tracks_[i].track);
+      return false;
+    });
+  }
+  // There are such.
+  bool any_near(const Eigen::Vector2d& px, double radius_px) const {
+    return any_of_rows(px, radius_px, [](std::size_t first, std::size_t last) { return first < last; });
   }
 
  private:
   static constexpr double kCellPx = 16;
-  static std::pair<int, int> cell(const Eigen::Vector2d& px) {
-    return {static_cast<int>(std::floor(px.x() / kCellPx)), static_cast<int>(std::floor(px.y() / kCellPx))};
+  struct Cell {
+    int y = 0, x = 0;
+    friend auto operator<=>(const Cell&, const Cell&) = default;
+  };
+  struct InCell {
+    Cell cell;
+    const ServerTrack* track;
+  };
+  static Cell cell(const Eigen::Vector2d& px) {
+    return {floor_of(px.y() / kCellPx), floor_of(px.x() / kCellPx)};
   }
-  std::map<std::pair<int, int>, std::vector<const ServerTrack*>> cells_;
+  static int floor_of(double x) {
+    const int whole = static_cast<int>(x);
+    return whole - static_cast<int>(x < whole);
+  }
+  void add(const ServerTrack& t) { tracks_.push_back({cell(t.seen.back().undistorted_px.cast<double>()), &t}); }
+  void sort() {
+    std::ranges::stable_sort(tracks_, {}, &InCell::cell);
+    if (tracks_.empty()) return;
+    const auto [left, right] = std::ranges::minmax(tracks_, {}, [](const InCell& t) { return t.cell.x; });
+    low_ = {tracks_.front().cell.y, left.cell.x};
+    high_ = {tracks_.back().cell.y, right.cell.x};
+    std::size_t at = 0;
+    for (int y = low_.y; y <= high_.y; ++y) {
+      for (int x = low_.x; x <= high_.x + 1; ++x) {
+        while (at < tracks_.size() && tracks_[at].cell < Cell{y, x}) ++at;
+        begins_.push_back(at);
+      }
+    }
+  }
+  std::size_t begin_of(int y, int x) const {
+    return begins_[static_cast<std::size_t>((y - low_.y) * (high_.x - low_.x + 2) + x - low_.x)];
+  }
+  // Of tracks_, from the first to one beyond the last of a row of cells.
+  bool any_of_rows(const Eigen::Vector2d& px, double radius_px, auto&& holds) const {
+    if (tracks_.empty()) return false;
+    const Cell low = cell(px - Eigen::Vector2d::Constant(radius_px)),
+               high = cell(px + Eigen::Vector2d::Constant(radius_px));
+    const int left = std::max(low.x, low_.x), right = std::min(high.x, high_.x);
+    if (left > right) return false;
+    for (int y = std::max(low.y, low_.y); y <= std::min(high.y, high_.y); ++y) {
+      if (holds(begin_of(y, left), begin_of(y, right + 1))) return true;
+    }
+    return false;
+  }
+
+  std::vector<InCell> tracks_;  // ascending cells
+  Cell low_, high_;             // that hold tracks
+  std::vector<std::size_t> begins_;  // of tracks_, by cell from low_ on and one column more
+};
+
+inline constexpr double kMostSearch_px = 40;  // around where a point should be
+// Undistorted pixels may lie so far outside the image.
+inline Eigen::Vector2d search_margin_px(const CameraModel& camera) {
+  return 0.3 * Eigen::Vector2d(camera.width_px, camera.height_px);
+}
+
+// How far around it a point is looked for.
+struct SearchRadius {
+  double sigmas = 0, noise_px = 0;  // of a point's and a track's place together
+  double least_px = 0, most_px = kMostSearch_px;
+  // variance_px2: of the point's place in the image, both directions together.
+  double of(double variance_px2) const {
+    return std::clamp(sigmas * std::sqrt(variance_px2 + noise_px * noise_px), least_px, most_px);
+  }
 };
 
 // Where a point projects, and how far around that it may be; empty far outside the image and when the point is too
@@ -50,18 +116,18 @@ struct SearchWindow {
 
 inline std::optional<SearchWindow> search_window(const CameraModel& camera, const Rigid3& cam_from_world,
                                                  const MapPoint& p, double gate_px, double theta) {
-  constexpr double kMostPx = 40, kMargin = 0.3;  // margin: undistorted pixels may lie outside the image
+  const Eigen::Vector2d margin_px = search_margin_px(camera);
   SearchWindow w;
   if (!project_world(camera, cam_from_world, p.position, &w.px)) return std::nullopt;
-  if (w.px.x() < -kMargin * camera.width_px || w.px.x() > (1 + kMargin) * camera.width_px ||
-      w.px.y() < -kMargin * camera.height_px || w.px.y() > (1 + kMargin) * camera.height_px) {
+  if (w.px.x() < -margin_px.x() || w.px.x() > camera.width_px + margin_px.x() || w.px.y() < -margin_px.y() ||
+      w.px.y() > camera.height_px + margin_px.y()) {
     return std::nullopt;
   }
   Eigen::Matrix<double, 2, 3> j;  // not before: most points are out of sight
   project_world(camera, cam_from_world, p.position, &w.px, &j);
   w.covariance = j * p.covariance * j.transpose();
   w.radius_px = theta * std::sqrt(w.covariance.trace() + gate_px * gate_px);
-  return w.radius_px > kMostPx ? std::nullopt : std::optional(w);
+  return w.radius_px > kMostSearch_px ? std::nullopt : std::optional(w);
 }
 
 // Static points seen lately, which cameras may find again.

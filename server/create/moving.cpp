@@ -9,7 +9,6 @@
 
 #include "server/associate/pair_match.h"
 #include "server/associate/patch_match.h"
-#include "server/associate/track_grid.h"
 #include "server/map/sighting.h"
 #include "server/motion/evidence.h"
 #include "server/motion/follow.h"

@@ -225,8 +225,9 @@ std::vector<const MapPoint*> Map::moving_points() const {
 std::vector<const MapPoint*> Map::recent_points() const {
   std::vector<const MapPoint*> out;
   out.reserve(recent_.size());
+  const SetId since = set_ago(config_.recent_s);
   for (const auto& [id, p] : recent_) {
-    if (is_recent(p->last_seen)) out.push_back(p);
+    if (p->last_seen >= since) out.push_back(p);
   }
   return out;
 }

@@ -273,10 +273,7 @@ void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& confi
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;
-    TrackGrid grid;
-    for (const auto& [id, t] : camera.tracks) {
-      if (!t.bound() && t.moves() && t.patch) grid.add(&t);
-    }
+    const TrackGrid grid(camera, [](const ServerTrack& t) { return !t.bound() && t.moves() && t.patch; });
     for (const MapPoint* p : points) {
       if (p->map != camera.map || seen_by(*p, camera.id)) continue;
       const Look look = find_track(map, camera, grid, *p, config);

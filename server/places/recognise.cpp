@@ -11,7 +11,6 @@
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
-#include "server/associate/track_grid.h"
 #include "server/map/memory.h"
 #include "server/solve/root_sift.h"
 #include "server/solve/start.h"

@@ -10,6 +10,7 @@
 
 #include "common/geometry/pose_refinement.h"
 #include "server/associate/patch_match.h"
+#include "server/associate/points_by_place.h"
 #include "server/associate/track_grid.h"
 
 namespace coslam {
@@ -45,16 +46,19 @@ std::optional<Match> match_of(const Map& map, const MapCamera& camera, const Map
   return best;
 }
 
-std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const FindAgainConfig& config) {
-  TrackGrid grid;
-  for (const auto& [id, t] : camera.tracks) {
-    if (t.free_and_resting() && t.patch) grid.add(&t);
-  }
+std::vector<const MapPoint*> proven_points(const Map& map, double back_s) {
+  std::vector<const MapPoint*> out = map.points_seen_since(map.set_ago(back_s));
+  std::erase_if(out, [](const MapPoint* p) { return !p->proven(); });
+  return out;
+}
+
+std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const PointsByPlace& points,
+                              const FindAgainConfig& config) {
+  const TrackGrid grid(camera, [](const ServerTrack& t) { return t.free_and_resting() && t.patch; });
   const double radius_px = config.search_rad * camera.model.focal_px();
   std::map<TrackId, Match> best;  // a track shows one point
-  const SetId since = map.set_ago(config.memory_s);
-  for (const MapPoint* p : map.points_seen_since(since)) {
-    if (!p->proven() || p->map != camera.map || seen_by(*p, camera.id)) continue;
+  for (const MapPoint* p : points.near_tracks(camera, grid, {.least_px = radius_px, .most_px = radius_px})) {
+    if (seen_by(*p, camera.id)) continue;
     const auto match = match_of(map, camera, *p, grid, radius_px);
     if (!match) continue;
     const auto [at, added] = best.try_emplace(match->track->id, *match);
@@ -72,10 +76,12 @@ FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainCo
   constexpr double kLeastShare = 0.5;
   FindAgainReport report;
   const Map& map = edit.map();
+  std::optional<PointsByPlace> points;
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.sparse || !camera.frames.back().valid() || map.is_posed_by_rig(camera)) continue;
-    const std::vector<Match> matches = matches_of(map, camera, config);
+    if (!points) points.emplace(proven_points(map, config.memory_s));
+    const std::vector<Match> matches = matches_of(map, camera, *points, config);
     if (static_cast<int>(matches.size()) < least) continue;
     std::vector<PointObservation> observations;
     observations.reserve(matches.size() + camera.tracks.size());
