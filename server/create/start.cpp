@@ -19,19 +19,17 @@ struct TrackFeatures {
   std::vector<TrackId> tracks;
 };
 
-TrackFeatures features_of(const Map& map, const CameraFrame& cf) {
+TrackFeatures features_of(const MapCamera& camera, const DescriptorReply& described) {
   TrackFeatures out;
-  const MapCamera& camera = map.camera(cf.camera);
   out.image.camera = camera.model;
   out.image.rig = camera.rig;
   out.image.cam_from_rig = camera.cam_from_rig;
-  if (!cf.descriptors) return out;
-  for (std::size_t i = 0; i < cf.descriptors->tracks.size(); ++i) {
-    const auto at = camera.tracks.find(cf.descriptors->tracks[i]);
+  for (std::size_t i = 0; i < described.tracks.size(); ++i) {
+    const auto at = camera.tracks.find(described.tracks[i]);
     if (at == camera.tracks.end()) continue;
     out.tracks.push_back(at->first);
     out.image.undistorted_px.emplace_back(at->second.seen.back().undistorted_px.cast<double>());
-    const auto begin = cf.descriptors->descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+    const auto begin = described.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
     out.image.descriptors.insert(out.image.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return out;
@@ -86,18 +84,11 @@ double way_since(const MapCamera& camera, SetId then) {
   return (camera.frames.back().cam_from_world.center() - f->cam_from_world.center()).norm();
 }
 
-// All unplaced cameras with descriptors at once.
-void start_together(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
-                    const RefineConfig& refine, StartReport* report) {
+// These cameras, none of which has a map, at once.
+void start_together(MapEdit& edit, const FrameSet& set, const std::vector<CameraId>& cameras,
+                    const std::vector<TrackFeatures>& features, const StartStageConfig& config,
+                    const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
   const Map& map = edit.map();
-  std::vector<TrackFeatures> features;
-  std::vector<CameraId> cameras;
-  for (const CameraFrame& cf : set.frames) {
-    if (map.camera(cf.camera).map != MapId() || !cf.descriptors) continue;
-    features.push_back(features_of(map, cf));
-    cameras.push_back(cf.camera);
-  }
-  if (cameras.size() < 2) return;
   std::vector<FeatureImage> images;
   images.reserve(features.size());
   for (const TrackFeatures& f : features) images.push_back(f.image);
@@ -210,16 +201,55 @@ void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, co
 
 }  // namespace
 
-StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
-                  const RefineConfig& refine) {
-  constexpr double kTry_s = 0.1;
-  StartReport report;
-  start_together(edit, set, config, localise, refine, &report);
+void Start::remember(const Map& map, const FrameSet& set) {
+  std::erase_if(described_, [&](const auto& d) {
+    const MapCamera& camera = map.camera(d.first);
+    return !camera.alive || camera.map != MapId();
+  });
   for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = edit.map().camera(cf.camera);
-    // Cameras of a rig first try together: they know lengths.
-    const double wait_s = config.alone_after_s * (edit.map().rig_mates(camera).empty() ? 1 : 8);
-    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(wait_s)) && edit.map().every(kTry_s)) {
+    if (map.camera(cf.camera).map != MapId() || !cf.descriptors) continue;
+    described_[cf.camera] = *cf.descriptors;
+    if (!waiting_since_) waiting_since_ = set.id;
+  }
+}
+
+Start::Unplaced Start::unplaced(const Map& map, const FrameSet& set) const {
+  Unplaced out;
+  for (const CameraFrame& cf : set.frames) {
+    if (map.camera(cf.camera).map != MapId()) continue;
+    ++out.cameras;
+    if (described_.contains(cf.camera)) out.described.push_back(cf.camera);
+  }
+  return out;
+}
+
+// Not before all had the time to answer.
+bool Start::together_now(const Map& map, const Unplaced& cameras) {
+  constexpr double kPatience_s = 1;
+  if (!waiting_since_) return false;
+  if (cameras.some_silent() && map.now().value < waiting_since_->value + map.sets_in(kPatience_s)) return false;
+  waiting_since_.reset();
+  return cameras.described.size() >= 2;
+}
+
+StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine) {
+  constexpr double kTry_s = 0.1;
+  constexpr double kTogetherFirst = 8;  // times as long
+  StartReport report;
+  const Map& map = edit.map();
+  remember(map, set);
+  const Unplaced cameras = unplaced(map, set);
+  if (together_now(map, cameras)) {
+    std::vector<TrackFeatures> features;
+    for (const CameraId c : cameras.described) features.push_back(features_of(map.camera(c), described_.at(c)));
+    start_together(edit, set, cameras.described, features, config, localise, refine, &report);
+  }
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    // Cameras of a rig first try together: they know lengths. So do those that may be about to start one map.
+    const bool together_first = !map.rig_mates(camera).empty() || cameras.some_silent();
+    const double wait_s = config.alone_after_s * (together_first ? kTogetherFirst : 1);
+    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(wait_s)) && map.every(kTry_s)) {
       start_alone(edit, camera, set, config, localise, refine, &report);
     }
   }

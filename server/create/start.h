@@ -2,6 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "server/adjust/refine.h"
 #include "server/map/edit.h"
 #include "server/pose/localise.h"
@@ -31,19 +37,32 @@ struct StartReport {
   void count(auto&& add) const { add("maps_started", started); }
 };
 
-// Starts maps. Images of one instant with enough common view start one together (paper: all see one scene); a camera
-// that stays alone starts a map of its own from its own motion, with a scale of its own. How they join: meet.h.
-StartReport start(MapEdit& edit, const FrameSet& set, const StartStageConfig& config, const LocaliseConfig& localise,
-                  const RefineConfig& refine);
-
-struct Start {
+// Starts maps. Cameras with enough common view start one together (paper: all see one scene), by what their tracks look
+// like: an agent describes its first image, and later ones when asked. Answers take the time they take, so one is
+// remembered as long as its camera has no map, and the places are those of this set, at which the tracks still live. A
+// camera that stays alone starts a map of its own from its own motion, with a scale of its own. How they join: meet.h.
+class Start {
+ public:
   static constexpr std::string_view kName = "start";
   using Config = StartStageConfig;
+  explicit Start(const Config& of) : config(of) {}
   Config config;
-  StartReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise,
-                  const RefineConfig& refine) const {
-    return start(edit, set, config, localise, refine);
-  }
+
+  StartReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine);
+
+ private:
+  void remember(const Map& map, const FrameSet& set);
+  // Cameras of the set without a map.
+  struct Unplaced {
+    int cameras = 0;
+    std::vector<CameraId> described;
+    bool some_silent() const { return cameras > 1 && cameras > static_cast<int>(described.size()); }
+  };
+  Unplaced unplaced(const Map& map, const FrameSet& set) const;
+  bool together_now(const Map& map, const Unplaced& cameras);
+
+  std::map<CameraId, DescriptorReply> described_;
+  std::optional<SetId> waiting_since_;  // a description came since the last try
 };
 
 }  // namespace coslam

@@ -23,11 +23,11 @@ class StartTest : public testing::Test {
   StartReport step(bool descriptors) {
     sim_.ingest(false, descriptors);
     localise(sim_.edit, sim_.set, {});
-    return start(sim_.edit, sim_.set, config_, {}, {});
+    return stage_.run(sim_.edit, sim_.set, {}, {});
   }
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
 
-  StartStageConfig config_;
+  Start stage_{StartStageConfig()};
   const test::SimWorld world_{{}};
   test::SimMap sim_;
 };
@@ -58,7 +58,7 @@ TEST_F(StartTest, EarlierFramesAreLocalisedAsConfigured) {
   for (int i = 0; i < 5; ++i) step(false);
   sim_.ingest(false, true);
   const LocaliseConfig never{.min_inliers = 100'000};
-  ASSERT_EQ(start(sim_.edit, sim_.set, config_, never, {}).started, 1);
+  ASSERT_EQ(stage_.run(sim_.edit, sim_.set, never, {}).started, 1);
   EXPECT_EQ(fit_of(sim_, camera(0).map).poses, 3) << "only those of the start itself";
 }
 
@@ -66,7 +66,7 @@ TEST_F(StartTest, SaysWhyNot) {
   test::SimMap blind(
       world_, {test::still_path(test::looking({-3, 0, 4}, -1.2)), test::still_path(test::looking({3, 0, 4}, 1.2))});
   blind.ingest(false, true);
-  const StartReport report = start(blind.edit, blind.set, config_, {}, {});
+  const StartReport report = stage_.run(blind.edit, blind.set, {}, {});
   EXPECT_EQ(report.started, 0);
   EXPECT_FALSE(report.reason.empty());
 }
@@ -82,7 +82,7 @@ class StartSideBySide : public StartTest {
     sim_.emplace(world_, std::vector<test::CameraPath>{goes(0), goes(kApart_m)});
     for (int i = 0; i < 6; ++i) sim_->ingest();
     sim_->ingest(false, true);
-    ASSERT_EQ(start(sim_->edit, sim_->set, config_, {}, refine).started, 1);
+    ASSERT_EQ(stage_.run(sim_->edit, sim_->set, {}, refine).started, 1);
   }
   // How far the way between them points off, radians.
   double way_off() const {
@@ -122,7 +122,7 @@ TEST_F(StartAlone, FromItsOwnMotion) {
     when = i;
   }
   ASSERT_EQ(started, 1);
-  EXPECT_GT(when, camera(0).frames_in(config_.alone_after_s));
+  EXPECT_GT(when, camera(0).frames_in(stage_.config.alone_after_s));
   const Fit fit = fit_of(sim_, camera(0).map);
   EXPECT_GE(fit.poses, when) << "the way to it is found too";
   EXPECT_GT(fit.points, 40);
@@ -139,7 +139,7 @@ TEST_F(StartAlone, IsAdjustedAsConfigured) {
     bool started = false;
     for (int i = 0; i < 40 && !started; ++i) {
       sim.ingest();
-      started = start(sim.edit, sim.set, config_, {}, refine).started == 1;
+      started = stage_.run(sim.edit, sim.set, {}, refine).started == 1;
     }
     EXPECT_TRUE(started);
     return sim.map.cameras()[0].frames.back().cam_from_world.center();
@@ -151,7 +151,7 @@ TEST_F(StartAlone, NotWhileItHovers) {
   test::SimMap hovering(world_, {test::still_path(test::looking({0, 0, 0}))});
   for (int i = 0; i < 60; ++i) {
     hovering.ingest();
-    ASSERT_EQ(start(hovering.edit, hovering.set, config_, {}, {}).started, 0);
+    ASSERT_EQ(stage_.run(hovering.edit, hovering.set, {}, {}).started, 0);
   }
 }
 
@@ -160,7 +160,7 @@ TEST_F(StartAlone, NotFromAPureTurn) {
     test::SimMap turning(world_, {[=](double t_s) { return test::looking({0, 0, 0}, rad_s * t_s - 0.3); }});
     for (int i = 0; i < 60; ++i) {
       turning.ingest();
-      ASSERT_EQ(start(turning.edit, turning.set, config_, {}, {}).started, 0) << rad_s << ' ' << i;
+      ASSERT_EQ(Start(StartStageConfig()).run(turning.edit, turning.set, {}, {}).started, 0) << rad_s << ' ' << i;
     }
   }
 }
