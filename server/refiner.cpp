@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/flow/give_way.h"
 
 namespace coslam {
 namespace {
@@ -20,6 +21,7 @@ RefineSolution solve(RefineJob job) {
 Refiner::Refiner(bool threaded) {
   if (!threaded) return;
   worker_.emplace("refine", [this](const std::stop_token& stop) {
+    give_way();  // a map that follows its cameras late is worth less than one that is adjusted late
     while (!stop.stop_requested()) {
       std::optional<RefineJob> job = jobs_.take();
       if (!job) return;

@@ -43,7 +43,7 @@ void write_text(const fs::path& file, const std::string& text) {
 }
 
 void write_image(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+  if (!cv::imwrite(file.string(), image)) {
     throw UserError("cannot write " + file.string());
   }
 }
