@@ -92,6 +92,7 @@ LIBRARIES = {
     "cryptography": (r"openssl/", ["common/wire"]),
     "serialisation": (r"cereal/", ["server/map"]),
     "web": (r"boost/(asio|beast)", ["server/web", "tests/server/web", "tests/system"]),
+    "containers": (r"boost/container/", ["common/base"]),
     "database": (r"(sqlite3\.h|SQLiteCpp/)", ["server/store", "tests/server/store"]),
     "solver": (r"ceres/|suitesparse/|(cholmod|amd|camd|colamd|ccolamd|umfpack|klu|SuiteSparse).*\.h(pp)?$",
                ["server/solve", "tests/server/solve", "tests/benchmark"]),

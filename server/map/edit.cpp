@@ -203,7 +203,7 @@ void MapEdit::ingest(const FrameSet& set) {
   times_ns.push_back(set.t_ns);
   if (times_ns.size() > kNewest) times_ns.erase(times_ns.begin());
   map_.set_interval_s_ = interval_s(times_ns).value_or(map_.set_interval_s_);
-  std::erase_if(map_.recent_, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
+  erase_if(&map_.recent_, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
   for (const CameraFrame& cf : set.frames) take_tracks(own(cf.camera), cf, set.id);
 }
 
@@ -221,11 +221,11 @@ void MapEdit::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {
     track.seen.push_back({set, o.undistorted_px});
     thin_out(track.seen);
   }
-  for (auto at = c.tracks.begin(); at != c.tracks.end();) {
-    const bool alive = at->second.seen.back().set == set;
-    if (!alive) end_track(cf.camera, at->second, Why::kImageEnded);
-    at = alive ? std::next(at) : c.tracks.erase(at);
+  const auto ended = [set](const auto& entry) { return entry.second.seen.back().set != set; };
+  for (auto& entry : c.tracks) {
+    if (ended(entry)) end_track(cf.camera, entry.second, Why::kImageEnded);
   }
+  erase_if(&c.tracks, ended);
   c.frames.back().held = held_tracks(c);
   if (!cf.patches) return;
   for (const ImagePatch& p : cf.patches->patches) {

@@ -15,6 +15,7 @@
 
 #include "common/base/ids.h"
 #include "common/base/time.h"
+#include "common/base/flat_map.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
 #include "common/geometry/triangulation.h"
@@ -118,7 +119,7 @@ struct MapCamera {
   double frame_interval_s = kUsualInterval_s;  // median of its newest ones
   std::vector<FramePose> frames;               // ascending sets, the whole run but for what is past
   PastFramesCount past;
-  std::map<TrackId, ServerTrack> tracks;  // live ones
+  FlatMap<TrackId, ServerTrack> tracks;  // live ones; pointers hold until the next frame set
 
   const FramePose* frame_at(SetId set) const;
   // Those that are not past.
@@ -329,7 +330,8 @@ class Map {
   std::vector<KeyFrame> key_frames_;
   std::set<std::pair<SetId, CameraId>> key_images_;
   // Parts of points_, so that nobody has to look at all of them.
-  std::map<PointId, MapPoint*> moving_, recent_;  // recent_: and some that were seen longer ago
+  std::map<PointId, MapPoint*> moving_;
+  FlatMap<PointId, MapPoint*> recent_;  // and some that were seen longer ago
   std::set<PointId> loose_;
   std::map<SetId, std::vector<PointId>> observed_at_;  // and some whose observation is gone; in any order, some twice
   std::vector<PointId> repatched_;                     // that were given a patch since they were thinned
