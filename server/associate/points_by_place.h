@@ -37,7 +37,7 @@ class PointsByPlace {
   };
   void split(std::size_t first, std::size_t last);
 
-  std::vector<Place> places_;                     // those of a box together
+  std::vector<Place> places_;  // those of a box together
   std::vector<Box> boxes_;
 };
 

@@ -47,9 +47,7 @@ class TrackGrid {
     Cell cell;
     const ServerTrack* track;
   };
-  static Cell cell(const Eigen::Vector2d& px) {
-    return {floor_of(px.y() / kCellPx), floor_of(px.x() / kCellPx)};
-  }
+  static Cell cell(const Eigen::Vector2d& px) { return {floor_of(px.y() / kCellPx), floor_of(px.x() / kCellPx)}; }
   static int floor_of(double x) {
     const int whole = static_cast<int>(x);
     return whole - static_cast<int>(x < whole);
@@ -85,8 +83,8 @@ class TrackGrid {
     return false;
   }
 
-  std::vector<InCell> tracks_;  // ascending cells
-  Cell low_, high_;             // that hold tracks
+  std::vector<InCell> tracks_;       // ascending cells
+  Cell low_, high_;                  // that hold tracks
   std::vector<std::size_t> begins_;  // of tracks_, by cell from low_ on and one column more
 };
 

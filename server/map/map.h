@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/flat_map.h"
 #include "common/base/ids.h"
 #include "common/base/time.h"
-#include "common/base/flat_map.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
 #include "common/geometry/triangulation.h"

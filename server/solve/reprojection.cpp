@@ -14,6 +14,9 @@
 namespace coslam {
 namespace {
 
+constexpr double kNearest = 1e-4;  // else it counts as behind the camera
+const Eigen::Vector2d kBehind(1e3, 1e3);
+
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -64,37 +67,6 @@ void write_pose_and_point(const Eigen::Matrix<double, 2, 3>& by_x, const Eigen::
   }
 }
 
-class ReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3> {
- public:
-  ReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
-      : camera_(camera), px_(undistorted_px), weight_(camera.raw_by_undistorted(undistorted_px) / sigma_px) {}
-
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Eigen::Map<const Eigen::Quaterniond> q(parameters[0]);
-    const Eigen::Map<const Eigen::Vector3d> t(parameters[0] + 4), point(parameters[1]);
-    const Eigen::Matrix3d r = q.toRotationMatrix();
-    const Eigen::Vector3d x = r * point + t;
-    Eigen::Map<Eigen::Vector2d> residual(residuals);
-    if (x.z() < 1e-4) {
-      // Behind the camera: a large constant error that pulls nothing; the loss and the outlier test deal with it.
-      residual.setConstant(1e3);
-      if (jacobians != nullptr && jacobians[0] != nullptr) std::fill_n(jacobians[0], 14, 0.0);
-      if (jacobians != nullptr && jacobians[1] != nullptr) std::fill_n(jacobians[1], 6, 0.0);
-      return true;
-    }
-    residual = weight_ * (camera_.project(x) - px_);
-    if (jacobians == nullptr) return true;
-    const Eigen::Matrix<double, 2, 3> p = weight_ * camera_.project_jacobian(x);
-    write_pose_and_point(p, x, r, jacobians);
-    return true;
-  }
-
- private:
-  const CameraModel& camera_;
-  Eigen::Vector2d px_;
-  Eigen::Matrix2d weight_;  // raw px by undistorted px, over sigma
-};
-
 class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
  public:
   LensReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& undistorted_px, double sigma_px)
@@ -108,8 +80,8 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
     const Eigen::Matrix3d r = q.toRotationMatrix();
     const Eigen::Vector3d x = r * point + t;
     Eigen::Map<Eigen::Vector2d> residual(residuals);
-    if (x.z() < 1e-4) {
-      residual.setConstant(1e3);  // as above
+    if (x.z() < kNearest) {
+      residual = kBehind;
       constexpr std::array<int, 3> kSizes{14, 6, 10};
       for (std::size_t i = 0; jacobians != nullptr && i < kSizes.size(); ++i) {
         if (jacobians[i] != nullptr) std::fill_n(jacobians[i], kSizes[i], 0.0);
@@ -143,56 +115,72 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 5> {
 
 class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
-  explicit TieCost(const Rigid3& second_from_first)
-      : tie_(second_from_first), shift_weight_(1.0 / (kShift * second_from_first.translation.norm())) {}
+  explicit TieCost(const Rigid3& second_from_first) : tie_(second_from_first) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Rigid3 first = pose_of(parameters[0]), second = pose_of(parameters[1]);
-    const Rigid3 is = second * first.inverse();
-    Eigen::Quaterniond off = is.rotation * tie_.rotation.conjugate();
-    if (off.w() < 0) off.coeffs() = -off.coeffs();
-    Eigen::Map<Eigen::Vector3d> turn(residuals), shift(residuals + 3);
-    turn = 2 * kTurnWeight * off.vec();
-    shift = shift_weight_ * (is.translation - tie_.translation);
-    if (jacobians == nullptr) return true;
-    // exp(w) is * ... : 2 vec(off) changes by (off.w I - [off.vec]) w.
-    const Eigen::Matrix3d by_turn = kTurnWeight * (off.w() * Eigen::Matrix3d::Identity() - skew(off.vec()));
-    const Eigen::Matrix3d r = is.rotation.toRotationMatrix();
-    if (jacobians[0] != nullptr) {
-      Eigen::Map<Jacobian> j(jacobians[0]);
-      j.setZero();
-      j.topLeftCorner<3, 3>() = -by_turn * r;
-      j.block<3, 3>(3, 3) = -shift_weight_ * r;
-    }
-    if (jacobians[1] != nullptr) {
-      Eigen::Map<Jacobian> j(jacobians[1]);
-      j.setZero();
-      j.topLeftCorner<3, 3>() = by_turn;
-      j.block<3, 3>(3, 0) = -shift_weight_ * skew(is.translation);
-      j.block<3, 3>(3, 3) = shift_weight_ * Eigen::Matrix3d::Identity();
+    const Tie is = tie(tie_, pose_of(parameters[0]), pose_of(parameters[1]));
+    Eigen::Map<Vector6d>{residuals} = is.residual;
+    for (int i = 0; jacobians != nullptr && i < 2; ++i) {
+      if (jacobians[i] == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> j(jacobians[i]);
+      j.leftCols<6>() = i == 0 ? is.by_first : is.by_second;
+      j.col(6).setZero();
     }
     return true;
   }
 
  private:
-  using Jacobian = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
-  static constexpr double kTurnWeight = 1 / 1e-3, kShift = 1e-3;
   static Rigid3 pose_of(const double* block) {
     return {Eigen::Map<const Eigen::Quaterniond>(block).normalized(), Eigen::Map<const Eigen::Vector3d>(block + 4)};
   }
 
   Rigid3 tie_;
-  double shift_weight_;
 };
 
 }  // namespace
 
-std::unique_ptr<ceres::Manifold> make_pose_manifold() { return std::make_unique<PoseManifold>(); }
-
-std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
-                                                            const Eigen::Vector2d& undistorted_px, double sigma_px) {
-  return std::make_unique<ReprojectionCost>(camera, undistorted_px, sigma_px);
+Eigen::Vector2d reprojection_residual(const CameraModel& camera, const Eigen::Matrix2d& whiten,
+                                      const Eigen::Vector2d& undistorted_px, const Eigen::Vector3d& in_cam) {
+  if (in_cam.z() < kNearest) return kBehind;
+  return whiten * (camera.project(in_cam) - undistorted_px);
 }
+
+Reprojection reprojection(const CameraModel& camera, const Eigen::Matrix2d& whiten,
+                          const Eigen::Vector2d& undistorted_px, const Eigen::Matrix3d& rotation,
+                          const Eigen::Vector3d& translation, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d x = rotation * point + translation;
+  Reprojection out;
+  out.residual = reprojection_residual(camera, whiten, undistorted_px, x);
+  if (x.z() < kNearest) {
+    out.by_pose.setZero();
+    out.by_point.setZero();
+    return out;
+  }
+  const Eigen::Matrix<double, 2, 3> by_x = whiten * camera.project_jacobian(x);
+  out.by_pose.leftCols<3>() = -by_x * skew(x);
+  out.by_pose.rightCols<3>() = by_x;
+  out.by_point = by_x * rotation;
+  return out;
+}
+
+Tie tie(const Rigid3& second_from_first, const Rigid3& first, const Rigid3& second) {
+  constexpr double kTurnWeight = 1 / 1e-3, kShift = 1e-3;
+  const double shift_weight = 1 / (kShift * second_from_first.translation.norm());
+  const Rigid3 is = second * first.inverse();
+  Eigen::Quaterniond off = is.rotation * second_from_first.rotation.conjugate();
+  if (off.w() < 0) off.coeffs() = -off.coeffs();
+  Tie out;
+  out.residual << 2 * kTurnWeight * off.vec(), shift_weight * (is.translation - second_from_first.translation);
+  // exp(w) is * ... : 2 vec(off) changes by (off.w I - [off.vec]) w.
+  const Eigen::Matrix3d by_turn = kTurnWeight * (off.w() * Eigen::Matrix3d::Identity() - skew(off.vec()));
+  const Eigen::Matrix3d r = is.rotation.toRotationMatrix();
+  out.by_first << -by_turn * r, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), -shift_weight * r;
+  out.by_second << by_turn, Eigen::Matrix3d::Zero(), -shift_weight * skew(is.translation),
+      shift_weight * Eigen::Matrix3d::Identity();
+  return out;
+}
+
+std::unique_ptr<ceres::Manifold> make_pose_manifold() { return std::make_unique<PoseManifold>(); }
 
 std::unique_ptr<ceres::CostFunction> make_lens_reprojection_cost(const CameraModel& camera,
                                                                  const Eigen::Vector2d& undistorted_px,

@@ -11,26 +11,44 @@
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
 
-// What bundle.cpp gives to Ceres. A pose block holds a quaternion (x y z w) and a translation of cam_from_world.
+// What bundle adjustment minimises; and as Ceres wants it, whose pose blocks hold a quaternion (x y z w) and a
+// translation of cam_from_world.
 namespace coslam {
+
+// (projection - observation), in raw px, over sigma_px, and its derivatives by the pose (retract()) and by the point.
+// Of a point behind the camera: a large constant error that pulls nothing; the loss and the outlier test deal with it.
+// whiten: camera.raw_by_undistorted() at the observation, over sigma_px.
+struct Reprojection {
+  Eigen::Vector2d residual;
+  Eigen::Matrix<double, 2, 6> by_pose;
+  Eigen::Matrix<double, 2, 3> by_point;
+};
+Reprojection reprojection(const CameraModel& camera, const Eigen::Matrix2d& whiten,
+                          const Eigen::Vector2d& undistorted_px, const Eigen::Matrix3d& rotation,
+                          const Eigen::Vector3d& translation, const Eigen::Vector3d& point);
+// The residual alone, of a point in the camera frame.
+Eigen::Vector2d reprojection_residual(const CameraModel& camera, const Eigen::Matrix2d& whiten,
+                                      const Eigen::Vector2d& undistorted_px, const Eigen::Vector3d& in_cam);
+
+// How far two poses are from what ties them, in standard deviations: turn (3) of 1 mrad, as well as a rig is calibrated
+// and keeps it, and shift (3) of a thousandth of the distance; and the derivatives by either pose.
+struct Tie {
+  Vector6d residual;
+  Matrix6d by_first, by_second;
+};
+Tie tie(const Rigid3& second_from_first, const Rigid3& first, const Rigid3& second);
 
 // Moves a pose block by retract().
 std::unique_ptr<ceres::Manifold> make_pose_manifold();
 
-// (projection - observation), in raw px, / sigma_px of a pose block (7) and a point block (3). Its Jacobian by the pose
-// is by the six local coordinates of the manifold above and stands in the first six columns; it is of use with that
-// manifold only. Holds a reference to the camera.
-std::unique_ptr<ceres::CostFunction> make_reprojection_cost(const CameraModel& camera,
-                                                            const Eigen::Vector2d& undistorted_px, double sigma_px);
-
-// The same with a third block of five: how the lens differs from the calibration (lens.h).
+// reprojection() of a pose block (7), a point block (3) and one of five: how the lens differs from the calibration
+// (lens.h). Its Jacobian by the pose is by the six local coordinates of the manifold above and stands in the first six
+// columns; it is of use with that manifold only. Holds a reference to the camera.
 std::unique_ptr<ceres::CostFunction> make_lens_reprojection_cost(const CameraModel& camera,
                                                                  const Eigen::Vector2d& undistorted_px,
                                                                  double sigma_px);
 
-// How far two pose blocks are from what ties them, in standard deviations: turn (3) of 1 mrad, as well as a rig is
-// calibrated and keeps it, and shift (3) of a thousandth of the distance. The Jacobians are by local coordinates as
-// above.
+// tie() of two pose blocks. The Jacobians are by local coordinates as above.
 std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first);
 
 }  // namespace coslam

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "common/geometry/triangulation.h"
+#include "server/solve/bundle_lenses.h"
+#include "server/solve/bundle_schur.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_world.h"
@@ -255,6 +257,56 @@ TEST_F(BundleTest, TiesPullASolutionToTheirScale) {
   const double length = (r.poses[10].center() - r.poses[0].center()).norm();
   const double truth = (poses_[10].center() - poses_[0].center()).norm();
   EXPECT_NEAR(length / truth, 1, 0.003);
+}
+
+// By another solver: lenses that are not free to change are none.
+TEST_F(BundleTest, IsTheLeastCostThatAnotherSolverFinds) {
+  BundleProblem p = make({.outliers = 0.05, .fixed = 1});
+  p.ties.push_back({2, 3, poses_[3] * poses_[2].inverse()});
+  const BundleConfig to_the_end{.max_iterations = 100, .function_tolerance = 1e-12};
+  const BundleResult ours = solve_by_schur(p, to_the_end), other = solve_with_lenses(p, to_the_end);
+  ASSERT_TRUE(ours.usable && other.usable);
+  EXPECT_NEAR(ours.initial_cost, other.initial_cost, 1e-9 * other.initial_cost);
+  EXPECT_NEAR(ours.final_cost, other.final_cost, 1e-6 * other.final_cost);
+  for (std::size_t i = 0; i < poses_.size(); ++i) EXPECT_THAT(ours.poses[i], PoseNear(other.poses[i], 1e-4, 1e-4));
+}
+
+// Many poses, of which each sees few points: most blocks of their system are empty.
+TEST(BundleLongTest, AWholeRun) {
+  constexpr int kPoses = 150;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  BundleProblem p;
+  p.cameras = {test::sim_camera()};
+  std::vector<Rigid3> truth;
+  for (int i = 0; i < kPoses; ++i) {
+    truth.push_back(looking({0.3 * i, 0, 0}));
+    Vector6d d = Vector6d::NullaryExpr([&](Eigen::Index k) { return (k < 3 ? 0.005 : 0.03) * normal(random); });
+    p.poses.push_back({i < 2 ? truth.back() : retract(truth.back(), d), 0, i < 2});
+  }
+  for (int j = 0; j < 4 * kPoses; ++j) {
+    const Eigen::Vector3d point(0.075 * j + 0.3 * normal(random), normal(random), 5 + normal(random));
+    std::vector<int> seen;
+    for (int i = 0; i < kPoses; ++i) {
+      const Eigen::Vector3d x = truth[static_cast<std::size_t>(i)] * point;
+      if (p.cameras[0].contains_raw(p.cameras[0].project(x))) seen.push_back(i);
+    }
+    if (seen.size() < 2) continue;
+    for (const int i : seen) {
+      const Eigen::Vector2d px = p.cameras[0].project(truth[static_cast<std::size_t>(i)] * point);
+      p.observations.push_back(
+          {i, static_cast<int>(p.points.size()), px + 0.2 * Eigen::Vector2d(normal(random), normal(random)), 0.2});
+    }
+    p.points.emplace_back(point + 0.05 * Eigen::Vector3d(normal(random), normal(random), normal(random)));
+  }
+  std::vector<int> told;
+  const BundleResult r = solve_bundle(p, {.max_iterations = 30, .after_iteration = [&](int n) { told.push_back(n); }});
+  ASSERT_TRUE(r.usable);
+  EXPECT_EQ(std::ssize(told), r.iterations);
+  EXPECT_NEAR(r.sigma_px, 0.2, 0.02);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_LT((r.poses[i].center() - truth[i].center()).norm(), 0.02 + 0.002 * static_cast<double>(i)) << i;
+  }
 }
 
 }  // namespace

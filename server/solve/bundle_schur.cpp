@@ -1,0 +1,402 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/solve/bundle_schur.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/CholmodSupport>
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "server/solve/reprojection.h"
+
+namespace coslam {
+namespace {
+
+using Matrix63 = Eigen::Matrix<double, 6, 3>;
+using Sparse = Eigen::SparseMatrix<double>;
+
+struct Estimate {
+  std::vector<Rigid3> poses;
+  std::vector<Eigen::Matrix3d> rotations;  // of the poses
+  std::vector<Eigen::Vector3d> points;
+};
+
+// One pose that is free and one point that it sees.
+struct Link {
+  int column;  // of the pose among the free ones
+  int point;
+};
+
+// What does not change while it is solved: who sees what.
+struct Structure {
+  std::vector<int> column_of;              // of each pose among the free ones; -1: fixed
+  int columns = 0;                         // free poses
+  std::vector<Eigen::Matrix2d> whiten;     // of each observation, from undistorted px to standard deviations
+  std::vector<int> link_of;                // of each observation; -1: its pose is fixed
+  std::vector<Link> links;                 // ascending points, then columns
+  std::vector<int> links_end;              // one beyond the last link of each point
+  std::vector<std::vector<int>> links_at;  // of each column
+  std::vector<std::vector<int>> rows_at;   // of each column: those of its blocks that are not empty, the diagonal first
+};
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Structure structure_of(const BundleProblem& problem) {
+  Structure s;
+  for (const auto& p : problem.poses) s.column_of.push_back(p.fixed ? -1 : s.columns++);
+  const auto link_at = [&](std::size_t i) {
+    const auto& o = problem.observations[i];
+    return std::pair(o.point, s.column_of[at(o.pose)]);
+  };
+  std::vector<std::size_t> order(problem.observations.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, link_at);
+  s.link_of.resize(order.size(), -1);
+  s.links_end.resize(problem.points.size());
+  for (const std::size_t i : order) {
+    const auto [point, column] = link_at(i);
+    if (column < 0) continue;
+    const bool again = !s.links.empty() && s.links.back().point == point && s.links.back().column == column;
+    if (!again) s.links.push_back({column, point});
+    s.link_of[i] = static_cast<int>(s.links.size()) - 1;
+    s.links_end[at(point)] = static_cast<int>(s.links.size());
+  }
+  for (std::size_t p = 1; p < s.links_end.size(); ++p) s.links_end[p] = std::max(s.links_end[p], s.links_end[p - 1]);
+  s.links_at.resize(at(s.columns));
+  for (std::size_t l = 0; l < s.links.size(); ++l) s.links_at[at(s.links[l].column)].push_back(static_cast<int>(l));
+
+  s.rows_at.resize(at(s.columns));
+  for (const auto& t : problem.ties) {
+    const auto [low, high] = std::minmax(s.column_of[at(t.first)], s.column_of[at(t.second)]);
+    if (low >= 0 && low != high) s.rows_at[at(low)].push_back(high);
+  }
+  std::vector<int> last_at(at(s.columns), -1);  // column at which a row was noted last
+  for (int c = 0; c < s.columns; ++c) {
+    auto& rows = s.rows_at[at(c)];
+    std::vector<int> tied = std::exchange(rows, {c});
+    last_at[at(c)] = c;
+    const auto note = [&](int row) {
+      if (std::exchange(last_at[at(row)], c) != c) rows.push_back(row);
+    };
+    for (const int row : tied) note(row);
+    for (const int l : s.links_at[at(c)]) {
+      for (int k = l + 1; k < s.links_end[at(s.links[at(l)].point)]; ++k) note(s.links[at(k)].column);
+    }
+    std::sort(rows.begin(), rows.end());
+  }
+  for (const auto& o : problem.observations) {
+    const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
+    s.whiten.emplace_back(camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px);
+  }
+  return s;
+}
+
+// Cauchy's loss, or squares.
+class Loss {
+ public:
+  explicit Loss(double sigmas) : c2_(sigmas * sigmas) {}
+  double value(double d2) const { return c2_ > 0 ? c2_ * std::log1p(d2 / c2_) : d2; }
+  double slope(double d2) const { return c2_ > 0 ? 1 / (1 + d2 / c2_) : 1; }
+
+ private:
+  double c2_;
+};
+
+double cost_of(const BundleProblem& problem, const Structure& s, const Loss& loss, const Estimate& e) {
+  double cost = 0;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const auto& o = problem.observations[i];
+    const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
+    const Eigen::Vector3d x = e.rotations[at(o.pose)] * e.points[at(o.point)] + e.poses[at(o.pose)].translation;
+    cost += o.weight * loss.value(reprojection_residual(camera, s.whiten[i], o.undistorted_px, x).squaredNorm());
+  }
+  for (const auto& t : problem.ties) {
+    cost += tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]).residual.squaredNorm();
+  }
+  return 0.5 * cost;
+}
+
+// Normal equations around an estimate, without damping.
+struct System {
+  std::vector<Matrix6d> poses;           // diagonal blocks
+  std::vector<Vector6d> pose_gradients;  // by free pose
+  std::vector<Eigen::Matrix3d> points;
+  std::vector<Eigen::Vector3d> point_gradients;
+  std::vector<Matrix63> links;
+  std::vector<std::pair<std::pair<int, int>, Matrix6d>> ties;  // (row, column) of the lower half
+};
+
+System build(const BundleProblem& problem, const Structure& s, const Loss& loss, const Estimate& e) {
+  System out{std::vector<Matrix6d>(at(s.columns), Matrix6d::Zero()),
+             std::vector<Vector6d>(at(s.columns), Vector6d::Zero()),
+             std::vector<Eigen::Matrix3d>(e.points.size(), Eigen::Matrix3d::Zero()),
+             std::vector<Eigen::Vector3d>(e.points.size(), Eigen::Vector3d::Zero()),
+             std::vector<Matrix63>(s.links.size(), Matrix63::Zero()),
+             {}};
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const auto& o = problem.observations[i];
+    const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
+    const Reprojection r = reprojection(camera, s.whiten[i], o.undistorted_px, e.rotations[at(o.pose)],
+                                        e.poses[at(o.pose)].translation, e.points[at(o.point)]);
+    const double weight = o.weight * loss.slope(r.residual.squaredNorm());
+    const Eigen::Matrix<double, 3, 2> by_point = weight * r.by_point.transpose();
+    out.points[at(o.point)].noalias() += by_point.lazyProduct(r.by_point);
+    out.point_gradients[at(o.point)].noalias() += by_point.lazyProduct(r.residual);
+    if (s.link_of[i] < 0) continue;
+    const auto column = at(s.column_of[at(o.pose)]);
+    const Eigen::Matrix<double, 6, 2> by_pose = weight * r.by_pose.transpose();
+    out.poses[column].noalias() += by_pose.lazyProduct(r.by_pose);
+    out.pose_gradients[column].noalias() += by_pose.lazyProduct(r.residual);
+    out.links[at(s.link_of[i])].noalias() += by_pose.lazyProduct(r.by_point);
+  }
+  for (const auto& t : problem.ties) {
+    const Tie is = tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]);
+    const int first = s.column_of[at(t.first)], second = s.column_of[at(t.second)];
+    const auto add = [&](int column, const Matrix6d& by) {
+      if (column < 0) return;
+      out.poses[at(column)] += by.transpose() * by;
+      out.pose_gradients[at(column)] += by.transpose() * is.residual;
+    };
+    add(first, is.by_first);
+    add(second, is.by_second);
+    if (first < 0 || second < 0 || first == second) continue;
+    const Matrix6d block = is.by_second.transpose() * is.by_first;
+    out.ties.emplace_back(std::pair(std::max(first, second), std::min(first, second)),
+                          second > first ? block : Matrix6d(block.transpose()));
+  }
+  return out;
+}
+
+// What is added to a diagonal: a share of itself.
+template <class Block>
+auto damping(const Block& block, double radius) {
+  constexpr double kLeast = 1e-6;
+  return (block.diagonal().array().max(kLeast) / radius).matrix().eval();
+}
+
+// The lower half of the reduced system of the poses, by its blocks.
+class Reduced {
+ public:
+  explicit Reduced(const Structure& s) : s_(s), slot_(at(s.columns)) {
+    first_.reserve(at(s.columns) + 1);
+    std::size_t n = 0;
+    for (const auto& rows : s.rows_at) {
+      first_.push_back(n);
+      n += rows.size();
+    }
+    first_.push_back(n);
+    blocks_.resize(n);
+  }
+
+  // links_by_points: H_cp H_pp^-1.
+  void fill(const System& system, double radius, const std::vector<Matrix63>& links_by_points) {
+    for (int c = 0; c < s_.columns; ++c) {
+      const auto& rows = s_.rows_at[at(c)];
+      Matrix6d* const blocks = blocks_.data() + first_[at(c)];
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        blocks[k].setZero();
+        slot_[at(rows[k])] = k;
+      }
+      blocks[0] = system.poses[at(c)];
+      blocks[0].diagonal() += damping(system.poses[at(c)], radius);
+      for (const int l : s_.links_at[at(c)]) {
+        const Eigen::Matrix<double, 3, 6> here = system.links[at(l)].transpose();
+        for (int k = l; k < s_.links_end[at(s_.links[at(l)].point)]; ++k) {
+          blocks[slot_[at(s_.links[at(k)].column)]].noalias() -= links_by_points[at(k)].lazyProduct(here);
+        }
+      }
+    }
+    for (const auto& [place, block] : system.ties) {
+      const auto& rows = s_.rows_at[at(place.second)];
+      const auto row = std::ranges::lower_bound(rows, place.first) - rows.begin();
+      blocks_[first_[at(place.second)] + static_cast<std::size_t>(row)] += block;
+    }
+  }
+
+  // x for *this x = b; empty when it is not positive definite.
+  std::optional<Eigen::VectorXd> solve(const Eigen::VectorXd& b) {
+    constexpr int kDenseMost = 120;
+    return s_.columns <= kDenseMost ? solve_dense(b) : solve_sparse(b);
+  }
+
+ private:
+  std::optional<Eigen::VectorXd> solve_dense(const Eigen::VectorXd& b) {
+    dense_.setZero(b.size(), b.size());
+    for (int c = 0; c < s_.columns; ++c) {
+      const auto& rows = s_.rows_at[at(c)];
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        dense_.block<6, 6>(6 * rows[k], 6 * c) = blocks_[first_[at(c)] + k];
+      }
+    }
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(dense_);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    return factor.solve(b);
+  }
+
+  std::optional<Eigen::VectorXd> solve_sparse(const Eigen::VectorXd& b) {
+    const bool first_time = sparse_.nonZeros() == 0;
+    if (first_time) make_pattern();
+    double* value = sparse_.valuePtr();
+    for (int c = 0; c < s_.columns; ++c) {
+      const std::size_t blocks = s_.rows_at[at(c)].size();
+      for (int j = 0; j < 6; ++j) {
+        for (std::size_t k = 0; k < blocks; ++k, value += 6) {
+          Eigen::Map<Vector6d>{value} = blocks_[first_[at(c)] + k].col(j);
+        }
+      }
+    }
+    if (first_time) factor_.analyzePattern(sparse_);
+    factor_.factorize(sparse_);
+    if (factor_.info() != Eigen::Success) return std::nullopt;
+    return factor_.solve(b);
+  }
+
+  // Whole blocks on the diagonal as well: what lies above it is not looked at.
+  void make_pattern() {
+    const auto size = static_cast<Eigen::Index>(6 * s_.columns);
+    sparse_.resize(size, size);
+    sparse_.resizeNonZeros(static_cast<Eigen::Index>(36 * blocks_.size()));
+    int n = 0;
+    for (int c = 0; c < s_.columns; ++c) {
+      for (int j = 0; j < 6; ++j) {
+        sparse_.outerIndexPtr()[6 * c + j] = n;
+        for (const int row : s_.rows_at[at(c)]) {
+          for (int i = 0; i < 6; ++i) sparse_.innerIndexPtr()[n++] = 6 * row + i;
+        }
+      }
+    }
+    sparse_.outerIndexPtr()[size] = n;
+  }
+
+  const Structure& s_;
+  std::vector<std::size_t> first_;  // block of each column, and one beyond the last
+  std::vector<Matrix6d> blocks_;
+  std::vector<std::size_t> slot_;  // of a row among those of the column in work
+  Eigen::MatrixXd dense_;
+  Sparse sparse_;
+  Eigen::CholmodDecomposition<Sparse, Eigen::Lower> factor_;
+};
+
+struct Step {
+  Eigen::VectorXd poses;
+  std::vector<Eigen::Vector3d> points;
+  double decrease = 0;  // of the cost that the system promises
+};
+
+std::optional<Step> solve(const Structure& s, const System& system, double radius, Reduced* reduced) {
+  std::vector<Eigen::Matrix3d> inverse;
+  std::vector<Eigen::Vector3d> dampings;
+  inverse.reserve(system.points.size());
+  dampings.reserve(system.points.size());
+  for (const Eigen::Matrix3d& own : system.points) {
+    dampings.emplace_back(damping(own, radius));
+    Eigen::Matrix3d damped = own;
+    damped.diagonal() += dampings.back();
+    inverse.emplace_back(damped.inverse());
+  }
+  std::vector<Matrix63> by_points(s.links.size());
+  Eigen::VectorXd right(6 * s.columns);
+  for (int c = 0; c < s.columns; ++c) right.segment<6>(6 * c) = -system.pose_gradients[at(c)];
+  for (std::size_t l = 0; l < s.links.size(); ++l) {
+    const auto point = at(s.links[l].point);
+    by_points[l].noalias() = system.links[l].lazyProduct(inverse[point]);
+    right.segment<6>(6 * s.links[l].column).noalias() += by_points[l].lazyProduct(system.point_gradients[point]);
+  }
+  Step step;
+  if (s.columns > 0) {
+    reduced->fill(system, radius, by_points);
+    auto poses = reduced->solve(right);
+    if (!poses) return std::nullopt;
+    step.poses = std::move(*poses);
+  }
+  step.points.resize(system.points.size());
+  for (std::size_t p = 0; p < step.points.size(); ++p) step.points[p] = -inverse[p] * system.point_gradients[p];
+  for (std::size_t l = 0; l < s.links.size(); ++l) {
+    step.points[at(s.links[l].point)].noalias() -=
+        by_points[l].transpose().lazyProduct(step.poses.segment<6>(6 * s.links[l].column));
+  }
+  // -g d - d H d / 2, where (H + D) d = -g.
+  for (int c = 0; c < s.columns; ++c) {
+    const Vector6d d = step.poses.segment<6>(6 * c);
+    step.decrease += 0.5 * d.dot(damping(system.poses[at(c)], radius).cwiseProduct(d) - system.pose_gradients[at(c)]);
+  }
+  for (std::size_t p = 0; p < step.points.size(); ++p) {
+    const Eigen::Vector3d& d = step.points[p];
+    step.decrease += 0.5 * d.dot(dampings[p].cwiseProduct(d) - system.point_gradients[p]);
+  }
+  const bool finite = std::isfinite(step.decrease) && step.poses.allFinite();
+  return finite ? std::optional(std::move(step)) : std::nullopt;
+}
+
+Estimate moved(const Structure& s, const Estimate& from, const Step& step) {
+  Estimate e = from;
+  for (std::size_t i = 0; i < e.poses.size(); ++i) {
+    const int column = s.column_of[i];
+    if (column < 0) continue;
+    e.poses[i] = retract(e.poses[i], step.poses.segment<6>(6 * column));
+    e.poses[i].rotation.normalize();
+    e.rotations[i] = e.poses[i].rotation.toRotationMatrix();
+  }
+  for (std::size_t p = 0; p < e.points.size(); ++p) e.points[p] += step.points[p];
+  return e;
+}
+
+Estimate start_of(const BundleProblem& problem) {
+  Estimate e;
+  for (const auto& p : problem.poses) {
+    e.poses.push_back(p.cam_from_world);
+    if (!p.fixed) e.poses.back().rotation.normalize();
+    e.rotations.emplace_back(e.poses.back().rotation.toRotationMatrix());
+  }
+  e.points = problem.points;
+  return e;
+}
+
+}  // namespace
+
+BundleResult solve_by_schur(const BundleProblem& problem, const BundleConfig& config) {
+  constexpr double kFirstRadius = 1e5, kLeastRadius = 1e-10, kMostRadius = 1e16, kLeastGain = 1e-3;
+  const Structure s = structure_of(problem);
+  const Loss loss(config.loss_sigmas);
+  Estimate estimate = start_of(problem);
+  Reduced reduced(s);
+  BundleResult result;
+  double cost = cost_of(problem, s, loss, estimate), radius = kFirstRadius, shrink = 2;
+  result.initial_cost = cost;
+  std::optional<System> system;
+  bool done = false;
+  while (!done && result.iterations < config.max_iterations && radius > kLeastRadius) {
+    ++result.iterations;
+    if (!system) system = build(problem, s, loss, estimate);
+    if (const auto step = solve(s, *system, radius, &reduced)) {
+      Estimate next = moved(s, estimate, *step);
+      const double next_cost = cost_of(problem, s, loss, next);
+      const double gain = step->decrease > 0 ? (cost - next_cost) / step->decrease : 0;
+      done = std::abs(cost - next_cost) <= config.function_tolerance * cost;
+      if (gain > kLeastGain) {
+        estimate = std::move(next);
+        cost = next_cost;
+        system.reset();
+        radius = std::min(kMostRadius, radius / std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));
+        shrink = 2;
+      } else {
+        radius /= std::exchange(shrink, 2 * shrink);
+      }
+    } else {
+      radius /= std::exchange(shrink, 2 * shrink);
+    }
+    if (config.after_iteration) config.after_iteration(result.iterations);
+  }
+  result.usable = std::isfinite(cost);
+  result.final_cost = cost;
+  result.poses = std::move(estimate.poses);
+  result.points = std::move(estimate.points);
+  return result;
+}
+
+}  // namespace coslam
