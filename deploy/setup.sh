@@ -17,7 +17,7 @@ set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
 sets=(build)
-optional=()
+optional=(speed)
 command -v npm >/dev/null || optional+=(page)  # from wherever it is
 list=no
 while [[ $# -gt 0 ]]; do

@@ -318,7 +318,6 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config), window ? 3 * config.window : 0, extent);
   if (!job) return job;
   job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
-  if (window) job->config.function_tolerance = 1e-4;  // the next window goes on from there
   return job;
 }
 

@@ -42,7 +42,7 @@ struct BundleProblem {
 
 struct BundleConfig {
   int max_iterations = 12;
-  double function_tolerance = 1e-5;  // relative change of the cost that ends it
+  double function_tolerance = 1e-4;  // relative change of the cost that ends it
   double loss_sigmas = 2.0;          // Cauchy loss beyond so many standard deviations; 0: squares
   double outlier_sigmas = 4.0;       // an observation farther off after the solution is reported as an outlier
   std::function<void(int done)> after_iteration;  // may be empty
