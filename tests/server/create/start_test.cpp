@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -60,6 +61,54 @@ TEST_F(StartTest, EarlierFramesAreLocalisedAsConfigured) {
   const LocaliseConfig never{.min_inliers = 100'000};
   ASSERT_EQ(stage_.run(sim_.edit, sim_.set, never, {}).started, 1);
   EXPECT_EQ(fit_of(sim_, camera(0).map).poses, 3) << "only those of the start itself";
+}
+
+// As on a busy machine: each describes an image of its own, when it comes to it.
+class StartOneAfterTheOther : public StartTest {
+ protected:
+  StartReport step_with(const std::vector<int>& described) {
+    sim_.look(false, true);
+    for (CameraFrame& cf : sim_.set.frames) {
+      if (std::ranges::find(described, static_cast<int>(cf.camera.value)) == described.end()) cf.descriptors.reset();
+    }
+    sim_.take();
+    return stage_.run(sim_.edit, sim_.set, {}, {});
+  }
+  int placed() const {
+    return static_cast<int>(
+        std::ranges::count_if(sim_.map.cameras(), [](const MapCamera& c) { return c.map != MapId(); }));
+  }
+};
+
+TEST_F(StartOneAfterTheOther, StartsWhenAllHaveAnswered) {
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(step_with({}).started, 0);
+  EXPECT_EQ(step_with({1}).started, 0);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(step_with({}).started, 0);
+  EXPECT_EQ(step_with({0}).started, 0);
+  EXPECT_EQ(step_with({}).started, 0);
+  EXPECT_EQ(step_with({2}).started, 1);
+  EXPECT_EQ(placed(), 3);
+  const Fit fit = fit_of(sim_, camera(0).map);
+  EXPECT_EQ(fit.poses, 3 * 11);
+  EXPECT_GT(fit.points, 60) << "by tracks that live since they were described";
+  EXPECT_LT(fit.worst_pose_m, 0.06);
+}
+
+TEST_F(StartOneAfterTheOther, GoesAheadWithoutWhoSaysNothing) {
+  step_with({0, 1});
+  int sets = 0, started = 0;
+  while (started == 0 && sets < 60) {
+    started = step_with({}).started;
+    ++sets;
+  }
+  EXPECT_EQ(started, 1);
+  EXPECT_NEAR(sets, 30, 2) << "after a second";
+  EXPECT_EQ(placed(), 2);
+}
+
+TEST_F(StartOneAfterTheOther, NobodyStartsAloneMeanwhile) {
+  for (int i = 0; i < 25; ++i) ASSERT_EQ(step_with(i == 2 ? std::vector<int>{0, 1} : std::vector<int>{}).started, 0);
+  EXPECT_EQ(placed(), 0);
 }
 
 TEST_F(StartTest, SaysWhyNot) {
