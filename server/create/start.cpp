@@ -204,7 +204,7 @@ void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, co
 void Start::remember(const Map& map, const FrameSet& set) {
   std::erase_if(described_, [&](const auto& d) {
     const MapCamera& camera = map.camera(d.first);
-    return !camera.alive || camera.map != MapId();
+    return !camera.alive || camera.map != MapId() || d.second.agent_run != camera.run;  // tracks are of a run
   });
   for (const CameraFrame& cf : set.frames) {
     if (map.camera(cf.camera).map != MapId() || !cf.descriptors) continue;

@@ -34,7 +34,8 @@ BundleProblem flight(int cameras, int key_frames, int fixed_key_frames) {
   for (int k = 0; k < key_frames; ++k) {
     for (int c = 0; c < cameras; ++c) {
       truth.push_back(test::looking({kStep_m * k, kApart_m * (c - 0.5 * (cameras - 1)), 0}));
-      const Vector6d off = Vector6d::NullaryExpr([&](Eigen::Index i) { return (i < 3 ? 0.002 : 0.01) * normal(random); });
+      const Vector6d off =
+          Vector6d::NullaryExpr([&](Eigen::Index i) { return (i < 3 ? 0.002 : 0.01) * normal(random); });
       const bool fixed = k < fixed_key_frames || (k == 0 && c == 0);
       p.poses.push_back({fixed ? truth.back() : retract(truth.back(), off), c, fixed});
     }
@@ -84,9 +85,7 @@ void compare(benchmark::State& state, const BundleProblem& problem) {
   state.counters["cost_ratio"] = ours.final_cost / other.final_cost;
 }
 
-void BM_WindowOverCeres(benchmark::State& state) {
-  compare(state, flight(static_cast<int>(state.range(0)), 10, 2));
-}
+void BM_WindowOverCeres(benchmark::State& state) { compare(state, flight(static_cast<int>(state.range(0)), 10, 2)); }
 BENCHMARK(BM_WindowOverCeres)->Arg(1)->Arg(3)->Arg(6)->Arg(12)->Unit(benchmark::kMillisecond)->MinTime(1.0);
 
 void BM_WholeOverCeres(benchmark::State& state) { compare(state, flight(12, static_cast<int>(state.range(0)), 0)); }

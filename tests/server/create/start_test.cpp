@@ -94,6 +94,13 @@ TEST_F(StartOneAfterTheOther, StartsWhenAllHaveAnswered) {
   EXPECT_LT(fit.worst_pose_m, 0.06);
 }
 
+// Its tracks have other numbers.
+TEST_F(StartOneAfterTheOther, WhatAnAgentSaidBeforeItBeganAgainIsForgotten) {
+  step_with({0});
+  sim_.edit.restart_camera(cam(0), RunId{77}, camera(0).model);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step_with({1, 2}).started, 0) << "the first has to answer again";
+}
+
 TEST_F(StartOneAfterTheOther, GoesAheadWithoutWhoSaysNothing) {
   step_with({0, 1});
   int sets = 0, started = 0;
