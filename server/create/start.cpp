@@ -163,11 +163,14 @@ std::optional<Common> widest_common(const MapCamera& camera) {
   return common_tracks(camera, oldest->set);
 }
 
-// Its newest frames, more than so many, are without a pose.
-bool without_map_for(const MapCamera& camera, int sets) {
-  const auto n = static_cast<std::size_t>(sets) + 1;
-  return camera.frames.size() >= n && std::none_of(camera.frames.end() - static_cast<std::ptrdiff_t>(n),
-                                                   camera.frames.end(), [](const FramePose& f) { return f.valid(); });
+// Its newest frames are without a pose, for so long: by their number, and by their times, since at the beginning, with
+// gaps, how often they come is hardly known.
+bool without_map_for(const MapCamera& camera, double wait_s) {
+  const auto posed =
+      std::find_if(camera.frames.rbegin(), camera.frames.rend(), [](const auto& f) { return f.valid(); });
+  const auto first = posed.base();
+  if (camera.frames.end() - first <= camera.frames_in(wait_s)) return false;
+  return to_seconds(camera.frames.back().capture_ns - first->capture_ns) >= wait_s - 0.5 * camera.frame_interval_s;
 }
 
 // Two views of one camera at different times.
@@ -214,11 +217,10 @@ void Start::remember(const Map& map, const FrameSet& set) {
 }
 
 Start::Unplaced Start::unplaced(const Map& map, const FrameSet& set) const {
-  Unplaced out;
+  const auto free = [](const MapCamera& c) { return c.alive && c.map == MapId(); };
+  Unplaced out{.cameras = static_cast<int>(std::ranges::count_if(map.cameras(), free))};
   for (const CameraFrame& cf : set.frames) {
-    if (map.camera(cf.camera).map != MapId()) continue;
-    ++out.cameras;
-    if (described_.contains(cf.camera)) out.described.push_back(cf.camera);
+    if (free(map.camera(cf.camera)) && described_.contains(cf.camera)) out.described.push_back(cf.camera);
   }
   return out;
 }
@@ -243,13 +245,16 @@ StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig&
     std::vector<TrackFeatures> features;
     for (const CameraId c : cameras.described) features.push_back(features_of(map.camera(c), described_.at(c)));
     start_together(edit, set, cameras.described, features, config, localise, refine, &report);
+    const auto answers = std::ranges::count_if(set.frames, [](const auto& cf) { return cf.descriptors.has_value(); });
+    const auto left_over = [&](CameraId c) { return map.camera(c).map == MapId(); };
+    may_yet_start_ = answers < std::ssize(cameras.described) && std::ranges::any_of(cameras.described, left_over);
   }
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     // Cameras of a rig first try together: they know lengths. So do those that may be about to start one map.
-    const bool together_first = !map.rig_mates(camera).empty() || cameras.some_silent();
+    const bool together_first = !map.rig_mates(camera).empty() || cameras.some_silent() || may_yet_start_;
     const double wait_s = config.alone_after_s * (together_first ? kTogetherFirst : 1);
-    if (camera.map == MapId() && without_map_for(camera, camera.frames_in(wait_s)) && map.every(kTry_s)) {
+    if (camera.map == MapId() && without_map_for(camera, wait_s) && map.every(kTry_s)) {
       start_alone(edit, camera, set, config, localise, refine, &report);
     }
   }

@@ -52,10 +52,11 @@ class Start {
 
  private:
   void remember(const Map& map, const FrameSet& set);
-  // Cameras of the set without a map.
+  // Cameras without a map: how many, and those that are in the set and were described. One that is not in it, being
+  // busy with its answer, is waited for too.
   struct Unplaced {
     int cameras = 0;
-    std::vector<CameraId> described;
+    std::vector<CameraId> described = {};
     bool some_silent() const { return cameras > 1 && cameras > static_cast<int>(described.size()); }
   };
   Unplaced unplaced(const Map& map, const FrameSet& set) const;
@@ -63,6 +64,9 @@ class Start {
 
   std::map<CameraId, DescriptorReply> described_;
   std::optional<SetId> waiting_since_;  // a description came since the last try
+  // That try left somebody over with descriptions of different sets: too few of their tracks may have been left, and
+  // answers to come may tell more.
+  bool may_yet_start_ = false;
 };
 
 }  // namespace coslam

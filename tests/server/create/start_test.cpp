@@ -94,6 +94,20 @@ TEST_F(StartOneAfterTheOther, StartsWhenAllHaveAnswered) {
   EXPECT_LT(fit.worst_pose_m, 0.06);
 }
 
+// Who works on its answer sends no frame meanwhile.
+TEST_F(StartOneAfterTheOther, WaitsForOneThatIsNotInTheSetToo) {
+  step_with({1});
+  step_with({2});
+  for (int i = 0; i < 4; ++i) {
+    sim_.look();
+    std::erase_if(sim_.set.frames, [](const CameraFrame& cf) { return cf.camera == cam(0); });
+    sim_.take();
+    ASSERT_EQ(stage_.run(sim_.edit, sim_.set, {}, {}).started, 0);
+  }
+  EXPECT_EQ(step_with({0}).started, 1);
+  EXPECT_EQ(placed(), 3);
+}
+
 // Its tracks have other numbers.
 TEST_F(StartOneAfterTheOther, WhatAnAgentSaidBeforeItBeganAgainIsForgotten) {
   step_with({0});
