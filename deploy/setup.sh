@@ -83,7 +83,11 @@ apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::T
 [[ -t 1 ]] || apt+=(-q -o Dpkg::Use-Pty=0)
 
 step "setup: installing ${missing[*]} ${extra[*]}"
-"${apt[@]}" update || die "apt-get update failed: is the network there?"
+if ! "${apt[@]}" update; then
+  [[ ${#missing[@]} -eq 0 ]] || die "apt-get update failed: is the network there?"
+  warn "apt-get update failed: going on without ${extra[*]}"
+  exit 0
+fi
 [[ ${#missing[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${missing[@]}" ||
   die "apt-get could not install ${missing[*]} (Debian 12 has them all)"
 [[ ${#extra[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${extra[@]}" ||
