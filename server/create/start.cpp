@@ -245,7 +245,9 @@ StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig&
     std::vector<TrackFeatures> features;
     for (const CameraId c : cameras.described) features.push_back(features_of(map.camera(c), described_.at(c)));
     start_together(edit, set, cameras.described, features, config, localise, refine, &report);
-    const auto answers = std::ranges::count_if(set.frames, [](const auto& cf) { return cf.descriptors.has_value(); });
+    const auto answers = std::ranges::count_if(set.frames, [&](const CameraFrame& cf) {
+      return cf.descriptors && std::ranges::find(cameras.described, cf.camera) != cameras.described.end();
+    });
     const auto left_over = [&](CameraId c) { return map.camera(c).map == MapId(); };
     may_yet_start_ = answers < std::ssize(cameras.described) && std::ranges::any_of(cameras.described, left_over);
   }
