@@ -7,9 +7,13 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <shared_mutex>
 
 #include "agent/link/inbox.h"
+#include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/flow/clock.h"
+#include "common/flow/worker.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
@@ -22,7 +26,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kResend{300}, kTick{20};
+constexpr milliseconds kResend{300}, kTick{20}, kHelloAgain{1000}, kLookAtAddresses{500};
 // The middleware drops a best-effort sample that comes after a later one of the same writer. With several in turn, a
 // link may let frames overtake each other by as many.
 constexpr int kWays = 6;
@@ -39,29 +43,42 @@ std::uint64_t sum(const std::array<TopicCounts, kTopicCount>& counts, std::uint6
   return total;
 }
 
+// What a link has in the domain.
+struct Ends {
+  Participant participant;
+  std::deque<Writer<idl::TrackFrame>> tracks;  // in turn
+  Writer<idl::PatchReply> patches{participant};
+  Writer<idl::DescriptorReply> descriptors{participant};
+  std::optional<Writer<idl::Hello>> hello;
+  Writer<idl::AgentStatus> status{participant};  // after hello: its end waits for the last word, before the sign of life
+  Loop loop;                                     // last: stops first
+
+  Ends(const WireConfig& config, const std::string& agent, std::shared_ptr<RejectionCounts> rejections,
+       const std::function<void(Ends&)>& on_tick)
+      : participant(config, "coslam-agent " + agent, std::move(rejections)),
+        loop(participant, "agent-link", kTick, [this, on_tick] { on_tick(*this); }) {}
+
+  // Both ways of every topic: where a word of discovery is lost, that takes seconds.
+  bool whole() const {
+    const auto found = [](const auto& writer) { return writer.readers() > 0; };
+    return std::ranges::all_of(tracks, found) && found(patches) && found(descriptors) && found(*hello) &&
+           found(status) && loop.writers<idl::MapPatch>() > 0;
+  }
+};
+
 class DdsAgentLink : public AgentLink {
  public:
-  DdsAgentLink(const WireConfig& config, const Hello& hello)
-      : encoder_(pixel_scale(hello.camera)),
+  DdsAgentLink(const WireConfig& config, const Hello& hello, const std::function<std::vector<std::string>()>& addresses)
+      : config_(config),
+        hello_(hello),
+        encoder_(pixel_scale(hello.camera)),
         inbox_(hello.agent_run),
-        participant_(config, "coslam-agent " + hello.agent),
-        patches_(participant_),
-        descriptors_(participant_),
-        status_(participant_),
-        heartbeat_(heartbeat(config)),
-        loop_(participant_, "agent-link", kTick, [this] { tick(); }) {
-    loop_.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
-                              partition_of(hello.agent_run));
-    loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
-                                  [this](const WriterId& w, Presence p) { server_presence(w, p); });
-    const int ways = hello.pacing == Pacing::kLive ? kWays : 1;
-    for (int i = 0; i < ways; ++i) tracks_.emplace_back(participant_);
-    // Last: who has found it has found the others, which the middleware makes known in order.
-    hello_.emplace(participant_);
+        heartbeat_(heartbeat(config)) {
     ready_.agent = hello.agent;
     ready_.agent_run = hello.agent_run;
-    loop_.start();
-    hello_->write(encode(hello));
+    ends_ = open();
+    addresses_.emplace("agent-addresses",
+                       [this, addresses](const std::stop_token& stop) { follow_addresses(addresses, stop); });
   }
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
@@ -73,18 +90,21 @@ class DdsAgentLink : public AgentLink {
       described_ = Clock::now();
     }
     last_.sent = Clock::now();
+    const std::optional<FrameId> known = acknowledged();
+    const std::shared_lock lock(ends_mutex_);
+    if (!ends_) return;  // joining anew: lost, as on a link that is cut
     write_waiting();
     // What waits rides with a later frame, so that this one does not wait for it.
     const bool patches_gone = patches && patches_waiting_.empty();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
     frame.descriptors_sent = descriptors && descriptors_waiting_.empty();
-    tracks_[frame.frame.value % tracks_.size()].write(encoder_.encode(frame, acknowledged()));
+    ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
     last_.frame = std::move(frame);
   }
 
   void send_status(const AgentStatus& status) override {
-    said_ready_ = true;
-    status_.write(encode(status));
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_) say(*ends_, status);
   }
 
   void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
@@ -135,11 +155,13 @@ class DdsAgentLink : public AgentLink {
   }
 
   LinkBytes bytes() const override {
-    const auto counts = participant_.counts();
-    return {sum(counts, &TopicCounts::sent_bytes), sum(counts, &TopicCounts::received_bytes)};
+    const std::shared_lock lock(ends_mutex_);
+    LinkBytes all = bytes_before_;
+    if (ends_) add_bytes(*ends_, all);
+    return all;
   }
 
-  const RejectionCounts& rejections() const override { return participant_.rejections(); }
+  const RejectionCounts& rejections() const override { return *rejections_; }
 
  private:
   // What went out last, for repetition.
@@ -150,6 +172,66 @@ class DdsAgentLink : public AgentLink {
     Instant sent = Clock::now();
     int repetitions = 0;
   };
+
+  std::unique_ptr<Ends> open() {
+    auto ends = std::make_unique<Ends>(config_, hello_.agent, rejections_, [this](Ends& e) { tick(e); });
+    ends->loop.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
+                                   partition_of(hello_.agent_run));
+    ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
+                                       [this](const WriterId& w, Presence p) { server_presence(w, p); });
+    const int ways = hello_.pacing == Pacing::kLive ? kWays : 1;
+    for (int i = 0; i < ways; ++i) ends->tracks.emplace_back(ends->participant);
+    // Last: who has found it has found the others, which the middleware makes known in order.
+    ends->hello.emplace(ends->participant);
+    ends->loop.start();
+    ends->hello->write(encode(hello_));
+    return ends;
+  }
+
+  static void add_bytes(const Ends& ends, LinkBytes& to) {
+    const auto counts = ends.participant.counts();
+    to.up += sum(counts, &TopicCounts::sent_bytes);
+    to.down += sum(counts, &TopicCounts::received_bytes);
+  }
+
+  void follow_addresses(const std::function<std::vector<std::string>()>& addresses, const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::vector<std::string> joined_with = addresses();
+    std::unique_lock lock(mutex);
+    while (!stopped.wait_for(lock, stop, kLookAtAddresses, [] { return false; }) && !stop.stop_requested()) {
+      const std::vector<std::string> now = addresses();
+      const auto reachable = [](const std::string& address) { return !address.starts_with("127."); };
+      if (now == joined_with || !std::ranges::any_of(now, reachable)) continue;
+      if (join_anew()) joined_with = now;
+    }
+  }
+
+  bool join_anew() {
+    std::unique_ptr<Ends> before;
+    {
+      const std::unique_lock lock(ends_mutex_);
+      before = std::move(ends_);
+      if (before) add_bytes(*before, bytes_before_);
+    }
+    if (before) {
+      log_info("this machine's addresses changed: joining DDS domain " + std::to_string(config_.domain) + " anew");
+      before->participant.give_up();
+      before.reset();  // says farewell: the server lets a run speak from one place only
+      const std::lock_guard lock(mutex_);
+      said_ready_ = false;
+      set_server_alive(false);
+    }
+    try {
+      auto fresh = open();
+      const std::unique_lock lock(ends_mutex_);
+      ends_ = std::move(fresh);
+      return true;
+    } catch (const UserError& error) {
+      if (cannot_join_.pass()) log_warn(error.what());
+      return false;
+    }
+  }
 
   std::optional<FrameId> acknowledged() const {
     const std::lock_guard lock(mutex_);
@@ -171,8 +253,8 @@ class DdsAgentLink : public AgentLink {
     constexpr std::chrono::milliseconds kStale{2500};
     reply_room_ = reply_bytes_a_frame_ ? std::min(reply_room_, kMostLeft) + *reply_bytes_a_frame_ : kUnlimited;
     if (Clock::now() - described_ > kStale) descriptors_waiting_.clear();
-    write_waiting(descriptors_waiting_, descriptors_);
-    write_waiting(patches_waiting_, patches_);
+    write_waiting(descriptors_waiting_, ends_->descriptors);
+    write_waiting(patches_waiting_, ends_->patches);
   }
   template <class Message>
   void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
@@ -185,33 +267,39 @@ class DdsAgentLink : public AgentLink {
 
   // Lock-step.
   void write_replies() {
-    for (const auto& part : last_.patches) patches_.write(part);
-    for (const auto& part : last_.descriptors) descriptors_.write(part);
+    for (const auto& part : last_.patches) ends_->patches.write(part);
+    for (const auto& part : last_.descriptors) ends_->descriptors.write(part);
   }
 
   void send_again(Instant now) {
     last_.sent = now;
-    if (!last_.frame) return;
+    const std::shared_lock lock(ends_mutex_);
+    if (!last_.frame || !ends_) return;
     if (++last_.repetitions % kRepliesEvery == 0) write_replies();
     // What it was coded against may be what the server lacks.
-    tracks_.front().write(encoder_.encode_alone(*last_.frame));
+    ends_->tracks.front().write(encoder_.encode_alone(*last_.frame));
   }
 
   // On the loop's thread from here on.
-  void tick() {
-    if (const Instant now = Clock::now(); now >= next_heartbeat_) {
+  void tick(Ends& ends) {
+    const Instant now = Clock::now();
+    if (now >= next_heartbeat_) {
       next_heartbeat_ = now + heartbeat_;
-      hello_->assert_alive();
+      ends.hello->assert_alive();
     }
-    if (!said_ready_ && whole()) send_status(ready_);
+    if (said_ready_) return;
+    if (ends.whole() && server_status()) {
+      say(ends, ready_);
+    } else if (ends.hello->readers() > 0 && now >= next_hello_) {
+      // The server did not listen while it took this run for another process's.
+      next_hello_ = now + kHelloAgain;
+      ends.hello->write(encode(hello_));
+    }
   }
 
-  // Both ways of every topic: where a word of discovery is lost, that takes seconds.
-  bool whole() const {
-    const auto found = [](const auto& writer) { return writer.readers() > 0; };
-    if (!std::ranges::all_of(tracks_, found) || !found(patches_) || !found(descriptors_) || !found(*hello_))
-      return false;
-    return found(status_) && loop_.writers<idl::MapPatch>() > 0 && server_status();
+  void say(Ends& ends, const AgentStatus& status) {
+    said_ready_ = true;
+    ends.status.write(encode(status));
   }
 
   // taken(): before anybody hears of the value.
@@ -225,7 +313,7 @@ class DdsAgentLink : public AgentLink {
     } else {
       reason = value.rejection();
     }
-    if (reason) participant_.rejections().add(*reason);
+    if (reason) rejections_->add(*reason);
     arrived_.notify_all();
   }
 
@@ -258,6 +346,10 @@ class DdsAgentLink : public AgentLink {
     inbox_.set_server_alive(alive);
   }
 
+  const WireConfig config_;
+  const Hello hello_;
+  const std::shared_ptr<RejectionCounts> rejections_ = std::make_shared<RejectionCounts>();
+
   TrackEncoder encoder_;  // of the sending thread, as are the next
   Outgoing last_;
   std::deque<idl::PatchReply> patches_waiting_;
@@ -273,24 +365,23 @@ class DdsAgentLink : public AgentLink {
   std::optional<double> least_took_s_;  // of the new statuses of this server
   bool server_alive_ = false;
 
-  Participant participant_;
-  std::deque<Writer<idl::TrackFrame>> tracks_;  // in turn
-  Writer<idl::PatchReply> patches_;
-  Writer<idl::DescriptorReply> descriptors_;
-  std::optional<Writer<idl::Hello>> hello_;
-  Writer<idl::AgentStatus> status_;  // after hello_: its end waits for the last word, before the sign of life ends
-  AgentStatus ready_;                // nothing to tell but that it hears and is heard
+  mutable std::shared_mutex ends_mutex_;  // for the two below; held for a write at most
+  std::unique_ptr<Ends> ends_;            // none while it joins anew
+  LinkBytes bytes_before_;                // of those before
+  AgentStatus ready_;                     // nothing to tell but that it hears and is heard
   std::atomic<bool> said_ready_{false};
   const milliseconds heartbeat_;
-  Instant next_heartbeat_{};
-  Loop loop_;  // last: stops first
+  Instant next_heartbeat_{}, next_hello_{};  // of the loop's thread
+  LogLimiter cannot_join_;
+  std::optional<Worker> addresses_;  // last: stops first
 };
 
 }  // namespace
 
-std::unique_ptr<AgentLink> open_agent_link(const WireConfig& config, const Hello& hello) {
+std::unique_ptr<AgentLink> open_agent_link(const WireConfig& config, const Hello& hello,
+                                           const std::function<std::vector<std::string>()>& addresses) {
   require_valid(hello);
-  return std::make_unique<DdsAgentLink>(config, hello);
+  return std::make_unique<DdsAgentLink>(config, hello, addresses);
 }
 
 }  // namespace coslam

@@ -44,20 +44,6 @@ constexpr std::uint64_t kReserved = 176;  // what the middleware keeps free of m
 
 constexpr int kMaxDomain = 232;  // the UDP ports of higher ones would be above 65535
 
-std::vector<std::string> local_addresses() {
-  std::vector<std::string> addresses;
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return addresses;
-  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
-    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr, text.data(), text.size());
-    addresses.emplace_back(text.data());
-  }
-  freeifaddrs(list);
-  return addresses;
-}
-
 bool is_ipv4(const std::string& text) {
   in_addr address{};
   return inet_pton(AF_INET, text.c_str(), &address) == 1;
@@ -187,9 +173,23 @@ dds::Topic* Participant::Impl::topic(std::size_t index) {
   if (dds::TopicDescription* known = participant->lookup_topicdescription(name)) {
     return static_cast<dds::Topic*>(known);
   }
-  const dds::TypeSupport type(kMakeSerialiser[index](rejections));
+  const dds::TypeSupport type(kMakeSerialiser[index](*rejections));
   type.register_type(participant);
   return participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+}
+
+std::vector<std::string> local_addresses() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
+    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr, text.data(), text.size());
+    addresses.emplace_back(text.data());
+  }
+  freeifaddrs(list);
+  return addresses;
 }
 
 WireConfig loopback_config(int domain) {
@@ -211,15 +211,17 @@ std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_byt
   return sample_bytes + (sample_bytes + room - 1) / room * (kFragmentOverhead + seal);
 }
 
-Participant::Participant(const WireConfig& config, const std::string& name) : impl_(std::make_unique<Impl>()) {
+Participant::Participant(const WireConfig& config, const std::string& name, std::shared_ptr<RejectionCounts> rejections)
+    : impl_(std::make_unique<Impl>()) {
   require_usable(config);
   impl_->config = config;
+  impl_->rejections = std::move(rejections);
   warn_when_open(config);
   capture_middleware_log();
   turn_off_intraprocess();
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);
-  dds::DomainParticipantQos qos = participant_qos(config, name, impl_->rejections);
+  dds::DomainParticipantQos qos = participant_qos(config, name, *impl_->rejections);
   const int id = free_participant_id(config.domain, ids.used);
   qos.wire_protocol().participant_id = id;
   ErrorWatch errors;
@@ -251,7 +253,9 @@ std::vector<std::string> Participant::others() const {
   return names;
 }
 
-RejectionCounts& Participant::rejections() const { return impl_->rejections; }
+RejectionCounts& Participant::rejections() const { return *impl_->rejections; }
+
+void Participant::give_up() { impl_->given_up = true; }
 
 const WireConfig& Participant::config() const { return impl_->config; }
 

@@ -26,13 +26,18 @@ struct TopicCounts {
 // the seals where there is a key.
 std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key = false);
 
+// The IPv4 addresses of this machine now.
+std::vector<std::string> local_addresses();
+
 // This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
 class Participant {
  public:
   // `name` is what other participants and operators' tools see. Throws UserError, in one sentence: domain out of
   // range, no such interface, certificates missing or refused, key file missing or not fit, no port. Without
-  // certificates and key, on more than the loopback device, one warning is logged.
-  Participant(const WireConfig& config, const std::string& name);
+  // certificates and key, on more than the loopback device, one warning is logged. `rejections`: where it goes on
+  // counting for one that was there before.
+  Participant(const WireConfig& config, const std::string& name,
+              std::shared_ptr<RejectionCounts> rejections = std::make_shared<RejectionCounts>());
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
@@ -44,6 +49,8 @@ class Participant {
   // Samples that could not be decoded and datagrams without the key are counted here; links add what they turn down
   // later.
   RejectionCounts& rejections() const;
+  // Nobody hears it any more: its writers do not wait for their readers when they end.
+  void give_up();
 
   struct Impl;
   Impl& impl() { return *impl_; }
@@ -56,7 +63,8 @@ class Participant {
 class TopicWriter {
  public:
   TopicWriter(Participant& participant, std::size_t topic, const std::string& partition);
-  // Topics that keep the newest sample for late joiners: waits up to two seconds until the readers here have it.
+  // Topics that keep the newest sample for late joiners: waits up to two seconds until the readers here have it, unless
+  // the participant was given up.
   ~TopicWriter();
   TopicWriter(const TopicWriter&) = delete;
   TopicWriter& operator=(const TopicWriter&) = delete;

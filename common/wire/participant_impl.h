@@ -10,6 +10,7 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <map>
+#include <memory>
 #include <mutex>
 
 #include "common/wire/participant.h"
@@ -30,7 +31,8 @@ struct Participant::Impl : dds::DomainParticipantListener {
   dds::DomainParticipant* participant = nullptr;
   int id = 0;  // its number, which gives its ports
   std::array<Counts, kTopicCount> counts;
-  RejectionCounts rejections;
+  std::shared_ptr<RejectionCounts> rejections;
+  std::atomic<bool> given_up{false};
   std::mutex topics_mutex;
 
   std::mutex others_mutex;

@@ -46,7 +46,7 @@ TopicWriter::TopicWriter(Participant& participant, std::size_t topic, const std:
 }
 
 TopicWriter::~TopicWriter() {
-  const bool flush = kTopics[impl_->topic].late_joiners && readers() > 0;
+  const bool flush = kTopics[impl_->topic].late_joiners && readers() > 0 && !impl_->participant.given_up;
   if (flush) impl_->writer->wait_for_acknowledgments(Duration_t(2.0L));
   impl_->publisher->delete_datawriter(impl_->writer);
   impl_->participant.participant->delete_publisher(impl_->publisher);

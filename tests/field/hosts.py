@@ -128,6 +128,11 @@ def ip(*words):
         raise Unavailable("ip " + " ".join(words) + ": " + done.stderr.strip())
 
 
+def set_address(name, last):
+    ip("-n", name, "addr", "add", f"10.77.0.{last}/24", "dev", "w0")
+    ip("-n", name, "route", "add", "239.0.0.0/8", "dev", "w0")
+
+
 class Hosts:
     """So many hosts, for a `with` block."""
 
@@ -156,8 +161,7 @@ class Hosts:
             ip("-n", name, "link", "set", "lo", "up")
             ip("-n", name, "link", "set", "w0", "address", f"02:00:00:00:00:{i + 1:02x}")
             ip("-n", name, "link", "set", "w0", "txqueuelen", "10000", "up")
-            ip("-n", name, "addr", "add", f"10.77.0.{i + 1}/24", "dev", "w0")
-            ip("-n", name, "route", "add", "239.0.0.0/8", "dev", "w0")
+            set_address(name, i + 1)
         self.orders, theirs = multiprocessing.Pipe()
         self.hub = multiprocessing.get_context("fork").Process(target=Hub(taps, self.seed).run, args=(theirs,), daemon=True)
         self.hub.start()
@@ -170,6 +174,11 @@ class Hosts:
 
     def set_link(self, host, link):
         self.orders.send((host, link))
+
+    def change_address(self, host):
+        """As a new lease of an access point does: the old address is gone, the new one is 100 higher."""
+        ip("-n", self.names[host], "addr", "flush", "dev", "w0")
+        set_address(self.names[host], 100 + host + 1)
 
     def recorded(self):
         """The first datagrams that were sent, without the heads of Ethernet, IP and UDP."""

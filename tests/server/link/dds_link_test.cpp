@@ -241,6 +241,32 @@ TEST_F(DdsLinkTest, AnAgentSurvivesTheRestartOfItsServer) {
   EXPECT_EQ(agent->server_status()->server_run, RunId(51));
 }
 
+TEST_F(DdsLinkTest, AnAgentWhoseAddressChangesJoinsAnewAsTheSameRun) {
+  EchoServer server(config_, kServer);
+  std::atomic<int> lease{1};
+  const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)), [&] {
+    return std::vector<std::string>{"127.0.0.1", "10.0.0." + std::to_string(lease)};
+  });
+  const std::vector<Spoken> said = speech("cam0", RunId(1), 40);
+  const std::vector<Spoken> before(said.begin(), said.begin() + 20), after(said.begin() + 20, said.end());
+  std::atomic<bool> back{false}, done{false};
+  std::jthread player([&] {
+    EXPECT_EQ(play(*agent, before), 20u);
+    lease = 2;
+    back.wait(false);
+    EXPECT_EQ(play(*agent, after), 20u);
+    done = true;
+  });
+  EXPECT_TRUE(server.serve_until_events<Hello>(2));
+  back = true;
+  back.notify_all();
+  EXPECT_TRUE(server.serve_until([&] { return done.load(); }));
+  player.join();
+  EXPECT_EQ(server.of_type<AgentGone>().size(), 1u);
+  EXPECT_EQ(server.of_type<Hello>().size(), 2u);
+  expect_heard(server.of_type<JoinedFrame>(), said);
+}
+
 TEST_F(DdsLinkTest, ASecondServerStepsBack) {
   EchoServer first(config_, RunId(1));
   const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(9)));

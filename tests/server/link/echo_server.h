@@ -23,7 +23,7 @@ class EchoServer {
     if (!event) return false;
     if (const auto* hello = std::get_if<Hello>(&*event)) {
       agents_.push_back(hello->agent);
-      sequences_[hello->agent_run] = 0;
+      sequences_.try_emplace(hello->agent_run, 0);
       publish();
     }
     if (const auto* joined = std::get_if<JoinedFrame>(&*event)) answer(joined->frame);
