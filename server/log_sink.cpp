@@ -8,7 +8,7 @@ namespace coslam {
 
 void LogSink::see(const Snapshot& snapshot) {
   for (const PublicEvent& event : snapshot.events) {
-    if (event.kind == "lost") {
+    if (event.kind == "lost" || event.kind == "misdated") {
       log_warn(event.text);
     } else if (event.kind != "joined" && event.kind != "left" && event.kind != "restarted") {
       log_info(event.text);

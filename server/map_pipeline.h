@@ -18,6 +18,7 @@
 #include "server/create/two_cameras.h"
 #include "server/motion/classify.h"
 #include "server/motion/clock.h"
+#include "server/motion/lag_finder.h"
 #include "server/motion/objects.h"
 #include "server/past/forget.h"
 #include "server/pipeline/pipeline.h"
@@ -41,6 +42,7 @@ using MapPipeline = Pipeline<  //
     Verify,                    // every observation against its prediction; filter
     Classify,                  // what moves, and where that is now
     ClockFinder,               // offsets of the agents' clocks, from what moves
+    LagFinder,                 // cameras whose stamps are off by far, the same way
     Register,                  // tracks without a point against known points
     MapIntra,                  // new points from one camera's motion
     Grouping,                  // view graph of this set, groups

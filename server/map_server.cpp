@@ -45,6 +45,7 @@ CameraId MapServer::admit(const Hello& hello) {
     if (c.run != hello.agent_run) {
       edit_.restart_camera(c.id, hello.agent_run, hello.camera);
       pipeline_.stage<ClockFinder>().forget(c.id);
+      pipeline_.stage<LagFinder>().forget(c.id);
     }
     return c.id;
   }

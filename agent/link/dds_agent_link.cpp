@@ -50,8 +50,9 @@ struct Ends {
   Writer<idl::PatchReply> patches{participant};
   Writer<idl::DescriptorReply> descriptors{participant};
   std::optional<Writer<idl::Hello>> hello;
-  Writer<idl::AgentStatus> status{participant};  // after hello: its end waits for the last word, before the sign of life
-  Loop loop;                                     // last: stops first
+  Writer<idl::AgentStatus> status{
+      participant};  // after hello: its end waits for the last word, before the sign of life
+  Loop loop;         // last: stops first
 
   Ends(const WireConfig& config, const std::string& agent, std::shared_ptr<RejectionCounts> rejections,
        const std::function<void(Ends&)>& on_tick)

@@ -81,6 +81,9 @@ class CameraLife {
         map_ = MapId();
         add(at, "It left " + name(e.map) + " " + reason(e), kPlace, "in no map");
         break;
+      case EventKind::kCameraMisdated:
+        add(at, "Its images are dated wrongly, " + reason(e));
+        break;
       default:
         break;
     }

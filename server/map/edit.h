@@ -48,6 +48,11 @@ class MapEdit {
   // The same from elsewhere, as if from many frames.
   void set_sigma(const MapCamera& camera, double sigma_px) { own(camera).sigma_px = sigma_px; }
   void set_sparse(const MapCamera& camera, bool sparse) { own(camera).sparse = sparse; }
+  // Its images were taken so much later than they are dated, against another camera's: only told.
+  void note_misdated(const MapCamera& camera, double lag_s, CameraId against) {
+    note_camera(EventKind::kCameraMisdated, camera, Why::kMovesAtOtherTimes,
+                {lag_s, static_cast<double>(against.value)});
+  }
   void set_clock_offset(const MapCamera& camera, TimeNs offset_ns) { own(camera).clock_offset_ns = offset_ns; }
   // Its agent was told how its world moved and of which map it is part.
   void agent_was_told(const MapCamera& camera);

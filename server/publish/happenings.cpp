@@ -3,6 +3,7 @@
 #include "server/publish/happenings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/explain/sentence.h"
 
@@ -58,6 +59,23 @@ std::string listed(const Map& map, const std::map<int, std::vector<CameraId>>& p
     texts.push_back(members.size() > 1 && parts.size() > 1 ? "[" + text + "]" : text);
   }
   return listed(texts);
+}
+
+PublicEvent misdated(const Map& map, const Event& e) {
+  const double lag_s = e.figures[0];
+  const std::string name = map.camera(*e.camera).name,
+                    other = map.camera(CameraId(static_cast<std::uint16_t>(e.figures[1]))).name,
+                    off = explain::number(std::abs(lag_s)) + " s";
+  return {e.t_ns,
+          "misdated",
+          name + "'s images seem to be taken " + off + (lag_s > 0 ? " later" : " earlier") +
+              " than they are dated, by "
+              "what moves in them and in those of " +
+              other +
+              ": what moves is not found by both; correct its stamps "
+              "or clock (in a sequence: so much " +
+              (lag_s > 0 ? "less" : "more") + " start_s for it)",
+          {name, other}};
 }
 
 }  // namespace
@@ -122,6 +140,9 @@ void Happenings::of_camera(const Map& map, const Event& e, std::vector<PublicEve
       } else {
         say("found", std::string(lost_.erase(*e.camera) > 0 ? "is found again" : "found its place") + " in " + in_map);
       }
+      break;
+    case EventKind::kCameraMisdated:
+      out->push_back(misdated(map, e));
       break;
     default:
       break;

@@ -75,6 +75,21 @@ TEST_F(HappeningsTest, LossesHaveTheirReason) {
   EXPECT_THAT(happenings_.why_lost(edit_.map().camera(camera(0))), HasSubstr("no place in any map"));
 }
 
+TEST_F(HappeningsTest, WhoseStampsAreOffIsSaidWithWhatToDo) {
+  after({});
+  const Event early{.kind = EventKind::kCameraMisdated,
+                    .why = Why::kMovesAtOtherTimes,
+                    .map = MapId(1),
+                    .camera = camera(1),
+                    .figures = {0.5, 2}};
+  const auto events = after({early});
+  ASSERT_THAT(kinds(events), ElementsAre("misdated"));
+  EXPECT_THAT(events[0].text, HasSubstr("cam1's images seem to be taken 0.5 s later than they are dated"));
+  EXPECT_THAT(events[0].text, HasSubstr("those of cam2"));
+  EXPECT_THAT(events[0].text, HasSubstr("less start_s"));
+  EXPECT_THAT(events[0].agents, ElementsAre("cam1", "cam2"));
+}
+
 TEST_F(HappeningsTest, MapsThatStartMeetAndClose) {
   after({});
   const auto events = after(
