@@ -33,6 +33,8 @@ folder=${TMPDIR:-/tmp}/coslam-field-$UID
 for scene in "${scenes[@]}"; do
   step "field: $scene"
   [[ -f $folder/$scene/sequence.yaml ]] || "$bin/coslam" render "$scene" "$folder/$scene"
-  python3 tests/field/field.py --bin "$bin" --sequence "$folder/$scene/sequence.yaml" --out "$folder/$scene-results" \
+  other=$folder/$scene-29.3
+  [[ -f $other/sequence.yaml ]] || "$bin/coslam" render "$scene" "$other" --rate-hz 29.3
+  python3 tests/field/field.py --untriggered "$other/sequence.yaml" --bin "$bin" --sequence "$folder/$scene/sequence.yaml" --out "$folder/$scene-results" \
     "${options[@]}"
 done

@@ -3,13 +3,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs agents and their server on hosts of their own and breaks links, clocks and processes between them.
 
-    field.py --bin DIR --sequence FILE [--out DIR] [--only FAULT]... [--list]
+    field.py --bin DIR --sequence FILE [--untriggered FILE] [--out DIR] [--only FAULT]... [--list]
 
 Prints a table against the same run without a fault: joint ATE in metres and as a ratio, percent of an agent's images with a
 pose in the server's map (of the worst agent), frame time, and what was lost where. Exit code 0: ran; 1: a program failed; 77: this machine cannot have such hosts.
 """
 
 import argparse
+import glob
 import json
 import os
 import pathlib
@@ -27,6 +28,10 @@ from hosts import Hosts, Link, Unavailable  # noqa: E402
 
 SKIPPED = 77
 CRASHES = "the same without a key"  # what a key is for
+UNTRIGGERED = "cameras not triggered together: the first, 29.3 Hz, 9.8 Hz"
+# The time of day as the file `clock` of the run says; what counts on from the start of the machine is never set.
+FOLLOWS_A_CLOCK = ("env", "FAKETIME_TIMESTAMP_FILE=OUT/clock", "FAKETIME_NO_CACHE=1", "FAKETIME_DONT_FAKE_MONOTONIC=1",
+                   "LD_PRELOAD=" + ":".join(glob.glob("/usr/lib/*/faketime/libfaketimeMT.so.1")))
 
 
 def udp_ports(process):
@@ -105,19 +110,27 @@ class Run:
         command += self.settings("server.")
         return self.hosts.start(0, command, stdout=self.log("server"), stderr=subprocess.STDOUT)
 
-    def thin(self, every):
-        """Only each so manieth image of these agents, at its own time."""
+    def thin(self, every, sequence=None):
+        """Only each so manieth image of these agents, at its own time; of this sequence or as rendered in another."""
+        file = sequence or self.arguments.sequence
+        rate, agents = read_sequence(file)
+        folder = pathlib.Path(file).resolve().parent
         for i, step in every.items():
-            a = self.agents[i]
-            images = sorted((self.folder / a["source"]).iterdir())[::step]
+            a = agents[i]
+            images = sorted((folder / a["source"]).iterdir())[::step]
             listed = self.out / (a["name"] + ".csv")
-            listed.write_text("".join(f"{n * step / self.rate:.9f},{image}\n" for n, image in enumerate(images)),
+            listed.write_text("".join(f"{n * step / rate:.9f},{image}\n" for n, image in enumerate(images)),
                               encoding="utf-8")
-            self.thinned[i] = (listed, self.rate / step)
+            self.thinned[i] = (listed, rate / step)
+
+    def set_clock(self, offset):
+        """Of the agents that follow it, from now on."""
+        (self.out / "clock").write_text(offset, encoding="ascii")
 
     def start_agent(self, i, wrap=()):
         a = self.agents[i]
         source, rate = self.thinned.get(i, (self.folder / a["source"], self.rate))
+        wrap = [word.replace("OUT", str(self.out.resolve())) for word in wrap]
         command = [*wrap, self.program("coslam-agent"), "--domain", "3", "--id", a["name"],
                    "--source", str(source), "--calibration", str(self.folder / a["calibration"]),
                    "--rate", str(self.pace), "--fps", str(rate), "--set", "wire.peers=10.77.0.1"]
@@ -263,6 +276,12 @@ def faults():
     out["key"] = (nothing, [], {}, ["wire.key_file=KEY"])
     out["server at a tenth of a core"] = (nothing, slowed(-1, 0.1, 1, 18, 0.1), {}, [])
     out["cameras at 30, 15 and 10 Hz"] = (lambda run: run.thin({1: 2, 2: 3}), [], {}, [])
+    # At another rate they drift past each other by a whole period and more.
+    out[UNTRIGGERED] = (lambda run: run.thin({1: 1, 2: 3}, run.arguments.untriggered), [], {}, [])
+    out["agent killed 20 times, at a third of the pace"] = (
+        slower, [(4 + 2.6 * i, restart(1)) for i in range(20)], {}, [])
+    out["clock set ahead by 5 s in the run"] = (
+        lambda run: run.set_clock("+0"), [(8, lambda run: run.set_clock("+5s"))], {1: FOLLOWS_A_CLOCK}, [])
     # The attack takes 50 s.
     out["key, at a third of the pace"] = (slower, [], {}, ["wire.key_file=KEY"])
     out["the same, 2,000 hostile datagrams a second"] = (slower, [(2, lambda r: r.attack())], {}, ["wire.key_file=KEY"])
@@ -292,6 +311,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", required=True, help="folder of the programs")
     parser.add_argument("--sequence", required=True, help="sequence.yaml of a rendered scene")
+    parser.add_argument("--untriggered", help="sequence.yaml of the same scene at 29.3 Hz, for cameras of their own time")
     parser.add_argument("--out", default="field", help="folder for results and logs")
     parser.add_argument("--only", action="append", help="a fault of --list; may be repeated")
     parser.add_argument("--list", action="store_true", help="only print the names of the faults")
@@ -301,6 +321,8 @@ def main():
         print("\n".join(known))
         return 0
     chosen = ["none"] + [f for f in (arguments.only or known) if f != "none"]
+    if not arguments.untriggered:
+        chosen = [f for f in chosen if f != UNTRIGGERED]
     base, images, failed = None, {}, 0
     print("| fault | ATE m | ratio | tracked % | maps | agent ms | kB/s up / down | late | left out | CPU s |\n|---|---|---|---|---|---|---|---|---|---|", flush=True)
     count = len(read_sequence(arguments.sequence)[1]) + 2  # the server's, and that of an attacker
