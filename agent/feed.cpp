@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/flow/bounded_queue.h"
+#include "common/flow/clock.h"
 #include "common/flow/worker.h"
 
 namespace coslam {
@@ -29,11 +30,11 @@ class DirectFeed final : public Feed {
 
 class ThreadedFeed final : public Feed {
  public:
-  // rate 0: no clock, nothing dropped.
+  // rate 0: no clock, nothing dropped. Goes by the time of day at the start only: that may be set.
   ThreadedFeed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns)
       : source_(std::move(source)),
         rate_(rate),
-        start_utc_ns_(start_utc_ns),
+        start_(Clock::now() + std::chrono::nanoseconds(start_utc_ns - utc_now_ns())),
         queue_(rate > 0 ? kRealTimeQueue : kReadAhead, rate > 0 ? QueuePolicy::kDropOldest : QueuePolicy::kBlock),
         worker_("capture", [this](const std::stop_token& stop) { read(stop); }) {}
   ~ThreadedFeed() override {
@@ -55,7 +56,7 @@ class ThreadedFeed final : public Feed {
   std::uint32_t unreadable() const override { return unreadable_; }
 
  private:
-  using Clock = std::chrono::system_clock;
+  using Clock = std::chrono::steady_clock;
 
   void read(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
@@ -74,8 +75,8 @@ class ThreadedFeed final : public Feed {
     for (;;) {
       const std::optional<TimeNs> t_ns = source_->peek_ns();
       if (!t_ns) return true;  // the end, told by next()
-      const auto due = Clock::time_point(std::chrono::duration_cast<Clock::duration>(
-          std::chrono::nanoseconds(start_utc_ns_ + static_cast<TimeNs>(static_cast<double>(*t_ns) / rate_))));
+      const Clock::time_point due =
+          start_ + std::chrono::nanoseconds(static_cast<TimeNs>(static_cast<double>(*t_ns) / rate_));
       if (Clock::now() - due > std::chrono::milliseconds(200)) {
         if (!source_->skip()) return true;
         ++skipped_;
@@ -90,7 +91,7 @@ class ThreadedFeed final : public Feed {
 
   std::unique_ptr<ImageSource> source_;
   double rate_;
-  TimeNs start_utc_ns_;
+  Clock::time_point start_;  // of played time
   std::atomic<std::uint32_t> skipped_{0}, unreadable_{0};
   std::condition_variable_any sleep_;
   BoundedQueue<Image> queue_;

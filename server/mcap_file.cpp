@@ -37,7 +37,7 @@ void McapFile::put(const MessagePtr& message) {
 }
 
 void McapFile::say_problem() {
-  if (const auto problem = file_.take_problem()) log_warn(*problem + "; mapping goes on, the file ends here");
+  if (const auto problem = file_.take_problem()) log_warn(*problem + what_becomes_of(file_.ended()));
 }
 
 }  // namespace coslam

@@ -221,6 +221,7 @@ class DdsAgentLink : public AgentLink {
       before.reset();  // says farewell: the server lets a run speak from one place only
       const std::lock_guard lock(mutex_);
       said_ready_ = false;
+      joined_anew_ = true;
       set_server_alive(false);
     }
     try {
@@ -291,7 +292,7 @@ class DdsAgentLink : public AgentLink {
     if (said_ready_) return;
     if (ends.whole() && server_status()) {
       say(ends, ready_);
-    } else if (ends.hello->readers() > 0 && now >= next_hello_) {
+    } else if (joined_anew_ && ends.hello->readers() > 0 && now >= next_hello_) {
       // The server did not listen while it took this run for another process's.
       next_hello_ = now + kHelloAgain;
       ends.hello->write(encode(hello_));
@@ -370,7 +371,7 @@ class DdsAgentLink : public AgentLink {
   std::unique_ptr<Ends> ends_;            // none while it joins anew
   LinkBytes bytes_before_;                // of those before
   AgentStatus ready_;                     // nothing to tell but that it hears and is heard
-  std::atomic<bool> said_ready_{false};
+  std::atomic<bool> said_ready_{false}, joined_anew_{false};
   const milliseconds heartbeat_;
   Instant next_heartbeat_{}, next_hello_{};  // of the loop's thread
   LogLimiter cannot_join_;

@@ -18,7 +18,8 @@ constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2
 constexpr double kSilence_s = 3;                                                     // as bad as late
 constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
 constexpr double kPatienceAtFirst_s = 0.4, kPatience_s = 2.5, kMostPatience_s = 60;  // of soon messages before a try
-constexpr double kForget = 1e-4;  // of the least time, a message: clocks drift
+constexpr double kClockSet_s = 0.4;  // messages overtake each other by less
+constexpr double kForget = 1e-4;     // of the least time, a message: clocks drift
 
 double seconds(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
 
@@ -40,7 +41,13 @@ bool SendRate::due(TimeNs capture_ns) {
 }
 
 void SendRate::heard(double uplink_wait_s, double downlink_s, bool full, Instant now) {
+  if (heard_ && least_downlink_s_) {
+    // What is sent later comes at most as much later than the one before as time passed: the rest is a clock, set.
+    const double set_s = downlink_s - downlink_s_ - seconds(*heard_, now);
+    if (set_s > kClockSet_s) *least_downlink_s_ += set_s;
+  }
   heard_ = now_ = now;
+  downlink_s_ = downlink_s;
   least_downlink_s_ = least_downlink_s_ ? std::min(*least_downlink_s_ + kForget, downlink_s) : downlink_s;
   recent_.push_back({now, std::max(uplink_wait_s, downlink_s - *least_downlink_s_)});
   while (seconds(recent_.front().at, now) > kWindow_s) recent_.pop_front();

@@ -44,6 +44,7 @@ class SendRate {
   Instant now_{};
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then
+  double downlink_s_ = 0;                     // of the newest message
   std::optional<double> least_downlink_s_;
   struct Waited {
     Instant at;

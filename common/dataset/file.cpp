@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
@@ -15,7 +16,8 @@
 namespace coslam {
 namespace {
 
-constexpr std::size_t kBuffer_bytes = 1U << 16U;
+constexpr std::size_t kBuffer_bytes = 1U << 16U, kMostKept_bytes = 1U << 24U;
+constexpr std::chrono::seconds kTryAgain{1};
 
 std::string cannot_write(const std::filesystem::path& file, int error) {
   const std::string cause = error == 0 ? "" : ": " + std::generic_category().message(error);
@@ -50,6 +52,10 @@ void close_file(std::ofstream& stream, const std::filesystem::path& file) {
   if (!stream) throw UserError(cannot_write(file, errno));
 }
 
+std::string what_becomes_of(bool ended) {
+  return std::string("; mapping goes on, ") + (ended ? "the file ends here" : "what is not written is kept");
+}
+
 OutputFile::OutputFile(std::filesystem::path file, Shows shows)
     : file_(std::move(file)),
       opened_(shows == Shows::kWhole ? std::filesystem::path(file_.string() + ".new") : file_),
@@ -64,36 +70,47 @@ OutputFile::OutputFile(std::filesystem::path file, Shows shows)
 
 OutputFile::~OutputFile() {
   if (descriptor_ < 0) return;
-  if (shows_ == Shows::kAtOnce) flush();
+  if (shows_ == Shows::kAtOnce) write_out();
   ::close(descriptor_);
   if (shows_ == Shows::kWhole) ::unlink(opened_.c_str());
 }
 
 void OutputFile::write(std::string_view text) {
-  if (!problem_.empty()) return;
+  if (ended_) return;
   buffer_ += text;
   if (buffer_.size() >= kBuffer_bytes) flush();
 }
 
 void OutputFile::flush() {
-  if (!problem_.empty() || buffer_.empty()) return;
+  if (problem_.empty() || std::chrono::steady_clock::now() - tried_ >= kTryAgain) write_out();
+}
+
+void OutputFile::write_out() {
+  if (ended_ || buffer_.empty()) return;
   if (const int error = write_all(descriptor_, buffer_); error != 0) {
     fail(error);
     // A part of a line would make the rest unreadable. When this fails too there is nothing that helps.
     [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(written_));
+    if (buffer_.size() < kMostKept_bytes) return;
+    ended_ = true;
+    told_ = false;
   } else {
     written_ += buffer_.size();
+    problem_.clear();
+    told_ = false;
   }
   buffer_.clear();
 }
 
 void OutputFile::fail(int error) {
   if (problem_.empty()) problem_ = cannot_write(file_, error);
+  tried_ = std::chrono::steady_clock::now();
 }
 
 void OutputFile::cut(std::uintmax_t bytes) {
-  flush();
-  if (!problem_.empty() || bytes >= written_) return;
+  if (ended_) return;
+  if (bytes >= written_) return buffer_.resize(std::min(buffer_.size(), static_cast<std::size_t>(bytes - written_)));
+  buffer_.clear();
   if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0) {
     fail(errno);
   } else {
@@ -107,13 +124,13 @@ std::optional<std::string> OutputFile::take_problem() {
 }
 
 void OutputFile::check() {
-  flush();
+  write_out();
   if (!problem_.empty()) throw UserError(problem_);
 }
 
 void OutputFile::close() {
   if (descriptor_ < 0) return;
-  flush();
+  write_out();
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
   if (shows_ == Shows::kWhole) {
     if (problem_.empty() && std::rename(opened_.c_str(), file_.c_str()) != 0) fail(errno);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -16,8 +17,12 @@ std::ofstream create_file(const std::filesystem::path& file, std::ios::openmode 
 // Throws UserError when something written to the file did not get there.
 void close_file(std::ofstream& stream, const std::filesystem::path& file);
 
-// A file of a result while it is written, buffered. Each write() gets there whole or not at all: where a full disk ends
-// the file it ends with one, and nothing is written after that.
+// How a warning of an OutputFile goes on.
+std::string what_becomes_of(bool ended);
+
+// A file of a result while it is written, buffered. Each write() gets there whole or not at all. What a full disk does
+// not take is kept, up to 16 MiB, and tried again each second; a disk that stays full ends the file with a whole
+// write().
 class OutputFile {
  public:
   enum class Shows : std::uint8_t {
@@ -38,15 +43,18 @@ class OutputFile {
   void cut(std::uintmax_t bytes);
   std::uintmax_t bytes() const { return written_ + buffer_.size(); }
 
-  // Once, when something could not be written: a sentence with file and cause.
+  // Once, when something cannot be written, and once more when it is given up: a sentence with file and cause.
   std::optional<std::string> take_problem();
-  // Flushes. Throws UserError when something could not be written so far.
+  // Given up: nothing more is written.
+  bool ended() const { return ended_; }
+  // Flushes. Throws UserError when something is not written by then.
   void check();
   // Throws UserError when something could not be written; then kWhole has left what was there before as it was.
   void close();
 
  private:
   void fail(int error);
+  void write_out();
 
   const std::filesystem::path file_, opened_;
   const Shows shows_;
@@ -54,7 +62,8 @@ class OutputFile {
   std::uintmax_t written_ = 0;
   std::string buffer_;
   std::string problem_;  // empty: none
-  bool told_ = false;
+  bool told_ = false, ended_ = false;
+  std::chrono::steady_clock::time_point tried_{};  // last, while there is a problem
 };
 
 }  // namespace coslam

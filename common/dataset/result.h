@@ -71,6 +71,7 @@ struct ResultGroupRow {  // from t_ns on these agents form the group
 class CsvWriter {
  public:
   std::optional<std::string> take_problem() { return file_.take_problem(); }
+  bool ended() const { return file_.ended(); }
   void check() { file_.check(); }  // throws UserError when something could not be written so far
   void close() { file_.close(); }  // the same
 

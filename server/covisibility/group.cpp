@@ -3,6 +3,7 @@
 #include "server/covisibility/group.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/covisibility/disjoint_sets.h"
 
@@ -19,27 +20,43 @@ std::vector<CameraId> ViewGraph::group_with(CameraId camera) const {
   return group < 0 ? std::vector{camera} : groups[static_cast<std::size_t>(group)];
 }
 
-ViewGraph view_graph(const Map& map, const FrameSet& set) {
+namespace {
+
+// Pairs of these cameras that follow common points.
+std::vector<ViewEdge> edges_between(const Map& map, const std::vector<bool>& cameras) {
   const std::size_t n = map.cameras().size();
-  std::vector<bool> here(n, false);
-  for (const CameraFrame& cf : set.frames) here[cf.camera.value] = true;
   std::vector<int> shared(n * n, 0);
-  for (const CameraFrame& cf : set.frames) {
-    for (const auto& [id, track] : map.camera(cf.camera).tracks) {
+  for (const MapCamera& c : map.cameras()) {
+    if (!cameras[c.id.value]) continue;
+    for (const auto& [id, track] : c.tracks) {
       const MapPoint* p = map.find(track.point);
       if (p == nullptr) continue;
       for (const BoundTrack& b : p->bound) {
-        if (b.camera > cf.camera && here[b.camera.value]) ++shared[cf.camera.value * n + b.camera.value];
+        if (b.camera > c.id && cameras[b.camera.value]) ++shared[c.id.value * n + b.camera.value];
       }
     }
   }
-  ViewGraph graph;
+  std::vector<ViewEdge> edges;
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = a + 1; b < n; ++b) {
-      if (shared[a * n + b] == 0) continue;
-      graph.edges.push_back({map.cameras()[a].id, map.cameras()[b].id, shared[a * n + b]});
+      if (shared[a * n + b] > 0) edges.push_back({map.cameras()[a].id, map.cameras()[b].id, shared[a * n + b]});
     }
   }
+  return edges;
+}
+
+std::vector<bool> in_set(const Map& map, const FrameSet& set) {
+  std::vector<bool> here(map.cameras().size(), false);
+  for (const CameraFrame& cf : set.frames) here[cf.camera.value] = true;
+  return here;
+}
+
+}  // namespace
+
+ViewGraph view_graph(const Map& map, const FrameSet& set) {
+  const std::size_t n = map.cameras().size();
+  ViewGraph graph;
+  graph.edges = edges_between(map, in_set(map, set));
   std::vector<ViewEdge> by_weight = graph.edges;
   std::stable_sort(by_weight.begin(), by_weight.end(),
                    [](const auto& x, const auto& y) { return x.shared > y.shared; });
@@ -65,12 +82,23 @@ bool Grouping::see_the_same(bool joined, int shared, CameraId first, CameraId se
   return joined || shared * share >= config.keep_shared * config.min_overlap;
 }
 
-void Grouping::judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns) {
+void Grouping::judge(const Map& map, const FrameSet& set, const std::vector<ViewEdge>& edges) {
+  const TimeNs now_ns = set.t_ns;
+  const std::vector<bool> here = in_set(map, set);
+  std::vector<bool> lately = here;
+  const auto unseen_s = [&](const MapCamera& c) {
+    return c.frames.empty() ? std::numeric_limits<double>::infinity() : to_seconds(now_ns - c.frames.back().capture_ns);
+  };
+  for (const MapCamera& c : map.cameras()) lately[c.id.value] = lately[c.id.value] || unseen_s(c) <= kOneTime_s;
   std::map<std::pair<CameraId, CameraId>, int> shared;
-  for (const ViewEdge& e : edges) shared[{e.first, e.second}] = e.shared;
+  for (const ViewEdge& e : lately == here ? edges : edges_between(map, lately)) shared[{e.first, e.second}] = e.shared;
   for (const auto& [pair, n] : shared) pairs_.try_emplace(pair);
   ViewOverlap overlap(map);
   for (auto& [pair, state] : pairs_) {
+    // What is not seen now says nothing for a while.
+    const auto& [first, second] = pair;
+    if (std::max(unseen_s(map.camera(first)), unseen_s(map.camera(second))) > config.hold_s) state = {};
+    if (!lately[first.value] || !lately[second.value]) continue;
     const auto at = shared.find(pair);
     const int n = at == shared.end() ? 0 : at->second;
     const bool same_map = map.camera(pair.first).map == map.camera(pair.second).map;
@@ -105,7 +133,7 @@ std::vector<std::vector<CameraId>> Grouping::components(const Map& map, TimeNs n
 
 ViewGraph Grouping::run(const Map& map, const FrameSet& set) {
   ViewGraph graph = view_graph(map, set);
-  judge(map, graph.edges, set.t_ns);
+  judge(map, set, graph.edges);
   auto now = components(map, set.t_ns);
   if (now != next_) {
     next_ = std::move(now);

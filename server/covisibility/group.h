@@ -50,7 +50,8 @@ void describe(V& v, GroupConfig& c) {
 
 // Groups with hysteresis: a count of points flickers, a group of cameras must not. Where the map says that two views
 // overlap, few points found in both confirm it, and a lack of them does not deny it: how many are found depends on how
-// far apart the two cameras stand, a group on what they see.
+// far apart the two cameras stand, a group on what they see. Counted are the newest frames of both, be they of one set
+// or not: cameras of other rates are seldom in one, and frames get lost.
 class Grouping {
  public:
   static constexpr std::string_view kName = "group";
@@ -67,7 +68,7 @@ class Grouping {
     TimeNs since_ns = 0;  // the first instant of those that say otherwise
     bool doubted = false;
   };
-  void judge(const Map& map, const std::vector<ViewEdge>& edges, TimeNs now_ns);
+  void judge(const Map& map, const FrameSet& set, const std::vector<ViewEdge>& edges);
   bool see_the_same(bool joined, int shared, CameraId first, CameraId second, ViewOverlap& overlap) const;
   std::vector<std::vector<CameraId>> components(const Map& map, TimeNs now_ns) const;
 

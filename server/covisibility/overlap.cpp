@@ -70,7 +70,8 @@ OverlapShares ViewOverlap::between(CameraId first, CameraId second) {
   const MapCamera &a = map_.camera(first), &b = map_.camera(second);
   if (a.frames.empty() || b.frames.empty()) return {};
   const FramePose &fa = a.frames.back(), &fb = b.frames.back();
-  if (!fa.valid() || fa.map != fb.map || fa.set != fb.set) return {};
+  const bool one_time = std::abs(fa.capture_ns - fb.capture_ns) <= to_ns(kOneTime_s);
+  if (!fa.valid() || fa.map != fb.map || !one_time) return {};
   const Sight &of_first = sight_of(a), &of_second = sight_of(b);
   return {share_seen(a, of_first, b, of_second), share_seen(b, of_second, a, of_first)};
 }

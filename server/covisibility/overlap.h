@@ -13,6 +13,9 @@
 
 namespace coslam {
 
+// Frames that are no farther apart tell of one time: cameras come at different rates and moments, and frames get lost.
+inline constexpr double kOneTime_s = 0.15;
+
 // Shares of two views that are common to both, 0 to 1.
 struct OverlapShares {
   double of_first = 0, of_second = 0;
@@ -27,7 +30,7 @@ struct OverlapShares {
 class ViewOverlap {
  public:
   explicit ViewOverlap(const Map& map) : map_(map) {}
-  // 0 for cameras without a pose in the same map at the same set.
+  // By the newest frame of each; 0 when these are not of about one time, or have no pose in one map.
   OverlapShares between(CameraId first, CameraId second);
 
  private:

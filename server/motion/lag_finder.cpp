@@ -26,7 +26,11 @@ LagReport LagFinder::run(MapEdit& edit) {
   const Map& map = edit.map();
   if (!config.enabled) return {};
   for (const MapCamera& c : map.cameras()) {
-    if (c.alive) look(map, c);
+    if (c.alive) {
+      look(map, c);
+    } else {
+      sights_.erase(c.id);
+    }
   }
   if (!search_ && !begin_search(map)) return {};
   const double lag_s = -config.most_s + kStep_s * static_cast<double>(search_->misses.size());

@@ -56,7 +56,9 @@ void EventStore::finish(const Journal& journal, const Map& map) {
 
 std::optional<std::string> EventStore::take_warning() {
   if (warning_) return std::exchange(warning_, std::nullopt);
-  return writer_ ? writer_->take_problem() : std::nullopt;
+  auto problem = writer_ ? writer_->take_problem() : std::nullopt;
+  if (problem) *problem += what_becomes_of(writer_->ended());
+  return problem;
 }
 
 void EventStore::write(const Event& e, const Map& map) {

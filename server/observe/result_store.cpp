@@ -174,7 +174,7 @@ void ResultStore::say_problems() {
   if (const auto warning = past_.take_problem()) log_warn(*warning);
   if (const auto warning = events_.take_warning()) log_warn(*warning);
   const auto say = [](CsvWriter& file) {
-    if (const auto problem = file.take_problem()) log_warn(*problem + "; mapping goes on, the file ends here");
+    if (const auto problem = file.take_problem()) log_warn(*problem + what_becomes_of(file.ended()));
   };
   say(groups_);
   for (const auto& [name, tracks] : tracks_) {

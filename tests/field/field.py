@@ -16,6 +16,7 @@ import os
 import pathlib
 import pickle
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -28,9 +29,12 @@ from hosts import Hosts, Link, Unavailable  # noqa: E402
 
 SKIPPED = 77
 CRASHES = "the same without a key"  # what a key is for
+DISK_FULL = "the server's disk full for 6 s"
 UNTRIGGERED = "cameras not triggered together: the first, 29.3 Hz, 9.8 Hz"
-# The time of day as the file `clock` of the run says; what counts on from the start of the machine is never set.
-FOLLOWS_A_CLOCK = ("env", "FAKETIME_TIMESTAMP_FILE=OUT/clock", "FAKETIME_NO_CACHE=1", "FAKETIME_DONT_FAKE_MONOTONIC=1",
+# What counts on from the start of the machine is never set.
+TIME_OF_DAY = ("env", "FAKETIME_DONT_FAKE_MONOTONIC=1", "DONT_FAKE_MONOTONIC=1")
+# As the file `clock` of the run says.
+FOLLOWS_A_CLOCK = (*TIME_OF_DAY, "FAKETIME_TIMESTAMP_FILE=OUT/clock", "FAKETIME_NO_CACHE=1",
                    "LD_PRELOAD=" + ":".join(glob.glob("/usr/lib/*/faketime/libfaketimeMT.so.1")))
 
 
@@ -54,8 +58,9 @@ class Run:
         self.rate, self.agents = read_sequence(arguments.sequence)
         self.folder = pathlib.Path(arguments.sequence).resolve().parent
         self.out.mkdir(parents=True, exist_ok=True)
+        self.result, self.map_file = self.out / "result", self.out / "kept.map"
         self.cpu_s, self.clients, self.attacker = {}, [], None
-        self.keeps_map, self.pace, self.thinned = False, 1.0, {}
+        self.keeps_map, self.disk_mib, self.pace, self.thinned = False, 0, 1.0, {}
         self.make_key()
 
     def program(self, name):
@@ -93,6 +98,32 @@ class Run:
         sent, seconds = (self.out / "sent").read_text(encoding="ascii").split()
         return f" ({int(sent):,} sent in {seconds} s)"
 
+    def mount_disk(self):
+        """A disk of its own for the result and the map, so small that it can be filled."""
+        disk = self.out / "disk"
+        disk.mkdir(exist_ok=True)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.disk_mib}m", "tmpfs", disk], check=True)
+        self.result, self.map_file = disk / "result", disk / "kept.map"
+
+    def fill_disk(self):
+        filled = os.open(self.out / "disk" / "filled", os.O_WRONLY | os.O_CREAT)
+        try:
+            while True:
+                os.write(filled, bytes(4096))
+        except OSError:
+            os.close(filled)  # full
+
+    def empty_disk(self):
+        (self.out / "disk" / "filled").unlink()
+
+    def unmount_disk(self):
+        """What was on it stays with the run."""
+        disk = self.out / "disk"
+        if os.path.ismount(disk):
+            shutil.copytree(disk, self.out / "of_disk", dirs_exist_ok=True, symlinks=True)
+            subprocess.run(["umount", disk], check=False)
+            self.result = self.out / "of_disk" / "result"
+
     def sample_cpu(self):
         for p in [self.server, *self.clients]:
             try:
@@ -103,10 +134,10 @@ class Run:
 
     def start_server(self):
         names = ",".join(a["name"] for a in self.agents)
-        command = [self.program("coslam-server"), "--domain", "3", "--out", str(self.out / "result"),
+        command = [self.program("coslam-server"), "--domain", "3", "--out", str(self.result),
                    "--report-progress", "--set", "agents=" + names]
         if self.keeps_map:
-            command += ["--map", str(self.out / "kept.map")]
+            command += ["--map", str(self.map_file)]
         command += self.settings("server.")
         return self.hosts.start(0, command, stdout=self.log("server"), stderr=subprocess.STDOUT)
 
@@ -156,6 +187,8 @@ class Run:
 
     def play(self, at_start, timeline, wraps):
         """at_start(run) before agents start; timeline: (seconds after the start, action(run)) in order."""
+        if self.disk_mib:
+            self.mount_disk()
         self.server = self.start_server()
         self.wait_for("server", "ready", 20)
         at_start(self)
@@ -164,6 +197,8 @@ class Run:
         begin = time.monotonic()
         for at_s, action in timeline:
             time.sleep(max(0.0, begin + at_s - time.monotonic()))
+            if all(c.poll() is not None for c in self.clients):
+                break  # a short scene
             action(self)
         end = begin + 300
         while any(c.poll() is None for c in self.clients):
@@ -190,11 +225,12 @@ class Run:
             if p.poll() is None:
                 os.killpg(p.pid, signal.SIGKILL)
                 p.wait()
+        self.unmount_disk()
 
     def measure(self):
         """Joint ATE in metres, None without truth, and the report."""
-        report = json.loads((self.out / "result" / "latest" / "report.json").read_text(encoding="utf-8"))
-        done = subprocess.run([self.program("coslam"), "eval", str(self.out / "result"), self.arguments.sequence, "--json"],
+        report = json.loads((self.result / "latest" / "report.json").read_text(encoding="utf-8"))
+        done = subprocess.run([self.program("coslam"), "eval", str(self.result), self.arguments.sequence, "--json"],
                               capture_output=True, text=True, check=False)
         return (json.loads(done.stdout).get("ate_m") if done.returncode == 0 else None), report
 
@@ -280,14 +316,17 @@ def faults():
     out[UNTRIGGERED] = (lambda run: run.thin({1: 1, 2: 3}, run.arguments.untriggered), [], {}, [])
     out["agent killed 20 times, at a third of the pace"] = (
         slower, [(4 + 2.6 * i, restart(1)) for i in range(20)], {}, [])
+    out["server killed every 6 s"] = (nothing, [(5 + 6 * i, restart_server) for i in range(10)], {}, [])
+    out[DISK_FULL] = (nothing, [(6, lambda run: run.fill_disk()), (12, lambda run: run.empty_disk())], {}, [])
     out["clock set ahead by 5 s in the run"] = (
         lambda run: run.set_clock("+0"), [(8, lambda run: run.set_clock("+5s"))], {1: FOLLOWS_A_CLOCK}, [])
     # The attack takes 50 s.
     out["key, at a third of the pace"] = (slower, [], {}, ["wire.key_file=KEY"])
     out["the same, 2,000 hostile datagrams a second"] = (slower, [(2, lambda r: r.attack())], {}, ["wire.key_file=KEY"])
     out[CRASHES] = (slower, [(2, lambda r: r.attack())], {}, [])
-    for off in ("+0.3s", "+5s", "-5s", "+1h", "+0 x1.0005"):
-        out[f"clock {off}"] = (nothing, [], {1: ("faketime", "-f", off)}, [])
+    for off in ("+0.3s", "+5s", "-5s", "+1h"):
+        out[f"clock {off}"] = (nothing, [], {1: (*TIME_OF_DAY, "faketime", "-f", off)}, [])
+    out["clock +0 x1.0005"] = (nothing, [], {1: ("faketime", "-f", "+0 x1.0005")}, [])
     return out
 
 
@@ -332,7 +371,8 @@ def main():
         try:
             with Hosts(count) as hosts:
                 run = Run(hosts, arguments, out, sets)
-                run.keeps_map = name.startswith("server killed")
+                run.keeps_map = name.startswith("server killed") or name == DISK_FULL
+                run.disk_mib = 40 if name == DISK_FULL else 0
                 (out / "kept.map").unlink(missing_ok=True)
                 try:
                     run.play(at_start, timeline, wraps)
@@ -349,7 +389,7 @@ def main():
             continue
         if name == "none":
             base, images = ate, {agent: a["frames"] for agent, a in report["agents"].items()}
-        tracked = tracked_percent(out / "result" / "latest", images)
+        tracked = tracked_percent(run.result / "latest", images)
         name += run.attack_in_words()
         if run.attacker is not None:
             name += " refused: " + ", ".join(f"{n:,} {reason}" for reason, n in report["rejected"].items())

@@ -64,6 +64,25 @@ TEST(SendRate, EverythingGoesOnAGoodLink) {
   EXPECT_FALSE(rate.narrow());
 }
 
+TEST(SendRate, AClockThatIsSetIsNoFullLink) {
+  for (const double set_s : {0.7, 5.0, 3600.0, -5.0}) {
+    SendRate rate(30);
+    double now_s = 0;
+    const auto hear = [&](double until_s, double downlink_s) {
+      for (; now_s < until_s; now_s += kPeriod_s) rate.heard(0, downlink_s, false, at(now_s));
+    };
+    hear(5, 0.01);
+    ASSERT_FALSE(rate.narrow());
+    hear(20, 0.01 + set_s);
+    EXPECT_FALSE(rate.narrow()) << set_s;
+    // A queue of words that grows is one all the same.
+    for (double wait_s = 0; wait_s < 2; wait_s += 0.02, now_s += kPeriod_s) {
+      rate.heard(0, 0.01 + set_s + wait_s, false, at(now_s));
+    }
+    EXPECT_TRUE(rate.narrow()) << set_s;
+  }
+}
+
 TEST(SendRate, GivesWayOnANarrowLinkAndKeepsTenASecond) {
   SendRate rate(30);
   Link link(13);
@@ -92,7 +111,7 @@ TEST(SendRate, ALinkThatWasCutIsAsItWasBefore) {
 
 TEST(SendRate, TheWayDownCountsToo) {
   SendRate rate(30);
-  for (int i = 0; i < 600; ++i) rate.heard(0, -77 + (i < 60 ? 0.01 : 0.9), false, at(i * kPeriod_s));
+  for (int i = 0; i < 600; ++i) rate.heard(0, -77 + std::clamp(0.02 * (i - 60), 0.01, 0.9), false, at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 3);
 }
 

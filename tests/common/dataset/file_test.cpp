@@ -3,6 +3,7 @@
 #include "common/dataset/file.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <csignal>
 #include <iterator>
@@ -91,6 +92,49 @@ TEST_F(OutputFileTest, AFullDiskIsSaidOnceWithFileAndCause) {
   EXPECT_FALSE(out.take_problem());
   EXPECT_THAT(test::error_of<UserError>([&] { out.check(); }), HasSubstr("No space left on device"));
   EXPECT_THAT(test::error_of<UserError>([&] { out.close(); }), HasSubstr("No space left on device"));
+}
+
+// A limit on the size of files stands for a disk that is full for a while.
+TEST_F(OutputFileTest, WhatAFullDiskDidNotTakeIsWrittenWhenItHasRoom) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto limit = [&](rlim_t bytes) {
+    const rlimit now{bytes, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &now), 0);
+  };
+  OutputFile out(file_, kAtOnce);
+  out.write("one\n");
+  out.flush();
+  limit(6);
+  out.write("two\n");
+  out.flush();
+  EXPECT_THAT(out.take_problem().value_or(""), HasSubstr("cannot be written"));
+  EXPECT_FALSE(out.ended());
+  out.write("three\n");
+  EXPECT_EQ(text_of(file_), "one\n") << "whole lines only";
+  out.cut(8);
+  out.write("four\n");
+  limit(before.rlim_cur);
+  out.check();
+  EXPECT_FALSE(out.take_problem());
+  EXPECT_EQ(text_of(file_), "one\ntwo\nfour\n");
+}
+
+TEST_F(OutputFileTest, ADiskThatStaysFullEndsIt) {
+  std::filesystem::create_directories(file_.parent_path());
+  std::filesystem::create_symlink("/dev/full", file_);
+  OutputFile out(file_, kAtOnce);
+  const std::string line(1U << 20U, 'x');
+  out.write(line);
+  EXPECT_TRUE(out.take_problem());
+  for (int i = 0; i < 20; ++i) {
+    out.write(line);
+    EXPECT_ANY_THROW(out.check());
+  }
+  EXPECT_TRUE(out.ended());
+  EXPECT_TRUE(out.take_problem()) << "said once more";
+  EXPECT_FALSE(out.take_problem());
 }
 
 TEST_F(OutputFileTest, AFullDiskLeavesTheWholeOneBefore) {

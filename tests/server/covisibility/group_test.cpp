@@ -157,6 +157,33 @@ TEST_F(GroupingTest, DoesNotFlicker) {
   EXPECT_LE(changes, 6) << "5.7 s in all, none shorter than one";
 }
 
+// Three frames of the first camera to one of the second, never in one set.
+TEST_F(GroupingTest, CamerasOfOtherRatesAndMomentsAreTogetherAllTheSame) {
+  for (int p = 0, made = 0; made < 40; ++p) {
+    if (sim_.track_of(cam(0), p) == nullptr || sim_.track_of(cam(1), p) == nullptr) continue;
+    const MapPoint& point = sim_.create(world_.position(p), 1);
+    for (const int c : {0, 1}) sim_.bind(point, cam(c), *sim_.track_of(cam(c), p));
+    ++made;
+  }
+  const auto together_after = [&](int sets) {
+    bool together = false;
+    for (int i = 0; i < sets; ++i) {
+      FrameSet& set = sim_.look();
+      const CameraId left_out = cam(i % 3 == 0 ? 0 : 1);
+      std::erase_if(set.frames, [&](const CameraFrame& f) { return f.camera == left_out; });
+      sim_.take();
+      sim_.place_truly();
+      const ViewGraph graph = grouping_.run(sim_.map, sim_.set);
+      EXPECT_TRUE(std::ranges::none_of(graph.edges,
+                                       [&](const ViewEdge& e) { return e.first == cam(0) && e.second == cam(1); }));
+      together = graph.group_of(cam(0)) == graph.group_of(cam(1));
+    }
+    return together;
+  };
+  EXPECT_TRUE(together_after(40));
+  EXPECT_TRUE(together_after(60)) << "and stay so";
+}
+
 // Cameras 0 and 1 look at the same, but their points are not the same ones, or few are.
 class OverlappingGroupTest : public GroupTest {
  protected:
