@@ -93,13 +93,13 @@ class DdsAgentLink : public AgentLink {
     last_.sent = Clock::now();
     const std::optional<FrameId> known = acknowledged();
     const std::shared_lock lock(ends_mutex_);
-    if (!ends_) return;  // joining anew: lost, as on a link that is cut
-    write_waiting();
+    if (ends_) write_waiting();
     // What waits rides with a later frame, so that this one does not wait for it.
-    const bool patches_gone = patches && patches_waiting_.empty();
+    const bool patches_gone = ends_ && patches && patches_waiting_.empty();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
-    frame.descriptors_sent = descriptors && descriptors_waiting_.empty();
-    ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
+    frame.descriptors_sent = ends_ && descriptors && descriptors_waiting_.empty();
+    // Joining anew: lost, as on a link that is cut.
+    if (ends_) ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
     last_.frame = std::move(frame);
   }
 

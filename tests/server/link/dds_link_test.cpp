@@ -247,12 +247,14 @@ TEST_F(DdsLinkTest, AnAgentWhoseAddressChangesJoinsAnewAsTheSameRun) {
   const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)), [&] {
     return std::vector<std::string>{"127.0.0.1", "10.0.0." + std::to_string(lease)};
   });
-  const std::vector<Spoken> said = speech("cam0", RunId(1), 40);
-  const std::vector<Spoken> before(said.begin(), said.begin() + 20), after(said.begin() + 20, said.end());
+  const std::vector<Spoken> said = speech("cam0", RunId(1), 60);
+  const std::vector<Spoken> before(said.begin(), said.begin() + 20), meanwhile(said.begin() + 20, said.begin() + 40),
+      after(said.begin() + 40, said.end());
   std::atomic<bool> back{false}, done{false};
   std::jthread player([&] {
     EXPECT_EQ(play(*agent, before), 20u);
     lease = 2;
+    EXPECT_EQ(play(*agent, meanwhile), 20u);
     back.wait(false);
     EXPECT_EQ(play(*agent, after), 20u);
     done = true;
