@@ -96,7 +96,7 @@ bool LagFinder::begin_search(const Map& map) {
     for (const auto& [b, seen_by_b] : sights_) {
       if (!(a < b) || seen_by_a.size() < kLeastSights || seen_by_b.size() < kLeastSights) continue;
       const MapCamera &first = map.camera(a), &second = map.camera(b);
-      if (!first.alive || !second.alive || first.map != second.map || first.map == MapId()) continue;
+      if (first.map != second.map || first.map == MapId()) continue;
       const TimeNs waited = waited_ns(map, {a, b});
       if (waited <= most_ns) continue;
       most_ns = waited;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/robust.h"
+
 namespace coslam {
 namespace {
 
@@ -61,15 +63,7 @@ std::optional<double> speed_rad_s(const MovingSight& from, const MovingSight& to
     if (a && b) turns.push_back(std::remainder(*b - *a, 2 * M_PI));
   }
   if (turns.size() < kLeastTracks) return std::nullopt;
-  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
-  std::nth_element(turns.begin(), middle, turns.end());
-  return *middle / to_seconds(to.stamp_ns - from.stamp_ns);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upper_median(turns) / to_seconds(to.stamp_ns - from.stamp_ns);
 }
 
 }  // namespace
@@ -92,7 +86,7 @@ LagMiss lag_miss(std::span<const MovingSight> first, std::span<const MovingSight
     if (in_a && in_b) misses.push_back(std::abs(*in_a - *in_b));
   }
   const int instants = static_cast<int>(misses.size());
-  return {lag_s, misses.empty() ? 0 : median(std::move(misses)), instants};
+  return {lag_s, upper_median(misses), instants};
 }
 
 std::optional<double> best_lag_s(std::span<const LagMiss> misses) {
@@ -107,7 +101,7 @@ std::optional<double> best_lag_s(std::span<const LagMiss> misses) {
     if (std::abs(m.lag_s - best.lag_s) > kElsewhere_s) elsewhere.push_back(m.miss_rad_s);
   }
   if (best.instants < kLeastInstants || 2 * elsewhere.size() < misses.size()) return std::nullopt;
-  const bool clear = best.miss_rad_s < kOfMedian * median(std::move(all)) &&
+  const bool clear = best.miss_rad_s < kOfMedian * upper_median(all) &&
                      kRival * best.miss_rad_s < *std::ranges::min_element(elsewhere);
   return clear ? std::optional(best.lag_s) : std::nullopt;
 }
