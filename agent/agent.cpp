@@ -99,7 +99,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
 void Agent::take(const MapPatch& patch) {
   const PatchEffect effect = map_.apply(patch);
   if (effect.new_server) {
-    pose_.reset();
+    if (!effect.goes_on) pose_.reset();
     descriptors_wanted_ = DescriptorRequest::kEverywhere;
     patch_requests_.clear();
   }
@@ -167,6 +167,7 @@ TrackFrame Agent::make_frame() const {
   const PoseResult& r = pose_.result();
   f.cam_from_world = r.cam_from_world;
   f.pose_covariance = quantised_pose_covariance(r.covariance);
+  f.on_own_points = pose_.on_own_points();
   f.pose_inliers = static_cast<std::uint16_t>(r.inliers);
   f.hull_fraction = static_cast<float>(pose_.inlier_hull_fraction());
   f.applied_patch = map_.applied_sequence();

@@ -16,6 +16,7 @@ std::vector<Row> MapServer::changed_rows() {
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kObjects),
                   octets_of(pipeline_.stage<ObjectFinder>().next_object())});
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kAdjusted), octets_of(adjusted_)});
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kRun), octets_of(run_.id)});
   return rows;
 }
 
@@ -28,6 +29,9 @@ void MapServer::restore(const Tables& tables, double gap_s) {
   read_state(tables, StateRow::kObjects, next_object);
   pipeline_.stage<ObjectFinder>().number_from(next_object);
   read_state(tables, StateRow::kAdjusted, adjusted_);
+  RunId before;  // none in a file of before it was kept
+  read_state(tables, StateRow::kRun, before);
+  if (before != RunId()) run_.continues = {before, map().epoch()};
   moves_seen_ = map().moves().size();
   first_new_map_ = map().next_map();
   restored_until_ = map().now();

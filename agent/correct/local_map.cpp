@@ -11,9 +11,18 @@ PatchEffect LocalMap::apply(const MapPatch& patch) {
   if (patch.agent_run != agent_run_) return effect;
   if (patch.server_run != server_run_) {
     // A server that restarted numbers its patches from 1; joining in the middle of its life takes a snapshot.
-    clear();
-    server_run_ = patch.server_run;
     effect.new_server = true;
+    const bool same_map = patch.sequence == 1 && patch.continues && patch.continues->server_run == server_run_;
+    if (const auto moved = same_map ? moved_since(patch.continues->epoch) : std::nullopt) {
+      effect.goes_on = true;
+      effect.rebase = moved->inverse();
+      move_all(*effect.rebase);
+      for (auto& [track, entry] : entries_) entry.former = true;
+      restart_at(patch.continues->epoch);
+    } else {
+      clear();
+    }
+    server_run_ = patch.server_run;
   }
   if (patch.sequence <= applied_) return effect;
   const bool gap = patch.sequence != applied_ + 1;
@@ -25,15 +34,16 @@ PatchEffect LocalMap::apply(const MapPatch& patch) {
   wants_snapshot_ = false;
   effect.accepted = true;
 
-  if (patch.epoch != epoch_) {
-    // Across a gap the similarity of this patch alone does not lead here; the placed pose of a snapshot does.
-    if (!gap) {
-      move_all(patch.new_from_old);
-      effect.rebase = patch.new_from_old;
-    }
-    epoch_ = patch.epoch;
+  // Across a gap the similarity of this patch alone does not lead here; the placed pose of a snapshot does.
+  if (patch.epoch != epoch_ && !gap) {
+    move_all(patch.new_from_old);
+    effect.rebase = effect.rebase ? patch.new_from_old * *effect.rebase : patch.new_from_old;
   }
-  if (patch.snapshot) entries_.clear();
+  if (patch.snapshot && !effect.goes_on) {
+    entries_.clear();
+    moves_.clear();  // it may speak of another map
+  }
+  note_epoch(patch);
   for (const TrackId track : patch.unbound) entries_.erase(track);
   for (const BoundPoint& b : patch.updated) {
     entries_[b.track] = {b.point, b.state, b.position.cast<double>(), unpack_covariance(b.covariance)};
@@ -54,9 +64,31 @@ void LocalMap::keep_only(const std::vector<TrackObservation>& tracks) {
 
 void LocalMap::clear() {
   entries_.clear();
+  restart_at(MapEpoch{});
+}
+
+void LocalMap::restart_at(MapEpoch epoch) {
   applied_ = 0;
-  epoch_ = MapEpoch{};
+  epoch_ = epoch;
   wants_snapshot_ = false;
+  moves_.clear();
+}
+
+void LocalMap::note_epoch(const MapPatch& patch) {
+  constexpr std::size_t kMost = 256;  // a minute of adjustments
+  if (moves_.empty() || patch.epoch != epoch_) moves_.push_back({patch.epoch, patch.new_from_old});
+  if (moves_.size() > kMost) moves_.pop_front();
+  epoch_ = patch.epoch;
+}
+
+// From then to now.
+std::optional<Similarity3> LocalMap::moved_since(MapEpoch epoch) const {
+  Similarity3 now_from_then;
+  for (auto m = moves_.rbegin(); m != moves_.rend(); ++m) {
+    if (m->to == epoch) return now_from_then;
+    now_from_then = now_from_then * m->new_from_old;
+  }
+  return std::nullopt;
 }
 
 const LocalMap::Entry* LocalMap::find(TrackId track) const {

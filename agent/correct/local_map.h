@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <deque>
 #include <map>
 #include <optional>
 #include <vector>
@@ -17,7 +18,8 @@ namespace coslam {
 // What the agent must do to its own pose after a patch.
 struct PatchEffect {
   bool accepted = false;
-  bool new_server = false;            // another server run: every earlier pose is meaningless
+  bool new_server = false;            // another server run
+  bool goes_on = false;               // with the map of the one before; otherwise every earlier pose is meaningless
   std::optional<Similarity3> rebase;  // the map moved: re-express poses
   std::optional<PlacedPose> placed;   // the server says where this agent was at a frame
   std::vector<TrackId> patch_requests;
@@ -40,6 +42,8 @@ class LocalMap {
     PointState state = PointState::kStatic;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    bool former =
+        false;  // of the server before, whose map goes on: this one has not told of it yet, and may not have it
     // A far_point(): the track has no point.
     bool is_direction() const { return point == PointId() && state == PointState::kUncertain; }
   };
@@ -52,7 +56,15 @@ class LocalMap {
   bool wants_snapshot() const { return wants_snapshot_; }
 
  private:
+  struct Move {
+    MapEpoch to;
+    Similarity3 new_from_old;
+  };
+
   void move_all(const Similarity3& new_from_old);
+  void restart_at(MapEpoch epoch);
+  void note_epoch(const MapPatch& patch);
+  std::optional<Similarity3> moved_since(MapEpoch epoch) const;
 
   RunId agent_run_;
   RunId server_run_;
@@ -60,6 +72,7 @@ class LocalMap {
   std::uint32_t applied_ = 0;
   bool wants_snapshot_ = false;
   std::map<TrackId, Entry> entries_;
+  std::deque<Move> moves_;  // how the map came from one epoch to the next; nothing is known of before the first
 };
 
 }  // namespace coslam

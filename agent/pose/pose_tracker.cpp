@@ -15,18 +15,21 @@ constexpr double kFirmHull = 0.2;
 PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
     : camera_(camera), config_(config), own_(camera) {}
 
-std::vector<PointObservation> PoseTracker::known_points(const std::vector<TrackObservation>& tracks,
-                                                        const LocalMap& map, bool alone) const {
-  std::vector<PointObservation> observations;
+PoseTracker::KnownPoints PoseTracker::known_points(const std::vector<TrackObservation>& tracks,
+                                                   const LocalMap& map) const {
+  KnownPoints out;
   for (const TrackObservation& t : tracks) {
     const LocalMap::Entry* e = map.find(t.track);
+    const Eigen::Vector2d px = t.undistorted_px.cast<double>();
     if (e != nullptr && (e->state == PointState::kStatic || e->is_direction())) {
-      observations.push_back({e->position, e->covariance, t.undistorted_px.cast<double>(), e->is_direction()});
-    } else if (const auto own = alone && e == nullptr ? own_.find(t.track) : std::nullopt) {
-      observations.push_back({own->position, own->covariance, t.undistorted_px.cast<double>()});
+      out.observations.push_back({e->position, e->covariance, px, e->is_direction()});
+      out.told.push_back(!e->is_direction() && !e->former);
+    } else if (const auto own = alone_ && e == nullptr ? own_.find(t.track) : std::nullopt) {
+      out.observations.push_back({own->position, own->covariance, px});
+      out.told.push_back(false);
     }
   }
-  return observations;
+  return out;
 }
 
 void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<TrackObservation>& tracks,
@@ -35,7 +38,8 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
     result_ = {};
     return;  // never placed, or lost and waiting for the server
   }
-  const std::vector<PointObservation> observations = known_points(tracks, map, alone);
+  alone_ = alone || (alone_ && told_agree_ < kFirmPoints);
+  const auto [observations, told] = known_points(tracks, map);
   PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
   const Rigid3& last = past_.back().cam_from_world;
   const auto dt_s = steady_s(capture_ns);
@@ -44,6 +48,7 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
 
   const bool good = result_.status == PoseStatus::kOk && result_.inliers >= config_.min_inliers &&
                     result_.inliers >= config_.min_inlier_ratio * static_cast<double>(observations.size());
+  told_agree_ = 0;
   if (!good) {
     state_ = PoseState::kLost;
     hull_ = 0;
@@ -51,7 +56,9 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
   }
   std::vector<Eigen::Vector2d> inliers;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (result_.is_inlier[i]) inliers.push_back(observations[i].undistorted_px);
+    if (!result_.is_inlier[i]) continue;
+    inliers.push_back(observations[i].undistorted_px);
+    told_agree_ += !alone && told[i];
   }
   hull_ = hull_fraction(std::move(inliers), camera_);
   if (state_ == PoseState::kLost) past_.clear();  // the motion across the gap is unknown
@@ -108,6 +115,7 @@ void PoseTracker::reset() {
   past_.clear();
   own_.clear();
   motion_ = {};
+  alone_ = false;
   state_ = PoseState::kNone;
   result_ = {};
   hull_ = 0;

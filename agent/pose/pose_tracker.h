@@ -28,6 +28,7 @@ class PoseTracker {
   PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config);
 
   // Estimates the pose of `frame`. `tracks` are its undistorted tracks. alone: the server has been silent for a while.
+  // From then on it rests on points of its own, until enough of the server's agree with its pose.
   void step(FrameId frame, TimeNs capture_ns, const std::vector<TrackObservation>& tracks, const LocalMap& map,
             bool alone = false);
   // The map moved under the agent: every pose so far is re-expressed. What was published stays published.
@@ -39,14 +40,18 @@ class PoseTracker {
 
   PoseState state() const { return state_; }
   const PoseResult& result() const { return result_; }  // of the newest step
+  bool on_own_points() const { return alone_; }         // rests on points of its own too
   double inlier_hull_fraction() const { return hull_; }
 
  private:
   // Since the newest pose; nothing after a gap.
   std::optional<double> steady_s(TimeNs capture_ns) const;
   void follow(TimeNs capture_ns);
-  std::vector<PointObservation> known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map,
-                                             bool alone) const;
+  struct KnownPoints {
+    std::vector<PointObservation> observations;
+    std::vector<bool> told;  // by the server, to be at rest
+  };
+  KnownPoints known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map) const;
 
   CameraModel camera_;
   PoseTrackerConfig config_;
@@ -55,6 +60,8 @@ class PoseTracker {
   double hull_ = 0;
   OwnMap own_;
   SteadyMotion motion_;
+  bool alone_ = false;
+  int told_agree_ = 0;  // points of a server that speaks, at the newest step
   struct Past {
     FrameId frame;
     std::optional<TimeNs> capture_ns;  // not known of a placed one

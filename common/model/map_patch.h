@@ -46,6 +46,13 @@ enum class DescriptorRequest : std::uint8_t {
   kEverywhere,  // the strongest of the image, which become tracks: to start a map, to be placed, to join another map
 };
 
+// The map of a server goes on in another one, from that epoch on.
+struct ContinuedMap {
+  RunId server_run;
+  MapEpoch epoch;
+  friend bool operator==(const ContinuedMap&, const ContinuedMap&) = default;
+};
+
 // Everything the server tells one agent after one frame set, applied by the agent in one step.
 struct MapPatch {
   std::string agent;
@@ -56,6 +63,7 @@ struct MapPatch {
   bool snapshot = false;       // `updated` is the whole local map: forget all other bindings
   MapEpoch epoch;              // of every position and pose in here
   Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
+  std::optional<ContinuedMap> continues;  // while the agent speaks of the map of a server before this one
   std::optional<PlacedPose> placed;
   std::vector<BoundPoint> updated;                                  // new bindings and new positions
   std::vector<TrackId> unbound;                                     // tracks that no longer have a point

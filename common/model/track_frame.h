@@ -57,6 +57,7 @@ struct TrackFrame {
   Rigid3 cam_from_world;
   // Order of retract(): rotation, translation; as quantised_pose_covariance() leaves it.
   PoseCovariance pose_covariance = PoseCovariance::Zero();
+  bool on_own_points = false;  // it rests on points that the server has not, too
   std::uint16_t pose_inliers = 0;
   float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
 

@@ -160,6 +160,10 @@ idl::MapPatch encode(const MapPatch& p) {
     m.new_from_old().push_back(p.new_from_old.scale);
     append(m.new_from_old(), p.new_from_old.rotation, p.new_from_old.translation);
   }
+  if (p.continues) {
+    m.continued_run(p.continues->server_run.value);
+    m.continued_epoch(p.continues->epoch.value);
+  }
   if (p.placed) {
     m.placed_frame(p.placed->frame.value);
     append(m.placed(), p.placed->cam_from_world.rotation, p.placed->cam_from_world.translation);
@@ -189,6 +193,7 @@ Decoded<MapPatch> decode(const idl::MapPatch& m) {
   p.epoch = MapEpoch(m.epoch());
   if (m.descriptor_request() > static_cast<std::uint8_t>(DescriptorRequest::kEverywhere)) return Rejection::kOutOfRange;
   p.descriptor_request = static_cast<DescriptorRequest>(m.descriptor_request());
+  if (m.continued_run() != 0) p.continues = {RunId(m.continued_run()), MapEpoch(m.continued_epoch())};
   p.group = GroupId(m.group());
   p.scale_known = m.scale_known();
   if (p.sequence == 0) return Rejection::kBadId;

@@ -5,7 +5,7 @@
 namespace coslam {
 
 PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
-  return writers_.try_emplace(camera, server.id, config).first->second;
+  return writers_.try_emplace(camera, server, config).first->second;
 }
 
 Corrections Correct::run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,

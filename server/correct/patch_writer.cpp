@@ -110,7 +110,7 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
   }
   MapPatch patch;
   patch.agent = camera.name;
-  patch.server_run = server_run_;
+  patch.server_run = server_.id;
   patch.agent_run = agent_run_;
   patch.sequence = ++sequence_;
   patch.after_frame = frame.frame;
@@ -125,6 +125,14 @@ MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const
   map_ = MapId();
   return patch;
 }
+
+namespace {
+// Before this frame set, too.
+bool was_in_its_map(const MapCamera& camera) {
+  const std::size_t n = camera.frames.size();
+  return camera.map != MapId() && n > 1 && camera.frames[n - 2].map == camera.map;
+}
+}  // namespace
 
 MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
                             DescriptorRequest descriptors) {
@@ -141,6 +149,11 @@ MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackF
       t.position = camera.moved * t.position;
       t.trace *= s * s;
     }
+  }
+  // What its agent knows of the map of the server before this one holds here, moved as the map has moved since.
+  if (server_.continues && frame.server_run == server_.continues->server_run && was_in_its_map(camera)) {
+    patch.continues = server_.continues;
+    if (patch.sequence == 1) patch.new_from_old = camera.moved;
   }
   edit.agent_was_told(camera);
   epoch_ = map.epoch();

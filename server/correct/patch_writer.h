@@ -7,6 +7,7 @@
 
 #include "common/model/map_patch.h"
 #include "server/map/edit.h"
+#include "server/pipeline/stage.h"
 
 namespace coslam {
 
@@ -34,7 +35,7 @@ void describe(V& v, PatchWriterConfig& c) {
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.
 class PatchWriter {
  public:
-  PatchWriter(RunId server_run, const PatchWriterConfig& config) : server_run_(server_run), config_(config) {}
+  PatchWriter(const ServerRun& server, const PatchWriterConfig& config) : server_(server), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
   MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
@@ -56,7 +57,7 @@ class PatchWriter {
   void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
   void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch);
 
-  RunId server_run_;
+  ServerRun server_;
   PatchWriterConfig config_;
   RunId agent_run_;
   std::uint32_t sequence_ = 0;

@@ -127,8 +127,12 @@ void MapEdit::measure_sigma(const MapCamera& camera, double sigma_px) {
 }
 
 void MapEdit::agent_was_told(const MapCamera& camera) {
-  own(camera).moved = Similarity3();
-  own(camera).merged_from = MapId();
+  constexpr std::size_t kMost = 64;
+  MapCamera& c = own(camera);
+  c.moved = Similarity3();
+  c.merged_from = MapId();
+  if (c.told.empty() || c.told.back().epoch != map_.epoch_) c.told.push_back({map_.epoch_, Similarity3()});
+  if (c.told.size() > kMost) c.told.pop_front();
 }
 
 // ---- poses ----
@@ -137,6 +141,7 @@ void MapEdit::place(const MapCamera& camera, SetId set, MapId map, const Rigid3&
                     Figures figures) {
   MapCamera& c = own(camera);
   const bool anew = c.map != map || c.lost_sets > 0;
+  if (c.map != map) c.told.clear();
   c.map = map;
   c.lost_sets = 0;
   set_pose(camera, set, cam_from_world);
@@ -161,6 +166,11 @@ void MapEdit::set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_wor
   c.corrected = true;
 }
 
+void MapEdit::take_word(const MapCamera& camera, const Rigid3& cam_from_world) {
+  set_pose(camera, camera.frames.back().set, cam_from_world);
+  own(camera).frames.back().joint = true;
+}
+
 int MapEdit::lose_pose(const MapCamera& camera, std::size_t known, int agree) {
   if (camera.lost_sets == 0) {
     note_camera(EventKind::kCameraLost, camera, Why::kNoPose, {static_cast<double>(known), static_cast<double>(agree)});
@@ -176,6 +186,7 @@ void MapEdit::leave_map(const MapCamera& camera) {
   note_camera(EventKind::kCameraLeft, c, Why::kLostTooLong, {static_cast<double>(c.lost_sets), 0});
   c.map = MapId();
   c.lost_sets = 0;
+  c.told.clear();
 }
 
 void MapEdit::adjust_pose(const MapCamera& camera, const FramePose& frame, const Rigid3& cam_from_world) {
@@ -190,6 +201,7 @@ void MapEdit::place_past(const MapCamera& camera, const FramePose& frame, MapId 
 void MapEdit::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
   MapCamera& c = own(camera);
   c.moved = new_from_old * c.moved;
+  for (ToldEpoch& t : c.told) t.moved = new_from_old * t.moved;
   c.scene_depth *= new_from_old.scale;
 }
 

@@ -64,6 +64,8 @@ class MapEdit {
              Figures figures = {});
   // Its pose at a set, in the map that it is in.
   void set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_from_world);
+  // Its newest one, as its agent says, which has points that the map has not.
+  void take_word(const MapCamera& camera, const Rigid3& cam_from_world);
   // The newest pose rests on more than its agent has: it is to take it.
   void tell_pose(const MapCamera& camera) { own(camera).corrected = true; }
   // Its newest one, found together with the other cameras of its group; rests_on_moving: the static points alone would

@@ -92,6 +92,11 @@ const FramePose* MapCamera::frame_at(SetId set) const {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
+std::optional<Similarity3> MapCamera::moved_since(MapEpoch epoch) const {
+  const auto at = std::ranges::find(told, epoch, &ToldEpoch::epoch);
+  return at == told.end() ? std::nullopt : std::optional(at->moved);
+}
+
 std::span<const FramePose> MapCamera::present_frames() const {
   const auto first =
       std::lower_bound(frames.begin(), frames.end(), past.until, [](const FramePose& f, SetId s) { return f.set < s; });

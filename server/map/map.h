@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -75,7 +76,7 @@ struct FramePose {
   TimeNs capture_ns = 0;
   MapId map;  // whose frame the pose is in; 0 = no pose
   Rigid3 cam_from_world;
-  bool joint = false;           // rests on moving points too: the static ones alone would not hold it
+  bool joint = false;           // rests on moving points or on its agent's word too: the static ones would not hold it
   std::vector<HeldTrack> held;  // some tracks, spread over the image, to solve the pose again when all is known
 
   bool valid() const { return map != MapId(); }
@@ -97,22 +98,29 @@ struct Sighting {
   Eigen::Vector2f step_px = Eigen::Vector2f::Zero();  // since the image before; 0 where it began
 };
 
+// An epoch that an agent was told of, and how its world was moved since.
+struct ToldEpoch {
+  MapEpoch epoch;
+  Similarity3 moved;
+};
+
 struct MapCamera {
   CameraId id;
   std::string name;
   RunId run;
   CameraModel model;
-  double sigma_px = 1.0;   // measured standard deviation of its observations
-  int sigma_frames = 0;    // that it was measured in
-  std::string rig;         // name of the first camera of the rig that it is fixed to; empty: it is free
-  Rigid3 cam_from_rig;     // metres
-  MapId map;               // that it is being localised in; 0 = not placed
-  bool corrected = false;  // its pose in this set rests on more than its agent has: the agent is to take it
-  double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
-  bool sparse = false;     // it sees so few proven points that it has to use the others too
-  int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
-  Similarity3 moved;       // how its world was moved since the last patch to its agent
-  MapId merged_from;       // the map that it was in then and that became part of its present one; 0 = no merge
+  double sigma_px = 1.0;       // measured standard deviation of its observations
+  int sigma_frames = 0;        // that it was measured in
+  std::string rig;             // name of the first camera of the rig that it is fixed to; empty: it is free
+  Rigid3 cam_from_rig;         // metres
+  MapId map;                   // that it is being localised in; 0 = not placed
+  bool corrected = false;      // its pose in this set rests on more than its agent has: the agent is to take it
+  double scene_depth = 0;      // median of what it saw with its newest good pose; 0: not known yet
+  bool sparse = false;         // it sees so few proven points that it has to use the others too
+  int lost_sets = 0;           // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;           // how its world was moved since the last patch to its agent
+  std::deque<ToldEpoch> told;  // of its present map, the newest ones
+  MapId merged_from;           // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
   SetId run_since;                             // of the frames of this run of its agent
   TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
@@ -122,6 +130,9 @@ struct MapCamera {
   FlatMap<TrackId, ServerTrack> tracks;  // live ones; pointers hold until the next frame set
 
   const FramePose* frame_at(SetId set) const;
+  // How its world was moved since an epoch that its agent speaks of; empty when that is too long ago, or of another
+  // map.
+  std::optional<Similarity3> moved_since(MapEpoch epoch) const;
   // Those that are not past.
   std::span<const FramePose> present_frames() const;
   std::size_t frames_ever() const { return static_cast<std::size_t>(past.frames) + present_frames().size(); }

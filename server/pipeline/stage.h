@@ -4,11 +4,13 @@
 
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
+#include "common/model/map_patch.h"
 #include "server/map/edit.h"
 
 // What a stage of the pipeline is. A stage is a value:
@@ -33,6 +35,7 @@ namespace coslam {
 // Of this process: ids that it gave are scoped by it.
 struct ServerRun {
   RunId id;
+  std::optional<ContinuedMap> continues;  // it went on with the map of another
 };
 
 // The report that a stage gave at the last set it ran in before this one; where it has not run yet, one made by

@@ -130,6 +130,30 @@ double depth_of(const std::vector<PointObservation>& observations, const PoseRes
   return static_cast<int>(depths.size()) < least ? 0 : upper_median(depths);
 }
 
+// From so many points on a pose needs nothing else; so an agent thinks, too.
+constexpr int kFirmPoints = 30;
+
+// Where an agent says that it is by points of its own, that the map has not: the server was away, or is another one.
+std::optional<Rigid3> own_word(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
+  constexpr float kFirmHull = 0.2F;  // of the image
+  const bool firm = frame.pose_inliers >= kFirmPoints && frame.hull_fraction >= kFirmHull;
+  if (!frame.on_own_points || !firm || frame.pose_state != PoseState::kTracked || map.is_posed_by_rig(camera))
+    return std::nullopt;
+  const auto moved = camera.moved_since(frame.epoch);
+  return moved ? std::optional(transform_world(frame.cam_from_world, *moved)) : std::nullopt;
+}
+
+// It rests on points of its own, and has not heard yet that this server goes on with the map: its word comes with the
+// next frames, and is better than what few points say.
+bool speaks_soon(const TrackFrame& frame) { return frame.on_own_points && frame.pose_state == PoseState::kNone; }
+
+// Inliers but for directions.
+int points_that_agree(const std::vector<PointObservation>& observations, const PoseResult& r) {
+  int n = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) n += r.is_inlier[i] && !observations[i].far;
+  return n;
+}
+
 void localise_body(MapEdit& edit, const FrameSet& set, const Body& body, const LocaliseConfig& config,
                    LocaliseReport* report) {
   const Map& map = edit.map();
@@ -144,9 +168,14 @@ void localise_body(MapEdit& edit, const FrameSet& set, const Body& body, const L
     observations = observations_of(map, body, set.id);
     r = refine_rig_pose(body.views, observations, start, refinement);
   }
+  const bool firm = good(r, config) && points_that_agree(observations, r) >= kFirmPoints;
   for (std::size_t i = 0; i < body.frames.size(); ++i) {
     const MapCamera& camera = map.camera(body.frames[i]->camera);
-    if (good(r, config)) {
+    const auto said = firm ? std::nullopt : own_word(map, camera, body.frames[i]->frame);
+    if (said) {
+      edit.take_word(camera, *said);
+      ++report->on_own_word;
+    } else if (good(r, config) && (firm || !speaks_soon(body.frames[i]->frame))) {
       edit.set_pose(camera, set.id, body.views[i].cam_from_rig * r.cam_from_world);
       edit.measure_sigma(camera, r.sigma_px);
       const double depth = depth_of(observations, r, body, i, config.min_inliers);

@@ -19,10 +19,12 @@ void describe(V& v, LocaliseConfig& c) {
 
 struct LocaliseReport {
   int tracked = 0;
+  int on_own_word = 0;  // where its agent says that it is, with points that the map has not
   int lost = 0;
 
   void count(auto&& add) const {
     add("tracked", tracked);
+    add("on_own_word", on_own_word);
     add("lost", lost);
   }
 };

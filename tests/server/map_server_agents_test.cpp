@@ -143,6 +143,35 @@ TEST_F(Agents, AreKnownToAServerThatWasKilled) {
   expect_good();
 }
 
+// They fly on while the server is down, and when it is back they see nothing of what it had put down: they are where
+// they say, by points of their own, and the map goes on from there.
+TEST(AgentsInFlight, GoOnWithTheMapOfAServerThatWasKilled) {
+  const SimWorld world({.layout = test::Layout::kAround, .points = 2500});
+  SimRun run(world, {});
+  constexpr double kRound_s = 20;
+  for (const double side : {0.0, 0.4}) {
+    run.add_agent([=](double t_s) {
+      const double a = 2 * std::numbers::pi * t_s / kRound_s;
+      return test::looking({1.2 * std::sin(a) + side, 0.1 * std::sin(3 * a), 1.2 * std::cos(a)}, a);
+    });
+  }
+  run.step(90);
+  run.save();
+  run.step(60);  // not saved
+  run.restore_server(40);
+  const MapId map = run.server().largest_map();
+  run.step(4);
+  EXPECT_TRUE(tracked(run, 0));
+  EXPECT_TRUE(tracked(run, 1));
+  EXPECT_GT(run.server().counts().events.at("on_own_word"), 0);
+  run.step(100);
+  EXPECT_EQ(run.server().largest_map(), map);
+  EXPECT_EQ(run.server().maps().size(), 1U);
+  const test::PathError error = run.path_error();
+  EXPECT_GE(error.frames, 2 * (90 + 103)) << "all that it heard of, but for the first ones";
+  EXPECT_LT(error.ate, 0.01 * error.path_m);
+}
+
 // Yesterday's map: other tracks, other runs; the frame and the unit of length are those of yesterday.
 TEST_F(Agents, ComeBackAnotherDay) {
   add(3);

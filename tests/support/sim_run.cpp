@@ -76,6 +76,7 @@ void SimRun::restart_server() {
 }
 
 void SimRun::save() {
+  saved_ns_ = server_.map().now_ns();
   for (Row& row : server_.changed_rows()) {
     if (row.bytes.empty()) {
       saved_[row.table].erase(row.key);
@@ -88,7 +89,7 @@ void SimRun::save() {
 void SimRun::restore_server(int missed_sets) {
   for (int i = 0; i < missed_sets; ++i) look();
   server_ = MapServer(RunId(server_.run().value + 1), server_config_);
-  server_.restore(saved_, 1e-9 * static_cast<double>(kPeriodNs * next_set_ - server_.map().now_ns()));
+  server_.restore(saved_, to_seconds(kPeriodNs * next_set_ - saved_ns_));
   next_set_ = std::max(next_set_, server_.map().now().value + 1);
   refiner_.emplace(false);
   for (const Slot& s : slots_) server_.admit(s.agent->tracker().hello());

@@ -127,6 +127,7 @@ class SimRun {
   std::vector<MapPatch> last_patches_;
   FrameSet last_set_;
   Tables saved_;
+  TimeNs saved_ns_ = 0;  // of the newest frame set in it
 };
 
 }  // namespace coslam::test

@@ -131,6 +131,73 @@ TEST_F(LocalMapTest, JoiningANewServerInTheMiddleTakesASnapshot) {
   EXPECT_EQ(map_.size(), 0U) << "the old server's points mean nothing";
 }
 
+// A server that was killed comes back with its map as it was saved, some movements of the map ago.
+class LocalMapOfAServerThatGoesOn : public LocalMapTest {
+ protected:
+  LocalMapOfAServerThatGoesOn() {
+    for (const std::uint32_t epoch : {1U, 2U, 3U}) {
+      MapPatch p = patch_of(epoch + 1);
+      p.epoch = MapEpoch(epoch);
+      p.new_from_old = {1.0 + 0.1 * epoch, so3_exp({0.1, 0, 0.2 * epoch}), {1.0 * epoch, 2, 3}};
+      EXPECT_TRUE(map_.apply(p).accepted);
+      then_.push_back(map_.find(TrackId(2))->position);
+    }
+  }
+  MapPatch first_of_the_next(MapEpoch from) const {
+    MapPatch p = patch_of(1, true);
+    p.server_run = RunId(10);
+    p.continues = ContinuedMap{kServerRun, from};
+    p.epoch = from;
+    return p;
+  }
+  std::vector<Eigen::Vector3d> then_;  // where a point was in epochs 1, 2, 3
+};
+
+TEST_F(LocalMapOfAServerThatGoesOn, WhatIsKnownMovesBackToWhatWasSaved) {
+  MapPatch p = first_of_the_next(MapEpoch(1));
+  p.updated = {bound(3)};
+  const PatchEffect effect = map_.apply(p);
+  EXPECT_TRUE(effect.new_server);
+  EXPECT_TRUE(effect.goes_on);
+  ASSERT_TRUE(effect.rebase);
+  EXPECT_THAT(*effect.rebase * then_[2], VectorNear(then_[0], 1e-9));
+  EXPECT_THAT(map_.find(TrackId(2))->position, VectorNear(then_[0], 1e-9));
+  EXPECT_TRUE(map_.find(TrackId(2))->former);
+  ASSERT_NE(map_.find(TrackId(3)), nullptr);
+  EXPECT_FALSE(map_.find(TrackId(3))->former);
+  EXPECT_EQ(map_.epoch(), MapEpoch(1));
+  EXPECT_EQ(map_.server_run(), RunId(10));
+  EXPECT_EQ(map_.applied_sequence(), 1U);
+}
+
+TEST_F(LocalMapOfAServerThatGoesOn, AndOnToWhereThatServerHasMovedIt) {
+  MapPatch p = first_of_the_next(MapEpoch(2));
+  p.epoch = MapEpoch(5);
+  p.new_from_old = {2.0, Eigen::Quaterniond::Identity(), {0, 0, 1}};
+  const PatchEffect effect = map_.apply(p);
+  ASSERT_TRUE(effect.rebase);
+  EXPECT_THAT(*effect.rebase * then_[2], VectorNear(p.new_from_old * then_[1], 1e-9));
+  EXPECT_THAT(map_.find(TrackId(2))->position, VectorNear(p.new_from_old * then_[1], 1e-9));
+  EXPECT_EQ(map_.epoch(), MapEpoch(5));
+}
+
+TEST_F(LocalMapOfAServerThatGoesOn, NothingIsKeptWhenTheWayBackIsUnknown) {
+  MapPatch of_another = first_of_the_next(MapEpoch(2));
+  of_another.continues->server_run = RunId(77);
+  for (const MapPatch& p : {first_of_the_next(MapEpoch(7)), of_another}) {
+    LocalMap map = map_;
+    const PatchEffect effect = map.apply(p);
+    EXPECT_TRUE(effect.new_server);
+    EXPECT_FALSE(effect.goes_on);
+    EXPECT_EQ(map.size(), 0U);
+  }
+  // A snapshot may speak of another map: what was before it is not on the way.
+  MapPatch snapshot = patch_of(5, true);
+  snapshot.epoch = MapEpoch(4);
+  ASSERT_TRUE(map_.apply(snapshot).accepted);
+  EXPECT_FALSE(map_.apply(first_of_the_next(MapEpoch(3))).goes_on);
+}
+
 TEST_F(LocalMapTest, ANewEpochMovesTheWholeMapAtOnce) {
   MapPatch p = patch_of(2);
   p.epoch = MapEpoch(1);

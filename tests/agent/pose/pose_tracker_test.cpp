@@ -130,6 +130,24 @@ TEST_F(PoseTrackerTest, AloneItRestsOnPointsOfItsOwn) {
   EXPECT_THAT(pose_.result().cam_from_world, PoseNear(truth(newest()), 0.002, 0.01)) << "the server is back";
 }
 
+// The first words of a server that is back tell of few points, if any.
+TEST_F(PoseTrackerTest, ItRestsOnPointsOfItsOwnUntilTheServersSuffice) {
+  start();
+  for (int i = 0; i < 60; ++i) step();
+  EXPECT_FALSE(pose_.on_own_points());
+  map_.clear();
+  sequence_ = 0;
+  for (int i = 0; i < 30; ++i) step(false, true);
+  for (int i = 0; i < 30; ++i) {
+    step(false, false);
+    ASSERT_EQ(pose_.state(), PoseState::kTracked) << i;
+    EXPECT_TRUE(pose_.on_own_points());
+  }
+  for (int i = 0; i < 2; ++i) step();
+  EXPECT_FALSE(pose_.on_own_points());
+  EXPECT_THAT(pose_.result().cam_from_world, PoseNear(truth(newest()), 0.002, 0.01));
+}
+
 TEST_F(PoseTrackerTest, ItsOwnPointsMoveWithTheMap) {
   start();
   for (int i = 0; i < 60; ++i) step();

@@ -37,6 +37,7 @@ TEST(CodecRoundTrip, TrackFrames) {
     frame.pose_state = static_cast<PoseState>(i % 3);
     frame.wants_snapshot = i % 2 == 0;
     frame.descriptors_sent = i % 5 == 0;
+    frame.on_own_points = i % 2 == 0;
     frame.patches_sent = static_cast<std::uint16_t>(i);
     expect_unharmed_px(frame);
   }

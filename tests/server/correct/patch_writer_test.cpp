@@ -72,7 +72,7 @@ class PatchWriterTest : public testing::Test {
 
   const test::SimWorld world_{{}};
   test::SimMap sim_;
-  PatchWriter writer_{RunId(9), kConfig};
+  PatchWriter writer_{{RunId(9), ContinuedMap{RunId(8), MapEpoch(0)}}, kConfig};
 };
 
 TEST_F(PatchWriterTest, TheFirstPatchIsASnapshot) {
@@ -89,6 +89,31 @@ TEST_F(PatchWriterTest, TheFirstPatchIsASnapshot) {
   EXPECT_EQ(patch.updated[0].point, p.id);
   EXPECT_EQ(patch.updated[0].position, p.position.cast<float>());
   EXPECT_EQ(patch.updated[0].covariance, pack_covariance(p.covariance));
+}
+
+// A server that went on with a map tells so those that speak of the server before it.
+TEST_F(PatchWriterTest, WhoseMapGoesOnIsToldToThoseWhoKnewIt) {
+  next();
+  const auto of_the_former = [](TrackFrame& f) { f.server_run = RunId(8); };
+  const Similarity3 moved{1.5, Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  sim_.edit.carry_agent(camera(), moved);
+  sim_.edit.raise_epoch();
+  const MapPatch first = write(of_the_former);
+  EXPECT_EQ(first.continues, (ContinuedMap{RunId(8), MapEpoch(0)}));
+  EXPECT_EQ(first.new_from_old.scale, 1.5) << "it has moved since";
+  EXPECT_EQ(first.epoch, MapEpoch(1));
+  next();
+  const MapPatch second = write(of_the_former);  // sent before the first came
+  EXPECT_TRUE(second.continues);
+  EXPECT_EQ(second.new_from_old.scale, 1.0);
+  EXPECT_FALSE(write([](TrackFrame& f) { f.server_run = RunId(9); }).continues);
+  EXPECT_FALSE(write([](TrackFrame& f) { f.server_run = RunId(7); }).continues) << "of yet another server";
+}
+
+TEST_F(PatchWriterTest, WhoHasLeftItsMapIsNotToldThatItGoesOn) {
+  sim_.edit.leave_map(camera());
+  sim_.ingest(false);
+  EXPECT_FALSE(write([](TrackFrame& f) { f.server_run = RunId(8); }).continues);
 }
 
 TEST_F(PatchWriterTest, ThenOnlyWhatChanged) {

@@ -106,6 +106,36 @@ TEST_F(LocaliseTest, AnAgentsPoseOfAnOldEpochIsNotUsed) {
   EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 0.003, 0.015));
 }
 
+// After a restart of the server the agent has points that the map lacks.
+TEST_F(LocaliseTest, WhereItsPointsDoNotHoldACameraItsAgentsWordDoes) {
+  while (sim_.map.points().size() > 8) sim_.edit.remove_point(sim_.map.points().begin()->second, Why::kUndetermined);
+  FrameSet set = sim_.ingest();
+  TrackFrame& said = set.frames[0].frame;
+  said.pose_state = PoseState::kTracked;
+  said.cam_from_world = sim_.truth(kCam0, set.id);
+  sim_.edit.agent_was_told(camera(kCam0));
+  said.epoch = sim_.map.epoch();
+  said.pose_inliers = 80;
+  said.on_own_points = true;
+  said.hull_fraction = 0.5;
+  const auto lost = [&](auto&& change) {
+    FrameSet other = set;
+    change(other.frames[0].frame);
+    return localise(sim_.edit, other, config_).lost;
+  };
+  EXPECT_EQ(lost([](TrackFrame& f) { f.epoch.value += 1; }), 2);
+  EXPECT_EQ(lost([](TrackFrame& f) { f.pose_inliers = 15; }), 2) << "it hardly knows itself";
+  EXPECT_EQ(lost([](TrackFrame& f) { f.hull_fraction = 0.05F; }), 2);
+  EXPECT_EQ(lost([](TrackFrame& f) { f.pose_state = PoseState::kLost; }), 2);
+  EXPECT_EQ(lost([](TrackFrame& f) { f.on_own_points = false; }), 2) << "what it rests on is here, and does not fit";
+  const LocaliseReport report = localise(sim_.edit, set, config_);
+  EXPECT_EQ(report.on_own_word, 1);
+  EXPECT_EQ(report.lost, 1);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, set.id), 1e-9, 1e-9));
+  EXPECT_TRUE(pose(kCam0).joint) << "nothing is solved for it on what the map has";
+  EXPECT_EQ(camera(kCam0).lost_sets, 0);
+}
+
 TEST_F(LocaliseTest, NoPoseRatherThanAWrongOne) {
   shuffle_points();
   EXPECT_EQ(step().lost, 2);
