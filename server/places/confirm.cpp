@@ -42,7 +42,7 @@ std::pair<Verification::Part, Verification::Part> Verification::parts(const Map&
 }
 
 bool Verification::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
-                             const Similarity3& in_from_own, const ViewGraph& graph) {
+                             const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
   const auto [own, other] = parts(map, camera, seen, graph);
   const bool forward = own < other;
   const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
@@ -56,15 +56,18 @@ bool Verification::confirmed(const Map& map, const MapCamera& camera, const Reco
     if (agree(camera, seen, said, in_from_own)) {
       p.evidence.merge(evidence);
       p.cameras.insert({camera.id, seen.key_camera});
+      p.enough = p.enough || enough;
       if (p.since == map.now()) return false;  // of the same instant
       p.second_from_first = second_from_first;
+      if (!p.enough) return false;
       if (!seen.expected && !has_relief(points_in(map, seen.map, p.evidence), seen.median_depth)) return false;
       pending_.erase(at);
       return true;
     }
+    if (p.enough && !enough) return false;  // few points that say something else take nothing away
   }
-  pending_[hypothesis] = {
-      second_from_first, map.now(), seen.expected, std::move(evidence), {camera.id, seen.key_camera}};
+  pending_[hypothesis] = {second_from_first,           map.now(), seen.expected, enough, std::move(evidence),
+                          {camera.id, seen.key_camera}};
   return false;
 }
 

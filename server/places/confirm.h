@@ -19,9 +19,9 @@ namespace coslam {
 class Verification {
  public:
   // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
-  // True once, when it is confirmed.
+  // enough: in so many points that it may confirm; one of the two has to. True once, when it is confirmed.
   bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
-                 const ViewGraph& graph);
+                 const ViewGraph& graph, bool enough);
   // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
   enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
@@ -41,7 +41,7 @@ class Verification {
   struct Pending {
     Similarity3 second_from_first;
     SetId since;
-    bool expected = false;
+    bool expected = false, enough = false;
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };

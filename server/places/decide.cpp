@@ -106,13 +106,15 @@ PlaceDecision PlaceJudge::decide(const Map& map, const MapCamera& camera, std::o
   if (!enough && expected.beside) seen = std::move(expected.beside);
   if (!seen) return {PlaceDecision::kUnknown};
   if (unplaced) return {may_be_placed(map, camera, *seen) ? PlaceDecision::kPlace : PlaceDecision::kDoubtful, *seen};
-  if (!enough && !seen->expected) return {PlaceDecision::kTooFew, *seen};
+  // Few are not enough by themselves, but may be the one of two images of a loop.
+  const bool few = !enough && !seen->expected;
+  if (few && seen->map != camera.map) return {PlaceDecision::kTooFew, *seen};
   if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
-    return {PlaceDecision::kLink, *seen};
+    return {few ? PlaceDecision::kTooFew : PlaceDecision::kLink, *seen};
   }
   const auto similarity = similarity_of(map, camera, *seen);
-  if (!similarity || !verification_.confirmed(map, camera, *seen, *similarity, graph)) {
-    return {PlaceDecision::kDoubtful, *seen};
+  if (!similarity || !verification_.confirmed(map, camera, *seen, *similarity, graph, !few)) {
+    return {few ? PlaceDecision::kTooFew : PlaceDecision::kDoubtful, *seen};
   }
   return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};
 }

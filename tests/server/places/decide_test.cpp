@@ -118,6 +118,24 @@ TEST_F(DecideTest, AMapThatHasDriftedIsClosedOnceASecondImageSaysSo) {
   EXPECT_EQ(judge_.waiting(sim_.map, cam(1)), Verification::Waiting::kNothing);
 }
 
+// Near the end of a flight few images show where it began.
+TEST_F(DecideTest, OneOfTheTwoImagesOfALoopMayShowFewPoints) {
+  in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
+  const auto few = static_cast<std::size_t>(config_.min_merge_inliers) - 1;
+  step();
+  EXPECT_EQ(decide(seen(few)).what, kTooFew);
+  step();
+  EXPECT_EQ(decide(seen(few)).what, kTooFew) << "twice few are few";
+  step();
+  EXPECT_EQ(decide(seen()).what, kClose);
+  step();
+  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  step();
+  EXPECT_EQ(decide(seen(few, {1, 0, 0})).what, kTooFew) << "what few points say otherwise takes nothing away";
+  step();
+  EXPECT_EQ(decide(seen(few)).what, kClose);
+}
+
 TEST_F(DecideTest, ASecondImageThatSaysOtherwiseConfirmsNothing) {
   in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   step();
