@@ -15,7 +15,7 @@
 namespace coslam {
 
 struct KeepConfig {
-  double period_s = 3.0;  // between savings; what is not saved yet is lost with the server
+  double period_s = 1.0;  // between savings; what is not saved yet is lost with the server
 };
 
 template <class V>
