@@ -15,8 +15,8 @@ struct DescribedFeatures {
   std::vector<std::uint8_t> descriptors;  // kDescriptorBytes each
 };
 
-// SIFT features of an image, the strongest `most`, at least border_px from its edge, no two closer than 3 px. Values as
-// quantised_descriptor() leaves them.
+// SIFT features of an image (D. Lowe, 2004), the strongest `most`, at least border_px from its edge, no two closer than
+// 3 px. Values as quantised_descriptor() leaves them.
 DescribedFeatures describe(const cv::Mat& grey, int most, double border_px);
 
 // The same, only of those that lie within near_px of these places.

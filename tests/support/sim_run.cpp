@@ -12,6 +12,7 @@ namespace {
 
 AgentConfig agent_config(const TrackingConfig& tracking) {
   AgentConfig config;
+  config.descriptor_features = 400;
   config.tracker.max_tracks = tracking.max_tracks;
   config.tags.family = tag_families().back();  // whichever: the tracker knows what hangs where
   return config;
