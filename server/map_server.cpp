@@ -104,20 +104,36 @@ void MapServer::note_adjusted() {
   if (met.closed > 0) adjusted_.erase(met.to_adjust);
 }
 
+// Maps that show one place and loops that were not seen, or not believed, while the run went on.
+void MapServer::look_back() {
+  const auto timer = report_.times.measure("look_back");
+  edit_.journal().begin_set();
+  pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
+  auto& meetings = pipeline_.stage<Meetings>();
+  const auto joined = static_cast<long>(meetings.join_all(edit_).size());
+  const LookBackReport back = meetings.look_back(edit_, largest_map());
+  report_.counts["merges"] += joined;
+  report_.counts["loops_closed"] += back.closed;
+  report_.counts["places_linked"] += back.linked;
+  if (joined > 0 || back.closed > 0) adjusted_.clear();
+}
+
 void MapServer::finish(const TellProgress& tell) {
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (refine.at_end == "nothing") return;
+  look_back();
   const auto adjusted = adjusted_.find(largest_map());
   const bool all = refine.at_end == "whole" || refine.intrinsics || adjusted == adjusted_.end();
   adjust(all ? std::nullopt : std::optional(adjusted->second), tell);
 }
 
-void MapServer::finish_whole(const TellProgress& tell) { adjust(std::nullopt, tell); }
+void MapServer::finish_whole(const TellProgress& tell) {
+  look_back();
+  adjust(std::nullopt, tell);
+}
 
 void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
-  edit_.journal().begin_set();
-  pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
   const std::vector<std::string> doubts = lens_doubts(map(), largest_map());

@@ -117,6 +117,7 @@ class MapServer {
   void take(const ScaleReport& scale);
   void forget();
   void note_adjusted();
+  void look_back();
   void adjust(std::optional<SetId> since, const TellProgress& tell);
 
   ServerRun run_;

@@ -3,13 +3,14 @@
 #include "server/places/join_maps.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "common/geometry/alignment.h"
 #include "common/geometry/robust.h"
+#include "server/places/witness.h"
 
 namespace coslam {
 namespace {
@@ -17,53 +18,12 @@ namespace {
 constexpr double kNear = 0.05;  // of the distance: points that are one
 constexpr std::size_t kLeastPairs = 10;
 
-// What one image says of how two maps lie to each other.
-struct Said {
-  SetId set;
-  MapId into;
-  Similarity3 into_from_own;
-  double depth = 0;  // in the older map
-  Eigen::Vector3d center;
-  std::vector<std::pair<PointId, PointId>> pairs;  // own, of the older map
-};
-
-std::optional<Said> said_by(const Map& map, const SeenAgain& seen) {
-  constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
-  const FramePose& own = *map.camera(seen.image->camera).frame_at(seen.image->set);
-  Said out{.set = seen.image->set, .into = seen.place.map, .depth = seen.place.median_depth};
-  std::vector<double> ratios;
-  for (const auto& [track, known] : seen.place.matches) {
-    const MapPoint& of_own = *map.find(seen.own.at(track));
-    const double here = (own.cam_from_world * of_own.position).z();
-    const double there = (seen.place.cam_from_world * map.find(known)->position).z();
-    if (here > 0 && there > 0) ratios.push_back(std::log(there / here));
-    out.pairs.emplace_back(of_own.id, known);
-  }
-  if (ratios.size() < kLeastPairs) return std::nullopt;
-  std::ranges::sort(ratios);
-  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > kMostSpread) return std::nullopt;
-  Similarity3& s = out.into_from_own;
-  s.scale = std::exp(ratios[ratios.size() / 2]);
-  s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own.cam_from_world.rotation).normalized();
-  s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own.cam_from_world.center());
-  out.center = own.cam_from_world.center();
-  return out;
-}
-
-bool agree(const Said& a, const Said& b) {
-  constexpr double kTurn_rad = 0.05, kShift = 0.15, kScale = 0.15;
-  return a.into == b.into && a.set != b.set &&
-         a.into_from_own.rotation.angularDistance(b.into_from_own.rotation) < kTurn_rad &&
-         std::abs(std::log(a.into_from_own.scale / b.into_from_own.scale)) < kScale &&
-         (a.into_from_own * b.center - b.into_from_own * b.center).norm() < kShift * std::max(a.depth, b.depth);
-}
-
 // The one that most others agree with, and these.
-std::vector<const Said*> agreed(const std::vector<Said>& all) {
-  std::vector<const Said*> best;
-  for (const Said& a : all) {
-    std::vector<const Said*> with{&a};
-    for (const Said& b : all) {
+std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
+  std::vector<const Witness*> best;
+  for (const Witness& a : all) {
+    std::vector<const Witness*> with{&a};
+    for (const Witness& b : all) {
       if (agree(a, b)) with.push_back(&b);
     }
     if (with.size() > best.size()) best = std::move(with);
@@ -72,10 +32,10 @@ std::vector<const Said*> agreed(const std::vector<Said>& all) {
 }
 
 // Points that the images say are one: each once.
-std::map<PointId, PointId> pairs_of(const std::vector<const Said*>& said) {
+std::map<PointId, PointId> pairs_of(const std::vector<const Witness*>& witnesses) {
   std::map<PointId, PointId> pairs;
   std::set<PointId> known;
-  for (const Said* s : said) {
+  for (const Witness* s : witnesses) {
     for (const auto& [own, other] : s->pairs) {
       if (!pairs.contains(own) && known.insert(other).second) pairs.emplace(own, other);
     }
@@ -107,10 +67,29 @@ std::optional<Similarity3> fitted(const Map& map, const Similarity3& start, doub
   return s;
 }
 
-std::vector<Said> all_said(const Map& map, const PlaceMemory& places, MapId of, MapId first) {
-  std::vector<Said> out;
-  for (const SeenAgain& seen : places.find_again(map, of, [&](MapId in) { return in != of && in < first; })) {
-    if (auto said = said_by(map, seen)) out.push_back(std::move(*said));
+// What images of one map, of as many as it takes time for, say of places in others that may be asked.
+std::vector<Witness> witnesses_in(const Map& map, const PlaceMemory& places, MapId of,
+                                  const std::function<bool(MapId)>& may_ask) {
+  constexpr std::size_t kMostImages = 200;
+  const std::vector<const KeyImage*> images = places.images_of(map, of);
+  const std::size_t apart = std::max<std::size_t>(1, (images.size() + kMostImages - 1) / kMostImages);
+  std::vector<Witness> out;
+  for (std::size_t i = 0; i < images.size(); i += apart) {
+    const auto seen = places.find_again(map, *images[i], [&](const KeyImage&, MapId in) { return may_ask(in); });
+    if (!seen) continue;
+    if (auto witness = witness_of(map, *seen)) out.push_back(std::move(*witness));
+  }
+  return out;
+}
+
+// Its images about older maps, and theirs about it.
+std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, MapId of, MapId first) {
+  std::vector<Witness> out = witnesses_in(map, places, of, [&](MapId in) { return in != of && in < first; });
+  for (MapId in(1); in < first; ++in.value) {
+    if (in == of) continue;
+    for (const Witness& w : witnesses_in(map, places, in, [&](MapId asked) { return asked == of; })) {
+      out.push_back(reversed(w, in));
+    }
   }
   return out;
 }
@@ -118,20 +97,23 @@ std::vector<Said> all_said(const Map& map, const PlaceMemory& places, MapId of, 
 std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
   constexpr std::size_t kLeastImages = 2;
   const Map& map = edit.map();
-  const std::vector<Said> all = all_said(map, places, of, first);
-  const std::vector<const Said*> good = agreed(all);
+  const std::vector<Witness> all = all_witnesses(map, places, of, first);
+  const std::vector<const Witness*> good = agreed(all);
   if (good.size() < kLeastImages) return std::nullopt;
   std::map<PointId, PointId> pairs = pairs_of(good);
   std::vector<double> depths;
   depths.reserve(good.size());
-  for (const Said* s : good) depths.push_back(s->depth);
+  for (const Witness* s : good) depths.push_back(s->depth);
   const double depth = upper_median(depths);
   const auto into_from_own = fitted(map, good.front()->into_from_own, depth, &pairs);
   if (!into_from_own) return std::nullopt;
-  std::vector<const MapPoint*> evidence;
-  evidence.reserve(pairs.size());
-  for (const auto& [own, other] : pairs) evidence.push_back(map.find(other));
-  if (!has_relief(evidence, depth)) return std::nullopt;
+  // What is flat in one map may only be uncertain there.
+  std::vector<const MapPoint*> here, there;
+  for (const auto& [own, other] : pairs) {
+    here.push_back(map.find(own));
+    there.push_back(map.find(other));
+  }
+  if (!has_relief(there, depth) && !has_relief(here, depth / into_from_own->scale)) return std::nullopt;
   MapId kept = good.front()->into, gone = of;
   Similarity3 by = *into_from_own;
   if (map.is_metric(gone) && !map.is_metric(kept)) {  // the one in metres keeps its frame
@@ -145,6 +127,14 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
 }
 
 }  // namespace
+
+std::vector<JoinedMaps> join_all_maps(MapEdit& edit, const PlaceMemory& places) {
+  std::vector<JoinedMaps> out;
+  for (MapId of(2); of < edit.map().next_map(); ++of.value) {
+    if (const auto joined = join(edit, places, of, of)) out.push_back(*joined);
+  }
+  return out;
+}
 
 std::vector<JoinedMaps> join_maps(MapEdit& edit, const PlaceMemory& places, MapId first) {
   std::vector<JoinedMaps> out;

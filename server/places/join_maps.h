@@ -20,5 +20,7 @@ struct JoinedMaps {
 // that one, by the points behind what looks alike. Two images of different instants have to agree, and what they show
 // must not be flat.
 std::vector<JoinedMaps> join_maps(MapEdit& edit, const PlaceMemory& places, MapId first);
+// The same of each map with those that are older than it.
+std::vector<JoinedMaps> join_all_maps(MapEdit& edit, const PlaceMemory& places);
 
 }  // namespace coslam

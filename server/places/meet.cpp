@@ -166,6 +166,11 @@ void Meetings::take_in(const Meetings& other, const Renumbered& as) {
   }
 }
 
+LookBackReport Meetings::look_back(MapEdit& edit, MapId of) {
+  if (!config.loops) return {};
+  return coslam::look_back(edit, places_, of, config.decide.min_merge_inliers, &loops_);
+}
+
 void Meetings::moved(const MapCamera& camera, MeetReport* report) {
   judge_.clear();
   report->to_adjust = camera.map;

@@ -13,6 +13,8 @@
 #include "server/places/ask.h"
 #include "server/places/close_loop.h"
 #include "server/places/decide.h"
+#include "server/places/join_maps.h"
+#include "server/places/look_back.h"
 #include "server/places/recognise.h"
 #include "server/pose/localise.h"
 
@@ -75,6 +77,9 @@ class Meetings {
   // What those of a map that was taken in remember and closed.
   void take_in(const Meetings& other, const Renumbered& as);
   const PlaceMemory& places() const { return places_; }
+  // At the end: what the run did not see of places that were known.
+  std::vector<JoinedMaps> join_all(MapEdit& edit) const { return join_all_maps(edit, places_); }
+  LookBackReport look_back(MapEdit& edit, MapId of);
   std::size_t remembered_bytes() const { return places_.bytes(); }
   // What outlives the server, as rows, as far as it was not given out before; and back.
   void save(std::vector<Row>* rows);

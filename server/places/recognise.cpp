@@ -268,39 +268,36 @@ std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& 
                 {1.5, config_.min_inliers, config_.min_hull});
 }
 
-std::vector<SeenAgain> PlaceMemory::find_again(const Map& map, MapId of,
-                                               const std::function<bool(MapId)>& may_ask) const {
-  constexpr std::size_t kMostImages = 200;
-  std::vector<const KeyImage*> own;
+std::vector<const KeyImage*> PlaceMemory::images_of(const Map& map, MapId of) const {
+  std::vector<const KeyImage*> out;
   for (const auto& [number, image] : images_) {
     const FramePose* f = map.camera(image.camera).frame_at(image.set);
-    if (f != nullptr && f->map == of) own.push_back(&image);
-  }
-  const std::size_t apart = std::max<std::size_t>(1, (own.size() + kMostImages - 1) / kMostImages);
-  std::vector<SeenAgain> out;
-  for (std::size_t i = 0; i < own.size(); i += apart) {
-    const KeyImage& image = *own[i];
-    const Asked asked =
-        asked_for(map, image.descriptors, [&](const KeyImage&, MapId in) { return in != of && may_ask(in); });
-    if (asked.images.empty()) continue;
-    Pixels pixels;
-    SeenAgain seen{.image = &image};
-    for (const MapPoint* p : map.points_observed_at({image.set})) {
-      for (const KeyObservation& o : p->key_observations) {
-        if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
-        pixels[o.track] = o.undistorted_px.cast<double>();
-        seen.own[o.track] = p->id;
-      }
-    }
-    const KnownPoints known = known_points(map, asked.in, asked.images);
-    const Matched matched = match_anywhere(image.tracks, image.descriptors, pixels, known);
-    auto place =
-        locate(map, image.camera, asked.images, asked.in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
-    if (!place) continue;
-    seen.place = std::move(*place);
-    out.push_back(std::move(seen));
+    if (f != nullptr && f->valid() && f->map == of) out.push_back(&image);
   }
   return out;
+}
+
+std::optional<SeenAgain> PlaceMemory::find_again(const Map& map, const KeyImage& image,
+                                                 const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
+  const MapId of = map.camera(image.camera).frame_at(image.set)->map;
+  const Asked asked = asked_for(map, image.descriptors, may_ask);
+  if (asked.images.empty()) return std::nullopt;
+  Pixels pixels;
+  SeenAgain seen{.image = &image};
+  for (const MapPoint* p : map.points_observed_at({image.set})) {
+    for (const KeyObservation& o : p->key_observations) {
+      if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
+      pixels[o.track] = o.undistorted_px.cast<double>();
+      seen.own[o.track] = p->id;
+    }
+  }
+  const KnownPoints known = known_points(map, asked.in, asked.images);
+  const Matched matched = match_anywhere(image.tracks, image.descriptors, pixels, known);
+  auto place =
+      locate(map, image.camera, asked.images, asked.in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
+  if (!place) return std::nullopt;
+  seen.place = std::move(*place);
+  return seen;
 }
 
 void PlaceMemory::take_in(const PlaceMemory& other, const Renumbered& as) {

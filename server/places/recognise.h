@@ -42,10 +42,10 @@ struct Recognition {
   bool expected = false;    // not far from where the camera's pose in that map says
 };
 
-// A remembered image of one map shows a place of another.
+// A remembered image shows a place that others show too.
 struct SeenAgain {
   const KeyImage* image = nullptr;
-  std::map<TrackId, PointId> own;  // the points that it saw in its own map
+  std::map<TrackId, PointId> own;  // the points that it saw itself
   Recognition place;
 };
 
@@ -66,9 +66,12 @@ class PlaceMemory {
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
   ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
                               SetId since, double gate_px) const;
-  // Remembered images of one map, of as many as it takes time for, in which a place of another one is recognised that
-  // may be asked: by the looks of their features and the points behind these.
-  std::vector<SeenAgain> find_again(const Map& map, MapId of, const std::function<bool(MapId)>& may_ask) const;
+  // All remembered images of one map, in the order in which they came.
+  std::vector<const KeyImage*> images_of(const Map& map, MapId of) const;
+  // What a remembered image shows of the place that looks most like it, among the key images that may be asked: by the
+  // looks of its features and the points behind these.
+  std::optional<SeenAgain> find_again(const Map& map, const KeyImage& image,
+                                      const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
   // What another one remembers, as images of a map that was taken in.
   void take_in(const PlaceMemory& other, const Renumbered& as);
   // Those images are remembered no more.

@@ -202,6 +202,18 @@ TEST_F(MergeTest, WhatIsNotConfirmedSoonIsForgotten) {
   EXPECT_EQ(meet(), 1) << "it takes two images again";
 }
 
+TEST_F(MergeTest, MapsThatShowOnePlaceBecomeOneAtTheEnd) {
+  EXPECT_EQ(see().merged, 0);
+  const std::vector<JoinedMaps> joined = meetings_.join_all(sim_.edit);
+  ASSERT_EQ(joined.size(), 1U);
+  EXPECT_GE(joined[0].images, 2);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(camera(i).map, sim_.id);
+  const Fit fit = fit_of(sim_, sim_.id);
+  EXPECT_NEAR(fit.map_from_world.scale, 1, 0.02);
+  EXPECT_LT(fit.worst_pose_m, 0.08);
+  EXPECT_TRUE(meetings_.join_all(sim_.edit).empty());
+}
+
 TEST_F(MergeTest, PointsThatAreTheSameAreFused) {
   const std::size_t before = sim_.map.points().size();
   meet();
