@@ -26,7 +26,7 @@ namespace coslam {
 struct AgentConfig {
   TrackerConfig tracker;
   PoseTrackerConfig pose;
-  int descriptor_features = 280;  // most, in an answer to a request for descriptors everywhere
+  int descriptor_features = 310;  // most, in an answer to a request for descriptors everywhere
   int place_features = 160;       // the same at tracks
   TagConfig tags;
   double readout_s = -1;  // of a rolling shutter, from the first row to the last; negative: found out
