@@ -6,9 +6,13 @@
 
 namespace coslam {
 
+namespace {
+struct Portable;
+}  // namespace
+
 const ScaleKernels& portable_scale_kernels() {
-  static constexpr ScaleKernels kPortable{blur_any<>, subtract, extrema};
-  return kPortable;
+  static constexpr ScaleKernels kKernels = ScaleLoops<Portable>::kernels();
+  return kKernels;
 }
 
 const ScaleKernels& scale_kernels() {

@@ -11,10 +11,11 @@ namespace coslam {
 #ifdef __AVX2__
 
 namespace {
-constexpr ScaleKernels kAvx2{blur_any<>, subtract, extrema};
+struct Avx2;
+constexpr ScaleKernels kKernels = ScaleLoops<Avx2>::kernels();
 }  // namespace
 
-const ScaleKernels* avx2_scale_kernels() { return __builtin_cpu_supports("avx2") != 0 ? &kAvx2 : nullptr; }
+const ScaleKernels* avx2_scale_kernels() { return __builtin_cpu_supports("avx2") != 0 ? &kKernels : nullptr; }
 
 #else
 
