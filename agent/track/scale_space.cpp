@@ -245,7 +245,7 @@ void find_in(const Octave& octave, int number, float least, const cv::Mat1b& mas
 
 ScaleSpace scale_space(const cv::Mat1b& grey) {
   ScaleSpace out;
-  if (grey.empty()) return out;
+  if (2 * std::min(grey.rows, grey.cols) < kSmallest) return out;
   cv::Mat1s first = blurred(doubled(grey), blur_between(kBlurOfImage, kFirstBlur));
   while (std::min(first.rows, first.cols) >= kSmallest) {
     Octave& octave = out.octaves.emplace_back();

@@ -68,7 +68,9 @@ TEST(ScaleSpaceTest, AnEdgeIsNoBlobNorIsWhatIsFaint) {
   EXPECT_TRUE(find_blobs(scale_space(edge), kLeast).empty());
   EXPECT_TRUE(find_blobs(scale_space(image_of({{80, 60, 3, 2}})), kLeast).empty());
   EXPECT_TRUE(find_blobs(scale_space(cv::Mat1b()), kLeast).empty());
-  EXPECT_TRUE(find_blobs(scale_space(cv::Mat1b(8, 8, std::uint8_t{9})), kLeast).empty());
+  for (const int side : {1, 3, 8, 12}) {
+    EXPECT_TRUE(find_blobs(scale_space(cv::Mat1b(side, side, std::uint8_t{9})), kLeast).empty()) << side;
+  }
 }
 
 TEST(ScaleSpaceTest, NothingIsFoundOutsideTheMask) {
