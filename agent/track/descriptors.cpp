@@ -106,12 +106,40 @@ class CellWeight {
   std::array<float, 16 * kSteps> table_{};
 };
 
+constexpr int kSide = kCells + 2;  // with a margin that what lies between cells may fall into
+using Bins = std::array<float, kSide * kSide * kDirections>;
+
+// Those without the margin as a descriptor of one length.
+std::array<std::uint8_t, kDescriptorBytes> quantised(const Bins& bins) {
+  std::array<float, kDescriptorBytes> all{};
+  float squares = 0;
+  for (int l = 0; l < kCells; ++l) {
+    for (int k = 0; k < kCells * kDirections; ++k) {
+      const float v = bins[static_cast<std::size_t>(((l + 1) * kSide + 1) * kDirections + k)];
+      all[static_cast<std::size_t>(l * kCells * kDirections + k)] = v;
+      squares += v * v;
+    }
+  }
+  // One strong edge is not to count for more than a fifth.
+  const float most = 0.2F * std::sqrt(squares);
+  squares = 0;
+  for (float& v : all) {
+    v = std::min(v, most);
+    squares += v * v;
+  }
+  std::array<std::uint8_t, kDescriptorBytes> out{};
+  const float scale = 512 / std::max(std::sqrt(squares), 1e-12F);
+  std::ranges::transform(all, out.begin(), [&](float v) {
+    return quantised_descriptor(static_cast<std::uint8_t>(std::min(255.0F, std::round(v * scale))));
+  });
+  return out;
+}
+
 // Gradients in cells of the turned window, by direction (Lowe, section 6).
 std::array<std::uint8_t, kDescriptorBytes> descriptor(const cv::Mat1s& image, const Blob& blob, float turned_rad,
                                                       GradientRow* row) {
   static const CellWeight kWeight;
-  constexpr int kSide = kCells + 2;  // with a margin that what lies between cells may fall into
-  std::array<float, kSide * kSide * kDirections> bins{};
+  Bins bins{};
   const float cell = 3 * blob.sigma_px;
   const int cx = static_cast<int>(std::lround(blob.x)), cy = static_cast<int>(std::lround(blob.y));
   const int radius = static_cast<int>(std::lround(cell * std::numbers::sqrt2_v<float> * (kCells + 1) / 2));
@@ -158,28 +186,7 @@ std::array<std::uint8_t, kDescriptorBytes> descriptor(const cv::Mat1s& image, co
       }
     }
   }
-  std::array<float, kDescriptorBytes> all{};
-  float squares = 0;
-  for (int l = 0; l < kCells; ++l) {
-    for (int k = 0; k < kCells * kDirections; ++k) {
-      const float v = bins[static_cast<std::size_t>(((l + 1) * kSide + 1) * kDirections + k)];
-      all[static_cast<std::size_t>(l * kCells * kDirections + k)] = v;
-      squares += v * v;
-    }
-  }
-  // One strong edge is not to count for more than a fifth.
-  const float most = 0.2F * std::sqrt(squares);
-  squares = 0;
-  for (float& v : all) {
-    v = std::min(v, most);
-    squares += v * v;
-  }
-  std::array<std::uint8_t, kDescriptorBytes> out{};
-  const float scale = 512 / std::max(std::sqrt(squares), 1e-12F);
-  std::ranges::transform(all, out.begin(), [&](float v) {
-    return quantised_descriptor(static_cast<std::uint8_t>(std::min(255.0F, std::round(v * scale))));
-  });
-  return out;
+  return quantised(bins);
 }
 
 DescribedFeatures described(const ScaleSpace& space, std::vector<Blob> found, cv::Size size, int most,
