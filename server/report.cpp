@@ -218,4 +218,10 @@ Json make_report(const MapServer& server, const ServerLink& link, const FrameCou
   return report;
 }
 
+nlohmann::ordered_json make_map_report(const MapServer& server) {
+  Json agents = Json::object();
+  for (const MapCamera& c : server.map().cameras()) agents[c.name] = camera_report(server, c.id);
+  return {{"version", version()}, {"agents", agents}, {"maps", maps_report(server)}};
+}
+
 }  // namespace coslam

@@ -33,4 +33,7 @@ nlohmann::ordered_json make_report(const MapServer& server, const ServerLink& li
                                    const std::vector<ReportedAgent>& agents, bool adjusted,
                                    const nlohmann::ordered_json& configuration);
 
+// The part of it that a map alone can tell: who is in which map, and with how many frames.
+nlohmann::ordered_json make_map_report(const MapServer& server);
+
 }  // namespace coslam

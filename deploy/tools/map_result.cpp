@@ -7,6 +7,7 @@
 #include "common/base/error.h"
 #include "server/map/sound.h"
 #include "server/observe/result_store.h"
+#include "server/report.h"
 
 namespace coslam {
 MapServer load_map(const MapFile& file) {
@@ -33,7 +34,9 @@ void write_map_result(const std::filesystem::path& path, const std::filesystem::
     require_sound(*past.places, server.map());
     result.take(past);
   });
-  result.finish(server, {{"map_file", file.path().filename().string()}});
+  auto report = make_map_report(server);
+  report["map_file"] = file.path().filename().string();
+  result.finish(server, report);
 }
 
 }  // namespace coslam

@@ -3,6 +3,7 @@
 #include "server/places/meet.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "server/covisibility/disjoint_sets.h"
@@ -19,14 +20,13 @@ bool together(const ViewGraph& graph, CameraId a, CameraId b) {
   return a == b || (group >= 0 && group == graph.group_of(b));
 }
 
-bool several_maps(const Map& map) {
-  MapId seen;
+// Those that cameras are in.
+std::set<MapId> living_maps(const Map& map) {
+  std::set<MapId> out;
   for (const MapCamera& c : map.cameras()) {
-    if (!c.alive || c.frames.empty() || c.map == MapId()) continue;
-    if (seen != MapId() && c.map != seen) return true;
-    seen = c.map;
+    if (c.alive && !c.frames.empty() && c.map != MapId()) out.insert(c.map);
   }
-  return false;
+  return out;
 }
 
 }  // namespace
@@ -46,7 +46,9 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
     ++report.described;
     asking_.came(cf.camera, set.id);
   }
-  WhyAsk why{.apart = several_maps(map), .parted = graph.groups.size() > 1};
+  std::set<MapId> maps = living_maps(map);
+  if (!maps.empty()) maps.insert(remembered_.begin(), remembered_.end());
+  WhyAsk why{.apart = maps.size() > 1, .parted = graph.groups.size() > 1};
   for (const CameraFrame& cf : set.frames) {
     why.waiting = judge_.waiting(map, cf.camera);
     why.expects = expected_.contains(cf.camera);
@@ -60,6 +62,7 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
 // looked at now and then.
 void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group) {
   if (!map.every(map.config().match_period_s)) return;
+  remembered_ = places_.maps(map);
   expected_.clear();
   DisjointSets held(map.cameras().size());
   for (const ViewEdge& e : graph.edges) {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -98,6 +99,7 @@ class Meetings {
   PlaceJudge judge_;
   Asking asking_;
   std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
+  std::set<MapId> remembered_;                          // maps that images are remembered of
   std::vector<LoopConstraint> loops_;
 };
 

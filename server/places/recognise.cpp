@@ -119,45 +119,55 @@ Pixels pixels_now(const MapCamera& camera) {
   return out;
 }
 
+// Features of an image, and where known points should appear in it.
+struct View {
+  const MapCamera& camera;
+  const Rigid3& cam_from_world;
+  const std::vector<TrackId>& tracks;
+  const std::vector<std::uint8_t>& descriptors;
+  const Pixels& pixels;
+};
+
 struct NearMatches : Matched {
   std::vector<double> off_px;  // from where the point should appear
 };
 
-// Known points and features that look most like each other among those near where the camera's pose puts the points.
-NearMatches match_near(const Map& map, const MapCamera& camera, const DescriptorReply& reply,
-                       const KnownPoints& known) {
-  constexpr double kSearch = 0.03;  // of the image width
-  struct Best {
-    std::size_t other = 0;
-    float first = 2, second = 2;  // squared distances
-    double off_px = 0;
-    void offer(std::size_t index, float d2, double px) {
-      if (d2 < first) {
-        second = first;
-        first = d2;
-        other = index;
-        off_px = px;
-      } else {
-        second = std::min(second, d2);
-      }
+// The nearest by its looks among those near by place, and the next one that lies elsewhere.
+struct NearestLooks {
+  std::size_t other = 0;
+  float first = 2, second = 2;  // squared distances
+  double off_px = 0;
+
+  void offer(std::size_t index, float d2, double px) {
+    if (d2 < first) {
+      second = first;
+      first = d2;
+      other = index;
+      off_px = px;
+    } else {
+      second = std::min(second, d2);
     }
-    bool distinct() const { return first < kDistinctRatio * kDistinctRatio * second; }
-  };
-  const Descriptors features = root_sift(reply.descriptors), points = root_sift(known.descriptors);
-  std::vector<Eigen::Vector2d> pixels;
-  for (const TrackId id : reply.tracks) {
-    const auto at = camera.tracks.find(id);
-    pixels.emplace_back(Eigen::Vector2d::Constant(std::nan("")));
-    if (at != camera.tracks.end()) pixels.back() = at->second.seen.back().undistorted_px.cast<double>();
   }
-  std::vector<Best> of_point(known.ids.size()), of_feature(pixels.size());
+  bool distinct() const { return first < kDistinctRatio * kDistinctRatio * second; }
+};
+
+// Known points and features that look most like each other among those near where the view's pose puts the points.
+NearMatches match_near(const View& view, const KnownPoints& known, const std::function<bool(PointId)>& may_match) {
+  constexpr double kSearch = 0.03;  // of the image width
+  const Descriptors features = root_sift(view.descriptors), points = root_sift(known.descriptors);
+  std::vector<Eigen::Vector2d> pixels;
+  for (const TrackId id : view.tracks) {
+    const auto at = view.pixels.find(id);
+    pixels.push_back(at == view.pixels.end() ? Eigen::Vector2d::Constant(std::nan("")) : at->second);
+  }
+  std::vector<NearestLooks> of_point(known.ids.size()), of_feature(pixels.size());
   for (std::size_t p = 0; p < known.ids.size(); ++p) {
     Eigen::Vector2d px;
-    if (seen_by(*map.find(known.ids[p]), camera.id)) continue;
-    if (!project_world(camera.model, camera.frames.back().cam_from_world, known.positions[p], &px)) continue;
+    if (!may_match(known.ids[p])) continue;
+    if (!project_world(view.camera.model, view.cam_from_world, known.positions[p], &px)) continue;
     for (std::size_t f = 0; f < pixels.size(); ++f) {
       const double off_px = (pixels[f] - px).norm();
-      if (!(off_px < kSearch * camera.model.width_px)) continue;
+      if (!(off_px < kSearch * view.camera.model.width_px)) continue;
       const float d2 = 2 - 2 * points.row(static_cast<Eigen::Index>(p)).dot(features.row(static_cast<Eigen::Index>(f)));
       of_point[p].offer(f, d2, off_px);
       of_feature[f].offer(p, d2, off_px);
@@ -165,11 +175,11 @@ NearMatches match_near(const Map& map, const MapCamera& camera, const Descriptor
   }
   NearMatches out;
   for (std::size_t p = 0; p < known.ids.size(); ++p) {
-    const Best& best = of_point[p];
+    const NearestLooks& best = of_point[p];
     constexpr float kMost = 0.5F;  // squared: where nothing else is near, there is no second best to compare with
     if (best.first > kMost || !best.distinct() || !of_feature[best.other].distinct()) continue;
     if (of_feature[best.other].other != p) continue;
-    out.tracks.push_back(reply.tracks[best.other]);
+    out.tracks.push_back(view.tracks[best.other]);
     out.known.push_back(static_cast<int>(p));
     out.pixels.push_back(pixels[best.other]);
     out.off_px.push_back(best.off_px);
@@ -217,7 +227,11 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
   }
   if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
-  const NearMatches near = match_near(map, camera, *frame.descriptors, known);
+  const Pixels pixels = pixels_now(camera);
+  const DescriptorReply& reply = *frame.descriptors;
+  const NearMatches near =
+      match_near({camera, camera.frames.back().cam_from_world, reply.tracks, reply.descriptors, pixels}, known,
+                 [&](PointId id) { return !seen_by(*map.find(id), camera.id); });
   ExpectedPlace out;
   for (std::size_t i = 0; i < near.tracks.size(); ++i) {
     if (near.off_px[i] > gate_px) continue;
@@ -251,7 +265,9 @@ PlaceMemory::Asked PlaceMemory::asked_for(const Map& map, const std::vector<std:
   for (const auto& [n, image] : order) {
     const MapId of = map.camera(image->camera).frame_at(image->set)->map;
     if (asked.in == MapId()) asked.in = of;
-    if (of == asked.in && static_cast<int>(asked.images.size()) < config_.images) asked.images.push_back(image);
+    if (of != asked.in) continue;
+    if (static_cast<int>(asked.images.size()) < config_.images) asked.images.push_back(image);
+    if (static_cast<int>(asked.around.size()) < config_.around) asked.around.push_back(image);
   }
   return asked;
 }
@@ -262,10 +278,24 @@ std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& 
   const DescriptorReply& reply = *frame.descriptors;
   const Asked asked = asked_for(map, reply.descriptors, may_ask);
   if (asked.images.empty()) return std::nullopt;
+  return locate_again(map, map.camera(frame.camera), asked, reply.tracks, reply.descriptors,
+                      pixels_now(map.camera(frame.camera)));
+}
+
+// First by looks alone. What these say where the camera is tells where the other points should be, and near there looks
+// that are not the only ones of their kind in the image tell enough.
+std::optional<Recognition> PlaceMemory::locate_again(const Map& map, const MapCamera& camera, const Asked& asked,
+                                                     const std::vector<TrackId>& tracks,
+                                                     const std::vector<std::uint8_t>& descriptors,
+                                                     const std::map<TrackId, Eigen::Vector2d>& pixels) const {
   const KnownPoints known = known_points(map, asked.in, asked.images);
-  const Matched matched = match_anywhere(reply.tracks, reply.descriptors, pixels_now(map.camera(frame.camera)), known);
-  return locate(map, frame.camera, asked.images, asked.in, known, matched,
-                {1.5, config_.min_inliers, config_.min_hull});
+  const auto first = locate(map, camera.id, asked.images, asked.in, known,
+                            match_anywhere(tracks, descriptors, pixels, known), {1.5, config_.min_first, 0});
+  if (!first) return std::nullopt;
+  const KnownPoints around = known_points(map, asked.in, asked.around);
+  const NearMatches near =
+      match_near({camera, first->cam_from_world, tracks, descriptors, pixels}, around, [](PointId) { return true; });
+  return locate(map, camera.id, asked.around, asked.in, around, near, {1.5, config_.min_inliers, config_.min_hull});
 }
 
 std::vector<const KeyImage*> PlaceMemory::images_of(const Map& map, MapId of) const {
@@ -273,6 +303,15 @@ std::vector<const KeyImage*> PlaceMemory::images_of(const Map& map, MapId of) co
   for (const auto& [number, image] : images_) {
     const FramePose* f = map.camera(image.camera).frame_at(image.set);
     if (f != nullptr && f->valid() && f->map == of) out.push_back(&image);
+  }
+  return out;
+}
+
+std::set<MapId> PlaceMemory::maps(const Map& map) const {
+  std::set<MapId> out;
+  for (const auto& [number, image] : images_) {
+    const FramePose* f = map.camera(image.camera).frame_at(image.set);
+    if (f != nullptr && f->valid()) out.insert(f->map);
   }
   return out;
 }
@@ -291,10 +330,7 @@ std::optional<SeenAgain> PlaceMemory::find_again(const Map& map, const KeyImage&
       seen.own[o.track] = p->id;
     }
   }
-  const KnownPoints known = known_points(map, asked.in, asked.images);
-  const Matched matched = match_anywhere(image.tracks, image.descriptors, pixels, known);
-  auto place =
-      locate(map, image.camera, asked.images, asked.in, known, matched, {1.5, config_.min_inliers, config_.min_hull});
+  auto place = locate_again(map, map.camera(image.camera), asked, image.tracks, image.descriptors, pixels);
   if (!place) return std::nullopt;
   seen.place = std::move(*place);
   return seen;

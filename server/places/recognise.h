@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,10 @@ namespace coslam {
 
 struct RecogniseConfig {
   int min_votes = 12;      // features that look like one of the key image
-  int images = 4;          // best key images whose points are matched
-  int min_inliers = 20;    // of the pose
+  int images = 4;          // best key images whose points are matched by their looks alone
+  int min_first = 10;      // of these, that agree on a pose: enough to look for others where they should be
+  int around = 12;         // best key images whose points are looked for then
+  int min_inliers = 20;    // of the pose in the end
   double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose
   int min_expected = 5;    // points found where the pose says they are: enough to believe it
   int min_beside = 8;      // found all a little beside that: enough to tell how far the map has drifted
@@ -68,6 +71,8 @@ class PlaceMemory {
                               SetId since, double gate_px) const;
   // All remembered images of one map, in the order in which they came.
   std::vector<const KeyImage*> images_of(const Map& map, MapId of) const;
+  // Maps that images are remembered of.
+  std::set<MapId> maps(const Map& map) const;
   // What a remembered image shows of the place that looks most like it, among the key images that may be asked: by the
   // looks of its features and the points behind these.
   std::optional<SeenAgain> find_again(const Map& map, const KeyImage& image,
@@ -89,10 +94,15 @@ class PlaceMemory {
  private:
   struct Asked {
     std::vector<const KeyImage*> images;  // the ones that look most like it
+    std::vector<const KeyImage*> around;  // these and more
     MapId in;
   };
   Asked asked_for(const Map& map, const std::vector<std::uint8_t>& descriptors,
                   const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
+  std::optional<Recognition> locate_again(const Map& map, const MapCamera& camera, const Asked& asked,
+                                          const std::vector<TrackId>& tracks,
+                                          const std::vector<std::uint8_t>& descriptors,
+                                          const std::map<TrackId, Eigen::Vector2d>& pixels) const;
 
   RecogniseConfig config_;
   AppearanceIndex index_;

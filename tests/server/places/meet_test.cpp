@@ -202,6 +202,22 @@ TEST_F(MergeTest, WhatIsNotConfirmedSoonIsForgotten) {
   EXPECT_EQ(meet(), 1) << "it takes two images again";
 }
 
+TEST_F(MergeTest, AMapThatNobodyIsInAnyMoreIsStillLookedFor) {
+  see();
+  for (int c = 0; c < 2; ++c) sim_.edit.set_alive(cam(c), false);
+  int asked = 0;
+  for (int i = 0; i < 60; ++i) {  // two seconds, in which the view does not change
+    sim_.look();
+    sim_.set.frames.erase(sim_.set.frames.begin(), sim_.set.frames.begin() + 2);
+    sim_.take();
+    sim_.place(cam(2), own_, camera(2).frames.end()[-2].cam_from_world);
+    const MeetReport report = step();
+    const auto request = report.requests.find(cam(2));
+    asked += request != report.requests.end() && request->second == DescriptorRequest::kEverywhere;
+  }
+  EXPECT_GE(asked, 1);
+}
+
 TEST_F(MergeTest, MapsThatShowOnePlaceBecomeOneAtTheEnd) {
   EXPECT_EQ(see().merged, 0);
   const std::vector<JoinedMaps> joined = meetings_.join_all(sim_.edit);
