@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@
 #include "deploy/tools/commands.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/outcome.h"
+#include "deploy/tools/run/run.h"
+#include "deploy/tools/view_flag.h"
+#include "server/live_view.h"
 #include "server/record/recorded_link.h"
 #include "server/record/repeated_link.h"
 #include "server/recorded_config.h"
@@ -39,6 +43,7 @@ struct ReplayArguments {
   bool force = false;
   std::string map;  // empty: none
   Repeats repeats;
+  std::string view_port;  // empty: not shown
   std::vector<std::string> sets;
 };
 
@@ -92,6 +97,12 @@ class Costs {
   std::uint64_t count_ = 0;
 };
 
+ViewConfig view_of(const ReplayArguments& arguments) {
+  RunConfig config;
+  if (!arguments.view_port.empty()) config::apply_set(config, "server.view.port=" + arguments.view_port);
+  return config.view;
+}
+
 // The map server on agents that play what was recorded again and again.
 void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config) {
   RepeatedLink link(arguments.recording, arguments.repeats);
@@ -100,6 +111,8 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
   ServerLoop loop(
       link, RunId(link.head().server_run.value + 1),
       {.server = config.server, .out = arguments.out, .map = arguments.map, .refine_in_thread = false, .clock = clock});
+  std::optional<LiveView> view;
+  if (const ViewConfig c = view_of(arguments); c.on()) say_view("view: " + view.emplace(c, loop).url());
   Costs costs;
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     costs.show(link.now_ns(), loop.map_server());
@@ -120,6 +133,8 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
                    .refine_in_thread = rate != 0,
                    .clock = clock,
                    .adjusting = [&](int percent) { progress.adjusting(percent); }});
+  std::optional<LiveView> view;
+  if (const ViewConfig c = view_of(arguments); c.on()) say_view("view: " + view.emplace(c, loop).url());
   const auto whole_s = [](TimeNs t_ns) { return static_cast<int>(t_ns / 1'000'000'000); };
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     progress.mapping(whole_s(std::min(link.now_ns(), length_ns)), whole_s(length_ns));
@@ -131,6 +146,7 @@ int replay(const ReplayArguments& arguments) {
   std::signal(SIGINT, [](int) { stop_requested = true; });
   std::signal(SIGTERM, [](int) { stop_requested = true; });
   const double rate = parse_replay_rate(arguments.rate);
+  view_of(arguments);  // a wrong port is said before anything starts
   const RecordingSummary recorded = check_recording(arguments.recording);
   RecordedConfig config = recorded_config(recorded.head, arguments.recording);
   for (const std::string& s : arguments.sets) config::apply_set(config, s);
@@ -168,6 +184,7 @@ void add_replay_command(CLI::App& app, Command& chosen) {
       ->check(CLI::Range(1, 1000000));
   command->add_option("--fleets", arguments->repeats.fleets, "so many of all recorded agents, one after the other")
       ->check(CLI::Range(1, 100));
+  add_view_flag(*command, arguments->view_port);
   command->add_option("--set", arguments->sets, "override a recorded key of the configuration: server.KEY=VALUE");
   command->callback([arguments, &chosen] { chosen = [arguments] { return replay(*arguments); }; });
 }

@@ -17,11 +17,10 @@
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/run.h"
 #include "deploy/tools/sequence_argument.h"
+#include "deploy/tools/view_flag.h"
 
 namespace coslam {
 namespace {
-
-constexpr int kViewPort = 8765;  // where Foxglove looks first
 
 struct RunArguments {
   std::string sequence;
@@ -128,10 +127,7 @@ void add_run_command(CLI::App& app, Command& chosen) {
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
       ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");
-  // A flag that may have a value: an option would take the sequence for its own.
-  command->add_flag(
-      "--view{" + std::to_string(kViewPort) + "}", arguments->view_port,
-      "show it on the web, --view=PORT on another port than " + std::to_string(kViewPort) + "; 0: a free one");
+  add_view_flag(*command, arguments->view_port);
   command->add_option("--map", options.map, "file to keep the map in; if there is one, it goes on")->type_name("FILE");
   command->add_option("--record", options.record, "new file: what the map server hears, for coslam replay")
       ->type_name("FILE");

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <span>
 
 #include "common/ros/cdr.h"
@@ -91,6 +92,25 @@ TEST(View, ARunInOneProcessToo) {
   EXPECT_EQ(ros_of<ros::TFMessage>(*tf).transforms[0].child_frame_id, "cam0/camera_optical_frame");
   run.signal(SIGINT);
   EXPECT_EQ(run.exit_code(), 0) << run.err();
+}
+
+TEST(View, WhatAServerHeardIsShownOnceMore) {
+  const SmallScene scene(2, 300);
+  const auto file = [&](const char* name) { return (scene.folder() / name).string(); };
+  Program run("coslam", {"run", scene.sequence(), "--out", file("result"), "--inline", "--record", file("a.rec")});
+  ASSERT_EQ(run.exit_code(), 0) << run.err();
+  Program replay("coslam", {"replay", file("a.rec"), "--out", file("again"), "--rate", "1", "--view=0"});
+  const std::uint16_t port = port_of(replay);
+  ASSERT_NE(port, 0) << replay.err();
+  WebClient viewer(port);
+  ASSERT_TRUE(viewer.subscribe("/coslam/map/points"));
+  EXPECT_TRUE(
+      viewer.message_where("/coslam/map/points", [](const auto& m) { return ros_of<ros::PointCloud2>(m).width > 30; }));
+  replay.signal(SIGINT);
+  EXPECT_EQ(replay.exit_code(), 0) << replay.err();
+  Program wrong("coslam", {"replay", file("a.rec"), "--out", file("none"), "--view=70000"});
+  EXPECT_EQ(wrong.exit_code(), 2) << "a wrong port";
+  EXPECT_FALSE(std::filesystem::exists(file("none")));
 }
 
 TEST(View, AFinishedRunIsShown) {
