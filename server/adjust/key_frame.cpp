@@ -11,30 +11,47 @@ namespace coslam {
 namespace {
 
 struct SinceLast {
-  int then = 0, still = 0;  // points seen at the last key frame, and of those seen now
+  const FramePose* then = nullptr;  // its last key frame; null where there is nothing to compare
+  int seen = 0, still = 0;          // points seen then, and of those seen now
   double median_turn_rad = 0;
 };
 
+// The newest key frame that this camera took part in, of those at which it may still see the same.
+const FramePose* last_of(const Map& map, const MapCamera& camera) {
+  constexpr std::size_t kMost = 16;  // key frames
+  const auto& keys = map.key_frames();
+  for (std::size_t i = keys.size(); i > 0 && keys.size() - i < kMost; --i) {
+    const SetId set = keys[i - 1].set;
+    const FramePose* f = camera.frame_at(set);
+    if (f == nullptr || !f->valid() || f->map != camera.frames.back().map) return nullptr;
+    if (!map.spared_images().contains({set, camera.id})) return f;
+  }
+  return nullptr;
+}
+
 // Of every camera.
-std::vector<SinceLast> since_last(const Map& map, SetId last) {
+std::vector<SinceLast> since_last(const Map& map) {
   std::vector<SinceLast> out(map.cameras().size());
   std::vector<std::vector<double>> turns(map.cameras().size());
-  std::vector<const FramePose*> then;  // null where there is nothing to compare
+  std::vector<SetId> sets;
   for (const MapCamera& c : map.cameras()) {
-    const FramePose* f = c.frame_at(last);
-    then.push_back(f != nullptr && f->valid() && f->map == c.frames.back().map ? f : nullptr);
+    SinceLast& s = out[c.id.value];
+    if (!c.frames.empty()) s.then = last_of(map, c);
+    if (s.then != nullptr) sets.push_back(s.then->set);
   }
-  for (const MapPoint* point : map.points_observed_at({last})) {
+  if (sets.empty()) return out;
+  const SetId first = std::ranges::min(sets);
+  for (const MapPoint* point : map.points_observed_at(sets)) {
     const MapPoint& p = *point;
-    for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= last;) {
+    for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= first;) {
       const KeyObservation& o = p.key_observations[i];
-      if (o.set != last || then[o.camera.value] == nullptr) continue;
       SinceLast& s = out[o.camera.value];
-      ++s.then;
+      if (s.then == nullptr || o.set != s.then->set) continue;
+      ++s.seen;
       if (!seen_by(p, o.camera)) continue;
       ++s.still;
       const FramePose& now = map.camera(o.camera).frames.back();
-      const Eigen::Vector3d a = (p.position - then[o.camera.value]->cam_from_world.center()).normalized();
+      const Eigen::Vector3d a = (p.position - s.then->cam_from_world.center()).normalized();
       const Eigen::Vector3d b = (p.position - now.cam_from_world.center()).normalized();
       turns[o.camera.value].push_back(std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
     }
@@ -45,28 +62,35 @@ std::vector<SinceLast> since_last(const Map& map, SetId last) {
   return out;
 }
 
+bool needs_key_frame(const Map& map, const SinceLast& s, const KeyFrameConfig& config) {
+  if (s.then == nullptr || s.seen == 0 || s.still < (1.0 - config.drop) * s.seen) return true;
+  if (s.median_turn_rad > 2 * map.config().new_view_rad) return true;
+  const bool long_ago = map.now().value - s.then->set.value >= map.sets_in(config.max_s);
+  return long_ago && s.median_turn_rad > map.config().new_view_rad;
+}
+
 }  // namespace
 
 bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config) {
+  constexpr std::size_t kFew = 4;  // cameras, which all take part: it costs little, and ties them together
   const Map& map = edit.map();
   if (map.points().empty()) return false;
+  std::vector<CameraId> spared;
   if (!map.key_frames().empty()) {
-    const SetId last = map.key_frames().back().set;
-    const auto gap = set.id.value - last.value;
-    if (gap < kLeastFrames) return false;
+    if (set.id.value - map.key_frames().back().set.value < kLeastFrames) return false;
     bool wanted = false;
-    const std::vector<SinceLast> since = since_last(map, last);
+    const std::vector<SinceLast> since = since_last(map);
     for (const CameraFrame& cf : set.frames) {
       const MapCamera& camera = map.camera(cf.camera);
       if (!camera.frames.back().valid()) continue;
-      const SinceLast& s = since[camera.id.value];
-      if (s.then == 0 || s.still < (1.0 - config.drop) * s.then) wanted = true;
-      if (s.median_turn_rad > 2 * map.config().new_view_rad) wanted = true;
-      if (gap >= map.sets_in(config.max_s) && s.median_turn_rad > map.config().new_view_rad) wanted = true;
+      const bool needs = needs_key_frame(map, since[camera.id.value], config);
+      wanted = wanted || needs;
+      if (!needs) spared.push_back(camera.id);
     }
     if (!wanted) return false;
+    if (set.frames.size() <= kFew) spared.clear();
   }
-  edit.add_key_frame(set.id);
+  edit.add_key_frame(set.id, spared);
   return true;
 }
 

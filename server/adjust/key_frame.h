@@ -17,8 +17,9 @@ void describe(V& v, KeyFrameConfig& c) {
   v.field("max_s", c.max_s, {0.01, 1000}, "between key frames while a camera moves");
 }
 
-// Key frame for all cameras when any camera lost 30 % of the points it had at the last one, or moved for long (paper
-// 4). Returns true when the set became one.
+// Key frame when any camera lost 30 % of the points it had at its last one, or moved for long (paper 4). Where there
+// are more than a few cameras, one of them needs a key frame all the time, and the others are spared until they do.
+// Returns true when the set became one.
 bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config);
 
 }  // namespace coslam

@@ -24,7 +24,8 @@ using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
 
 const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera) {
   const FramePose* f = map.camera(camera).frame_at(set);
-  return f == nullptr || f->map != of || f->joint ? nullptr : f;
+  const bool takes_part = f != nullptr && f->map == of && !f->joint && map.keeps_observations_of(set, camera);
+  return takes_part ? f : nullptr;
 }
 
 int poses_to_adjust(const Map& map, MapId of, SetId set) {

@@ -340,12 +340,14 @@ MapId MapEdit::new_map(Why why, double figure) {
   return e.map;
 }
 
-void MapEdit::add_key_frame(SetId set) {
+void MapEdit::add_key_frame(SetId set, const std::vector<CameraId>& spared) {
   if (map_.is_key_frame(set)) return;
   const auto at = std::upper_bound(map_.key_frames_.begin(), map_.key_frames_.end(), KeyFrame{set},
                                    [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
   map_.key_frames_.insert(at, {set});
+  for (const CameraId camera : spared) map_.spared_images_.emplace(set, camera);
   for (const MapCamera& c : map_.cameras_) {
+    if (!map_.keeps_observations_of(set, c.id)) continue;
     for (const auto& [id, t] : c.tracks) {
       MapPoint* p = own(t.point);
       if (p == nullptr || set.value < t.distrusted_before || t.gate_failures > 0) continue;

@@ -169,9 +169,9 @@ class MapEdit {
   void pass_sets(std::uint32_t sets) { map_.now_.value += sets; }
   // All times that are known are so much later than they were given.
   void shift_times(TimeNs by_ns);
-  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it. Nothing if it is one
-  // already.
-  void add_key_frame(SetId set);
+  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it, but for those of cameras
+  // that are spared. Nothing if it is one already.
+  void add_key_frame(SetId set, const std::vector<CameraId>& spared = {});
   // One camera's image that is remembered by its looks: points keep their observations of it too.
   void add_key_image(SetId set, CameraId camera);
   // Cameras and points of `from` become part of `into`, moved by into_from_from. Every pose ever, too.

@@ -31,6 +31,7 @@ void count(const std::vector<FramePose>& block, PastFramesCount* past) {
 void MapEdit::forget_view(SetId set, CameraId camera) {
   COSLAM_CHECK(set < map_.now_, "what is seen now is no past");
   map_.key_images_.erase({set, camera});
+  map_.spared_images_.erase({set, camera});
   const auto at = map_.observed_at_.find(set);
   if (at != map_.observed_at_.end()) {
     std::erase_if(at->second, [&](PointId id) {

@@ -163,6 +163,7 @@ Map::Map(const Map& o)
       motions_(o.motions_),
       key_frames_(o.key_frames_),
       key_images_(o.key_images_),
+      spared_images_(o.spared_images_),
       loose_(o.loose_),
       observed_at_(o.observed_at_),
       repatched_(o.repatched_),
@@ -206,7 +207,8 @@ bool Map::is_key_frame(SetId set) const {
 }
 
 bool Map::keeps_observations_of(SetId set, CameraId camera) const {
-  return is_key_frame(set) || key_images_.contains({set, camera});
+  if (key_images_.contains({set, camera})) return true;
+  return is_key_frame(set) && !spared_images_.contains({set, camera});
 }
 
 std::vector<const MapPoint*> Map::found(std::vector<PointId> ids) const {

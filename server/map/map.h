@@ -262,6 +262,8 @@ class Map {
   const MapPoint* find(PointId id) const;
   const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
   bool is_key_frame(SetId set) const;
+  // Cameras that took no part in a key frame, as they saw nothing new.
+  const std::set<std::pair<SetId, CameraId>>& spared_images() const { return spared_images_; }
 
   // Those that move now, ascending.
   std::vector<const MapPoint*> moving_points() const;
@@ -339,7 +341,7 @@ class Map {
   std::unordered_map<PointId, MapPoint*> index_;  // of points_
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
-  std::set<std::pair<SetId, CameraId>> key_images_;
+  std::set<std::pair<SetId, CameraId>> key_images_, spared_images_;
   // Parts of points_, so that nobody has to look at all of them.
   std::map<PointId, MapPoint*> moving_;
   FlatMap<PointId, MapPoint*> recent_;  // and some that were seen longer ago

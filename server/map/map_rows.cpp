@@ -203,6 +203,7 @@ std::vector<Row> MapRows::changes(const Map& map) {
   std::vector<PastFramesCount> past;
   for (const MapCamera& c : map.cameras()) past.push_back(c.past);
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kPast), octets_of(map.moves_, map.shifted_ns_, past)});
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kSpared), octets_of(map.spared_images_)});
   return rows;
 }
 
@@ -220,6 +221,7 @@ void MapRows::restore(const Tables& tables, Map* map) {
   });
   std::vector<PastFramesCount> past;  // none in a file of version 1
   read_state(tables, StateRow::kPast, map->moves_, map->shifted_ns_, past);
+  read_state(tables, StateRow::kSpared, map->spared_images_);  // none in older files
   if (past.size() > map->cameras_.size()) throw UserError("the map file has a past of no camera");
   for (std::size_t i = 0; i < past.size(); ++i) map->cameras_[i].past = std::move(past[i]);
   for_each_row<FramePose>(tables, "frame", [&](FramePose frame, std::int64_t key) {

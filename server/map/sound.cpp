@@ -77,6 +77,8 @@ class Check {
       require(is_map(m.from) && is_map(m.into) && is_sound(m.into_from_from), "a map that moved to nowhere");
     }
     for (const auto& [set, id] : map_.key_images()) require(is_past(set) && is_there(id), "a key image of no camera");
+    for (const auto& [set, id] : map_.spared_images())
+      require(is_past(set) && is_there(id), "a key frame of no camera");
     for (const KeyFrame& k : map_.key_frames()) require(is_past(k.set), "a key frame of the future");
     for (const PointId id : map_.loose_points()) require(map_.find(id) != nullptr, "a loose point that is not there");
   }

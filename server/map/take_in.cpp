@@ -119,6 +119,7 @@ Renumbered MapEdit::take_in(const Map& other) {
   for (const MapCamera& c : other.cameras_) map_.cameras_.push_back(as_here(c, as));
   for (const KeyFrame& k : other.key_frames_) map_.key_frames_.push_back({as.of(k.set)});
   for (const auto& [set, camera] : other.key_images_) map_.key_images_.emplace(as.of(set), as.of(camera));
+  for (const auto& [set, camera] : other.spared_images_) map_.spared_images_.emplace(as.of(set), as.of(camera));
   for (const MapMove& m : other.moves_) map_.moves_.push_back({as.of(m.from), as.of(m.into), m.into_from_from});
   take_in_points(other, as);
   raise_epoch();

@@ -48,6 +48,7 @@ inline void expect_consistent(const Map& map) {
     EXPECT_EQ(id, p.id);
     EXPECT_EQ(map.find(id), &p);
     EXPECT_TRUE(sorted_and_unique(p.key_observations)) << id.value;
+    for (const KeyObservation& o : p.key_observations) EXPECT_TRUE(map.keeps_observations_of(o.set, o.camera));
     for (const BoundTrack& b : p.bound) {
       const auto at = map.camera(b.camera).tracks.find(b.track);
       ASSERT_NE(at, map.camera(b.camera).tracks.end());

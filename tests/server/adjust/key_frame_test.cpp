@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <vector>
+
 #include "server/associate/cull.h"
 #include "tests/support/sim_map.h"
 
@@ -69,6 +72,75 @@ TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
   EXPECT_FALSE(step()) << "a fifth";
   free(0.4);
   EXPECT_TRUE(step()) << "two fifths";
+}
+
+// One of six turns, the others stand still.
+class KeyFramesOfMany : public KeyFrameTest {
+ protected:
+  static constexpr int kTurning = 2;
+  static std::vector<test::CameraPath> paths(int cameras) {
+    std::vector<test::CameraPath> out;
+    for (int i = 0; i < cameras; ++i) {
+      const double turn = i == kTurning ? 0.5 : 0;
+      out.emplace_back([=](double t_s) { return test::looking({0.3 * i, 0, 0}, turn * t_s); });
+    }
+    return out;
+  }
+  explicit KeyFramesOfMany(int cameras = 6) : KeyFrameTest(paths(cameras)) {}
+  // Cameras that gave observations at the newest key frame.
+  std::set<CameraId> took_part() const {
+    const SetId key = sim_.map.key_frames().back().set;
+    std::set<CameraId> out;
+    for (const MapPoint* p : sim_.map.points_observed_at({key})) {
+      for (const KeyObservation& o : p->key_observations) {
+        if (o.set == key) out.insert(o.camera);
+      }
+    }
+    return out;
+  }
+  bool next() {
+    for (int i = 0; i < 60; ++i) {
+      sim_.advance();
+      sim_.add_points();
+      if (decide()) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(KeyFramesOfMany, OnlyThoseThatNeedOneTakePart) {
+  ASSERT_TRUE(decide());
+  EXPECT_EQ(took_part().size(), 6U) << "the first";
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(next());
+    EXPECT_EQ(took_part(), std::set{CameraId(kTurning)});
+    const SetId key = sim_.map.key_frames().back().set;
+    EXPECT_TRUE(sim_.map.keeps_observations_of(key, CameraId(kTurning)));
+    EXPECT_FALSE(sim_.map.keeps_observations_of(key, CameraId(0)));
+  }
+}
+
+TEST_F(KeyFramesOfMany, ASparedOneComparesWithItsOwnLast) {
+  ASSERT_TRUE(decide());
+  ASSERT_TRUE(next());
+  const MapCamera& still = sim_.map.camera(CameraId(0));
+  int left = 0;
+  for (const auto& [id, t] : still.tracks) {
+    if (t.bound() && ++left > 10) sim_.edit.unbind(still.id, t, Why::kOutsideGate);
+  }
+  ASSERT_TRUE(next());
+  EXPECT_TRUE(took_part().contains(still.id)) << "it lost most of what it saw at the first";
+}
+
+class KeyFramesOfAFew : public KeyFramesOfMany {
+ protected:
+  KeyFramesOfAFew() : KeyFramesOfMany(4) {}
+};
+
+TEST_F(KeyFramesOfAFew, AllTakePart) {
+  ASSERT_TRUE(decide());
+  ASSERT_TRUE(next());
+  EXPECT_EQ(took_part().size(), 4U);
 }
 
 class HoveringKeyFrames : public KeyFrameTest {
