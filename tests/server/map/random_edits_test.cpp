@@ -166,7 +166,7 @@ class RandomEdits {
     const SetId now = sim_.set.id, some(now.value - static_cast<std::uint32_t>(below(std::min(20U, now.value + 1))));
     switch (below(8)) {
       case 0:
-        return edit.add_key_frame(now, {any_camera().id});
+        return edit.add_key_frame(now, {CameraId(static_cast<std::uint16_t>(now.value % 2))});
       case 1:
         return edit.add_key_frame(some);
       case 2:
