@@ -13,10 +13,17 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
 scenes=()
 options=()
+untriggered=yes  # cameras that are rendered at another rate, which takes as long again
 while [[ $# -gt 0 ]]; do
   case $1 in
     --scene) need_value "$1" $# && scenes+=("$2") && shift ;;
-    --only) need_value "$1" $# && options+=(--only "$2") && shift ;;
+    --only)
+      need_value "$1" $#
+      [[ ${#options[@]} -gt 0 ]] || untriggered=no
+      [[ $2 != *"not triggered"* ]] || untriggered=yes
+      options+=(--only "$2")
+      shift
+      ;;
     --list) exec python3 "$root/tests/field/field.py" --bin . --sequence . --list ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;
@@ -33,8 +40,11 @@ folder=${TMPDIR:-/tmp}/coslam-field-$UID
 for scene in "${scenes[@]}"; do
   step "field: $scene"
   [[ -f $folder/$scene/sequence.yaml ]] || "$bin/coslam" render "$scene" "$folder/$scene"
-  other=$folder/$scene-29.3
-  [[ -f $other/sequence.yaml ]] || "$bin/coslam" render "$scene" "$other" --rate-hz 29.3
-  python3 tests/field/field.py --untriggered "$other/sequence.yaml" --bin "$bin" --sequence "$folder/$scene/sequence.yaml" --out "$folder/$scene-results" \
+  other=()
+  if [[ $untriggered == yes ]]; then
+    other=(--untriggered "$folder/$scene-29.3/sequence.yaml")
+    [[ -f ${other[1]} ]] || "$bin/coslam" render "$scene" "$folder/$scene-29.3" --rate-hz 29.3
+  fi
+  python3 tests/field/field.py "${other[@]}" --bin "$bin" --sequence "$folder/$scene/sequence.yaml" --out "$folder/$scene-results" \
     "${options[@]}"
 done
