@@ -103,8 +103,13 @@ ViewConfig view_of(const ReplayArguments& arguments) {
   return config.view;
 }
 
+// Shows the loop, if that was asked for, as long as `view` lives.
+void show(const ViewConfig& config, ServerLoop& loop, std::optional<LiveView>* view) {
+  if (config.on()) say_view("view: " + view->emplace(config, loop).url());
+}
+
 // The map server on agents that play what was recorded again and again.
-void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config) {
+void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config, const ViewConfig& shown) {
   RepeatedLink link(arguments.recording, arguments.repeats);
   const ServerClock clock{[&link] { return link.monotonic_ns(); }, [&link] { return link.utc_ns(); }};
   // Poses that agents say are in the map of then: to another run they mean nothing.
@@ -112,7 +117,7 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
       link, RunId(link.head().server_run.value + 1),
       {.server = config.server, .out = arguments.out, .map = arguments.map, .refine_in_thread = false, .clock = clock});
   std::optional<LiveView> view;
-  if (const ViewConfig c = view_of(arguments); c.on()) say_view("view: " + view.emplace(c, loop).url());
+  show(shown, loop, &view);
   Costs costs;
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     costs.show(link.now_ns(), loop.map_server());
@@ -121,7 +126,8 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
 }
 
 // The map server on what another one heard.
-void map_recording(const ReplayArguments& arguments, const RecordedConfig& config, double rate, TimeNs length_ns) {
+void map_recording(const ReplayArguments& arguments, const RecordedConfig& config, const ViewConfig& shown, double rate,
+                   TimeNs length_ns) {
   RecordedLink link(arguments.recording, rate);
   const ServerClock clock{[&link] { return link.monotonic_ns(); }, [&link] { return link.utc_ns(); }};
   ProgressOfRun progress;
@@ -134,7 +140,7 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
                    .clock = clock,
                    .adjusting = [&](int percent) { progress.adjusting(percent); }});
   std::optional<LiveView> view;
-  if (const ViewConfig c = view_of(arguments); c.on()) say_view("view: " + view.emplace(c, loop).url());
+  show(shown, loop, &view);
   const auto whole_s = [](TimeNs t_ns) { return static_cast<int>(t_ns / 1'000'000'000); };
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     progress.mapping(whole_s(std::min(link.now_ns(), length_ns)), whole_s(length_ns));
@@ -146,7 +152,7 @@ int replay(const ReplayArguments& arguments) {
   std::signal(SIGINT, [](int) { stop_requested = true; });
   std::signal(SIGTERM, [](int) { stop_requested = true; });
   const double rate = parse_replay_rate(arguments.rate);
-  view_of(arguments);  // a wrong port is said before anything starts
+  const ViewConfig shown = view_of(arguments);
   const RecordingSummary recorded = check_recording(arguments.recording);
   RecordedConfig config = recorded_config(recorded.head, arguments.recording);
   for (const std::string& s : arguments.sets) config::apply_set(config, s);
@@ -157,9 +163,9 @@ int replay(const ReplayArguments& arguments) {
   }
   if (arguments.repeats.times > 1 || arguments.repeats.fleets > 1) {
     if (rate != 0) throw UsageError("--times and --fleets play at --rate max only");
-    map_repeated(arguments, config);
+    map_repeated(arguments, config, shown);
   } else {
-    map_recording(arguments, config, rate, recorded.t_ns);
+    map_recording(arguments, config, shown, rate, recorded.t_ns);
   }
   print_summary(arguments.out);
   return 0;

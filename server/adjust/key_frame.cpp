@@ -85,10 +85,9 @@ bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& 
       if (!camera.frames.back().valid()) continue;
       const bool needs = needs_key_frame(map, since[camera.id.value], config);
       wanted = wanted || needs;
-      if (!needs) spared.push_back(camera.id);
+      if (!needs && set.frames.size() > kFew) spared.push_back(camera.id);
     }
     if (!wanted) return false;
-    if (set.frames.size() <= kFew) spared.clear();
   }
   edit.add_key_frame(set.id, spared);
   return true;

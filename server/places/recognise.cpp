@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <span>
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
@@ -26,7 +27,7 @@ struct KnownPoints {
   std::vector<std::uint8_t> descriptors;
 };
 
-KnownPoints known_points(const Map& map, MapId of, const std::vector<const KeyImage*>& asked) {
+KnownPoints known_points(const Map& map, MapId of, std::span<const KeyImage* const> asked) {
   KnownPoints out;
   std::vector<SetId> sets;
   sets.reserve(asked.size());
@@ -68,7 +69,7 @@ struct Agreement {
 };
 
 // The pose that most of the matches agree on.
-std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector<const KeyImage*>& asked, MapId in,
+std::optional<Recognition> locate(const Map& map, CameraId id, std::span<const KeyImage* const> asked, MapId in,
                                   const KnownPoints& known, const Matched& matched, const Agreement& wanted) {
   const MapCamera& camera = map.camera(id);
   std::vector<Eigen::Vector3d> positions;
@@ -99,13 +100,19 @@ std::optional<Recognition> locate(const Map& map, CameraId id, const std::vector
 // Where features are in an image.
 using Pixels = std::map<TrackId, Eigen::Vector2d>;
 
-Matched match_anywhere(const std::vector<TrackId>& tracks, const std::vector<std::uint8_t>& descriptors,
-                       const Pixels& pixels, const KnownPoints& known) {
+struct FeaturesOfImage {
+  const MapCamera& camera;
+  const std::vector<TrackId>& tracks;
+  const std::vector<std::uint8_t>& descriptors;
+  Pixels pixels;
+};
+
+Matched match_anywhere(const FeaturesOfImage& image, const KnownPoints& known) {
   Matched out;
-  for (const FeatureMatch& m : match_descriptors(descriptors, known.descriptors)) {
-    const TrackId track = tracks[static_cast<std::size_t>(m.first)];
-    const auto pixel = pixels.find(track);
-    if (pixel == pixels.end()) continue;
+  for (const FeatureMatch& m : match_descriptors(image.descriptors, known.descriptors)) {
+    const TrackId track = image.tracks[static_cast<std::size_t>(m.first)];
+    const auto pixel = image.pixels.find(track);
+    if (pixel == image.pixels.end()) continue;
     out.tracks.push_back(track);
     out.known.push_back(m.second);
     out.pixels.push_back(pixel->second);
@@ -113,26 +120,19 @@ Matched match_anywhere(const std::vector<TrackId>& tracks, const std::vector<std
   return out;
 }
 
-Pixels pixels_now(const MapCamera& camera) {
-  Pixels out;
-  for (const auto& [id, track] : camera.tracks) out.emplace(id, track.seen.back().undistorted_px.cast<double>());
+FeaturesOfImage features_now(const MapCamera& camera, const DescriptorReply& reply) {
+  FeaturesOfImage out{camera, reply.tracks, reply.descriptors, {}};
+  for (const auto& [id, track] : camera.tracks) {
+    out.pixels.emplace(id, track.seen.back().undistorted_px.cast<double>());
+  }
   return out;
 }
-
-// Features of an image, and where known points should appear in it.
-struct View {
-  const MapCamera& camera;
-  const Rigid3& cam_from_world;
-  const std::vector<TrackId>& tracks;
-  const std::vector<std::uint8_t>& descriptors;
-  const Pixels& pixels;
-};
 
 struct NearMatches : Matched {
   std::vector<double> off_px;  // from where the point should appear
 };
 
-// The nearest by its looks among those near by place, and the next one that lies elsewhere.
+// The nearest by its looks among those near by place, and how near the second is.
 struct NearestLooks {
   std::size_t other = 0;
   float first = 2, second = 2;  // squared distances
@@ -151,23 +151,24 @@ struct NearestLooks {
   bool distinct() const { return first < kDistinctRatio * kDistinctRatio * second; }
 };
 
-// Known points and features that look most like each other among those near where the view's pose puts the points.
-NearMatches match_near(const View& view, const KnownPoints& known, const std::function<bool(PointId)>& may_match) {
+// Known points and features that look most like each other among those near where this pose puts the points.
+NearMatches match_near(const FeaturesOfImage& image, const Rigid3& cam_from_world, const KnownPoints& known,
+                       const std::function<bool(PointId)>& may_match) {
   constexpr double kSearch = 0.03;  // of the image width
-  const Descriptors features = root_sift(view.descriptors), points = root_sift(known.descriptors);
+  const Descriptors features = root_sift(image.descriptors), points = root_sift(known.descriptors);
   std::vector<Eigen::Vector2d> pixels;
-  for (const TrackId id : view.tracks) {
-    const auto at = view.pixels.find(id);
-    pixels.push_back(at == view.pixels.end() ? Eigen::Vector2d::Constant(std::nan("")) : at->second);
+  for (const TrackId id : image.tracks) {
+    const auto at = image.pixels.find(id);
+    pixels.push_back(at == image.pixels.end() ? Eigen::Vector2d::Constant(std::nan("")) : at->second);
   }
   std::vector<NearestLooks> of_point(known.ids.size()), of_feature(pixels.size());
   for (std::size_t p = 0; p < known.ids.size(); ++p) {
     Eigen::Vector2d px;
     if (!may_match(known.ids[p])) continue;
-    if (!project_world(view.camera.model, view.cam_from_world, known.positions[p], &px)) continue;
+    if (!project_world(image.camera.model, cam_from_world, known.positions[p], &px)) continue;
     for (std::size_t f = 0; f < pixels.size(); ++f) {
       const double off_px = (pixels[f] - px).norm();
-      if (!(off_px < kSearch * view.camera.model.width_px)) continue;
+      if (!(off_px < kSearch * image.camera.model.width_px)) continue;
       const float d2 = 2 - 2 * points.row(static_cast<Eigen::Index>(p)).dot(features.row(static_cast<Eigen::Index>(f)));
       of_point[p].offer(f, d2, off_px);
       of_feature[f].offer(p, d2, off_px);
@@ -179,12 +180,26 @@ NearMatches match_near(const View& view, const KnownPoints& known, const std::fu
     constexpr float kMost = 0.5F;  // squared: where nothing else is near, there is no second best to compare with
     if (best.first > kMost || !best.distinct() || !of_feature[best.other].distinct()) continue;
     if (of_feature[best.other].other != p) continue;
-    out.tracks.push_back(view.tracks[best.other]);
+    out.tracks.push_back(image.tracks[best.other]);
     out.known.push_back(static_cast<int>(p));
     out.pixels.push_back(pixels[best.other]);
     out.off_px.push_back(best.off_px);
   }
   return out;
+}
+
+// First by the looks alone of what the best of these images show. What that says where the camera is tells where the
+// points of all of them should be, and near there looks that are not the only ones of their kind tell enough.
+std::optional<Recognition> locate_twice(const Map& map, std::span<const KeyImage* const> images, MapId in,
+                                        const FeaturesOfImage& features, const RecogniseConfig& config) {
+  const CameraId id = features.camera.id;
+  const auto best = images.first(std::min(images.size(), static_cast<std::size_t>(config.images)));
+  const KnownPoints known = known_points(map, in, best);
+  const auto first = locate(map, id, best, in, known, match_anywhere(features, known), {1.5, config.min_first, 0});
+  if (!first) return std::nullopt;
+  const KnownPoints around = known_points(map, in, images);
+  const NearMatches near = match_near(features, first->cam_from_world, around, [](PointId) { return true; });
+  return locate(map, id, images, in, around, near, {1.5, config.min_inliers, config.min_hull});
 }
 
 }  // namespace
@@ -227,11 +242,8 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
   }
   if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
-  const Pixels pixels = pixels_now(camera);
-  const DescriptorReply& reply = *frame.descriptors;
-  const NearMatches near =
-      match_near({camera, camera.frames.back().cam_from_world, reply.tracks, reply.descriptors, pixels}, known,
-                 [&](PointId id) { return !seen_by(*map.find(id), camera.id); });
+  const NearMatches near = match_near(features_now(camera, *frame.descriptors), camera.frames.back().cam_from_world,
+                                      known, [&](PointId id) { return !seen_by(*map.find(id), camera.id); });
   ExpectedPlace out;
   for (std::size_t i = 0; i < near.tracks.size(); ++i) {
     if (near.off_px[i] > gate_px) continue;
@@ -265,9 +277,7 @@ PlaceMemory::Asked PlaceMemory::asked_for(const Map& map, const std::vector<std:
   for (const auto& [n, image] : order) {
     const MapId of = map.camera(image->camera).frame_at(image->set)->map;
     if (asked.in == MapId()) asked.in = of;
-    if (of != asked.in) continue;
-    if (static_cast<int>(asked.images.size()) < config_.images) asked.images.push_back(image);
-    if (static_cast<int>(asked.around.size()) < config_.around) asked.around.push_back(image);
+    if (of == asked.in && static_cast<int>(asked.images.size()) < config_.around) asked.images.push_back(image);
   }
   return asked;
 }
@@ -275,27 +285,9 @@ PlaceMemory::Asked PlaceMemory::asked_for(const Map& map, const std::vector<std:
 std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
                                              const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
   if (!frame.descriptors) return std::nullopt;
-  const DescriptorReply& reply = *frame.descriptors;
-  const Asked asked = asked_for(map, reply.descriptors, may_ask);
+  const Asked asked = asked_for(map, frame.descriptors->descriptors, may_ask);
   if (asked.images.empty()) return std::nullopt;
-  return locate_again(map, map.camera(frame.camera), asked, reply.tracks, reply.descriptors,
-                      pixels_now(map.camera(frame.camera)));
-}
-
-// First by looks alone. What these say where the camera is tells where the other points should be, and near there looks
-// that are not the only ones of their kind in the image tell enough.
-std::optional<Recognition> PlaceMemory::locate_again(const Map& map, const MapCamera& camera, const Asked& asked,
-                                                     const std::vector<TrackId>& tracks,
-                                                     const std::vector<std::uint8_t>& descriptors,
-                                                     const std::map<TrackId, Eigen::Vector2d>& pixels) const {
-  const KnownPoints known = known_points(map, asked.in, asked.images);
-  const auto first = locate(map, camera.id, asked.images, asked.in, known,
-                            match_anywhere(tracks, descriptors, pixels, known), {1.5, config_.min_first, 0});
-  if (!first) return std::nullopt;
-  const KnownPoints around = known_points(map, asked.in, asked.around);
-  const NearMatches near =
-      match_near({camera, first->cam_from_world, tracks, descriptors, pixels}, around, [](PointId) { return true; });
-  return locate(map, camera.id, asked.around, asked.in, around, near, {1.5, config_.min_inliers, config_.min_hull});
+  return locate_twice(map, asked.images, asked.in, features_now(map.camera(frame.camera), *frame.descriptors), config_);
 }
 
 std::vector<const KeyImage*> PlaceMemory::images_of(const Map& map, MapId of) const {
@@ -321,16 +313,16 @@ std::optional<SeenAgain> PlaceMemory::find_again(const Map& map, const KeyImage&
   const MapId of = map.camera(image.camera).frame_at(image.set)->map;
   const Asked asked = asked_for(map, image.descriptors, may_ask);
   if (asked.images.empty()) return std::nullopt;
-  Pixels pixels;
+  FeaturesOfImage features{map.camera(image.camera), image.tracks, image.descriptors, {}};
   SeenAgain seen{.image = &image};
   for (const MapPoint* p : map.points_observed_at({image.set})) {
     for (const KeyObservation& o : p->key_observations) {
       if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
-      pixels[o.track] = o.undistorted_px.cast<double>();
+      features.pixels[o.track] = o.undistorted_px.cast<double>();
       seen.own[o.track] = p->id;
     }
   }
-  auto place = locate_again(map, map.camera(image.camera), asked, image.tracks, image.descriptors, pixels);
+  auto place = locate_twice(map, asked.images, asked.in, features, config_);
   if (!place) return std::nullopt;
   seen.place = std::move(*place);
   return seen;

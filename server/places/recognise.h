@@ -93,16 +93,11 @@ class PlaceMemory {
 
  private:
   struct Asked {
-    std::vector<const KeyImage*> images;  // the ones that look most like it
-    std::vector<const KeyImage*> around;  // these and more
+    std::vector<const KeyImage*> images;  // the ones that look most like it, the best first
     MapId in;
   };
   Asked asked_for(const Map& map, const std::vector<std::uint8_t>& descriptors,
                   const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
-  std::optional<Recognition> locate_again(const Map& map, const MapCamera& camera, const Asked& asked,
-                                          const std::vector<TrackId>& tracks,
-                                          const std::vector<std::uint8_t>& descriptors,
-                                          const std::map<TrackId, Eigen::Vector2d>& pixels) const;
 
   RecogniseConfig config_;
   AppearanceIndex index_;
