@@ -1,13 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The tracker's work on pixels in OpenCL C 1.2: what agent/track/{pyramid,motion,align,window,key_patch,corner_score,
-// cell_corners,cpu_matcher}.cpp do, in the same order. Sums are of integers, hence the same; what follows them is float here, where the CPU has double:
-// mobile GPUs have none. opencl_matcher.cpp puts the constants in front, which are those of the CPU.
+// The tracker's work on pixels in OpenCL C 1.2, and in CUDA C++ with cuda_dialect.cuh in front: what agent/track/{pyramid,motion,
+// align,window,key_patch,corner_score,cell_corners,cpu_matcher}.cpp do, in the same order. Sums are of integers, hence the same;
+// what follows them is float here, where the CPU has double: mobile GPUs have none. match_program.cpp puts the constants in
+// front, which are those of the CPU.
 //
 // A work-group of GROUP items, 1 or a power of 4, has one track; every item has PER_ITEM samples of its window and knows all
 // sums. Barriers stand only where all items of a group come alike: whatever decides on the way is the same in all.
+
+// What the two languages write apart: a group's own memory, and vectors of so many.
+#ifndef __CUDACC__
 #pragma OPENCL FP_CONTRACT OFF
+#define GROUP_MEMORY __local
+#define FLOAT2(x, y) ((float2)(x, y))
+#define FLOAT3(x, y, z) ((float3)(x, y, z))
+#define FLOAT4(x, y, z, w) ((float4)(x, y, z, w))
+#define INT3(x, y, z) ((int3)(x, y, z))
+#endif
 
 #define PER_ITEM (WINDOW_AREA / GROUP)
 #define MOST_SUMS 10
@@ -17,16 +27,16 @@
 #define GROUP_BARRIER() barrier(CLK_LOCAL_MEM_FENCE)
 #endif
 
-// Level l of a pyramid: its first pixel in the buffer of all levels, and its size.
+// Level l of a pyramid: its first pixel in the buffer of all levels, its size, and from one row to the next.
 typedef struct {
-  int offset, cols, rows;
+  int offset, cols, rows, stride;
 } Size;
 
-// As in opencl_matcher.cpp.
+// As in device_matcher.cpp.
 typedef struct {
   float from_x, from_y, motion_x, motion_y;
   float warp[4];  // of the first patch, by rows
-  int moving;
+  int moving, key;  // which of the first patches is its own
 } Sought;
 
 typedef struct {
@@ -63,43 +73,43 @@ typedef struct {
 } CellCorners;
 
 typedef struct {
-  global const uchar* pixels;
-  int cols, rows;
+  __global const uchar* pixels;
+  int cols, rows, stride;
 } Level;
 
-static Level level_of(global const uchar* pyramid, constant const Size* sizes, int l) {
-  const Level level = {pyramid + sizes[l].offset, sizes[l].cols, sizes[l].rows};
+static Level level_of(__global const uchar* pyramid, __constant const Size* sizes, int l) {
+  const Level level = {pyramid + sizes[l].offset, sizes[l].cols, sizes[l].rows, sizes[l].stride};
   return level;
 }
 
 // The border is repeated.
 static int pixel(Level l, int x, int y) {
-  return l.pixels[clamp(y, 0, l.rows - 1) * l.cols + clamp(x, 0, l.cols - 1)];
+  return l.pixels[clamp(y, 0, l.rows - 1) * l.stride + clamp(x, 0, l.cols - 1)];
 }
 
 // Pyramid.
 
 static int mirrored(int i, int size) { return i < 0 ? -i : i >= size ? 2 * size - 2 - i : i; }
 
-kernel void halve(global uchar* pyramid, constant const Size* sizes, int l) {
+__kernel void halve(__global uchar* pyramid, __constant const Size* sizes, int l) {
   const Level finer = level_of(pyramid, sizes, l - 1);
   const int x = get_global_id(0), y = get_global_id(1), cols = sizes[l].cols;
   if (x >= cols || y >= sizes[l].rows) return;
   const int weights[5] = {1, 4, 6, 4, 1};
   int sum = 0;
   for (int r = 0; r < 5; ++r) {
-    const int row = mirrored(2 * y + r - 2, finer.rows) * finer.cols;
+    const int row = mirrored(2 * y + r - 2, finer.rows) * finer.stride;
     for (int c = 0; c < 5; ++c) {
       sum += weights[r] * weights[c] * finer.pixels[row + mirrored(2 * x + c - 2, finer.cols)];
     }
   }
-  pyramid[sizes[l].offset + y * cols + x] = (uchar)((sum + 128) >> 8);
+  pyramid[sizes[l].offset + y * sizes[l].stride + x] = (uchar)((sum + 128) >> 8);
 }
 
 // Sums.
 
 // Makes of each item's sums those of the group.
-static void sum_over_group(int* sums, int count, local int* room) {
+static void sum_over_group(int* sums, int count, __local int* room) {
 #if GROUP > 1
   const int item = get_local_id(0);
   for (int k = 0; k < count; ++k) room[k * GROUP + item] = sums[k];
@@ -107,14 +117,14 @@ static void sum_over_group(int* sums, int count, local int* room) {
     GROUP_BARRIER();
     if (item < width) {
       for (int k = 0; k < count; ++k) {
-        local int* r = room + k * GROUP + item;
+        __local int* r = room + k * GROUP + item;
         r[0] += r[width] + r[2 * width] + r[3 * width];
       }
     }
   }
   GROUP_BARRIER();
   for (int k = 0; k < count; ++k) {
-    local const int* r = room + k * GROUP;
+    __local const int* r = room + k * GROUP;
     sums[k] = r[0] + r[1] + r[2] + r[3];
   }
   GROUP_BARRIER();
@@ -137,9 +147,9 @@ static float zncc_of(int area, int a, int b, int aa, int bb, int ab) {
 }
 
 // A group per shift; `zncc` has a rim of zeros around the shifts.
-kernel void try_shifts(global const uchar* before, global const uchar* newest, constant const Size* sizes, int top,
-                       global float* zncc) {
-  local int room[5 * GROUP];
+__kernel void try_shifts(__global const uchar* before, __global const uchar* newest, __constant const Size* sizes, int top,
+                       __global float* zncc) {
+  GROUP_MEMORY int room[5 * GROUP];
   const Level from = level_of(before, sizes, top), to = level_of(newest, sizes, top);
   const int dx = (int)get_group_id(0) - SHIFT_RADIUS - 1, dy = (int)get_group_id(1) - SHIFT_RADIUS - 1;
   const int rx = min(SHIFT_RADIUS, from.cols / 3), ry = min(SHIFT_RADIUS, from.rows / 3);
@@ -149,7 +159,7 @@ kernel void try_shifts(global const uchar* before, global const uchar* newest, c
   int sums[5] = {0, 0, 0, 0, 0};
   for (int i = get_local_id(0); tried && i < cols * rows; i += GROUP) {
     const int x = x0 + i % cols, y = y0 + i / cols;
-    const int p = from.pixels[y * from.cols + x], q = to.pixels[(y + dy) * to.cols + x + dx];
+    const int p = from.pixels[y * from.stride + x], q = to.pixels[(y + dy) * to.stride + x + dx];
     sums[0] += p;
     sums[1] += q;
     sums[2] += p * p;
@@ -168,21 +178,49 @@ static float vertex(float before, float at, float after) {
   return curvature < 0 ? clamp(0.5f * (before - after) / curvature, -0.5f, 0.5f) : 0;
 }
 
-// One item. The shift goes where sighting 0 has its place.
-kernel void pick_shift(global const float* zncc, constant const Size* sizes, int top, global Sighting* sightings) {
-  const int rx = min(SHIFT_RADIUS, sizes[top].cols / 3), ry = min(SHIFT_RADIUS, sizes[top].rows / 3);
-  const int centre = SHIFT_RADIUS + 1;
-  global const float* middle = zncc + centre * SHIFT_SIDE + centre;
-  int best = 0, best_x = 0, best_y = 0;
-  for (int dy = -ry; dy <= ry; ++dy) {
-    for (int dx = -rx; dx <= rx; ++dx) {
-      const int i = dy * SHIFT_SIDE + dx;
-      if (middle[i] > middle[best]) best = i, best_x = dx, best_y = dy;
+// Which item has the most, and of equals the last; `at` is what each of them is asked about, -1 for nothing.
+static void most_of_group(float* score, int* at, __local float* scores, __local int* places) {
+#if GROUP > 1
+  const int item = get_local_id(0);
+  scores[item] = *score;
+  places[item] = *at;
+  for (int width = GROUP / 2; width > 0; width /= 2) {
+    GROUP_BARRIER();
+    if (item < width) {
+      const float s = scores[item + width];
+      const int place = places[item + width];
+      const bool more = s > scores[item] || (s == scores[item] && place > places[item]);
+      if (place >= 0 && (places[item] < 0 || more)) scores[item] = s, places[item] = place;
     }
   }
-  const float at = middle[best], scale = (float)(1 << top);
-  sightings->x = scale * (best_x + vertex(middle[best - 1], at, middle[best + 1]));
-  sightings->y = scale * (best_y + vertex(middle[best - SHIFT_SIDE], at, middle[best + SHIFT_SIDE]));
+  GROUP_BARRIER();
+  *score = scores[0];
+  *at = places[0];
+  GROUP_BARRIER();
+#endif
+}
+
+// A group. The shift goes where sighting 0 has its place. Of equals the first, by rows, but none before the middle.
+__kernel void pick_shift(__global const float* zncc, __constant const Size* sizes, int top, __global Sighting* sightings) {
+  GROUP_MEMORY float scores[GROUP];
+  GROUP_MEMORY int places[GROUP];
+  const int rx = min(SHIFT_RADIUS, sizes[top].cols / 3), ry = min(SHIFT_RADIUS, sizes[top].rows / 3);
+  const int centre = SHIFT_RADIUS + 1, cols = 2 * rx + 1, area = cols * (2 * ry + 1);
+  __global const float* middle = zncc + centre * SHIFT_SIDE + centre;
+  float most = middle[0];
+  int best = area;  // the middle; else how many come after
+  for (int i = get_local_id(0); i < area; i += GROUP) {
+    const float s = middle[(i / cols - ry) * SHIFT_SIDE + i % cols - rx];
+    if (s > most) most = s, best = area - 1 - i;
+  }
+  most_of_group(&most, &best, scores, places);
+  if (get_local_id(0) != 0) return;
+  const int i = area - 1 - best;
+  const int x = best == area ? 0 : i % cols - rx, y = best == area ? 0 : i / cols - ry;
+  const float scale = (float)(1 << top);
+  middle += y * SHIFT_SIDE + x;
+  sightings->x = scale * (x + vertex(middle[-1], middle[0], middle[1]));
+  sightings->y = scale * (y + vertex(middle[-SHIFT_SIDE], middle[0], middle[SHIFT_SIDE]));
 }
 
 // Windows.
@@ -237,17 +275,17 @@ static void prepare(Template* t, const int* sums) {
   t->squares = centred(sums[5], sums[2], sums[2]);
   t->min_eigenvalue = 0;
   if (!(t->squares > 0)) return;
-  const float2 g = (float2)(centred(sums[7], sums[0], sums[2]), centred(sums[8], sums[1], sums[2]));
+  const float2 g = FLOAT2(centred(sums[7], sums[0], sums[2]), centred(sums[8], sums[1], sums[2]));
   t->by_gain = g / t->squares;
   const float xx = centred(sums[3], sums[0], sums[0]) - g.x * t->by_gain.x;
   const float xy = centred(sums[6], sums[0], sums[1]) - g.x * t->by_gain.y;
   const float yy = centred(sums[4], sums[1], sums[1]) - g.y * t->by_gain.y;
   const float spread = sqrt(0.25f * (xx - yy) * (xx - yy) + xy * xy);
   t->min_eigenvalue = (0.5f * (xx + yy) - spread) / (TEMPLATE_UNIT * TEMPLATE_UNIT);
-  t->inverse = (float3)(yy, -xy, xx) / (xx * yy - xy * xy);
+  t->inverse = FLOAT3(yy, -xy, xx) / (xx * yy - xy * xy);
 }
 
-static void cut_template(Level l, float2 centre, Template* t, local int* room) {
+static void cut_template(Level l, float2 centre, Template* t, __local int* room) {
   const First first = first_sample(centre - WINDOW_HALF);
   int sums[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   for (int k = 0; k < PER_ITEM; ++k) {
@@ -273,7 +311,7 @@ static void cut_template(Level l, float2 centre, Template* t, local int* room) {
 }
 
 // How far `centre` lies from where the template is found, and with which gain.
-static float2 window_step(Level l, float2 centre, const Template* t, local int* room, float* gain) {
+static float2 window_step(Level l, float2 centre, const Template* t, __local int* room, float* gain) {
   const First first = first_sample(centre - WINDOW_HALF);
   int sums[4] = {0, 0, 0, 0};
   for (int k = 0; k < PER_ITEM; ++k) {
@@ -285,9 +323,9 @@ static float2 window_step(Level l, float2 centre, const Template* t, local int* 
   }
   sum_over_group(sums, 4, room);
   const float with_grey = centred(sums[3], sums[0], t->total_grey);
-  const float2 with = (float2)(centred(sums[1], sums[0], t->total_dx), centred(sums[2], sums[0], t->total_dy)) -
+  const float2 with = FLOAT2(centred(sums[1], sums[0], t->total_dx), centred(sums[2], sums[0], t->total_dy)) -
                       t->by_gain * with_grey;
-  const float2 moved = (float2)(t->inverse.x * with.x + t->inverse.y * with.y,
+  const float2 moved = FLOAT2(t->inverse.x * with.x + t->inverse.y * with.y,
                                 t->inverse.y * with.x + t->inverse.z * with.y);  // gain * offset
   const float solved = with_grey / t->squares - dot(t->by_gain, moved);
   *gain = solved * TEMPLATE_UNIT / SAMPLE_UNIT;
@@ -295,7 +333,7 @@ static float2 window_step(Level l, float2 centre, const Template* t, local int* 
 }
 
 // The square with the mean taken out of samples whose sums are these, in template units.
-static float window_zncc(Level l, float2 centre, const Template* t, local int* room) {
+static float window_zncc(Level l, float2 centre, const Template* t, __local int* room) {
   const First first = first_sample(centre - WINDOW_HALF);
   int sums[4] = {0, 0, 0, 0};
   for (int k = 0; k < PER_ITEM; ++k) {
@@ -313,7 +351,7 @@ static float window_zncc(Level l, float2 centre, const Template* t, local int* r
 
 // Alignment.
 
-static bool align_level(const Template* t, Level l, bool fine, float2* at_px, local int* room) {
+static bool align_level(const Template* t, Level l, bool fine, float2* at_px, __local int* room) {
   const float converged = fine ? CONVERGED_FINE_PX : CONVERGED_COARSE_PX;
   const int iterations = fine ? FINE_ITERATIONS : COARSE_ITERATIONS;
   float2 at = *at_px;
@@ -335,15 +373,15 @@ static bool align_level(const Template* t, Level l, bool fine, float2* at_px, lo
 }
 
 typedef struct {
-  global const uchar *before, *newest;
-  constant const Size* sizes;
+  __global const uchar *before, *newest;
+  __constant const Size* sizes;
   int levels;
 } Images;
 
 // Follows the window around from_px from one image into the other. False when it is not found; else px, and zncc where
 // `zncc` is not null.
-static bool align(global const uchar* from, global const uchar* to, constant const Size* sizes, int top, float2 from_px,
-                  float2 guess_px, float2* px, float* zncc, local int* room) {
+static bool align(__global const uchar* from, __global const uchar* to, __constant const Size* sizes, int top, float2 from_px,
+                  float2 guess_px, float2* px, float* zncc, __local int* room) {
   float2 motion = guess_px - from_px;
   bool found = false;
   Template t;
@@ -368,7 +406,7 @@ static bool align(global const uchar* from, global const uchar* to, constant con
 }
 
 // Of three guesses, that whose surroundings look most alike, and the level to start from.
-static float2 best_guess(Images images, float2 from_px, const float2* guesses, int* top, local int* room) {
+static float2 best_guess(Images images, float2 from_px, const float2* guesses, int* top, __local int* room) {
   const int l = min(GUESS_LEVEL, images.levels - 1);
   const float scale = 1.0f / (1 << l);
   const Level source = level_of(images.before, images.sizes, l), target = level_of(images.newest, images.sizes, l);
@@ -389,14 +427,14 @@ static float2 best_guess(Images images, float2 from_px, const float2* guesses, i
   return best;
 }
 
-static bool inside(constant const Size* image, float2 px, float border) {
+static bool inside(__constant const Size* image, float2 px, float border) {
   return px.x >= border && px.y >= border && px.x <= (float)(image->cols - 1) - border &&
          px.y <= (float)(image->rows - 1) - border;
 }
 
 // From the image before to the newest, from level `top` down, and back.
 static bool match(Images images, const Limits* limits, float2 from_px, bool moving, float2 guess_px, int top,
-                  float2* px, local int* room) {
+                  float2* px, __local int* room) {
   float zncc;
   if (!align(images.before, images.newest, images.sizes, top, from_px, guess_px, px, &zncc, room)) return false;
   if (!inside(images.sizes, *px, limits->border_px)) return false;
@@ -408,23 +446,23 @@ static bool match(Images images, const Limits* limits, float2 from_px, bool movi
   return length(back - from_px) <= (moving ? MOVING_FORWARD_BACKWARD : 1.0f) * limits->forward_backward_px;
 }
 
-static float2 from_of(global const Sought* t) { return (float2)(t->from_x, t->from_y); }
+static float2 from_of(__global const Sought* t) { return FLOAT2(t->from_x, t->from_y); }
 
 // A group per track. Sighting 0 is the shift of the image.
-kernel void match_tracks(global const uchar* before, global const uchar* newest, constant const Size* sizes, int levels,
-                         Limits limits, float2 last_shift, global const Sought* tracks, global Sighting* sightings) {
-  local int room[MOST_SUMS * GROUP];
+__kernel void match_tracks(__global const uchar* before, __global const uchar* newest, __constant const Size* sizes, int levels,
+                         Limits limits, float2 last_shift, __global const Sought* tracks, __global Sighting* sightings) {
+  GROUP_MEMORY int room[MOST_SUMS * GROUP];
   const Images images = {before, newest, sizes, levels};
-  global const Sought* t = tracks + get_group_id(0);
-  const float2 shift = (float2)(sightings->x, sightings->y);
-  const float2 from = from_of(t), motion = (float2)(t->motion_x, t->motion_y);
+  __global const Sought* t = tracks + get_group_id(0);
+  const float2 shift = FLOAT2(sightings->x, sightings->y);
+  const float2 from = from_of(t), motion = FLOAT2(t->motion_x, t->motion_y);
   const float2 guesses[3] = {from + motion, from + motion + (shift - last_shift), from + shift};
   int top;
   const float2 guess = best_guess(images, from, guesses, &top, room);
   float2 px = from;
   const bool found = match(images, &limits, from, t->moving, guess, top, &px, room);
   if (get_local_id(0) == 0) {
-    global Sighting* s = sightings + 1 + get_group_id(0);
+    __global Sighting* s = sightings + 1 + get_group_id(0);
     s->found = found;
     s->x = px.x;
     s->y = px.y;
@@ -441,42 +479,53 @@ static float median(const float* values, int count) {
   return sorted[count / 2];
 }
 
-// The median motion of the nearest tracks that were found at once. False when there are none.
-static bool motion_near(float2 px, int count, global const Sought* tracks, global const Sighting* sightings,
-                        float2* motion) {
-  float distances[MOTION_NEIGHBOURS], x[MOTION_NEIGHBOURS], y[MOTION_NEIGHBOURS];
-  int known = 0;
-  for (int i = 0; i < count; ++i) {
-    global const Sighting* s = sightings + 1 + i;
-    if (s->found != 1) continue;
-    const float2 from = from_of(tracks + i), away = from - px;
-    const float distance = dot(away, away);
-    if (known == MOTION_NEIGHBOURS && !(distance < distances[known - 1])) continue;
-    int k = known < MOTION_NEIGHBOURS ? known++ : known - 1;
-    for (; k > 0 && distances[k - 1] > distance; --k) {
-      distances[k] = distances[k - 1];
-      x[k] = x[k - 1];
-      y[k] = y[k - 1];
+// The median motion of the nearest tracks that were found at once. False when there are none. Each round takes the nearest
+// that is further than the last one taken; of equals the earlier first.
+static bool motion_near(float2 px, int count, __global const Sought* tracks, __global const Sighting* sightings,
+                        float2* motion, __local float* room_distances, __local int* room_places) {
+  float x[MOTION_NEIGHBOURS], y[MOTION_NEIGHBOURS];
+  float last_distance = -1;
+  int last = -1, known = 0;
+  for (bool more = true; more && known < MOTION_NEIGHBOURS;) {
+    float least = INFINITY;
+    int nearest = -1;
+    for (int i = get_local_id(0); i < count; i += GROUP) {
+      if (sightings[1 + i].found != 1) continue;
+      const float2 away = from_of(tracks + i) - px;
+      const float distance = dot(away, away);
+      const bool next = distance > last_distance || (distance == last_distance && i > last);
+      if (next && distance < least) least = distance, nearest = i;
     }
-    distances[k] = distance;
-    x[k] = s->x - from.x;
-    y[k] = s->y - from.y;
+    float nearness = -least;
+    int place = nearest >= 0 ? count - 1 - nearest : -1;  // of equals the last is the first track
+    most_of_group(&nearness, &place, room_distances, room_places);
+    more = place >= 0;
+    if (more) {
+      last_distance = -nearness;
+      last = count - 1 - place;
+      const float2 from = from_of(tracks + last);
+      x[known] = sightings[1 + last].x - from.x;
+      y[known] = sightings[1 + last].y - from.y;
+      ++known;
+    }
   }
-  if (known > 0) *motion = (float2)(median(x, known), median(y, known));
+  if (known > 0) *motion = FLOAT2(median(x, known), median(y, known));
   return known > 0;
 }
 
 // A group per track: those that were not found, from where their neighbours went.
-kernel void match_again(global const uchar* before, global const uchar* newest, constant const Size* sizes, int levels,
-                        Limits limits, global const Sought* tracks, int count, global Sighting* sightings) {
-  local int room[MOST_SUMS * GROUP];
+__kernel void match_again(__global const uchar* before, __global const uchar* newest, __constant const Size* sizes, int levels,
+                        Limits limits, __global const Sought* tracks, int count, __global Sighting* sightings) {
+  GROUP_MEMORY int room[MOST_SUMS * GROUP];
+  GROUP_MEMORY float room_distances[GROUP];
+  GROUP_MEMORY int room_places[GROUP];
   const Images images = {before, newest, sizes, levels};
-  global const Sought* t = tracks + get_group_id(0);
-  global Sighting* s = sightings + 1 + get_group_id(0);
+  __global const Sought* t = tracks + get_group_id(0);
+  __global Sighting* s = sightings + 1 + get_group_id(0);
   if (s->found) return;
   const float2 from = from_of(t);
   float2 motion, px;
-  if (!motion_near(from, count, tracks, sightings, &motion)) return;
+  if (!motion_near(from, count, tracks, sightings, &motion, room_distances, room_places)) return;
   if (!match(images, &limits, from, t->moving, from + motion, min(RETRY_TOP, levels - 1), &px, room)) return;
   if (get_local_id(0) == 0) {
     s->x = px.x;
@@ -499,7 +548,7 @@ static int sample_warped(Level l, int x, int y) {
 }
 
 static bool warped_readable(Level l, float2 centre, float4 warp) {
-  const float2 reach = WINDOW_HALF * (float2)(fabs(warp.x) + fabs(warp.y), fabs(warp.z) + fabs(warp.w));
+  const float2 reach = WINDOW_HALF * FLOAT2(fabs(warp.x) + fabs(warp.y), fabs(warp.z) + fabs(warp.w));
   const float margin = MARGIN - 2;
   return centre.x - reach.x >= -margin && centre.y - reach.y >= -margin &&
          centre.x + reach.x <= (float)(l.cols - 1) + margin && centre.y + reach.y <= (float)(l.rows - 1) + margin;
@@ -507,8 +556,8 @@ static bool warped_readable(Level l, float2 centre, float4 warp) {
 
 // The sums of a patch, as now seen, with the patch that was seen first: products with the derivatives by all seven
 // parameters, mean taken out; and the zncc.
-static float project(Level l, float2 centre, float4 warp, global const Key* key, local int* room, float* with) {
-  const float2 first = centre - WINDOW_HALF * (float2)(warp.x + warp.y, warp.z + warp.w);
+static float project(Level l, float2 centre, float4 warp, __global const Key* key, __local int* room, float* with) {
+  const float2 first = centre - WINDOW_HALF * FLOAT2(warp.x + warp.y, warp.z + warp.w);
   const int x0 = fixed(first.x), y0 = fixed(first.y);
   const int x_u = fixed(warp.x), x_v = fixed(warp.y), y_u = fixed(warp.z), y_v = fixed(warp.w);
   int sums[MOST_SUMS] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -540,7 +589,7 @@ static float project(Level l, float2 centre, float4 warp, global const Key* key,
 }
 
 // Gauss-Newton's step: moves at and warp. False when it leads nowhere.
-static bool key_step(global const Key* key, const float* with, float2* at, float4* warp, float* step2) {
+static bool key_step(__global const Key* key, const float* with, float2* at, float4* warp, float* step2) {
   float solution[7];
   for (int r = 0; r < 7; ++r) {
     solution[r] = 0;
@@ -552,22 +601,22 @@ static bool key_step(global const Key* key, const float* with, float2* at, float
   const float determinant = a * d - b * c;
   if (!(determinant > LEAST_DETERMINANT)) return false;
   const float4 w = *warp;
-  *warp = (float4)(w.x * d - w.y * c, w.y * a - w.x * b, w.z * d - w.w * c, w.w * a - w.z * b) / determinant;
-  const float2 step = (float2)(warp->x * solution[0] + warp->y * solution[1], warp->z * solution[0] + warp->w * solution[1]);
+  *warp = FLOAT4(w.x * d - w.y * c, w.y * a - w.x * b, w.z * d - w.w * c, w.w * a - w.z * b) / determinant;
+  const float2 step = FLOAT2(warp->x * solution[0] + warp->y * solution[1], warp->z * solution[0] + warp->w * solution[1]);
   *at -= step;
   *step2 = dot(step, step);
   return true;
 }
 
 // A group per track: where the first patch of those that were found is.
-kernel void find_keys(global const uchar* newest, constant const Size* sizes, int levels, global const Sought* tracks,
-                      global const Key* keys, global Sighting* sightings) {
-  local int room[MOST_SUMS * GROUP];
-  global const Sought* t = tracks + get_group_id(0);
-  global const Key* key = keys + get_group_id(0);
-  global Sighting* s = sightings + 1 + get_group_id(0);
+__kernel void find_keys(__global const uchar* newest, __constant const Size* sizes, int levels, __global const Sought* tracks,
+                      __global const Key* keys, __global Sighting* sightings) {
+  GROUP_MEMORY int room[MOST_SUMS * GROUP];
+  __global const Sought* t = tracks + get_group_id(0);
+  __global const Key* key = keys + t->key;
+  __global Sighting* s = sightings + 1 + get_group_id(0);
   if (!s->found) return;
-  float4 warp = (float4)(t->warp[0], t->warp[1], t->warp[2], t->warp[3]);
+  float4 warp = FLOAT4(t->warp[0], t->warp[1], t->warp[2], t->warp[3]);
   int l = 0;
   float scale = 1;
   while (warp.x * warp.w - warp.y * warp.z > WIDEST_SCALE * WIDEST_SCALE * scale * scale && l + 1 < levels) {
@@ -575,7 +624,7 @@ kernel void find_keys(global const uchar* newest, constant const Size* sizes, in
     scale *= 2;
   }
   const Level level = level_of(newest, sizes, l);
-  const float2 start = (float2)(s->x, s->y) / scale;
+  const float2 start = FLOAT2(s->x, s->y) / scale;
   float2 at = start;
   warp /= scale;
   float zncc = 0;
@@ -615,24 +664,24 @@ static int3 gradients(Level l, int x, int y) {
                  (pixel(l, x + 1, y + 1) - pixel(l, x - 1, y + 1));
   const int gy = (pixel(l, x - 1, y + 1) - pixel(l, x - 1, y - 1)) + 2 * (pixel(l, x, y + 1) - pixel(l, x, y - 1)) +
                  (pixel(l, x + 1, y + 1) - pixel(l, x + 1, y - 1));
-  return (int3)(gx * gx, gx * gy, gy * gy) >> PRODUCT_SHIFT;
+  return INT3(gx * gx, gx * gy, gy * gy) >> PRODUCT_SHIFT;
 }
 
-kernel void sum_columns(global const uchar* pyramid, constant const Size* sizes, int l, global int* columns) {
+__kernel void sum_columns(__global const uchar* pyramid, __constant const Size* sizes, int l, __global int* columns) {
   const Level level = level_of(pyramid, sizes, l);
   const int i = get_global_id(0), y = get_global_id(1), width = level.cols + 2 * CORNER_HALF;
   if (i >= width) return;
   const int weights[7] = {1, 6, 15, 20, 15, 6, 1};
-  int3 sum = 0;
+  int3 sum = INT3(0, 0, 0);
   for (int r = 0; r < 7; ++r) sum += weights[r] * gradients(level, i - CORNER_HALF, y + r - CORNER_HALF);
   vstore3(sum, y * width + i, columns);
 }
 
-static int across(global const int* columns) {
+static int across(__global const int* columns) {
   return binomial(columns[0], columns[3], columns[6], columns[9], columns[12], columns[15], columns[18]);
 }
 
-kernel void score_corners(global const int* columns, constant const Size* sizes, int l, global float* scores) {
+__kernel void score_corners(__global const int* columns, __constant const Size* sizes, int l, __global float* scores) {
   const int x = get_global_id(0), y = get_global_id(1), cols = sizes[l].cols;
   if (x >= cols) return;
   columns += 3 * (y * (cols + 2 * CORNER_HALF) + x);
@@ -642,25 +691,34 @@ kernel void score_corners(global const int* columns, constant const Size* sizes,
 }
 
 // Of equal neighbours exactly one is the maximum: strictly above those that come first.
-static bool is_maximum(global const float* at, int stride) {
-  global const float *up = at - stride, *down = at + stride;
+static bool is_maximum(__global const float* at, int stride) {
+  __global const float *up = at - stride, *down = at + stride;
   const float s = at[0];
   return s > up[-1] && s > up[0] && s > up[1] && s > at[-1] && s >= at[1] && s >= down[-1] && s >= down[0] &&
          s >= down[1];
 }
 
+// The score where it is a corner's, else 0.
+__kernel void keep_maxima(__global const float* scores, __constant const Size* sizes, int l, __global float* maxima) {
+  const int x = get_global_id(0), y = get_global_id(1), cols = sizes[l].cols;
+  if (x >= cols) return;
+  const bool inside = x > 0 && y > 0 && x + 1 < cols && y + 1 < sizes[l].rows;
+  __global const float* at = scores + y * cols + x;
+  maxima[y * cols + x] = inside && *at >= LEAST_CORNER_SCORE && is_maximum(at, cols) ? *at : 0.0f;
+}
+
 // A group per cell. Each round takes the strongest that is weaker than the last one taken; of equals the later first.
-kernel void find_corners(global const float* scores, constant const Size* sizes, int l, global const Cell* cells,
-                         global CellCorners* found) {
-  local float score_room[GROUP];
-  local int index_room[GROUP];
+__kernel void find_corners(__global const float* scores, __global const float* maxima, __constant const Size* sizes, int l,
+                           __global const Cell* cells, __global CellCorners* found) {
+  GROUP_MEMORY float score_room[GROUP];
+  GROUP_MEMORY int index_room[GROUP];
   const int item = get_local_id(0), stride = sizes[l].cols;
   const Cell cell = cells[get_group_id(0)];
-  global CellCorners* out = found + get_group_id(0);
+  __global CellCorners* out = found + get_group_id(0);
   const int cols = max(0, cell.x1 - cell.x0), area = cols * max(0, cell.y1 - cell.y0);
-  global const float* first = scores + cell.y0 * stride + cell.x0;
+  const int first = cell.y0 * stride + cell.x0;
   float total = 0;
-  for (int i = item; i < area; i += GROUP) total += first[i / cols * stride + i % cols];
+  for (int i = item; i < area; i += GROUP) total += scores[first + i / cols * stride + i % cols];
   score_room[item] = total;
   GROUP_BARRIER();
   total = 0;
@@ -672,23 +730,14 @@ kernel void find_corners(global const float* scores, constant const Size* sizes,
     float best_score = 0;
     int best = -1;
     for (int i = item; i < area; i += GROUP) {
-      global const float* at = first + i / cols * stride + i % cols;
-      const float s = *at;
+      const float s = maxima[first + i / cols * stride + i % cols];
       const bool next = s < last_score || (s == last_score && i < last);
-      if (next && s >= LEAST_CORNER_SCORE && s >= best_score && is_maximum(at, stride)) best_score = s, best = i;
+      if (next && s > 0 && s >= best_score) best_score = s, best = i;
     }
-    score_room[item] = best_score;
-    index_room[item] = best;
-    GROUP_BARRIER();
-    for (int k = 0; k < GROUP; ++k) {
-      const float s = score_room[k];
-      const int i = index_room[k];
-      if (i >= 0 && (s > best_score || (s == best_score && i > best))) best_score = s, best = i;
-    }
-    GROUP_BARRIER();
+    most_of_group(&best_score, &best, score_room, index_room);
     more = best >= 0;
     if (more && item == 0) {
-      global const float* at = first + best / cols * stride + best % cols;
+      __global const float* at = scores + first + best / cols * stride + best % cols;
       out->corners[count].x = (float)(cell.x0 + best % cols) + vertex(at[-1], best_score, at[1]);
       out->corners[count].y = (float)(cell.y0 + best / cols) + vertex(at[-stride], best_score, at[stride]);
       out->corners[count].score = best_score;

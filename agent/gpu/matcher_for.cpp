@@ -4,6 +4,9 @@
 
 #include <utility>
 
+#include "agent/gpu/cuda.h"
+#include "agent/gpu/match_program.h"
+#include "agent/gpu/opencl.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 
@@ -67,7 +70,7 @@ class FallbackMatcher final : public Matcher {
 
 }  // namespace
 
-std::vector<std::string> tracker_devices() { return {"auto", "cpu", "opencl"}; }
+std::vector<std::string> tracker_devices() { return {"auto", "cpu", "opencl", "cuda"}; }
 
 std::unique_ptr<Matcher> with_fallback(DeviceMatcher device, const TrackerConfig& config) {
   return std::make_unique<FallbackMatcher>(std::move(device), config);
@@ -75,18 +78,27 @@ std::unique_ptr<Matcher> with_fallback(DeviceMatcher device, const TrackerConfig
 
 std::unique_ptr<Matcher> matcher_for(const TrackerConfig& config) {
   if (config.device == "cpu") return cpu_matcher(config);
-  const bool must = config.device == "opencl";
-  try {
-    DeviceMatcher device = opencl_matcher(config, !must);
-    log_info("tracks on " + device.device);
-    return with_fallback(std::move(device), config);
-  } catch (const DeviceFailure& failure) {
-    if (must) throw UserError(std::string("agent.tracker.device: opencl cannot be used: ") + failure.what());
-    if (dynamic_cast<const NoDevice*>(&failure) == nullptr) {
-      log_warn(std::string("tracks on the CPU: the GPU cannot be used: ") + failure.what());
+  const bool any = config.device == "auto";
+  std::string why;
+  const auto on = [&](const char* name, auto&& device) -> std::unique_ptr<Matcher> {
+    if (!any && config.device != name) return nullptr;
+    try {
+      DeviceMatcher made = device_matcher(device(), config);
+      log_info("tracks on " + made.device);
+      return with_fallback(std::move(made), config);
+    } catch (const DeviceFailure& failure) {
+      why = failure.what();
+      if (any && dynamic_cast<const NoDevice*>(&failure) == nullptr) {
+        log_warn(std::string("a GPU cannot be used: ") + failure.what());
+      }
+      return nullptr;
     }
-    return cpu_matcher(config);
-  }
+  };
+  const std::string program = match_program();
+  if (auto matcher = on("cuda", [&] { return cuda_device(program); })) return matcher;
+  if (auto matcher = on("opencl", [&] { return opencl_device(any, program); })) return matcher;
+  if (!any) throw UserError("agent.tracker.device: " + config.device + " cannot be used: " + why);
+  return cpu_matcher(config);
 }
 
 }  // namespace coslam

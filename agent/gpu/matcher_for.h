@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "agent/gpu/opencl_matcher.h"
+#include "agent/gpu/device_matcher.h"
 #include "agent/track/matcher.h"
 
 namespace coslam {
 
-// What TrackerConfig::device may be; auto: a GPU where there is one, else the CPU.
+// What TrackerConfig::device may be; auto: a GPU where there is one, by CUDA or else OpenCL, else the CPU.
 std::vector<std::string> tracker_devices();
 
 // The matcher that config.device asks for. Throws UserError for a device that is named and cannot be used.

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// In place of opencl_matcher.cpp where it was built without OpenCL.
-#include "agent/gpu/opencl_matcher.h"
+// In place of opencl.cpp where it was built without OpenCL.
+#include "agent/gpu/opencl.h"
 
 namespace coslam {
 
-DeviceMatcher opencl_matcher(const TrackerConfig& /*config*/, bool /*gpu_only*/) {
+std::unique_ptr<Device> opencl_device(bool /*gpu_only*/, const std::string& /*program*/) {
   throw NoDevice("this program was built without OpenCL");
 }
 

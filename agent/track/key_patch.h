@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "agent/track/pyramid.h"
 #include "agent/track/samples.h"
@@ -14,6 +15,7 @@ namespace coslam {
 struct KeyPatch {
   using Vector7f = Eigen::Matrix<float, 7, 1>;  // shift x y, affine xu xv yu yv, gain
 
+  std::uint32_t number = 0;  // another one each time that its tracker takes one
   Samples grey{}, dx{}, dy{};
   float squares = 0;  // of grey, mean taken out
   Vector7f totals = Vector7f::Zero();

@@ -18,7 +18,7 @@ namespace coslam {
 struct Sought {
   Eigen::Vector2f from_px, motion_px;  // the motion is that of the image before
   bool moving = false;                 // apart from the image as a whole
-  const KeyPatch* key = nullptr;       // never null
+  const KeyPatch* key = nullptr;       // never null; of two with one number only the warp differs
 };
 
 // Where a track is in the newest image.

@@ -60,10 +60,11 @@ struct Tracker::State {
   std::vector<Memory> memories;                        // by track
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the whole image, last time
   std::unique_ptr<CornerFinder> finder;
-  std::uint32_t next_id = 1;
+  std::uint32_t next_id = 1, next_key = 1;
 
   void follow();
-  bool confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px) const;
+  void take_key(KeyPatch& key, const Eigen::Vector2f& px);
+  bool confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px);
   void tell_moving();
   bool on_outline(Memory& memory, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const;
   void end_outlines();
@@ -72,14 +73,19 @@ struct Tracker::State {
   void replenish();
 };
 
+void Tracker::State::take_key(KeyPatch& key, const Eigen::Vector2f& px) {
+  key.take(matcher->newest().level(0), px);
+  key.number = next_key++;
+}
+
 // Moves px to where the track's first patch is found. False when it has not been for a while. What moves takes a new
 // one then, so that it may drift.
-bool Tracker::State::confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px) const {
+bool Tracker::State::confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px) {
   const float distance_px = (key.px - px).norm();
   if (!key.found || key.zncc < config.min_zncc || distance_px > kKeyDisagrees_px) {
     if (++memory.doubts < kMostDoubts) return true;
     if (!memory.moving) return false;
-    memory.key->take(matcher->newest().level(0), px);
+    take_key(*memory.key, px);
     memory.doubts = 0;
     return true;
   }
@@ -179,7 +185,7 @@ TrackId Tracker::State::start(const Eigen::Vector2f& px) {
   memory.moving = beside != nullptr;
   tracks.push_back({TrackId(next_id++), px, 0});
   memory.key = std::make_unique<KeyPatch>();
-  memory.key->take(matcher->newest().level(0), px);
+  take_key(*memory.key, px);
   memories.push_back(std::move(memory));
   return tracks.back().id;
 }

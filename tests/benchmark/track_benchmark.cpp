@@ -7,21 +7,16 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "agent/gpu/opencl_matcher.h"
 #include "agent/track/tracker.h"
-#include "tests/support/compared_matcher.h"
 #include "tests/support/synthetic_view.h"
 
 namespace coslam {
@@ -143,65 +138,6 @@ void BM_TrackerOverOpenCv(benchmark::State& state) {
   state.counters["tracks"] = tracks / n;
 }
 BENCHMARK(BM_TrackerOverOpenCv)->Unit(benchmark::kMillisecond)->MinTime(2.0);
-
-std::unique_ptr<Matcher> device_matcher(benchmark::State& state) {
-  try {
-    DeviceMatcher device = opencl_matcher({}, false);
-    state.SetLabel(device.device);
-    return std::move(device.matcher);
-  } catch (const DeviceFailure& failure) {
-    state.SkipWithError(failure.what());
-    return nullptr;
-  }
-}
-
-// As above, by the clock: a device works beside this thread.
-void BM_DeviceOverCpu(benchmark::State& state) {
-  const Sequence& s = Sequence::get();
-  auto matcher = device_matcher(state);
-  if (!matcher) return;
-  Tracker cpu({}), device({}, std::move(matcher));
-  const auto seconds_of = [&](Tracker& tracker, std::size_t i) {
-    const auto start = std::chrono::steady_clock::now();
-    benchmark::DoNotOptimize(tracker.step(s.images[i]).data());
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
-  // Both begin their tracks before the clock counts.
-  seconds_of(cpu, 0);
-  seconds_of(device, 0);
-  double cpu_s = 0, device_s = 0;
-  std::size_t i = 0;
-  while (state.KeepRunning()) {
-    i = i % (s.images.size() - 1) + 1;
-    cpu_s += seconds_of(cpu, i);
-    device_s += seconds_of(device, i);
-  }
-  const auto n = static_cast<double>(state.iterations());
-  state.counters["cpu_ms"] = 1e3 * cpu_s / n;
-  state.counters["device_ms"] = 1e3 * device_s / n;
-  state.counters["ratio"] = device_s / cpu_s;
-}
-BENCHMARK(BM_DeviceOverCpu)->Unit(benchmark::kMillisecond)->MinTime(2.0);
-
-// Once through the sequence: how far the device's answers are from the CPU's, in pixels, and how many more than 0.05.
-void BM_DeviceAgreesWithCpu(benchmark::State& state) {
-  const Sequence& s = Sequence::get();
-  auto matcher = device_matcher(state);
-  if (!matcher) return;
-  test::Agreement agreement;
-  Tracker tracker({}, std::make_unique<test::ComparedMatcher>(cpu_matcher({}), std::move(matcher), &agreement));
-  while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(s.images.size()))) {
-    for (const cv::Mat& image : s.images) tracker.step(image);
-  }
-  const std::vector<float>& d = agreement.distances_px;
-  const auto apart = std::count_if(d.begin(), d.end(), [](float px) { return px > 0.05F; });
-  state.counters["tracks"] = static_cast<double>(d.size());
-  state.counters["median_px"] = test::quantile(d, 0.5);
-  state.counters["p99_px"] = test::quantile(d, 0.99);
-  state.counters["apart"] = static_cast<double>(apart) / static_cast<double>(d.size());
-  state.counters["corners_p99_px"] = test::quantile(agreement.corner_distances_px, 0.99);
-}
-BENCHMARK(BM_DeviceAgreesWithCpu)->Iterations(1);
 
 }  // namespace
 }  // namespace coslam

@@ -1,29 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The device's answers against the CPU's, on whatever device there is: without a GPU that of pocl-opencl-icd.
-#include "agent/gpu/opencl_matcher.h"
+// The device's answers against the CPU's, on whatever devices there are: without a GPU that of pocl-opencl-icd.
+#include "agent/gpu/device_matcher.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "agent/track/tracker.h"
 #include "tests/support/compared_matcher.h"
 #include "tests/support/synthetic_view.h"
+#include "tests/support/tracking_devices.h"
 
 namespace coslam {
 namespace {
-
-std::unique_ptr<Matcher> device_matcher(const TrackerConfig& config) {
-  try {
-    return opencl_matcher(config, false).matcher;
-  } catch (const NoDevice&) {
-    return nullptr;
-  }
-}
 
 // A plane under a camera that moves, turns, zooms and changes its exposure, with a block that passes in front.
 class Sequence {
@@ -46,29 +40,44 @@ class Sequence {
   cv::Mat plane_ = test::plane_texture(1400, 1100, 1), block_ = test::plane_texture(200, 200, 2);
 };
 
-class OpenClMatcherAt : public testing::TestWithParam<cv::Size> {};
-INSTANTIATE_TEST_SUITE_P(Sizes, OpenClMatcherAt, testing::Values(cv::Size(640, 480), cv::Size(301, 177)));
+class OnDevice : public testing::TestWithParam<const char*> {
+ protected:
+  // Null, and the test skipped, without such a device.
+  static std::unique_ptr<Matcher> device(const TrackerConfig& config) {
+    try {
+      return test::matcher_by(GetParam(), config).matcher;
+    } catch (const NoDevice& none) {
+      [&] { GTEST_SKIP() << none.what(); }();
+      return nullptr;
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(By, OnDevice, testing::Values("opencl", "cuda"),
+                         [](const auto& param) { return std::string(param.param); });
 
-TEST_P(OpenClMatcherAt, SeesTracksAndCornersWhereTheCpuDoes) {
+TEST_P(OnDevice, SeesTracksAndCornersWhereTheCpuDoes) {
   const TrackerConfig config;
-  auto device = device_matcher(config);
-  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
-  test::Agreement agreement;
-  Tracker tracker(config, std::make_unique<test::ComparedMatcher>(cpu_matcher(config), std::move(device), &agreement));
-  const Sequence sequence(GetParam());
-  for (int i = 0; i < 20; ++i) tracker.step(sequence.image(i));
-  ASSERT_GT(agreement.distances_px.size(), 1000U);
-  EXPECT_LT(test::quantile(agreement.distances_px, 0.5), 1e-3F);
-  EXPECT_LT(test::quantile(agreement.distances_px, 0.99), 0.05F);
-  ASSERT_GT(agreement.corner_distances_px.size(), 300U);
-  EXPECT_LT(test::quantile(agreement.corner_distances_px, 0.99), 1e-3F);
+  for (const cv::Size& size : {cv::Size(640, 480), cv::Size(301, 177)}) {
+    auto matcher = device(config);
+    if (!matcher) return;
+    test::Agreement agreement;
+    Tracker tracker(config,
+                    std::make_unique<test::ComparedMatcher>(cpu_matcher(config), std::move(matcher), &agreement));
+    const Sequence sequence(size);
+    for (int i = 0; i < 20; ++i) tracker.step(sequence.image(i));
+    ASSERT_GT(agreement.distances_px.size(), 1000U);
+    EXPECT_LT(test::quantile(agreement.distances_px, 0.5), 1e-3F);
+    EXPECT_LT(test::quantile(agreement.distances_px, 0.99), 0.05F);
+    ASSERT_GT(agreement.corner_distances_px.size(), 300U);
+    EXPECT_LT(test::quantile(agreement.corner_distances_px, 0.99), 1e-3F);
+  }
 }
 
-TEST(OpenClMatcher, TracksByItselfAsWellAsTheCpu) {
+TEST_P(OnDevice, TracksByItselfAsWellAsTheCpu) {
   const TrackerConfig config;
-  auto device = device_matcher(config);
-  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
-  Tracker on_device(config, std::move(device)), on_cpu(config);
+  auto matcher = device(config);
+  if (!matcher) return;
+  Tracker on_device(config, std::move(matcher)), on_cpu(config);
   const Sequence sequence({640, 480});
   double device_ages = 0, cpu_ages = 0;
   for (int i = 0; i < 20; ++i) {
@@ -78,10 +87,10 @@ TEST(OpenClMatcher, TracksByItselfAsWellAsTheCpu) {
   EXPECT_NEAR(device_ages / cpu_ages, 1, 0.01);
 }
 
-TEST(OpenClMatcher, SameImagesSameBits) {
+TEST_P(OnDevice, SameImagesSameBits) {
   const TrackerConfig config;
-  auto first = device_matcher(config), second = device_matcher(config);
-  if (!first) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
+  auto first = device(config), second = device(config);
+  if (!first) return;
   Tracker one(config, std::move(first)), two(config, std::move(second));
   const Sequence sequence({320, 240});
   for (int i = 0; i < 8; ++i) {
@@ -95,11 +104,11 @@ TEST(OpenClMatcher, SameImagesSameBits) {
 }
 
 // More tracks than there were before, images with nothing to see, and levels that have no room.
-TEST(OpenClMatcher, BearsWhatTheCpuBears) {
+TEST_P(OnDevice, BearsWhatTheCpuBears) {
   const TrackerConfig config{.max_tracks = 30, .levels = 8};
-  auto device = device_matcher(config);
-  if (!device) GTEST_SKIP() << "no OpenCL device: install pocl-opencl-icd";
-  Tracker tracker(config, std::move(device));
+  auto matcher = device(config);
+  if (!matcher) return;
+  Tracker tracker(config, std::move(matcher));
   const Sequence sequence({64, 48});
   tracker.step(sequence.image(0));
   std::vector<Eigen::Vector2f> places;
