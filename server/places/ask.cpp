@@ -59,14 +59,20 @@ bool Asking::wanted(const Map& map, const MapCamera& camera, const Described& d,
 }
 
 // Whether the uplink has room for an image's descriptors; if so, it is counted. What is about to be confirmed may run
-// into debt, as far as others may save.
+// into debt, as far as others may save, but not again before that is paid: what three images did not confirm, a
+// fourth seldom does, and the view may have more to tell later.
 bool Asking::afford(Described& d, TimeNs now_ns, bool confirm) const {
   d.images_to_spare =
       d.counted_ns
           ? std::min(config_.image_burst, d.images_to_spare + config_.images_per_s * to_seconds(now_ns - *d.counted_ns))
           : config_.image_burst;
   d.counted_ns = now_ns;
-  if (d.images_to_spare < (confirm ? 1 - config_.image_burst : 1)) return false;
+  if (d.images_to_spare >= 1) d.in_debt = false;
+  const bool lend = confirm && !d.in_debt;
+  if (d.images_to_spare < (lend ? 1 - config_.image_burst : 1)) {
+    d.in_debt = d.in_debt || lend;
+    return false;
+  }
   d.images_to_spare -= 1;
   return true;
 }

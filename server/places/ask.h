@@ -50,6 +50,7 @@ class Asking {
   struct Described {
     std::optional<SetId> asked, at, hinted;
     double images_to_spare = 0;
+    bool in_debt = false;  // as deep as it may be; nothing ahead of the budget until that is paid
     std::optional<TimeNs> counted_ns;
   };
   double soon_s(const Described& d) const;

@@ -115,6 +115,17 @@ TEST_F(AskTest, WhatWaitsToBeConfirmedMayRunIntoDebt) {
   for (const Asked& a : asked) EXPECT_EQ(a.request, DescriptorRequest::kAtTracks) << "near where it is expected";
 }
 
+TEST_F(AskTest, ADebtIsPaidBeforeTheNext) {
+  const double debt_s = (config_.image_burst + 1) / config_.images_per_s;  // from the bottom until an image can be had
+  const auto asked = run(2 * debt_s, 0, [](int) { return WhyAsk{.waiting = Waiting::kAnywhere, .apart = true}; });
+  std::uint32_t longest_gap = 0;
+  for (std::size_t i = 1; i < asked.size(); ++i) {
+    longest_gap = std::max(longest_gap, asked[i].set.value - asked[i - 1].set.value);
+  }
+  EXPECT_GT(longest_gap, 30 * (debt_s - 1 / config_.images_per_s)) << "or it stays at the bottom for good";
+  EXPECT_LE(longest_gap, 30 * debt_s);
+}
+
 TEST_F(AskTest, WhatMayBeAnywhereIsDescribedEverywhere) {
   const auto asked = run(0.5, 0, [](int) { return WhyAsk{.waiting = Waiting::kAnywhere}; });
   ASSERT_FALSE(asked.empty());
