@@ -122,8 +122,9 @@ void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solu
     if (p.map != of) continue;
     if (const auto node = frame_of(map, nodes, p)) {
       edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
-      // What moves is where its cameras saw it last, not where old views would have it.
-      if (p.rests()) retriangulate(edit, p);
+      // What moves is where its cameras saw it last, not where old views would have it; what is out of sight can wait
+      // for the adjustment that follows, which triangulates all anew.
+      if (p.rests() && map.is_recent(p.last_seen)) retriangulate(edit, p);
     }
   }
   edit.raise_epoch();
