@@ -77,29 +77,29 @@ struct Driver {
     throw DeviceFailure(std::string(call) + " failed: " + (text != nullptr ? text : std::to_string(status).c_str()));
   }
 
-  int (*init)(unsigned flags);
-  int (*error_string)(int status, const char** text);
-  int (*device_get)(int* device, int index);
-  int (*device_name)(char* name, int bytes, int device);
-  int (*device_attribute)(int* value, int attribute, int device);
-  int (*retain_context)(void** context, int device);
-  int (*release_context)(int device);
-  int (*set_context)(void* context);
-  int (*load_module)(void** module, const void* image);
-  int (*unload_module)(void* module);
-  int (*get_function)(void** function, void* module, const char* name);
-  int (*allocate)(Address* address, std::size_t bytes);
-  int (*release)(Address address);
-  int (*allocate_host)(void** memory, std::size_t bytes);
-  int (*release_host)(void* memory);
-  int (*to_device)(Address to, const void* from, std::size_t bytes, void* stream);
-  int (*to_host)(void* to, Address from, std::size_t bytes, void* stream);
-  int (*create_stream)(void** stream, unsigned flags);
-  int (*destroy_stream)(void* stream);
-  int (*synchronize)(void* stream);
+  int (*init)(unsigned flags) = nullptr;
+  int (*error_string)(int status, const char** text) = nullptr;
+  int (*device_get)(int* device, int index) = nullptr;
+  int (*device_name)(char* name, int bytes, int device) = nullptr;
+  int (*device_attribute)(int* value, int attribute, int device) = nullptr;
+  int (*retain_context)(void** context, int device) = nullptr;
+  int (*release_context)(int device) = nullptr;
+  int (*set_context)(void* context) = nullptr;
+  int (*load_module)(void** module, const void* image) = nullptr;
+  int (*unload_module)(void* module) = nullptr;
+  int (*get_function)(void** function, void* module, const char* name) = nullptr;
+  int (*allocate)(Address* address, std::size_t bytes) = nullptr;
+  int (*release)(Address address) = nullptr;
+  int (*allocate_host)(void** memory, std::size_t bytes) = nullptr;
+  int (*release_host)(void* memory) = nullptr;
+  int (*to_device)(Address to, const void* from, std::size_t bytes, void* stream) = nullptr;
+  int (*to_host)(void* to, Address from, std::size_t bytes, void* stream) = nullptr;
+  int (*create_stream)(void** stream, unsigned flags) = nullptr;
+  int (*destroy_stream)(void* stream) = nullptr;
+  int (*synchronize)(void* stream) = nullptr;
   int (*launch)(void* function, unsigned groups_x, unsigned groups_y, unsigned groups_z, unsigned group_x,
                 unsigned group_y, unsigned group_z, unsigned shared_bytes, void* stream, void** arguments,
-                void** extra);
+                void** extra) = nullptr;
 };
 constexpr int kCapabilityMajor = 75, kCapabilityMinor = 76;  // attributes of a device
 constexpr unsigned kNotWithDefaultStream = 1;
@@ -117,19 +117,18 @@ struct Compiler {
     library.load("nvrtcGetProgramLog", log);
   }
   int (*create)(void** program, const char* source, const char* name, int headers, const char* const* texts,
-                const char* const* names);
-  int (*compile)(void* program, int count, const char* const* options);
-  int (*destroy)(void** program);
-  int (*code_size)(void* program, std::size_t* bytes);
-  int (*code)(void* program, char* code);
-  int (*log_size)(void* program, std::size_t* bytes);
-  int (*log)(void* program, char* text);
+                const char* const* names) = nullptr;
+  int (*compile)(void* program, int count, const char* const* options) = nullptr;
+  int (*destroy)(void** program) = nullptr;
+  int (*code_size)(void* program, std::size_t* bytes) = nullptr;
+  int (*code)(void* program, char* code) = nullptr;
+  int (*log_size)(void* program, std::size_t* bytes) = nullptr;
+  int (*log)(void* program, char* text) = nullptr;
 };
 
 // A program in the GPU's memory, once for all cameras of the process.
 struct Loaded {
   explicit Loaded(std::string text) : source(std::move(text)) {
-    const Driver& cuda = Driver::get();
     // Without a GPU the driver says so here.
     if (cuda.init(0) != 0 || cuda.device_get(&device, 0) != 0) throw NoDevice("CUDA finds no GPU");
     int major = 0, minor = 0;
@@ -143,7 +142,6 @@ struct Loaded {
     cuda.check(status, "cuModuleLoadData");
   }
   ~Loaded() {
-    const Driver& cuda = Driver::get();
     if (cuda.set_context(context) == 0) cuda.unload_module(module);
     cuda.release_context(device);
   }
@@ -162,6 +160,7 @@ struct Loaded {
     return loaded;
   }
 
+  const Driver& cuda = Driver::get();
   std::string source;
   int device = 0;
   void* context = nullptr;
@@ -172,7 +171,7 @@ struct Loaded {
 // Copies from and to other memory would hold up the thread, and with it all threads that call the driver.
 class Staging {
  public:
-  explicit Staging(void* context) : context_(context) {}
+  explicit Staging(const Loaded& in) : cuda_(in.cuda), context_(in.context) {}
   ~Staging() { release(); }
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
@@ -190,7 +189,7 @@ class Staging {
     const std::size_t size = 2 * size_ + (bytes + kAlign - 1) / kAlign * kAlign;
     release();
     void* memory = nullptr;
-    Driver::get().check(Driver::get().allocate_host(&memory, size), "cuMemAllocHost");
+    cuda_.check(cuda_.allocate_host(&memory, size), "cuMemAllocHost");
     memory_ = static_cast<std::byte*>(memory);
     size_ = size;
   }
@@ -198,11 +197,12 @@ class Staging {
  private:
   static constexpr std::size_t kAlign = 256;
   void release() {
-    if (memory_ != nullptr && Driver::get().set_context(context_) == 0) Driver::get().release_host(memory_);
+    if (memory_ != nullptr && cuda_.set_context(context_) == 0) cuda_.release_host(memory_);
     memory_ = nullptr;
     size_ = used_ = 0;
   }
 
+  const Driver& cuda_;
   void* context_;
   std::byte* memory_ = nullptr;
   std::size_t size_ = 0, used_ = 0;
@@ -239,8 +239,8 @@ class CudaDevice final : public Device {
     Driver::Address address = 0;
     cuda_.check(cuda_.allocate(&address, bytes), "cuMemAlloc");
     return {reinterpret_cast<void*>(address), [loaded = loaded_](void* memory) {
-              const Driver& cuda = Driver::get();
-              if (cuda.set_context(loaded->context) == 0) cuda.release(reinterpret_cast<Driver::Address>(memory));
+              if (loaded->cuda.set_context(loaded->context) == 0)
+                loaded->cuda.release(reinterpret_cast<Driver::Address>(memory));
             }};
   }
 
@@ -295,11 +295,11 @@ class CudaDevice final : public Device {
                 "cuLaunchKernel");
   }
 
-  const Driver& cuda_ = Driver::get();
   static constexpr std::size_t kMostArguments = 16;
   const std::shared_ptr<const Loaded> loaded_;
+  const Driver& cuda_ = loaded_->cuda;
   void* stream_ = nullptr;
-  Staging staging_{loaded_->context};
+  Staging staging_{*loaded_};
   std::vector<Read> reads_;
 };
 
