@@ -13,7 +13,7 @@
 namespace coslam {
 namespace {
 
-// The compiler needs no GPU. 7.2 is a Jetson Xavier's, 8.7 an Orin's.
+// The compiler needs no GPU. 8.7 is a Jetson Orin's.
 TEST(Cuda, ProgramIsTranslatedWhereItsCompilerIs) {
   try {
     const std::vector<char> code = cuda_machine_code(match_program(), 87);

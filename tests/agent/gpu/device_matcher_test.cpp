@@ -103,6 +103,19 @@ TEST_P(OnDevice, SameImagesSameBits) {
   }
 }
 
+// A device has room for the first patches of so many tracks, old ones included, and then takes all anew.
+TEST_P(OnDevice, KnowsFirstPatchesAfterManyTracks) {
+  const TrackerConfig config{.max_tracks = 40};
+  auto matcher = device(config);
+  if (!matcher) return;
+  test::Agreement agreement;
+  Tracker tracker(config, std::make_unique<test::ComparedMatcher>(cpu_matcher(config), std::move(matcher), &agreement));
+  const Sequence sequence({320, 240});
+  for (int i = 0; i < 120; ++i) tracker.step(sequence.image(i));
+  ASSERT_GT(tracker.live().back().id.value, 300U) << "more than there is room for";
+  EXPECT_LT(test::quantile(agreement.distances_px, 0.99), 0.05F);
+}
+
 // More tracks than there were before, images with nothing to see, and levels that have no room.
 TEST_P(OnDevice, BearsWhatTheCpuBears) {
   const TrackerConfig config{.max_tracks = 30, .levels = 8};
