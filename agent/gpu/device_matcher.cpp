@@ -105,7 +105,9 @@ class MatcherOnDevice final : public Matcher {
   MatcherOnDevice& operator=(const MatcherOnDevice&) = delete;
 
   void push(const cv::Mat& grey) override {
-    settle();  // the memory of the image before last is free then
+    // The memory of the image before last is free then. What failed meanwhile may be said by a call below: the fallback
+    // goes on from this image.
+    if (!settled_) device_->wait();
     std::swap(before_, newest_);
     std::swap(pyramid_before_, pyramid_newest_);
     newest_.build(grey, 1);
