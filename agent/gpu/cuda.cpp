@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
-#include <mutex>
 #include <utility>
 
 #include "agent/gpu/match_program.h"
+#include "agent/gpu/shared.h"
 
 namespace coslam {
 namespace {
@@ -148,17 +148,7 @@ struct Loaded {
   Loaded(const Loaded&) = delete;
   Loaded& operator=(const Loaded&) = delete;
 
-  static std::shared_ptr<const Loaded> get(const std::string& source) {
-    static std::mutex mutex;
-    static std::weak_ptr<const Loaded> last;
-    const std::lock_guard lock(mutex);
-    std::shared_ptr<const Loaded> loaded = last.lock();
-    if (!loaded || loaded->source != source) {
-      loaded = std::make_shared<const Loaded>(source);
-      last = loaded;
-    }
-    return loaded;
-  }
+  bool is_of(const std::string& text) const { return source == text; }
 
   const Driver& cuda = Driver::get();
   std::string source;
@@ -331,7 +321,7 @@ std::vector<char> cuda_machine_code(const std::string& program, int capability) 
 }
 
 std::unique_ptr<Device> cuda_device(const std::string& program) {
-  return std::make_unique<CudaDevice>(Loaded::get(program));
+  return std::make_unique<CudaDevice>(shared_of<Loaded>(program));
 }
 
 }  // namespace coslam

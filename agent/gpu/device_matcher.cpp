@@ -114,7 +114,7 @@ class MatcherOnDevice final : public Matcher {
     const PyramidLevel& image = newest_.level(0);
     if (sizes_.empty()) lay_out(image);
     settled_ = false;
-    device_->start_write(pyramid_newest_, 0, first_byte(image), bytes_of(image));
+    device_->start_write(pyramid_newest_, 0, image.first_byte(), image.bytes());
     for (std::int32_t l = 1; l < levels(); ++l) {
       device_->run(halve_, of_pixels(l), kAcross, pyramid_newest_, size_buffer_, l);
     }
@@ -202,18 +202,11 @@ class MatcherOnDevice final : public Matcher {
   }
 
   // The image comes as it lies on the CPU, with its margin; the other levels follow without.
-  static const std::uint8_t* first_byte(const PyramidLevel& image) {
-    return image.at(-PyramidLevel::kMargin, -PyramidLevel::kMargin);
-  }
-  static std::size_t bytes_of(const PyramidLevel& image) {
-    return static_cast<std::size_t>(image.stride() * (image.rows() + 2 * PyramidLevel::kMargin));
-  }
-
   void lay_out(const PyramidLevel& image) {
     const int count = pyramid_levels(image.cols(), image.rows(), config_.levels);
-    DeviceSize size{static_cast<std::int32_t>(image.at(0, 0) - first_byte(image)), image.cols(), image.rows(),
+    DeviceSize size{static_cast<std::int32_t>(image.at(0, 0) - image.first_byte()), image.cols(), image.rows(),
                     static_cast<std::int32_t>(image.stride())};
-    auto bytes = static_cast<std::int32_t>(bytes_of(image));
+    auto bytes = static_cast<std::int32_t>(image.bytes());
     for (int l = 0; l < count; ++l) {
       sizes_.push_back(size);
       const std::int32_t cols = (size.cols + 1) / 2;

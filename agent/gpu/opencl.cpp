@@ -8,9 +8,10 @@
 #include <CL/cl.h>
 
 #include <array>
-#include <mutex>
 #include <type_traits>
 #include <vector>
+
+#include "agent/gpu/shared.h"
 
 namespace coslam {
 namespace {
@@ -70,17 +71,7 @@ struct Built {
     }
   }
 
-  static std::shared_ptr<const Built> get(cl_device_id device, const std::string& source) {
-    static std::mutex mutex;
-    static std::weak_ptr<const Built> last;
-    const std::lock_guard lock(mutex);
-    std::shared_ptr<const Built> built = last.lock();
-    if (!built || built->device != device || built->source != source) {
-      built = std::make_shared<const Built>(device, source);
-      last = built;
-    }
-    return built;
-  }
+  bool is_of(cl_device_id id, const std::string& text) const { return device == id && source == text; }
 
   cl_device_id device;
   std::string source;
@@ -154,7 +145,7 @@ std::unique_ptr<Device> opencl_device(bool gpu_only, const std::string& program)
   cl_device_id device = first_device(CL_DEVICE_TYPE_GPU);
   if (device == nullptr && !gpu_only) device = first_device(CL_DEVICE_TYPE_ALL);
   if (device == nullptr) throw NoDevice(gpu_only ? "OpenCL finds no GPU" : "OpenCL finds no device");
-  return std::make_unique<OpenClDevice>(Built::get(device, program));
+  return std::make_unique<OpenClDevice>(shared_of<Built>(device, program));
 }
 
 }  // namespace coslam

@@ -8,7 +8,6 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <functional>
 #include <memory>
@@ -36,11 +35,7 @@ std::vector<cv::Mat> images_along(std::size_t path) {
   std::vector<cv::Mat> images;
   for (std::size_t i = 0; i < kImages; ++i) {
     const double a = 2 * CV_PI * (static_cast<double>(i) / kImages + static_cast<double>(path) / kPaths);
-    test::View view = test::View::at({700 + 100 * std::cos(a), 550 + 60 * std::sin(2 * a)}, 0.2 * std::sin(a),
-                                     std::exp(0.1 * std::cos(3 * a)), size);
-    view.gain = 1 + 0.1 * std::sin(2 * a);
-    view.noise = 2;
-    images.push_back(test::render(texture, view, size, i + 1));
+    images.push_back(test::render(texture, test::view_on_loop(a, {100, 60}, 0.2, 0.1, size), size, i + 1));
   }
   return images;
 }
@@ -130,20 +125,18 @@ void BM_OpenCvLucasKanade(benchmark::State& state) {
 // An image with its margin, alone, again and again.
 void BM_UploadsOnly(benchmark::State& state, const std::string& by) {
   try {
-    const std::string program = match_program();
-    const auto device = by == "cuda" ? cuda_device(program) : opencl_device(false, program);
+    const auto device = test::device_by(by);
     Pyramid pyramid;
     pyramid.build(images_of(0).front(), 1);
     const PyramidLevel& image = pyramid.level(0);
-    const auto bytes = static_cast<std::size_t>(image.stride() * image.rows());
-    const Device::Handle memory = device->memory(bytes);
+    const Device::Handle memory = device->memory(image.bytes());
     while (state.KeepRunning()) {
-      device->start_write(memory, 0, image.at(0, 0), bytes);
+      device->start_write(memory, 0, image.first_byte(), image.bytes());
       device->finish();
     }
     state.counters["images_per_s"] =
         benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
-    state.counters["bytes"] = static_cast<double>(bytes);
+    state.counters["bytes"] = static_cast<double>(image.bytes());
   } catch (const DeviceFailure& failure) {
     state.SkipWithError(failure.what());
   }

@@ -45,11 +45,7 @@ std::vector<cv::Mat> rendered_images() {
   std::vector<cv::Mat> images;
   for (std::size_t i = 0; i < kImages; ++i) {
     const double a = 2 * CV_PI * static_cast<double>(i) / kImages;
-    test::View view = test::View::at({700 + 200 * std::cos(a), 550 + 120 * std::sin(2 * a)}, 0.3 * std::sin(a),
-                                     std::exp(0.2 * std::cos(3 * a)), size);
-    view.gain = 1 + 0.1 * std::sin(2 * a);
-    view.noise = 2;
-    images.push_back(test::render(texture, view, size, i + 1));
+    images.push_back(test::render(texture, test::view_on_loop(a, {200, 120}, 0.3, 0.2, size), size, i + 1));
   }
   return images;
 }

@@ -67,6 +67,17 @@ struct View {
   }
 };
 
+// On a closed path over a texture of 1400 x 1100 pixels, at this angle of it: moves so far to either side, turns, zooms
+// and changes its exposure.
+inline View view_on_loop(double angle_rad, const cv::Point2d& reach_px, double turn_rad, double log_zoom,
+                         const cv::Size& image) {
+  const cv::Point2d at(700 + reach_px.x * std::cos(angle_rad), 550 + reach_px.y * std::sin(2 * angle_rad));
+  View view = View::at(at, turn_rad * std::sin(angle_rad), std::exp(log_zoom * std::cos(3 * angle_rad)), image);
+  view.gain = 1 + 0.1 * std::sin(2 * angle_rad);
+  view.noise = 2;
+  return view;
+}
+
 // The image of the view; beyond the texture it is mirrored.
 inline cv::Mat render(const cv::Mat& texture, const View& view, const cv::Size& size, std::uint64_t noise_seed = 1) {
   const cv::Matx33d texel_from_plane(kTexelsPerPx, 0, 0, 0, kTexelsPerPx, 0, 0, 0, 1);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "agent/gpu/cuda.h"
@@ -12,9 +13,12 @@
 namespace coslam::test {
 
 // By "cuda" or "opencl", the latter on whatever it has. Throws NoDevice.
-inline DeviceMatcher matcher_by(const std::string& interface, const TrackerConfig& config) {
+inline std::unique_ptr<Device> device_by(const std::string& interface) {
   const std::string program = match_program();
-  return device_matcher(interface == "cuda" ? cuda_device(program) : opencl_device(false, program), config);
+  return interface == "cuda" ? cuda_device(program) : opencl_device(false, program);
+}
+inline DeviceMatcher matcher_by(const std::string& interface, const TrackerConfig& config) {
+  return device_matcher(device_by(interface), config);
 }
 
 }  // namespace coslam::test

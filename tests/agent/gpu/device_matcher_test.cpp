@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -24,11 +23,8 @@ class Sequence {
  public:
   explicit Sequence(const cv::Size& size) : size_(size) {}
   cv::Mat image(int i) const {
-    const double a = 0.05 * i, scale = size_.width / 640.0;
-    test::View view = test::View::at({700 + 200 * scale * std::cos(a), 550 + 120 * scale * std::sin(2 * a)},
-                                     0.3 * std::sin(a), std::exp(0.2 * std::cos(3 * a)), size_);
-    view.gain = 1 + 0.1 * std::sin(2 * a);
-    view.noise = 2;
+    const double scale = size_.width / 640.0;
+    const test::View view = test::view_on_loop(0.05 * i, {200 * scale, 120 * scale}, 0.3, 0.2, size_);
     cv::Mat image = test::render(plane_, view, size_, static_cast<std::uint64_t>(i) + 1);
     const cv::Rect at(7 * i % (size_.width / 2), size_.height / 3, size_.width / 5, size_.height / 3);
     block_(cv::Rect({}, at.size())).copyTo(image(at));
