@@ -120,8 +120,8 @@ CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header,
 
 PointWriter::PointWriter(const std::filesystem::path& file)
     : CsvWriter(file, kPointHeader, OutputFile::Shows::kWhole) {}
-TrackWriter::TrackWriter(const std::filesystem::path& file)
-    : CsvWriter(file, kTrackHeader, OutputFile::Shows::kAtOnce) {}
+TrackWriter::TrackWriter(const std::filesystem::path& file, OutputFile::Shows shows)
+    : CsvWriter(file, kTrackHeader, shows) {}
 DynamicWriter::DynamicWriter(const std::filesystem::path& file)
     : CsvWriter(file, kDynamicHeader, OutputFile::Shows::kWhole) {}
 ObjectWriter::ObjectWriter(const std::filesystem::path& file)

@@ -91,7 +91,7 @@ class PointWriter : public CsvWriter {
 
 class TrackWriter : public CsvWriter {
  public:
-  explicit TrackWriter(const std::filesystem::path& file);
+  explicit TrackWriter(const std::filesystem::path& file, OutputFile::Shows shows = OutputFile::Shows::kAtOnce);
   void write(const ResultTrackRow& row);
 };
 

@@ -98,6 +98,8 @@ class MapEdit {
   void pass_gate(const ServerTrack& track) { own(track).gate_failures = 0; }
   // figures: of the tracks around it, how many move and how many rest.
   void set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion, Figures figures = {});
+  // What moves now went along with its camera before, since then.
+  void went_along(const ServerTrack& track, SetId since) { own(track).went_along_since = since; }
   // Mapping it is not tried before that set.
   void map_not_before(const ServerTrack& track, SetId set) { own(track).mapping_after = set.value; }
 

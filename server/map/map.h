@@ -52,6 +52,7 @@ struct ServerTrack {
   int gate_failures = 0;                // in succession
   std::uint32_t distrusted_before = 0;  // observations of earlier sets are not used (it slid or was mismatched)
   TrackMotion motion = TrackMotion::kResting;
+  std::optional<SetId> went_along_since;  // it was found to move, and went along with its camera before, from then on
   // From the track to the point, while that moves: two cameras find different corners of one small structure.
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 

@@ -115,6 +115,7 @@ void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig&
       if (j.motion != j.track->motion) {
         edit.set_motion(camera.id, *j.track, j.motion,
                         {static_cast<double>(j.moving_neighbours), static_cast<double>(j.resting_neighbours)});
+        if (j.went_along_since) edit.went_along(*j.track, *j.went_along_since);
       }
       report->moving_tracks += j.track->moves();
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ranges>
 #include <span>
 
 #include "common/geometry/robust.h"
@@ -124,12 +125,44 @@ double parallax_px(std::span<const View> views, double median_depth) {
   return median_depth > 0 ? baseline / median_depth * views.front().camera->focal_px() : 0;
 }
 
-// What moved and now hardly moves in the view, while others pass by, keeps its distance: it goes along with the camera,
-// as the car ahead does. What stopped is somewhere.
-bool goes_on_with_camera(const ServerTrack& track, std::span<const View> views, double median_depth, double most_px) {
+// It hardly moves in the view, while others pass by: infinitely far, or it goes along with the camera.
+bool keeps_its_distance(std::span<const View> views, double median_depth, double most_px) {
   constexpr double kOfParallax = 0.15;
   const double passed_px = parallax_px(views, median_depth);
-  return track.moves() && passed_px > 2 * most_px && far_miss_px(views) < std::max(most_px, kOfParallax * passed_px);
+  return passed_px > 2 * most_px && far_miss_px(views) < std::max(most_px, kOfParallax * passed_px);
+}
+
+// What moved and now keeps its distance goes along with the camera, as the car ahead does. What stopped is somewhere.
+bool goes_on_with_camera(const ServerTrack& track, std::span<const View> views, double median_depth, double most_px) {
+  return track.moves() && keeps_its_distance(views, median_depth, most_px);
+}
+
+// What moves now kept its distance before, time after time without a break: since then.
+std::optional<SetId> went_along_since(const MapCamera& camera, const ServerTrack& track, double median_depth,
+                                      const EvidenceConfig& config) {
+  std::vector<View> views;  // newest first
+  std::vector<const FramePose*> frames;
+  for (const TrackPoint& seen : std::views::reverse(track.seen)) {
+    const FramePose* f = camera.frame_at(seen.set);
+    if (f == nullptr || f->map != camera.map) continue;
+    views.push_back({&camera.model, f->cam_from_world, seen.undistorted_px.cast<double>()});
+    frames.push_back(f);
+  }
+  const TimeNs time_ns = to_ns(config.test_s);
+  const auto before = [&](std::size_t from, TimeNs by_ns) {
+    while (from < frames.size() && frames[from]->capture_ns >= camera.frames.back().capture_ns - by_ns) ++from;
+    return from;
+  };
+  std::optional<SetId> since;
+  // The newest time shows that it moves; windows that overlap by half go back from there.
+  for (int halves = 2;; ++halves) {
+    const std::size_t begin = before(0, halves * time_ns / 2), end = before(begin, (halves + 2) * time_ns / 2);
+    if (end < begin + kLeastFrames) break;
+    const auto window = std::span(views).subspan(begin, end - begin);
+    if (!keeps_its_distance(window, median_depth, config.doubtful_px * camera.model.width_px / 640.0)) break;
+    since = frames[end - 1]->set;
+  }
+  return since;
 }
 
 // Of a track by itself.
@@ -309,6 +342,9 @@ std::vector<TrackJudgement> judge_tracks(const Map& map, const MapCamera& camera
     if (t.motion != j.track->motion) {
       t.moving_neighbours = neighbours_of(moving, j, radius_px, radius_px).close;
       t.resting_neighbours = neighbours_of(resting, j, radius_px, radius_px).close;
+      if (t.motion == TrackMotion::kMoving) {
+        t.went_along_since = went_along_since(camera, *j.track, median_depth, config);
+      }
     }
     out.push_back(t);
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "server/associate/pair_match.h"
@@ -56,6 +57,9 @@ struct TrackJudgement {
   const ServerTrack* track = nullptr;
   TrackMotion motion = TrackMotion::kResting;
   int moving_neighbours = 0, resting_neighbours = 0;  // counted where it is another motion than before
+  // What began to show that it moves, and went along with the camera before, as the car ahead does: since then. On a
+  // straight way nothing tells such a thing from one infinitely far, until it turns.
+  std::optional<SetId> went_along_since;
 };
 std::vector<TrackJudgement> judge_tracks(const Map& map, const MapCamera& camera, const EvidenceConfig& config);
 

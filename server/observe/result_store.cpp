@@ -178,7 +178,7 @@ void ResultStore::say_problems() {
   };
   say(groups_);
   for (const auto& [name, tracks] : tracks_) {
-    if (tracks) say(*tracks);
+    if (tracks) say(tracks->file());
   }
 }
 
@@ -202,11 +202,11 @@ void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
   if (told.empty() || told.back().second != now) told.emplace_back(server.map().epoch(), now);
 }
 
-TrackWriter* ResultStore::tracks_of(const std::string& agent) {
+TrackStore* ResultStore::tracks_of(const std::string& agent) {
   const auto [at, is_new] = tracks_.try_emplace(agent);
   if (!is_new) return at->second.get();
   try {
-    at->second = std::make_unique<TrackWriter>(folder_.tracks(agent));
+    at->second = std::make_unique<TrackStore>(folder_.tracks(agent));
   } catch (const UserError& e) {
     log_warn(std::string(e.what()) + "; mapping goes on without the file");
     not_made_.emplace_back(e.what());
@@ -216,19 +216,7 @@ TrackWriter* ResultStore::tracks_of(const std::string& agent) {
 
 void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) {
   const MapCamera& camera = server.map().camera(cf.camera);
-  TrackWriter* writer = tracks_of(camera.name);
-  if (writer == nullptr) return;
-  for (const auto& [id, track] : camera.tracks) {
-    ResultTrackRow row;
-    row.frame = cf.frame.frame;
-    row.t_ns = cf.frame.capture_ns;
-    row.track = id;
-    row.raw_px = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
-    row.point = track.point;
-    if (const MapPoint* p = server.map().find(track.point)) row.state = told_state(p->phase);
-    if (!track.bound() && track.moves()) row.state = PointState::kDynamic;
-    writer->write(row);
-  }
+  if (TrackStore* store = tracks_of(camera.name)) store->record(cf.frame, camera, server.map());
 }
 
 void ResultStore::record_groups(const FrameSet& set, const MapServer& server) {
@@ -332,7 +320,9 @@ void ResultStore::check_streams(bool last, Attempts& attempts) {
   const auto check = [&](CsvWriter& file) { attempts([&] { last ? file.close() : file.check(); }); };
   check(groups_);
   for (const auto& [name, tracks] : tracks_) {
-    if (tracks) check(*tracks);
+    if (!tracks) continue;
+    check(tracks->file());
+    if (last) attempts([&] { tracks->mark_earlier_motion(); });
   }
   for (const std::string& sentence : not_made_) attempts([&] { throw UserError(sentence); });
 }

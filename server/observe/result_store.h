@@ -14,6 +14,7 @@
 #include "server/map_server.h"
 #include "server/observe/event_store.h"
 #include "server/observe/result_past.h"
+#include "server/observe/track_store.h"
 
 namespace coslam {
 
@@ -40,7 +41,7 @@ class ResultStore {
   void record_tracks(const CameraFrame& cf, const MapServer& server);
   void record_groups(const FrameSet& set, const MapServer& server);
   void record_objects(const FrameSet& set, const MapServer& server);
-  TrackWriter* tracks_of(const std::string& agent);  // null: its file cannot be made
+  TrackStore* tracks_of(const std::string& agent);  // null: its file cannot be made
   void say_problems();
 
   void write_paths(const MapServer& server, Attempts& attempts);
@@ -55,7 +56,7 @@ class ResultStore {
   std::map<CameraId, std::map<MapId, Trajectory>> live_;
   std::map<CameraId, std::vector<std::pair<MapEpoch, MapId>>>
       told_;  // which map an agent was told of, from each epoch on
-  std::map<std::string, std::unique_ptr<TrackWriter>> tracks_;
+  std::map<std::string, std::unique_ptr<TrackStore>> tracks_;
   std::vector<std::string> not_made_;  // what was wrong with the others
   GroupWriter groups_;
   EventStore events_;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -126,13 +127,13 @@ TEST_F(EvidenceTest, WhatMovesAmongItsLikeIsJudgedMoving) {
 // fixed places: so far away from where the camera began, in its middle.
 class AfterMotion : public EvidenceTest {
  protected:
-  void stay(double distance) {
+  void stay(double distance, int sets = 40) {
     for (int i = kStatic; tracks_.size() < kTracks; ++i) {
       if (sim_.track_of(kCam0, i) != nullptr) tracks_.push_back(i);
     }
     const Rigid3 began = sim_.truth(kCam0, sim_.set.id);
     const MapCamera& camera = sim_.map.camera(kCam0);
-    for (int n = 0; n < 40; ++n) {
+    for (int n = 0; n < sets; ++n) {
       sim_.look();
       const Rigid3 now = sim_.truth(kCam0, sim_.set.id);
       for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -141,6 +142,20 @@ class AfterMotion : public EvidenceTest {
         const Eigen::Vector2d at(290 + 4.0 * static_cast<double>(i), 230);
         const Eigen::Vector3d place = distance * camera.model.normalized_from_pixel(at).homogeneous();
         seen->undistorted_px = camera.model.project(now * (began.inverse() * place)).cast<float>();
+      }
+      sim_.take();
+      sim_.place_truly();
+    }
+    clear(sim_.track_of(kCam0, tracks_[kTracks / 2])->seen.back().undistorted_px);
+  }
+  // All of them together over the image, as nothing at rest does.
+  void turn_off(int sets, const Eigen::Vector2f& step_px) {
+    std::vector<Eigen::Vector2f> at;
+    for (const int i : tracks_) at.push_back(sim_.track_of(kCam0, i)->seen.back().undistorted_px);
+    for (int n = 1; n <= sets; ++n) {
+      sim_.look();
+      for (std::size_t i = 0; i < tracks_.size(); ++i) {
+        sim_.seen(kCam0, tracks_[i])->undistorted_px = at[i] + static_cast<float>(n) * step_px;
       }
       sim_.take();
       sim_.place_truly();
@@ -169,6 +184,36 @@ TEST_F(AfterMotion, WhatKeepsItsDistanceToTheCameraGoesOn) {
   using enum TrackMotion;
   EXPECT_EQ(judged_after(kMoving), std::vector(kTracks, kMoving)) << "as the car ahead does";
   EXPECT_EQ(judged_after(kResting), std::vector(kTracks, kResting)) << "far things that never moved rest";
+}
+
+TEST_F(AfterMotion, WhatTurnsOffTellsThatItWentAlong) {
+  const SetId began = sim_.set.id;
+  stay(1e5, 70);
+  EXPECT_EQ(judged_after(TrackMotion::kResting), std::vector(kTracks, TrackMotion::kResting)) << "on a straight way";
+  const SetId turned = sim_.set.id;
+  turn_off(8, {3, -6});
+  int told = 0;
+  for (const TrackJudgement& j : judge_tracks(sim_.map, sim_.map.camera(kCam0), config_)) {
+    const bool is_one = std::ranges::any_of(tracks_, [&](int i) { return j.track == sim_.track_of(kCam0, i); });
+    if (!is_one) continue;
+    EXPECT_EQ(j.motion, TrackMotion::kMoving);
+    ASSERT_TRUE(j.went_along_since);
+    EXPECT_GE(*j.went_along_since, began) << "when it moved otherwise";
+    EXPECT_LT(j.went_along_since->value, (began.value + turned.value) / 2);
+    ++told;
+  }
+  EXPECT_EQ(told, static_cast<int>(kTracks));
+}
+
+TEST_F(AfterMotion, WhatStoodSomewhereDidNotGoAlong) {
+  stay(3, 70);
+  EXPECT_EQ(judged_after(TrackMotion::kResting), std::vector(kTracks, TrackMotion::kResting));
+  turn_off(8, {3, -6});
+  for (const TrackJudgement& j : judge_tracks(sim_.map, sim_.map.camera(kCam0), config_)) {
+    if (std::ranges::none_of(tracks_, [&](int i) { return j.track == sim_.track_of(kCam0, i); })) continue;
+    EXPECT_EQ(j.motion, TrackMotion::kMoving);
+    EXPECT_FALSE(j.went_along_since);
+  }
 }
 
 TEST_F(AfterMotion, WhatStoppedSomewhereRests) {
