@@ -59,22 +59,60 @@ std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent e
   return out;
 }
 
-// Older poses that see the window's points, the most connected first.
-std::vector<std::pair<SetId, CameraId>> holding_poses(const Map& map, MapId of, SetId first, int most) {
-  PoseIndex shared;  // points
+// Older poses that see points of the window, by how many, of all cameras and of each one's alone.
+struct SharedPoints {
+  PoseIndex all;
+  std::map<CameraId, PoseIndex> of_camera;
+};
+
+SharedPoints shared_with_window(const Map& map, MapId of, SetId first) {
+  SharedPoints shared;
+  std::vector<CameraId> cameras;
   for (const MapPoint* point : map.points_observed_since(first)) {
     const MapPoint& p = *point;
     if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
+    cameras.clear();
     for (const KeyObservation& o : p.key_observations) {
-      if (o.set < first) ++shared[{o.set, o.camera}];
+      if (o.set >= first && std::ranges::find(cameras, o.camera) == cameras.end()) cameras.push_back(o.camera);
+    }
+    for (const KeyObservation& o : p.key_observations) {
+      if (o.set >= first) break;
+      ++shared.all[{o.set, o.camera}];
+      for (const CameraId c : cameras) ++shared.of_camera[c][{o.set, o.camera}];
     }
   }
+  return shared;
+}
+
+using Poses = std::vector<std::pair<SetId, CameraId>>;
+
+// Those that share enough to hold, most first.
+Poses by_shared_points(const PoseIndex& shared) {
+  constexpr int kLeast = 8;
   std::vector<std::pair<int, std::pair<SetId, CameraId>>> order;
-  for (const auto& [key, n] : shared) order.emplace_back(-n, key);
-  std::sort(order.begin(), order.end());
-  std::vector<std::pair<SetId, CameraId>> out;
-  for (const auto& [n, key] : order) {
-    if (static_cast<int>(out.size()) < most && -n >= 8) out.push_back(key);
+  for (const auto& [key, n] : shared) {
+    if (n >= kLeast) order.emplace_back(-n, key);
+  }
+  std::ranges::sort(order);
+  Poses out;
+  out.reserve(order.size());
+  for (const auto& [n, key] : order) out.push_back(key);
+  return out;
+}
+
+// Older poses that see the window's points: the most connected, and those that share most with each camera. Cameras
+// that are back at a place share more with who mapped it than others do with their own last poses, and a part of the
+// window that few points hold goes where it likes.
+Poses holding_poses(const Map& map, MapId of, SetId first, std::size_t most) {
+  constexpr std::size_t kOfEachCamera = 3;
+  const SharedPoints shared = shared_with_window(map, of, first);
+  Poses out = by_shared_points(shared.all);
+  out.resize(std::min(most, out.size()));
+  for (const auto& [camera, with] : shared.of_camera) {
+    const Poses own = by_shared_points(with);
+    for (std::size_t i = 0; i < std::min(kOfEachCamera, own.size()); ++i) {
+      if (std::ranges::find(out, own[i]) == out.end()) out.push_back(own[i]);
+    }
   }
   return out;
 }
@@ -284,8 +322,8 @@ void add_ties(const Map& map, RefineJob* job) {
 
 namespace {
 
-// Of these key frames, held by so many older poses at most; empty when there is too little.
-std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, int holding,
+// Of these key frames, held by so many older poses, or more where a camera needs them; empty when there is too little.
+std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, std::size_t holding,
                                   RefineExtent extent) {
   if (keys.empty()) return std::nullopt;
   RefineJob job;
@@ -316,7 +354,8 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
 
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
   const bool window = extent == RefineExtent::kWindow;
-  auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config), window ? 3 * config.window : 0, extent);
+  auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
+                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent);
   if (!job) return job;
   job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
   return job;
@@ -327,7 +366,7 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
   const std::size_t all = keys.size();
   std::erase_if(keys, [&](SetId key) { return key <= since; });
   const std::size_t older = (all - keys.size()) * map.cameras().size();
-  auto job = plan_job(map, of, keys, static_cast<int>(older), RefineExtent::kWhole);
+  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole);
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
