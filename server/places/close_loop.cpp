@@ -6,6 +6,8 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "server/associate/register.h"
 #include "server/solve/path_graph.h"
@@ -71,6 +73,34 @@ void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* gr
     const auto& [set, first, second] = key;
     const auto a = nodes.find(first, set), b = nodes.find(second, set);
     if (n >= kMinShared && a && b) graph->links.push_back({*a, *b, 1.0});
+  }
+}
+
+// Who comes back to a place and finds its points again is held to those who were there before: each frame to the one of
+// the visit before that shares most points with it. Without that a loop closed elsewhere would tear the two apart.
+void link_visits(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
+  const std::uint32_t gap = map.sets_in(map.config().recent_s);
+  std::map<std::pair<int, int>, int> shared;  // node, node of the visit before
+  for (const auto& [id, p] : map.points()) {
+    if (p.map != of || p.key_observations.empty()) continue;
+    const auto& seen = p.key_observations;
+    if (seen.back().set.value - seen.front().set.value <= gap) continue;
+    std::vector<int> before, now;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (i > 0 && seen[i].set.value - seen[i - 1].set.value > gap) before = std::exchange(now, {});
+      const auto node = nodes.find(seen[i].camera, seen[i].set);
+      if (!node) continue;
+      for (const int b : before) ++shared[{*node, b}];
+      now.push_back(*node);
+    }
+  }
+  for (auto at = shared.begin(); at != shared.end();) {
+    const int node = at->first.first;
+    auto most = at;
+    for (; at != shared.end() && at->first.first == node; ++at) {
+      if (at->second > most->second) most = at;
+    }
+    if (most->second >= kMinShared) graph->links.push_back({most->first.second, node, 1.0});
   }
 }
 
@@ -142,6 +172,7 @@ bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::
   if (!tie(nodes, loop, together, &graph)) return false;
   link_successive_frames(nodes, &graph);
   link_neighbours(map, of, nodes, &graph);
+  link_visits(map, of, nodes, &graph);
   link_loops(earlier, nodes, &graph);
   const PathSolution solution = solve_path_graph(graph);
   if (!solution.ok) return false;

@@ -71,6 +71,52 @@ class CloseLoopTest : public testing::Test {
   std::vector<int> common_;  // points that both cameras follow
 };
 
+// The second camera comes to its middle by itself, and at the end finds the points of there again: it goes along with
+// its middle then, and not with the first one's end.
+TEST_F(CloseLoopTest, WhoIsBackAtAPlaceStaysWithIt) {
+  MapConfig config;
+  config.recent_s = 0.1;
+  test::SimMap sim(world_, test::paths_side_by_side(2), {}, config);
+  std::vector<PointId> visited;
+  const auto see_all = [&] {
+    for (const PointId id : visited) {
+      const MapPoint& p = *sim.map.find(id);
+      const ServerTrack* t = sim.track_of(cam(1), sim.world_point(p));
+      if (t == nullptr) continue;
+      if (!t->bound()) sim.bind(p, cam(1), *t);
+    }
+    sim.edit.add_key_frame(sim.set.id);
+    for (const PointId id : visited) {
+      const MapPoint& p = *sim.map.find(id);
+      while (!p.bound.empty()) sim.edit.unbind(cam(1), sim.map.track(p.bound.front()), Why::kOddOneOut);
+    }
+  };
+  for (int i = 0; i <= kLast; ++i) {
+    sim.ingest();
+    for (int c = 0; c < 2; ++c) sim.place(cam(c), transform_world(sim.truth(cam(c), at_set(i)), drift(i)));
+    if (i == kMiddle) {
+      for (int p = 0; p < world_.size() && visited.size() < 40; ++p) {
+        if (sim.track_of(cam(1), p) == nullptr) continue;
+        const MapPoint& made = sim.create(drift(i) * world_.position(p));
+        sim.bind(made, cam(1), *sim.track_of(cam(1), p));
+        visited.push_back(made.id);
+      }
+    }
+    if (i == kMiddle || i == kLast) see_all();
+  }
+  const auto between = [&](const MapEdit& edit) { return pose(edit, 1, kLast) * pose(edit, 1, kMiddle).inverse(); };
+  MapEdit edit = sim.edit;
+  ASSERT_TRUE(close_loop(edit, sim.id, loop(kLast, 0), {}, {}));
+  const double moved_m = (between(edit).center() - between(sim.edit).center()).norm();
+  for (const PointId id : visited) {
+    auto p = sim.map.find(id);
+    sim.edit.forget_past(*p);  // and without the visits
+  }
+  MapEdit torn = sim.edit;
+  ASSERT_TRUE(close_loop(torn, sim.id, loop(kLast, 0), {}, {}));
+  EXPECT_LT(moved_m, 0.8 * (between(torn).center() - between(sim.edit).center()).norm());
+}
+
 TEST_F(CloseLoopTest, TheLoopHoldsAndTheDriftIsSpread) {
   const MapEdit edit = closed();
   EXPECT_THAT(pose(edit, 0, kLast), PoseNear(truth(0, kLast), 1e-9, 1e-9));
