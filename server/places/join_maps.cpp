@@ -3,6 +3,7 @@
 #include "server/places/join_maps.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -29,6 +30,14 @@ std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
     if (with.size() > best.size()) best = std::move(with);
   }
   return best;
+}
+
+// All together give the size that each gives by itself. Two prints of one room may hang nearly as those of another do,
+// but not in the same proportion to their own size.
+bool of_one_size(const Similarity3& fitted, const std::vector<const Witness*>& all) {
+  constexpr double kScale = 0.05;
+  return std::ranges::all_of(
+      all, [&](const Witness* w) { return std::abs(std::log(w->into_from_own.scale / fitted.scale)) < kScale; });
 }
 
 // Points that the images say are one: each once.
@@ -106,7 +115,7 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
   for (const Witness* s : good) depths.push_back(s->depth);
   const double depth = upper_median(depths);
   const auto into_from_own = fitted(map, good.front()->into_from_own, depth, &pairs);
-  if (!into_from_own) return std::nullopt;
+  if (!into_from_own || !of_one_size(*into_from_own, good)) return std::nullopt;
   // What is flat in one map may only be uncertain there.
   std::vector<const MapPoint*> here, there;
   for (const auto& [own, other] : pairs) {
