@@ -10,6 +10,7 @@
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
 #include "server/associate/points_by_place.h"
+#include "server/associate/recall.h"
 #include "server/associate/track_grid.h"
 
 namespace coslam {
@@ -94,7 +95,7 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   FuseReport report;
   std::vector<Candidate> candidates;
-  const PointsByPlace points(recent_static_points(map));
+  const PointsByPlace points(static_points_around(map, set));
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);

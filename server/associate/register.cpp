@@ -8,6 +8,7 @@
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
 #include "server/associate/points_by_place.h"
+#include "server/associate/recall.h"
 #include "server/associate/track_grid.h"
 
 namespace coslam {
@@ -58,7 +59,8 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
 RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
   const Map& map = edit.map();
   RegisterReport report;
-  PointsByPlace points(recent_static_points(map));
+  const bool look_back = map.every(map.config().match_period_s);
+  PointsByPlace points(look_back ? static_points_around(map, set) : recent_static_points(map));
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
     if (!camera.frames.back().valid()) continue;

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/associate/recall.h"
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+#include "server/associate/track_grid.h"
+
+namespace coslam {
+namespace {
+
+constexpr int kLeast = 4;               // points that a key frame shares with what a camera sees
+constexpr std::size_t kMostFrames = 4;  // of those that share most
+constexpr std::size_t kBeside = 2;      // key frames before and after each
+
+// Key frames long ago that saw what the camera follows, those that saw most of it first.
+std::vector<SetId> shared_key_frames(const Map& map, const MapCamera& camera) {
+  std::unordered_map<SetId, int> shared;
+  for (const auto& [id, track] : camera.tracks) {
+    const MapPoint* p = map.find(track.point);
+    if (p == nullptr || !p->proven()) continue;
+    SetId counted = map.now();  // once for all cameras that saw it then
+    for (const KeyObservation& o : p->key_observations) {
+      if (map.is_recent(o.set)) break;
+      if (o.set != counted) ++shared[o.set];
+      counted = o.set;
+    }
+  }
+  std::vector<std::pair<int, SetId>> order;
+  for (const auto& [set, n] : shared) {
+    if (n >= kLeast) order.emplace_back(-n, set);
+  }
+  std::ranges::sort(order);
+  std::vector<SetId> out;
+  for (std::size_t i = 0; i < std::min(kMostFrames, order.size()); ++i) out.push_back(order[i].second);
+  return out;
+}
+
+}  // namespace
+
+std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const FrameSet& set) {
+  std::set<SetId> sets;
+  const auto& keys = map.key_frames();
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = map.camera(cf.camera);
+    if (!camera.frames.back().valid()) continue;
+    for (const SetId s : shared_key_frames(map, camera)) {
+      const auto at = static_cast<std::size_t>(std::ranges::lower_bound(keys, s, {}, &KeyFrame::set) - keys.begin());
+      for (std::size_t k = at - std::min(at, kBeside); k < std::min(keys.size(), at + kBeside + 1); ++k) {
+        sets.insert(keys[k].set);
+      }
+    }
+  }
+  std::vector<const MapPoint*> out = map.points_observed_at({sets.begin(), sets.end()});
+  std::erase_if(out, [&](const MapPoint* p) { return !p->proven() || map.is_recent(p->last_seen); });
+  return out;
+}
+
+std::vector<const MapPoint*> static_points_around(const Map& map, const FrameSet& set) {
+  std::vector<const MapPoint*> out = recent_static_points(map);
+  const auto recent = static_cast<std::ptrdiff_t>(out.size());
+  const std::vector<const MapPoint*> earlier = points_of_earlier_visits(map, set);
+  out.insert(out.end(), earlier.begin(), earlier.end());
+  std::ranges::inplace_merge(out, out.begin() + recent, {}, &MapPoint::id);
+  return out;
+}
+
+}  // namespace coslam
