@@ -78,13 +78,17 @@ void add_views(const Map& map, const MapPoint& p, double check_back_s, std::vect
 // The one position of both, if it explains all their views.
 std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p, const MapPoint& q, double sigma_px,
                                               double check_back_s) {
-  constexpr double kWorst = 1.5;  // of many views, over the gate of one
+  // Of many views, over the gate of one. Two visits of a place have many views each: what tells them apart by half a
+  // gate is another corner, or a place that has drifted, which the adjustment is to mend first.
+  constexpr double kWorst = 1.5, kWorstOfVisits = 0.5;
+  const bool visits = !map.is_recent(p.last_seen) || !map.is_recent(q.last_seen);
   std::vector<View> views;
   add_views(map, p, check_back_s, &views);
   add_views(map, q, check_back_s, &views);
   const TriangulationResult t = triangulate(views, 1.0, 0.0);
   const PointEstimate one{t.position, Eigen::Matrix3d::Zero()};
-  if (t.status != TriangulationStatus::kOk || !explains(one, views, sigma_px, kWorst * map.config().theta))
+  if (t.status != TriangulationStatus::kOk ||
+      !explains(one, views, sigma_px, (visits ? kWorstOfVisits : kWorst) * map.config().theta))
     return std::nullopt;
   return t.position;
 }

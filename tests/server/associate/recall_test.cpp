@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "server/associate/fuse.h"
 #include "server/associate/register.h"
 #include "tests/support/sim_map.h"
 
@@ -71,6 +72,25 @@ TEST_F(RecallTest, WhatIsOnTrialOrMovesIsNoPlace) {
   const MapPoint& moving = *sim_.map.find(all_[10]);
   sim_.set_moving(moving);
   for (const MapPoint* p : points_of_earlier_visits(sim_.map, sim_.set)) EXPECT_NE(p->id, moving.id);
+}
+
+TEST_F(RecallTest, WhatWasMadeASecondTimeBecomesOne) {
+  go_on_with(10);
+  int made = 0;
+  for (std::size_t i = 10; i < 40; ++i) {
+    const int corner = sim_.world_point(*sim_.map.find(all_[i]));
+    const ServerTrack* t = sim_.track_of(kCam0, corner);
+    if (t == nullptr) continue;
+    const MapPoint& again = sim_.create(world_.position(corner));
+    sim_.bind(again, kCam0, *t);
+    sim_.edit.forget_past(again);  // as if the track had begun after the key frames
+    ++made;
+  }
+  ASSERT_GT(made, 15);
+  EXPECT_GE(fuse_points(sim_.edit, sim_.set).fused, 0.8 * made);
+  for (const auto& [id, p] : sim_.map.points()) {
+    for (const BoundTrack& b : p.bound) EXPECT_EQ(sim_.world_point(b.camera, b.track), sim_.world_point(p));
+  }
 }
 
 TEST_F(RecallTest, ItsTracksFindTheirPointsAgain) {
