@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <ranges>
 #include <span>
 
 #include "common/geometry/robust.h"
@@ -142,10 +141,10 @@ std::optional<SetId> went_along_since(const MapCamera& camera, const ServerTrack
                                       const EvidenceConfig& config) {
   std::vector<View> views;  // newest first
   std::vector<const FramePose*> frames;
-  for (const TrackPoint& seen : std::views::reverse(track.seen)) {
-    const FramePose* f = camera.frame_at(seen.set);
+  for (auto seen = track.seen.rbegin(); seen != track.seen.rend(); ++seen) {
+    const FramePose* f = camera.frame_at(seen->set);
     if (f == nullptr || f->map != camera.map) continue;
-    views.push_back({&camera.model, f->cam_from_world, seen.undistorted_px.cast<double>()});
+    views.push_back({&camera.model, f->cam_from_world, seen->undistorted_px.cast<double>()});
     frames.push_back(f);
   }
   const TimeNs time_ns = to_ns(config.test_s);

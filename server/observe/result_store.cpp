@@ -319,8 +319,9 @@ void ResultStore::write_moving(const MapServer& server, MapId map, const ResultF
 void ResultStore::check_streams(bool last, Attempts& attempts) {
   const auto check = [&](CsvWriter& file) { attempts([&] { last ? file.close() : file.check(); }); };
   check(groups_);
-  for (const auto& [name, tracks] : tracks_) {
-    if (!tracks) continue;
+  for (const auto& of_agent : tracks_) {
+    TrackStore* tracks = of_agent.second.get();
+    if (tracks == nullptr) continue;
     check(tracks->file());
     if (last) attempts([&] { tracks->mark_earlier_motion(); });
   }
