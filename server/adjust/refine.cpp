@@ -7,20 +7,13 @@
 #include <map>
 #include <set>
 #include <tuple>
-#include <unordered_map>
 
+#include "server/adjust/holding_poses.h"
 #include "server/associate/register.h"
 #include "server/solve/point_uncertainty.h"
 
 namespace coslam {
 namespace {
-
-struct PoseHash {
-  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
-    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
-  }
-};
-using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
 
 const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera) {
   const FramePose* f = map.camera(camera).frame_at(set);
@@ -56,64 +49,6 @@ std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent e
   const std::size_t all = out.size(), some = std::max<std::size_t>(2, all / static_cast<std::size_t>(apart));
   for (std::size_t i = 0; i < some; ++i) out[i] = out[i * (all - 1) / (some - 1)];
   out.resize(some);
-  return out;
-}
-
-// Older poses that see points of the window, by how many, of all cameras and of each one's alone.
-struct SharedPoints {
-  PoseIndex all;
-  std::map<CameraId, PoseIndex> of_camera;
-};
-
-SharedPoints shared_with_window(const Map& map, MapId of, SetId first) {
-  SharedPoints shared;
-  std::vector<CameraId> cameras;
-  for (const MapPoint* point : map.points_observed_since(first)) {
-    const MapPoint& p = *point;
-    if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
-    cameras.clear();
-    for (const KeyObservation& o : p.key_observations) {
-      if (o.set >= first && std::ranges::find(cameras, o.camera) == cameras.end()) cameras.push_back(o.camera);
-    }
-    for (const KeyObservation& o : p.key_observations) {
-      if (o.set >= first) break;
-      ++shared.all[{o.set, o.camera}];
-      for (const CameraId c : cameras) ++shared.of_camera[c][{o.set, o.camera}];
-    }
-  }
-  return shared;
-}
-
-using Poses = std::vector<std::pair<SetId, CameraId>>;
-
-// Those that share enough to hold, most first.
-Poses by_shared_points(const PoseIndex& shared) {
-  constexpr int kLeast = 8;
-  std::vector<std::pair<int, std::pair<SetId, CameraId>>> order;
-  for (const auto& [key, n] : shared) {
-    if (n >= kLeast) order.emplace_back(-n, key);
-  }
-  std::ranges::sort(order);
-  Poses out;
-  out.reserve(order.size());
-  for (const auto& [n, key] : order) out.push_back(key);
-  return out;
-}
-
-// Older poses that see the window's points: the most connected, and those that share most with each camera. Cameras
-// that are back at a place share more with who mapped it than others do with their own last poses, and a part of the
-// window that few points hold goes where it likes.
-Poses holding_poses(const Map& map, MapId of, SetId first, std::size_t most) {
-  constexpr std::size_t kOfEachCamera = 3;
-  const SharedPoints shared = shared_with_window(map, of, first);
-  Poses out = by_shared_points(shared.all);
-  out.resize(std::min(most, out.size()));
-  for (const auto& [camera, with] : shared.of_camera) {
-    const Poses own = by_shared_points(with);
-    for (std::size_t i = 0; i < std::min(kOfEachCamera, own.size()); ++i) {
-      if (std::ranges::find(out, own[i]) == out.end()) out.push_back(own[i]);
-    }
-  }
   return out;
 }
 

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "server/map/map.h"
+
+namespace coslam {
+
+struct PoseHash {
+  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
+    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
+  }
+};
+using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
+
+using Poses = std::vector<std::pair<SetId, CameraId>>;
+
+// Older poses that see the window's points: the most connected, and those that share most with each camera. Cameras
+// that are back at a place share more with who mapped it than others do with their own last poses, and a part of the
+// window that few points hold goes where it likes.
+Poses holding_poses(const Map& map, MapId of, SetId first, std::size_t most);
+
+}  // namespace coslam
