@@ -79,6 +79,7 @@ struct RenderOptions {
   double rate_hz = 0;               // the same motion, with more or fewer images of it
   int width_px = 0, height_px = 0;  // another width is another scale, another height shows more or less
   std::string lens;                 // as simulated_camera()
+  double turn_at_s = 0;             // the cameras stop there and turn by 180 degrees on the spot, in kTurnS
   int threads = 2;
 };
 

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "deploy/scene/motion.h"
 
 namespace coslam {
 namespace sim {
@@ -56,8 +59,21 @@ std::vector<Mesh> parts_of(const std::vector<Body>& bodies) {
 
 }  // namespace
 
+std::function<Rigid3(double)> turned_round(std::function<Rigid3(double)> cam_from_world, double at_s) {
+  return [cam_from_world = std::move(cam_from_world), at_s](double t_s) {
+    const Rigid3 before = cam_from_world(paused_time(t_s, at_s, at_s + kTurnS, kRestS));
+    const double turned_rad = std::numbers::pi * eased_step(t_s, at_s, at_s + kTurnS);
+    const Eigen::Quaterniond rotation = before.rotation * Eigen::AngleAxisd(-turned_rad, Eigen::Vector3d::UnitZ());
+    return Rigid3{rotation, -(rotation * before.center())};
+  };
+}
+
 SimulatedScene::SimulatedScene(SceneDescription description, const SceneSize& size)
     : description_(std::move(description)), parts_(parts_of(description_.bodies)), caster_(description_.world, parts_) {
+  if (size.turn_at_s > 0) {
+    for (SceneCamera& c : description_.cameras) c.cam_from_world = turned_round(c.cam_from_world, size.turn_at_s);
+    description_.frames += static_cast<int>(std::lround((kTurnS + kRestS) * description_.rate_hz));
+  }
   if (size.rate_hz > 0) {
     const double own_s = description_.frames / description_.rate_hz;
     description_.frames = std::max(1, static_cast<int>(std::lround(own_s * size.rate_hz)));

@@ -261,8 +261,8 @@ void write_sequence(const SimulatedScene& scene, const WriteOptions& options, co
 
 void render_sequence(const RenderOptions& options, const std::filesystem::path& folder,
                      const std::function<void(int, int)>& progress) {
-  const sim::SceneSize size{options.cameras,  options.frames,    1.0,         options.rate_hz,
-                            options.width_px, options.height_px, options.lens};
+  const sim::SceneSize size{options.cameras,  options.frames,    1.0,          options.rate_hz,
+                            options.width_px, options.height_px, options.lens, options.turn_at_s};
   const auto scene = sim::make_simulated_scene(options.scene, options.seed, size);
   sim::write_sequence(*scene, {options.scene, options.seed, options.threads, 1.0}, folder, progress);
 }

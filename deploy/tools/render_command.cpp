@@ -68,6 +68,10 @@ void add_render_command(CLI::App& app, Command& chosen) {
       "--lens", options.lens,
       "pinhole, radtan, equidistant, double_sphere, omni or fisheyeN (N degrees from corner to corner, 60 to "
       "170); default: the scene's own");
+  command
+      ->add_option("--turn-at-s", options.turn_at_s,
+                   "the cameras stop there, turn by 180 degrees on the spot within 4 s, and go on looking back")
+      ->check(CLI::PositiveNumber);
   command->callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

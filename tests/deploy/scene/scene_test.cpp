@@ -222,6 +222,24 @@ TEST(MakeScene, AnotherSizeSeesTheSameAcross) {
   }
 }
 
+TEST(MakeScene, CanTurnRoundOnTheSpot) {
+  const auto own = sim::make_simulated_scene("room", 1, {}),
+             turned = sim::make_simulated_scene("room", 1, {.turn_at_s = 4});
+  EXPECT_EQ(turned->frames(), own->frames() + 135);
+  const auto looks = [&](double t_s) {
+    return Eigen::Vector3d(turned->cam_from_world(1, t_s).rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  };
+  const Eigen::Vector3d before = looks(4), after = looks(4 + sim::kTurnS);
+  EXPECT_NEAR((after - Eigen::Vector3d(-before.x(), -before.y(), before.z())).norm(), 0, 1e-9);
+  for (double t_s = 4; t_s <= 4 + sim::kTurnS; t_s += 0.1) {
+    EXPECT_NEAR((turned->cam_from_world(1, t_s).center() - turned->cam_from_world(1, 4).center()).norm(), 0, 1e-9);
+  }
+  EXPECT_NEAR((turned->cam_from_world(1, 3).center() - own->cam_from_world(1, 3).center()).norm(), 0, 1e-9);
+  // Later it is where it would have been, that much later.
+  const double lost_s = sim::kTurnS + sim::kRestS;
+  EXPECT_NEAR((turned->cam_from_world(1, 7 + lost_s).center() - own->cam_from_world(1, 7).center()).norm(), 0, 1e-9);
+}
+
 TEST(MakeScene, AFisheyeHasItsFieldFromCornerToCorner) {
   const std::map<std::string, int> fields = {{"fisheye60", 60},   {"fisheye120", 120},    {"fisheye150", 150},
                                              {"fisheye170", 170}, {"double_sphere", 150}, {"omni", 150}};
