@@ -86,6 +86,7 @@ Answers AgentLoop::answers() const {
 // waited for one that was lost: the last of them tells how long the link takes.
 void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   constexpr double kWide_bytes_per_s = 25e3;  // of replies: frames take less
+  constexpr std::chrono::seconds kWideAgain{20};
   std::optional<double> downlink_s;
   double wait_s = 0, delivered_bytes = 0;
   for (const MapPatch& p : patches) {
@@ -102,7 +103,8 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
     send_rate_.heard(wait_s, *downlink_s, full, now_());
     reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
   }
-  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz);
+  const bool narrow = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
+  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz, narrow);
   if (link_.server_alive()) send_rate_.tick(now_());
 }
 

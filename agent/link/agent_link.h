@@ -34,8 +34,9 @@ class AgentLink {
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
   virtual void send_status(const AgentStatus& status) = 0;
-  // From now on replies of no more than so many bytes go with a frame; the rest waits for the next frames.
-  virtual void limit_replies(double /*bytes_a_frame*/) {}
+  // From now on replies of no more than so many bytes go with a frame; the rest waits for the next frames. Lost ones
+  // are sent again soon unless the link is narrow, where what seems lost is mostly waiting.
+  virtual void limit_replies(double /*bytes_a_frame*/, bool /*narrow*/) {}
   virtual RepliesWaiting waiting() const { return {}; }
 
   // Lock-step replay. The next patch in order of sequence; waits while there is none. Empty at the timeout, and at once

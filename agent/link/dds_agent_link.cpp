@@ -43,12 +43,20 @@ std::uint64_t sum(const std::array<TopicCounts, kTopicCount>& counts, std::uint6
   return total;
 }
 
+// On a link that carries everything, what was lost is sent again soon: most tracks live for a second or two.
+template <class Message>
+struct ReplyWriters {
+  explicit ReplyWriters(Participant& participant) : usual(participant), soon(participant, {}, Repeat::kSoon) {}
+  int readers() const { return std::min(usual.readers(), soon.readers()); }
+  Writer<Message> usual, soon;
+};
+
 // What a link has in the domain.
 struct Ends {
   Participant participant;
   std::deque<Writer<idl::TrackFrame>> tracks;  // in turn
-  Writer<idl::PatchReply> patches{participant};
-  Writer<idl::DescriptorReply> descriptors{participant};
+  ReplyWriters<idl::PatchReply> patches{participant};
+  ReplyWriters<idl::DescriptorReply> descriptors{participant};
   std::optional<Writer<idl::Hello>> hello;
   Writer<idl::AgentStatus> status{
       participant};  // after hello: its end waits for the last word, before the sign of life
@@ -108,7 +116,10 @@ class DdsAgentLink : public AgentLink {
     if (ends_) say(*ends_, status);
   }
 
-  void limit_replies(double bytes_a_frame) override { reply_bytes_a_frame_ = bytes_a_frame; }
+  void limit_replies(double bytes_a_frame, bool narrow) override {
+    reply_bytes_a_frame_ = bytes_a_frame;
+    repeat_soon_ = !narrow;
+  }
   RepliesWaiting waiting() const override {
     return {!patches_waiting_.empty(), !descriptors_waiting_.empty(), reply_bytes_};
   }
@@ -259,7 +270,8 @@ class DdsAgentLink : public AgentLink {
     write_waiting(patches_waiting_, ends_->patches);
   }
   template <class Message>
-  void write_waiting(std::deque<Message>& waiting, Writer<Message>& writer) {
+  void write_waiting(std::deque<Message>& waiting, ReplyWriters<Message>& writers) {
+    Writer<Message>& writer = repeat_soon_ ? writers.soon : writers.usual;
     for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
       const auto bytes = static_cast<double>(writer.write(waiting.front()));
       reply_room_ -= bytes;
@@ -269,8 +281,8 @@ class DdsAgentLink : public AgentLink {
 
   // Lock-step.
   void write_replies() {
-    for (const auto& part : last_.patches) ends_->patches.write(part);
-    for (const auto& part : last_.descriptors) ends_->descriptors.write(part);
+    for (const auto& part : last_.patches) ends_->patches.usual.write(part);
+    for (const auto& part : last_.descriptors) ends_->descriptors.usual.write(part);
   }
 
   void send_again(Instant now) {
@@ -357,6 +369,7 @@ class DdsAgentLink : public AgentLink {
   std::deque<idl::PatchReply> patches_waiting_;
   std::deque<idl::DescriptorReply> descriptors_waiting_;
   std::optional<double> reply_bytes_a_frame_;
+  bool repeat_soon_ = false;
   double reply_room_ = 0, reply_bytes_ = 0;
   Instant described_{};
 

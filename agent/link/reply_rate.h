@@ -21,6 +21,7 @@ class ReplyRate {
   double bytes_per_s() const { return bytes_per_s_; }
   // Frames had to wait for replies before: the link does not carry whatever is given to it.
   bool limited() const { return halved_.has_value(); }
+  bool limited_since(Instant then) const { return halved_ && *halved_ >= then; }
 
  private:
   void note_delivered(double bytes, Instant now);

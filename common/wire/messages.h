@@ -25,6 +25,10 @@ namespace coslam {
 
 enum class Way : std::uint8_t { kUp, kDown };  // from an agent to the server, or from the server
 
+// How soon a lost sample of a reliable topic is sent again. kSoon costs two small datagrams each time, and where a
+// sample that seems lost is still in a queue it makes the queue longer. The middleware cannot change it for a writer.
+enum class Repeat : std::uint8_t { kUsual, kSoon };
+
 // A topic and what it differs in from the others; qos.cpp has what they share. idl/README.md has the same in words.
 struct Topic {
   const char* name;

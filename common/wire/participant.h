@@ -62,7 +62,7 @@ class Participant {
 // Sends on one topic of kTopics, with its QoS; Writer below says what. Thread-safe.
 class TopicWriter {
  public:
-  TopicWriter(Participant& participant, std::size_t topic, const std::string& partition);
+  TopicWriter(Participant& participant, std::size_t topic, const std::string& partition, Repeat repeat);
   // Topics that keep the newest sample for late joiners: waits up to two seconds until the readers here have it, unless
   // the participant was given up.
   ~TopicWriter();
@@ -83,8 +83,8 @@ class TopicWriter {
 template <class Message>
 class Writer {
  public:
-  explicit Writer(Participant& participant, const std::string& partition = {})
-      : writer_(participant, topic_index<Message>(), partition) {}
+  explicit Writer(Participant& participant, const std::string& partition = {}, Repeat repeat = Repeat::kUsual)
+      : writer_(participant, topic_index<Message>(), partition, repeat) {}
 
   // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
   std::uint64_t write(const Message& message) { return writer_.write(&message, sample_bytes(message)); }

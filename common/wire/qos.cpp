@@ -25,7 +25,7 @@ using eprosima::fastrtps::rtps::Locator_t;
 constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
-constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5;
+constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5, kSoonHeartbeat_s = 0.06;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr std::uint32_t kSecureMessageBytes = 8192;
 
@@ -137,14 +137,15 @@ dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string
   return qos;
 }
 
-dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c) {
+dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c, Repeat repeat) {
   dds::DataWriterQos qos;
   set_common(topic, c, qos);
   qos.history().depth = topic.writer_depth;
   // The caller of write() never waits for the network.
   qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   if (topic.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(topic.paced ? kPacedHeartbeat_s : kHeartbeat_s);
+  const double usual_s = topic.paced ? kPacedHeartbeat_s : kHeartbeat_s;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(repeat == Repeat::kSoon ? kSoonHeartbeat_s : usual_s);
   if (topic.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
   return qos;
 }

@@ -23,7 +23,8 @@ constexpr int kMostPerHost = 32;
 // file of the key.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name,
                                                              RejectionCounts& refused);
-eprosima::fastdds::dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& config);
+eprosima::fastdds::dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& config,
+                                                 Repeat repeat = Repeat::kUsual);
 eprosima::fastdds::dds::DataReaderQos reader_qos(const Topic& topic, const WireConfig& config);
 
 }  // namespace coslam

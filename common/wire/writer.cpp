@@ -32,7 +32,7 @@ struct TopicWriter::Impl {
   Impl(Participant::Impl& p, std::size_t index) : participant(p), topic(index) {}
 };
 
-TopicWriter::TopicWriter(Participant& participant, std::size_t topic, const std::string& partition)
+TopicWriter::TopicWriter(Participant& participant, std::size_t topic, const std::string& partition, Repeat repeat)
     : impl_(std::make_unique<Impl>(participant.impl(), topic)) {
   dds::PublisherQos qos;
   if (!partition.empty()) qos.partition().push_back(partition.c_str());
@@ -40,8 +40,8 @@ TopicWriter::TopicWriter(Participant& participant, std::size_t topic, const std:
   impl_->publisher = p.participant->create_publisher(qos);
   COSLAM_CHECK(impl_->publisher != nullptr, "a publisher needs nothing that could be missing");
   dds::StatusMask mask = dds::StatusMask::offered_incompatible_qos();
-  impl_->writer =
-      impl_->publisher->create_datawriter(p.topic(topic), writer_qos(kTopics[topic], p.config), &impl_->listener, mask);
+  impl_->writer = impl_->publisher->create_datawriter(p.topic(topic), writer_qos(kTopics[topic], p.config, repeat),
+                                                      &impl_->listener, mask);
   COSLAM_CHECK(impl_->writer != nullptr, "the QoS of every topic is tested");
 }
 

@@ -6,6 +6,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -39,6 +40,7 @@ class FakeLink final : public AgentLink {
     sent.push_back(std::move(frame));
   }
   void send_status(const AgentStatus& status) override { statuses.push_back(status); }
+  void limit_replies(double, bool narrow) override { found_narrow = narrow; }
   std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {
     waited_for.push_back(after_frame);
     if (const auto patch = pop()) return patch;
@@ -70,6 +72,7 @@ class FakeLink final : public AgentLink {
     p.received_ns = 1 + to_ns(downlink_s);
   }
 
+  bool found_narrow = false;
   std::vector<TrackFrame> sent;
   std::vector<AgentStatus> statuses;
   std::vector<FrameId> waited_for;
@@ -277,6 +280,23 @@ TEST_F(LiveAgentLoop, ItsOwnDelayIsNoFaultOfTheLink) {
               if (!link_.sent.empty()) link_.answer(link_.sent.back().frame, 0.9F);
             }),
             30U);
+}
+
+// Whether lost replies are repeated soon.
+TEST_F(LiveAgentLoop, ALinkIsWideAgainTwentySecondsAfterItWasLate) {
+  loop_->adapt_to_link();
+  std::map<int, bool> narrow;  // of the image
+  for (int i = 0; i < 900; ++i, time_.now += std::chrono::nanoseconds(kPeriodNs)) {
+    const bool late = i >= 90 && i < 120;
+    if (!link_.sent.empty()) link_.answer(link_.sent.back().frame, late ? 0.9F : 0.0F);
+    ASSERT_TRUE(step());
+    narrow[i] = link_.found_narrow;
+  }
+  EXPECT_TRUE(narrow[10]) << "not known yet";
+  EXPECT_FALSE(narrow[85]);
+  EXPECT_TRUE(narrow[130]);
+  EXPECT_TRUE(narrow[600]);
+  EXPECT_FALSE(narrow[890]);
 }
 
 // Where one was lost, those after it wait for it and come together.
