@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
@@ -211,9 +212,39 @@ bool Map::keeps_observations_of(SetId set, CameraId camera) const {
   return is_key_frame(set) && !spared_images_.contains({set, camera});
 }
 
-std::vector<const MapPoint*> Map::found(std::vector<PointId> ids) const {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+namespace {
+
+// Ascending, each once. Where they lie close to each other they are not sorted but marked.
+std::vector<PointId> in_order(std::vector<PointId> ids) {
+  if (ids.empty()) return ids;
+  constexpr std::size_t kBits = 64;
+  const auto [low, high] = std::ranges::minmax(ids);
+  const std::size_t words = (high.value - low.value) / kBits + 1;
+  if (words > ids.size()) {
+    std::ranges::sort(ids);
+    const auto twice = std::ranges::unique(ids);
+    ids.erase(twice.begin(), twice.end());
+    return ids;
+  }
+  std::vector<std::uint64_t> marks(words);
+  for (const PointId id : ids) {
+    const std::size_t above = id.value - low.value;
+    marks[above / kBits] |= std::uint64_t{1} << above % kBits;
+  }
+  ids.clear();
+  for (std::size_t word = 0; word < words; ++word) {
+    for (std::uint64_t left = marks[word]; left != 0; left &= left - 1) {
+      ids.emplace_back(low.value + static_cast<std::uint32_t>(word * kBits) +
+                       static_cast<std::uint32_t>(std::countr_zero(left)));
+    }
+  }
+  return ids;
+}
+
+}  // namespace
+
+std::vector<const MapPoint*> Map::found(std::vector<PointId> given) const {
+  const std::vector<PointId> ids = in_order(std::move(given));
   std::vector<const MapPoint*> out;
   out.reserve(ids.size());
   for (const PointId id : ids) {

@@ -332,7 +332,7 @@ class Map {
  private:
   friend class MapEdit;
   friend class MapRows;
-  std::vector<const MapPoint*> found(std::vector<PointId> ids) const;
+  std::vector<const MapPoint*> found(std::vector<PointId> given) const;
 
   MapConfig config_;
   std::vector<RigCamera> rigs_;
