@@ -26,9 +26,6 @@ constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
 constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5, kSoonHeartbeat_s = 0.06;
-// A sample in fragments is asked for again while it waits in the queue of a narrow link, which makes that longer: such
-// words are answered together, and not those that come too soon.
-constexpr double kAnswerLost_s = 0.05, kUnderWay_s = 0.15;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr std::uint32_t kSecureMessageBytes = 8192;
 
@@ -149,11 +146,6 @@ dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c, Repeat re
   if (topic.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
   const double usual_s = topic.paced ? kPacedHeartbeat_s : kHeartbeat_s;
   qos.reliable_writer_qos().times.heartbeatPeriod = duration(repeat == Repeat::kSoon ? kSoonHeartbeat_s : usual_s);
-  if (!topic.paced) {
-    qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
-    qos.reliable_writer_qos().times.nackResponseDelay = duration(kAnswerLost_s);
-    qos.reliable_writer_qos().times.nackSupressionDuration = duration(kUnderWay_s);
-  }
   if (topic.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
   return qos;
 }
