@@ -222,8 +222,7 @@ std::vector<PointId> in_order(std::vector<PointId> ids) {
   const std::size_t words = (high.value - low.value) / kBits + 1;
   if (words > ids.size()) {
     std::ranges::sort(ids);
-    const auto twice = std::ranges::unique(ids);
-    ids.erase(twice.begin(), twice.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     return ids;
   }
   std::vector<std::uint64_t> marks(words);
