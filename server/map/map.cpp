@@ -218,8 +218,12 @@ namespace {
 std::vector<PointId> in_order(std::vector<PointId> ids) {
   if (ids.empty()) return ids;
   constexpr std::size_t kBits = 64;
-  const auto [low, high] = std::ranges::minmax(ids);
-  const std::size_t words = (high.value - low.value) / kBits + 1;
+  std::uint32_t low = ids.front().value, high = low;
+  for (const PointId id : ids) {
+    low = std::min(low, id.value);
+    high = std::max(high, id.value);
+  }
+  const std::size_t words = (high - low) / kBits + 1;
   if (words > ids.size()) {
     std::ranges::sort(ids);
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -227,13 +231,13 @@ std::vector<PointId> in_order(std::vector<PointId> ids) {
   }
   std::vector<std::uint64_t> marks(words);
   for (const PointId id : ids) {
-    const std::size_t above = id.value - low.value;
+    const std::size_t above = id.value - low;
     marks[above / kBits] |= std::uint64_t{1} << above % kBits;
   }
   ids.clear();
   for (std::size_t word = 0; word < words; ++word) {
     for (std::uint64_t left = marks[word]; left != 0; left &= left - 1) {
-      ids.emplace_back(low.value + static_cast<std::uint32_t>(word * kBits) +
+      ids.emplace_back(low + static_cast<std::uint32_t>(word * kBits) +
                        static_cast<std::uint32_t>(std::countr_zero(left)));
     }
   }
