@@ -10,6 +10,7 @@
 #include <shared_mutex>
 
 #include "agent/link/inbox.h"
+#include "agent/link/reply_writers.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/flow/clock.h"
@@ -42,14 +43,6 @@ std::uint64_t sum(const std::array<TopicCounts, kTopicCount>& counts, std::uint6
   for (const TopicCounts& c : counts) total += c.*field;
   return total;
 }
-
-// On a link that carries everything, what was lost is sent again soon: most tracks live for a second or two.
-template <class Message>
-struct ReplyWriters {
-  explicit ReplyWriters(Participant& participant) : usual(participant), soon(participant, {}, Repeat::kSoon) {}
-  int readers() const { return std::min(usual.readers(), soon.readers()); }
-  Writer<Message> usual, soon;
-};
 
 // What a link has in the domain.
 struct Ends {

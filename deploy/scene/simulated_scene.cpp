@@ -57,8 +57,7 @@ std::vector<Mesh> parts_of(const std::vector<Body>& bodies) {
   return out;
 }
 
-}  // namespace
-
+// Stops at an instant, turns by 180 degrees about the vertical through its centre, and goes on its way looking back.
 std::function<Rigid3(double)> turned_round(std::function<Rigid3(double)> cam_from_world, double at_s) {
   return [cam_from_world = std::move(cam_from_world), at_s](double t_s) {
     const Rigid3 before = cam_from_world(paused_time(t_s, at_s, at_s + kTurnS, kRestS));
@@ -67,6 +66,8 @@ std::function<Rigid3(double)> turned_round(std::function<Rigid3(double)> cam_fro
     return Rigid3{rotation, -(rotation * before.center())};
   };
 }
+
+}  // namespace
 
 SimulatedScene::SimulatedScene(SceneDescription description, const SceneSize& size)
     : description_(std::move(description)), parts_(parts_of(description_.bodies)), caster_(description_.world, parts_) {

@@ -78,14 +78,11 @@ struct SceneSize {
   double rate_hz = 0;               // <= 0: the scene's own
   int width_px = 0, height_px = 0;  // <= 0: the scene's own
   std::string lens;                 // as simulated_camera(); empty: the scene's own
-  double turn_at_s = 0;             // <= 0: none. See turned_round().
+  double turn_at_s = 0;             // <= 0: none. As RenderOptions
 };
 
-// How long the turn of turned_round() takes, and the rest before and after it.
+// How long the turn takes, and to come to rest before it and to go on after it.
 inline constexpr double kTurnS = 4, kRestS = 0.5;
-// The motion of a camera that stops at an instant, turns by 180 degrees about the vertical through its centre, and goes
-// on its way looking back.
-std::function<Rigid3(double)> turned_round(std::function<Rigid3(double)> cam_from_world, double at_s);
 
 // A world with what moves in it. Thread-safe.
 class SimulatedScene : public Scene {
