@@ -166,10 +166,10 @@ std::array<std::uint8_t, kDescriptorBytes> descriptor(const cv::Mat1s& image, co
       const auto i = static_cast<std::size_t>(x - begin);
       const auto off_x = static_cast<float>(x - cx);
       const float u = c * off_x + s * off_y, v = c * off_y - s * off_x;
-      const float column = u + kMiddle, line = v + kMiddle;
-      if (!(column > -1 && column < kCells && line > -1 && line < kCells)) continue;
+      // From the margin on. Judged after the last rounding: what lies just below the end may be rounded up to it.
+      const float c1 = u + kMiddle + 1, l1 = v + kMiddle + 1;
+      if (!(c1 > 0 && c1 < kSide - 1 && l1 > 0 && l1 < kSide - 1)) continue;
       // All three above 0, so that what is cut off is the fraction.
-      const float c1 = column + 1, l1 = line + 1;
       const float d = (turned_rad - row->angle_rad[i]) * (kDirections / (2 * kPi)) + 2 * kDirections;
       const float weight = row->magnitude[i] * kWeight(u * u + v * v);
       const int c_bin = static_cast<int>(c1), l_bin = static_cast<int>(l1), d_bin = static_cast<int>(d);
