@@ -69,32 +69,37 @@ class Hub:
     def take(self, source, frame, now):
         if len(self.recorded) < self.MOST_RECORDED and frame[12:14] == b"\x08\x00" and frame[23] == socket.IPPROTO_UDP:
             self.recorded.append(frame[14 + 4 * (frame[14] & 15) + 8:])
-        last = frame[5]
-        targets = [last - 1] if frame[0] == 2 else range(len(self.taps))
-        for target in targets:
-            if target != source and 0 <= target < len(self.taps):
-                self.send(source, target, frame, now)
+        self.carry(source, "up", frame, now)
 
-    def send(self, source, target, frame, now):
+    def carry(self, host, way, frame, now):
+        """Over the link of one host. Only when it comes out does it take room on the next: one that waits on its way up,
+        as a question for an address that goes to all, must not close the way down of the others until then."""
+        link = self.links[host]
+        if not getattr(link, way) or self.random.random() < link.loss:
+            return
         at = now
-        for host, way in ((source, "up"), (target, "down")):
-            link = self.links[host]
-            if not getattr(link, way) or self.random.random() < link.loss:
+        if link.bytes_s > 0:
+            start = max(now, self.free_at[host, way])
+            if (start - now) * link.bytes_s > self.QUEUE_BYTES:
                 return
-            if link.bytes_s > 0:
-                start = max(at, self.free_at[host, way])
-                if (start - at) * link.bytes_s > self.QUEUE_BYTES:
-                    return
-                at = self.free_at[host, way] = start + len(frame) / link.bytes_s
-            at += max(0.0, link.delay_s + self.random.uniform(-link.jitter_s, link.jitter_s))
+            at = self.free_at[host, way] = start + len(frame) / link.bytes_s
+        at += max(0.0, link.delay_s + self.random.uniform(-link.jitter_s, link.jitter_s))
         self.count += 1
-        heapq.heappush(self.waiting, (at, self.count, target, frame))
+        heapq.heappush(self.waiting, (at, self.count, way, host, frame))
+
+    def targets(self, source, frame):
+        hosts = [frame[5] - 1] if frame[0] == 2 else range(len(self.taps))
+        return [host for host in hosts if host != source and 0 <= host < len(self.taps)]
 
     def deliver(self, now):
         while self.waiting and self.waiting[0][0] <= now:
-            _, _, target, frame = heapq.heappop(self.waiting)
+            at, _, way, host, frame = heapq.heappop(self.waiting)
+            if way == "up":
+                for target in self.targets(host, frame):
+                    self.carry(target, "down", frame, at)
+                continue
             try:
-                os.write(self.taps[target], frame)
+                os.write(self.taps[host], frame)
             except OSError:
                 pass  # as a full queue of a network card
 
