@@ -45,6 +45,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   if (sends) {
     last_sent_ = out.frame.frame;
+    out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
     sent_.push_back({image->frame, delay_s, link_.waiting().sent_bytes});
@@ -103,8 +104,8 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
     send_rate_.heard(wait_s, *downlink_s, full, now_());
     reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
   }
-  const bool narrow = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
-  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz, narrow);
+  narrow_link_ = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
+  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz, narrow_link_);
   if (link_.server_alive()) send_rate_.tick(now_());
 }
 

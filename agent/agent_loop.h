@@ -74,7 +74,7 @@ class AgentLoop {
   };
   Sent sent_with(FrameId frame) const;
   std::deque<Sent> sent_;  // the last frames
-  bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false;
+  bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
   StateWords words_;
   ClockExchange exchange_;  // begun by the newest patch
   std::uint32_t frames_ = 0;

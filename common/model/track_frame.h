@@ -63,6 +63,7 @@ struct TrackFrame {
 
   std::uint32_t applied_patch = 0;       // sequence number of the last map patch processed, 0 = none
   bool wants_snapshot = false;           // a patch was missed: send everything bound to my tracks again
+  bool narrow_link = false;              // my link carries little: map patches of one datagram
   std::uint16_t patches_sent = 0;        // image patches that travel apart for this frame, see PatchReply
   bool descriptors_sent = false;         // descriptors that travel apart for this frame, see DescriptorReply
   std::vector<TrackObservation> tracks;  // ascending track id

@@ -169,6 +169,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReferenc
   m.wants_snapshot(f.wants_snapshot);
   m.descriptors_sent(f.descriptors_sent);
   m.on_own_points(f.on_own_points);
+  m.narrow_link(f.narrow_link);
   m.agent(f.agent);
   const bool has_one = reference.tracks != nullptr;
   m.reference_age(static_cast<std::uint16_t>(has_one ? f.frame.value - reference.frame.value : 0));
@@ -194,6 +195,7 @@ Decoded<TrackFrame> decode_header(const idl::TrackFrame& m) {
   f.patches_sent = m.patches_sent();
   f.descriptors_sent = m.descriptors_sent();
   f.on_own_points = m.on_own_points();
+  f.narrow_link = m.narrow_link();
   f.pose_state = static_cast<PoseState>(m.pose_state());
   // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
   const Problem problem = first_of(

@@ -3,6 +3,7 @@
 #include "server/correct/patch_writer.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "server/map/sighting.h"
@@ -26,32 +27,56 @@ bool few_points(const Map& map, const MapCamera& camera) {
 
 }  // namespace
 
-bool PatchWriter::worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const {
-  if (told.point != now.point || told.state != now.state) return true;
-  if (now.state != PointState::kStatic && now.point != PointId()) return false;  // its place is not told
-  if (now.trace > told.trace * config_.covariance_ratio || now.trace * config_.covariance_ratio < told.trace)
-    return true;
+// Nothing when it knows. Above all it must not rest on what is none any more, then it needs what it has nothing for;
+// a pixel moved counts as a covariance twice or half as large.
+std::optional<double> PatchWriter::need_of(const Sent* told, const Sent& now, const MapCamera& camera) const {
+  constexpr double kWrong = 1e12, kNew = 1e9;
+  const bool is_static = now.state == PointState::kStatic;
+  if (told == nullptr) return is_static ? kNew : 0.0;
+  if (told->point != now.point || told->state != now.state) return told->state == PointState::kStatic ? kWrong : kNew;
+  if (!is_static && now.point != PointId()) return std::nullopt;  // its place is not told
   const FramePose& f = camera.frames.back();
   const double distance = f.valid() ? (now.position - f.cam_from_world.center()).norm() : 1.0;
-  return (now.position - told.position).norm() * camera.model.focal_px() > config_.moved_px * distance;
+  const double moved_px = (now.position - told->position).norm() * camera.model.focal_px() / distance;
+  const double ratio = std::max(now.trace / told->trace, told->trace / now.trace);
+  if (moved_px <= config_.moved_px && ratio <= config_.covariance_ratio) return std::nullopt;
+  return std::max(moved_px, ratio - 1);
 }
 
-void PatchWriter::tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
-                       MapPatch* patch) {
+void PatchWriter::consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+                           std::vector<News>& news) const {
   const auto told = sent_.find(track);
-  if (told != sent_.end() && !worth_telling(told->second, now, camera)) return;
-  sent_[track] = now;
-  patch->updated.push_back({track, now.point, now.state, now.position.cast<float>(), pack_covariance(covariance)});
+  const auto need = need_of(told == sent_.end() ? nullptr : &told->second, now, camera);
+  if (!need) return;
+  news.push_back({*need, now, {track, now.point, now.state, now.position.cast<float>(), pack_covariance(covariance)}});
 }
 
-void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch) {
-  if (snapshot) sent_.clear();
+namespace {
+
+// A patch of several datagrams is not for a narrow link: with each of them the middleware says what there is, so its
+// reader asks again for those that still wait in the link's queue, and gets them many times. What finds no room is told
+// with a later patch.
+template <class News>
+void keep_one_datagram(std::vector<News>& news) {
+  constexpr std::size_t kMostBytes = 700, kPlaceBytes = 30, kOtherBytes = 6;  // beside the rest of a patch
+  std::ranges::stable_sort(news, std::greater(), &News::need);
+  std::size_t bytes = 0;
+  const auto first_left = std::ranges::find_if(
+      news, [&](const News& n) { return (bytes += n.told_as.has_place() ? kPlaceBytes : kOtherBytes) > kMostBytes; });
+  news.erase(first_left, news.end());
+  std::ranges::sort(news, {}, [](const News& n) { return n.told_as.track; });
+}
+
+}  // namespace
+
+void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch) {
   const bool poor = few_points(map, camera);
   std::set<TrackId> known;
+  std::vector<News> news;
   for (const auto& [id, track] : camera.tracks) {
     if (const MapPoint* p = map.find(track.point)) {
       known.insert(id);
-      tell(id, {p->id, state_for(camera, *p), p->position, p->covariance.trace()}, p->covariance, camera, patch);
+      consider(id, {p->id, state_for(camera, *p), p->position, p->covariance.trace()}, p->covariance, camera, news);
       continue;
     }
     // Its agent takes what it was told once for as long as the track lives: later only what is far better.
@@ -63,7 +88,12 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool s
     if (told != sent_.end() && told->second.point == PointId() &&
         now.trace * config_.covariance_ratio > told->second.trace)
       continue;
-    tell(id, now, far->covariance, camera, patch);
+    consider(id, now, far->covariance, camera, news);
+  }
+  if (narrow_link) keep_one_datagram(news);
+  for (const News& n : news) {
+    sent_[n.told_as.track] = n.now;
+    patch->updated.push_back(n.told_as);
   }
   std::erase_if(sent_, [&](const auto& told) {
     if (known.contains(told.first)) return false;
@@ -163,7 +193,8 @@ MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackF
   // The agent cannot know where it is: it was just placed, or lost its way, or missed how the map moved.
   const bool knows = frame.pose_state == PoseState::kTracked && !snapshot;
   if (f.valid() && (!knows || camera.corrected)) patch.placed = PlacedPose{f.frame, f.cam_from_world};
-  write_bindings(map, camera, snapshot, &patch);
+  if (snapshot) sent_.clear();
+  write_bindings(map, camera, frame.narrow_link, &patch);
   write_requests(map, camera, &patch);
   patch.descriptor_request = descriptors;
   return patch;

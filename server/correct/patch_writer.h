@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "common/model/map_patch.h"
@@ -51,10 +52,15 @@ class PatchWriter {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     double trace = 0;
   };
-  bool worth_telling(const Sent& told, const Sent& now, const MapCamera& camera) const;
-  void tell(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
-            MapPatch* patch);
-  void write_bindings(const Map& map, const MapCamera& camera, bool snapshot, MapPatch* patch);
+  struct News {
+    double need = 0;  // how much the agent misses it
+    Sent now;
+    BoundPoint told_as;
+  };
+  std::optional<double> need_of(const Sent* told, const Sent& now, const MapCamera& camera) const;
+  void consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
+                std::vector<News>& news) const;
+  void write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch);
   void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch);
 
   ServerRun server_;

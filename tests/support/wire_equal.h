@@ -50,6 +50,7 @@ inline void expect_same(const TrackFrame& a, const TrackFrame& b) {
   EXPECT_EQ(a.patches_sent, b.patches_sent);
   EXPECT_EQ(a.descriptors_sent, b.descriptors_sent);
   EXPECT_EQ(a.on_own_points, b.on_own_points);
+  EXPECT_EQ(a.narrow_link, b.narrow_link);
   ASSERT_EQ(a.tracks.size(), b.tracks.size());
   for (std::size_t i = 0; i < a.tracks.size(); ++i) {
     EXPECT_EQ(a.tracks[i].track, b.tracks[i].track);

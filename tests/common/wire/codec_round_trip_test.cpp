@@ -38,6 +38,7 @@ TEST(CodecRoundTrip, TrackFrames) {
     frame.wants_snapshot = i % 2 == 0;
     frame.descriptors_sent = i % 5 == 0;
     frame.on_own_points = i % 2 == 0;
+    frame.narrow_link = i % 2 == 1;
     frame.patches_sent = static_cast<std::uint16_t>(i);
     expect_unharmed_px(frame);
   }

@@ -6,16 +6,20 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
+#include "common/wire/codec.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr CameraId kCam(0);
 
@@ -183,6 +187,46 @@ TEST_F(PatchWriterTest, ASnapshotOnRequestAndForAnotherMap) {
   sim_.place(kCam, sim_.edit.new_map(Why::kStartedAlone, 1), sim_.truth(kCam, sim_.set.id));
   EXPECT_TRUE(write().snapshot);
   EXPECT_FALSE(write().snapshot);
+}
+
+// One datagram: the middleware repeats what is cut into several while it still waits in a link's queue.
+TEST_F(PatchWriterTest, OnANarrowLinkAPatchIsOneDatagramAndTheRestComesLater) {
+  constexpr std::size_t kSampleBytes = 1192, kHeadBytes = 210;  // the latter with a pose and a move
+  const auto narrow = [](TrackFrame& f) { f.narrow_link = true; };
+  sim_.add_points();
+  std::set<TrackId> told;
+  int patches = 0;
+  for (MapPatch patch = write(narrow); !patch.updated.empty(); patch = write(narrow)) {
+    const idl::MapPatch m = encode(patch);
+    EXPECT_LE(kHeadBytes + m.updated().size() + m.unbound().size() + m.patch_requests().size(), kSampleBytes);
+    EXPECT_TRUE(std::ranges::is_sorted(patch.updated, {}, &BoundPoint::track));
+    for (const BoundPoint& b : patch.updated) EXPECT_TRUE(told.insert(b.track).second) << "told once";
+    ++patches;
+  }
+  EXPECT_GT(patches, 2);
+  EXPECT_EQ(told.size(), write([](TrackFrame& f) { f.wants_snapshot = true; }).updated.size());
+}
+
+TEST_F(PatchWriterTest, OnANarrowLinkWhatItMustNotRestOnIsToldFirstAndWhatMovedLast) {
+  const auto told = [&] {
+    std::vector<TrackId> tracks;
+    for (const BoundPoint& b : write([](TrackFrame& f) { f.narrow_link = true; }).updated) tracks.push_back(b.track);
+    return tracks;
+  };
+  std::vector<PointId> known;
+  for (int i = 0; i < 20; ++i) known.push_back(sim_.add_point(unmapped()).id);
+  write();
+  for (const PointId p : known) sim_.shift(*sim_.map.find(p), {1, 0, 0});
+  const TrackId wrong = track_of(*sim_.map.find(known[7])), moved = track_of(*sim_.map.find(known[8]));
+  sim_.set_moving(*sim_.map.find(known[7]));
+  sim_.add_points();
+  const std::vector<TrackId> first = told();
+  EXPECT_THAT(first, Contains(wrong));
+  EXPECT_THAT(first, Not(Contains(moved))) << "new ones take the room";
+  std::vector<TrackId> later;
+  for (std::vector<TrackId> more = told(); !more.empty(); more = told())
+    later.insert(later.end(), more.begin(), more.end());
+  EXPECT_THAT(later, Contains(moved));
 }
 
 TEST_F(PatchWriterTest, AnotherAgentRunStartsFromNothing) {
