@@ -56,12 +56,12 @@ bool ServerLoop::poll(std::chrono::milliseconds timeout) {
     run_set(*set);
     take_events(std::chrono::milliseconds(0));
   }
-  if (!started_ || config_.expected_agents.empty() || !ready_.empty()) return true;
+  if (!started_ || config_.expected_agents.empty() || !backlog_.empty()) return true;
   return !std::all_of(agents_.begin(), agents_.end(), [](const auto& a) { return a.second.ended; });
 }
 
 void ServerLoop::take_events(std::chrono::milliseconds timeout) {
-  for (auto event = link_.next_event(ready_.empty() ? timeout : std::chrono::milliseconds(0)); event;
+  for (auto event = link_.next_event(backlog_.empty() ? timeout : std::chrono::milliseconds(0)); event;
        event = link_.next_event(std::chrono::milliseconds(0))) {
     handle(*event);
   }
@@ -89,38 +89,18 @@ void ServerLoop::open_result() {
   log_info("the result goes to " + folder.string());
 }
 
-// Live, a server that is too slow leaves out the oldest sets: one in so many, since each set takes as long as the
-// others.
 std::optional<FrameSet> ServerLoop::next_set() {
   constexpr double kBacklog_s = 0.5;  // what a slow set and jitter heap up
   const TimeNs now_ns = config_.clock.monotonic_ns();
   if (lockstep_) return sync_.pop(now_ns);
-  while (auto set = sync_.pop(now_ns)) ready_.push_back(std::move(*set));
-  const std::size_t most = std::max(2U, server_.map().sets_in(kBacklog_s));
-  while (ready_.size() > most) {
-    FrameSet oldest = std::move(ready_.front());
-    ready_.pop_front();
-    leave_out(std::move(oldest));
-  }
-  if (ready_.empty()) return std::nullopt;
-  std::optional<FrameSet> next(std::move(ready_.front()));
-  ready_.pop_front();
-  return next;
-}
-
-// But for what was asked for: it rides with the next frame.
-void ServerLoop::leave_out(FrameSet set) {
-  ++left_out_;
-  if (left_out_log_.pass()) {
+  while (auto set = sync_.pop(now_ns)) backlog_.push(std::move(*set));
+  const std::size_t left_out = backlog_.thin(std::max(2U, server_.map().sets_in(kBacklog_s)));
+  left_out_ += static_cast<std::uint32_t>(left_out);
+  if (left_out > 0 && left_out_log_.pass()) {
     log_warn("the server is too slow for its agents: " + std::to_string(left_out_) +
              " frame sets were left out so far");
   }
-  for (CameraFrame& left : set.frames) {
-    const auto next = std::ranges::find(ready_.front().frames, left.camera, &CameraFrame::camera);
-    if (next == ready_.front().frames.end()) continue;
-    if (!next->patches) next->patches = std::move(left.patches);
-    if (!next->descriptors) next->descriptors = std::move(left.descriptors);
-  }
+  return backlog_.pop();
 }
 
 void ServerLoop::handle(const ServerEvent& event) {
@@ -338,7 +318,7 @@ bool ServerLoop::write_first(bool adjusts) {
 void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_end) {
   const RefineConfig& refine = config_.server.map.of<RefineConfig>();
   const bool adjusts = !short_end && refine.enabled && refine.at_end != "nothing";
-  for (const FrameSet& set : std::exchange(ready_, {})) run_set(set);
+  while (const auto set = backlog_.pop()) run_set(*set);
   report_now(false, configuration);
   const bool written = write_first(adjusts);
   stopping_ = true;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -21,6 +20,7 @@
 #include "server/report.h"
 #include "server/server_config.h"
 #include "server/server_observer.h"
+#include "server/sync/backlog.h"
 #include "server/sync/frame_set_sync.h"
 #include "server/sync/stamp_watch.h"
 
@@ -93,7 +93,6 @@ class ServerLoop {
   void start_if_complete();
   void take_events(std::chrono::milliseconds timeout);
   std::optional<FrameSet> next_set();
-  void leave_out(FrameSet set);
   void run_set(const FrameSet& set);
   Agent* find(const std::string& name, RunId run);  // null: no such run now
   void end(Agent& agent);
@@ -109,7 +108,7 @@ class ServerLoop {
   MapServer server_;
   FrameSetSync sync_;
   StampWatch stamps_;
-  std::deque<FrameSet> ready_;  // live: what there was no time for yet
+  Backlog backlog_;
   std::uint32_t left_out_ = 0;  // sets
   LogLimiter left_out_log_;
   std::optional<ResultStore> store_;

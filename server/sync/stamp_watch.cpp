@@ -39,10 +39,11 @@ void StampWatch::Floor::add(double value_s, double now_s, double most_rise, doub
 }
 
 void StampWatch::add(CameraId camera, const std::string& name, double rate_hz) {
-  constexpr double kDensest = 0.45;     // of the period: twice the rate, with some jitter
-  constexpr double kUsualRate_hz = 30;  // of a camera whose own was told too low
-  agents_[camera] = {.name = name,
-                     .least_step_ns = std::max<TimeNs>(1, to_ns(kDensest / std::max(rate_hz, kUsualRate_hz)))};
+  constexpr double kDensest = 0.45;                         // of the period: twice the rate, with some jitter
+  constexpr double kUsualRate_hz = 30, kMostRate_hz = 240;  // of a camera whose own was told too low, or too high
+  agents_[camera] = {
+      .name = name,
+      .least_step_ns = std::max<TimeNs>(1, to_ns(kDensest / std::clamp(rate_hz, kUsualRate_hz, kMostRate_hz)))};
 }
 
 // The lower median of those heard lately.

@@ -31,7 +31,8 @@ class StampWatch {
   void expect(TimeNs at_zero_ns) { expected_ns_.push_back(at_zero_ns); }
 
   // Begins anew for an agent that restarted. Frames that come more than twice as densely as rate_hz says, and at
-  // more than 60 Hz, are thinned: each would be a frame set of its own, which the others' wait behind.
+  // more than 60 Hz, or at more than 530 Hz whatever it says, are thinned: each would be a frame set of its own, which
+  // the others' wait behind.
   void add(CameraId camera, const std::string& name, double rate_hz);
   // Of an agent whose stamps are of its clock.
   void exchange(CameraId camera, const ClockExchange& stamps);
