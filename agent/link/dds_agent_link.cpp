@@ -14,7 +14,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/flow/clock.h"
-#include "common/flow/worker.h"
+#include "common/wire/address_watch.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
@@ -27,7 +27,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kResend{300}, kTick{20}, kHelloAgain{1000}, kLookAtAddresses{500};
+constexpr milliseconds kResend{300}, kTick{20}, kHelloAgain{1000};
 // The middleware drops a best-effort sample that comes after a later one of the same writer. With several in turn, a
 // link may let frames overtake each other by as many.
 constexpr int kWays = 6;
@@ -70,7 +70,7 @@ struct Ends {
 
 class DdsAgentLink : public AgentLink {
  public:
-  DdsAgentLink(const WireConfig& config, const Hello& hello, const std::function<std::vector<std::string>()>& addresses)
+  DdsAgentLink(const WireConfig& config, const Hello& hello, const AddressWatch::Addresses& addresses)
       : config_(config),
         hello_(hello),
         encoder_(pixel_scale(hello.camera)),
@@ -79,8 +79,7 @@ class DdsAgentLink : public AgentLink {
     ready_.agent = hello.agent;
     ready_.agent_run = hello.agent_run;
     ends_ = open();
-    addresses_.emplace("agent-addresses",
-                       [this, addresses](const std::stop_token& stop) { follow_addresses(addresses, stop); });
+    addresses_.emplace(addresses, [this] { return join_anew(); });
   }
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
@@ -197,19 +196,6 @@ class DdsAgentLink : public AgentLink {
     const auto counts = ends.participant.counts();
     to.up += sum(counts, &TopicCounts::sent_bytes);
     to.down += sum(counts, &TopicCounts::received_bytes);
-  }
-
-  void follow_addresses(const std::function<std::vector<std::string>()>& addresses, const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any stopped;
-    std::vector<std::string> joined_with = addresses();
-    std::unique_lock lock(mutex);
-    while (!stopped.wait_for(lock, stop, kLookAtAddresses, [] { return false; }) && !stop.stop_requested()) {
-      const std::vector<std::string> now = addresses();
-      const auto reachable = [](const std::string& address) { return !address.starts_with("127."); };
-      if (now == joined_with || !std::ranges::any_of(now, reachable)) continue;
-      if (join_anew()) joined_with = now;
-    }
   }
 
   bool join_anew() {
@@ -381,13 +367,13 @@ class DdsAgentLink : public AgentLink {
   const milliseconds heartbeat_;
   Instant next_heartbeat_{}, next_hello_{};  // of the loop's thread
   LogLimiter cannot_join_;
-  std::optional<Worker> addresses_;  // last: stops first
+  std::optional<AddressWatch> addresses_;  // last: stops first
 };
 
 }  // namespace
 
 std::unique_ptr<AgentLink> open_agent_link(const WireConfig& config, const Hello& hello,
-                                           const std::function<std::vector<std::string>()>& addresses) {
+                                           const AddressWatch::Addresses& addresses) {
   require_valid(hello);
   return std::make_unique<DdsAgentLink>(config, hello, addresses);
 }

@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "agent/link/agent_link.h"
+#include "common/wire/address_watch.h"
 #include "common/wire/participant.h"
 #include "common/wire/wire_config.h"
 
@@ -17,8 +15,7 @@ namespace coslam {
 // `config` cannot be used. A refusal by the server comes later, see refusal_of() in common/model/session.h.
 // When this machine's addresses change (another access point, a new lease) it joins the domain anew by itself, as the
 // same run: the middleware goes by those that it found at its start.
-std::unique_ptr<AgentLink> open_agent_link(
-    const WireConfig& config, const Hello& hello,
-    const std::function<std::vector<std::string>()>& addresses = local_addresses);
+std::unique_ptr<AgentLink> open_agent_link(const WireConfig& config, const Hello& hello,
+                                           const AddressWatch::Addresses& addresses = local_addresses);
 
 }  // namespace coslam

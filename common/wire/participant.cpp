@@ -249,8 +249,15 @@ Participant::~Participant() {
 std::vector<std::string> Participant::others() const {
   const std::lock_guard lock(impl_->others_mutex);
   std::vector<std::string> names;
-  for (const auto& [guid, name] : impl_->others) names.push_back(name);
+  for (const auto& [guid, other] : impl_->others) names.push_back(other.name);
   return names;
+}
+
+std::vector<std::string> Participant::addresses_of_others() const {
+  const std::lock_guard lock(impl_->others_mutex);
+  std::set<std::string> addresses;
+  for (const auto& [guid, other] : impl_->others) addresses.insert(other.addresses.begin(), other.addresses.end());
+  return {addresses.begin(), addresses.end()};
 }
 
 RejectionCounts& Participant::rejections() const { return *impl_->rejections; }

@@ -46,6 +46,8 @@ class Participant {
   std::array<TopicCounts, kTopicCount> counts() const;
   // Names of the other participants that are known now. One is known before anything it says can be heard.
   std::vector<std::string> others() const;
+  // Where they say that they can be reached.
+  std::vector<std::string> addresses_of_others() const;
   // Samples that could not be decoded and datagrams without the key are counted here; links add what they turn down
   // later.
   RejectionCounts& rejections() const;

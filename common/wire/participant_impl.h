@@ -4,6 +4,7 @@
 
 #include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
 
+#include <fastrtps/utils/IPLocator.h>
 #include <array>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -12,6 +13,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "common/wire/participant.h"
 
@@ -36,7 +39,11 @@ struct Participant::Impl : dds::DomainParticipantListener {
   std::mutex topics_mutex;
 
   std::mutex others_mutex;
-  std::map<eprosima::fastrtps::rtps::GUID_t, std::string> others;
+  struct Other {
+    std::string name;
+    std::vector<std::string> addresses;
+  };
+  std::map<eprosima::fastrtps::rtps::GUID_t, Other> others;
 
   // Takes note, on a thread of the middleware.
   void on_participant_discovery(dds::DomainParticipant*,
@@ -46,7 +53,9 @@ struct Participant::Impl : dds::DomainParticipantListener {
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
       others.erase(info.info.m_guid);
     } else {
-      others[info.info.m_guid] = info.info.m_participantName.to_string();
+      Other& other = others[info.info.m_guid] = {info.info.m_participantName.to_string(), {}};
+      for (const auto& locator : info.info.metatraffic_locators.unicast)
+        other.addresses.push_back(eprosima::fastrtps::rtps::IPLocator::toIPv4string(locator));
     }
   }
 

@@ -26,6 +26,9 @@ constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
 constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5, kSoonHeartbeat_s = 0.06;
+// Where participants of a domain call by default.
+constexpr const char* kMulticast = "239.255.0.1";
+constexpr std::uint32_t kFirstPort = 7400, kPortsADomain = 250;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr std::uint32_t kSecureMessageBytes = 8192;
 
@@ -76,6 +79,11 @@ void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
   // In the place of the multicast address: agents that call their server need not know each other, and what they would
   // tell each other fills a third of a narrow link.
   for (const std::string& peer : c.peers) builtin.initialPeersList.push_back(udp(peer, 0));
+  if (c.also_call.empty()) return;
+  if (c.peers.empty())
+    builtin.initialPeersList.push_back(
+        udp(kMulticast, kFirstPort + kPortsADomain * static_cast<std::uint32_t>(c.domain)));
+  for (const std::string& other : c.also_call) builtin.initialPeersList.push_back(udp(other, 0));
 }
 
 void set_security(const WireConfig& c, dds::DomainParticipantQos& qos) {

@@ -14,6 +14,7 @@ struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
   std::vector<std::string> peers;       // IPv4 addresses to call instead of multicast: on agents, the server's
+  std::vector<std::string> also_call;   // besides: where others were before this process joined anew; no setting
   int peer_range = 4;                   // participants on each peer that are called; every announcement goes to all
   std::string certificates;  // directory with ca.pem, cert.pem, key.pem, governance.p7s, permissions.p7s of this
                              // process; empty = no security

@@ -3,9 +3,14 @@
 #include "server/link/dds_server_link.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <string>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
@@ -35,34 +40,41 @@ milliseconds settling_time(const WireConfig& config, RunId run, bool alone) {
   return alone ? in_ms(1.2 * config.announce_s) : in_ms(5 * config.announce_s) + milliseconds(run.value % 1024);
 }
 
+// What the link has in the domain.
+struct Ends {
+  Participant participant;
+  Writer<idl::ServerStatus> status{participant};
+  Writer<idl::MovingState> moving{participant};
+  Writer<idl::AgentPose> pose{participant};
+  Writer<idl::PublicSample> for_all{participant};
+  std::map<RunId, Writer<idl::MapPatch>> ways;  // back to each run: a writer in its partition
+  Loop loop;                                    // last: stops first
+
+  Ends(const WireConfig& config, std::shared_ptr<RejectionCounts> rejections, const std::function<void(Ends&)>& on_tick)
+      : participant(config, kName, std::move(rejections)),
+        loop(participant, "server-link", kTick, [this, on_tick] { on_tick(*this); }) {}
+};
+
 class DdsServerLink : public ServerLink {
  public:
-  DdsServerLink(const WireConfig& config, RunId server_run)
-      : server_run_(server_run),
+  DdsServerLink(const WireConfig& config, RunId server_run, const AddressWatch::Addresses& addresses)
+      : config_(config),
+        server_run_(server_run),
         opened_at_(Clock::now()),
         next_heartbeat_(opened_at_),
         heartbeat_(in_ms(config.silent_after_s / 4)),
-        participant_(config, kName),
-        sessions_(in_ms(2 * config.silent_after_s), participant_.rejections()),
+        sessions_(in_ms(2 * config.silent_after_s), *rejections_),
         events_(kQueueCapacity, QueuePolicy::kDropOldest,
-                [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
-        status_writer_(participant_),
-        moving_writer_(participant_),
-        pose_writer_(participant_),
-        public_writer_(participant_),
-        loop_(participant_, "server-link", kTick, [this] { tick(); }) {
+                [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }) {
     status_.server_run = server_run;
-    for_each_message_type([this]<class M, class S, class V>(const MessageType<M, S, V>&) {
-      if constexpr (topic_of<M>().way == Way::kUp) read<M>();
-    });
-    loop_.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample&) { look_for_rival(m); });
-    loop_.start();
+    ends_ = open({});
+    addresses_.emplace(addresses, [this] { return join_anew(); });
   }
 
   std::optional<ServerEvent> next_event(milliseconds timeout) override {
     auto event = events_.pop_for(timeout);
     if (!event && events_.closed()) {
-      throw UserError("another map server is at work in DDS domain " + std::to_string(participant_.config().domain) +
+      throw UserError("another map server is at work in DDS domain " + std::to_string(config_.domain) +
                       ": stop it, or choose another domain");
     }
     return event;
@@ -75,37 +87,45 @@ class DdsServerLink : public ServerLink {
 
   void send(const MapPatch& patch) override {
     idl::MapPatch message = encode(patch);
+    const std::shared_lock ends_lock(ends_mutex_);
     const std::lock_guard lock(mutex_);
-    const auto path = paths_.find(patch.agent_run);
-    if (path == paths_.end()) return;
-    path->second.last = std::move(message);
-    write_last(path->first, path->second);
+    if (!sessions_.knows(patch.agent_run)) return;
+    last_[patch.agent_run] = std::move(message);
+    if (ends_) write_last(*ends_, patch.agent_run);
   }
 
   void send(const MovingState& state) override {
-    if (moving_writer_.readers() > 0) moving_writer_.write(encode(state));
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_ && ends_->moving.readers() > 0) ends_->moving.write(encode(state));
   }
 
   void send(const AgentPose& pose) override {
-    if (pose_writer_.readers() > 0) pose_writer_.write(encode(pose));
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_ && ends_->pose.readers() > 0) ends_->pose.write(encode(pose));
   }
 
-  bool public_wanted() const override { return public_writer_.readers() > 0; }
+  bool public_wanted() const override {
+    const std::shared_lock lock(ends_mutex_);
+    return ends_ && ends_->for_all.readers() > 0;
+  }
 
   void send_public(const PublicSample& sample) override {
-    if (public_wanted()) public_writer_.write(encode(sample));
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_ && ends_->for_all.readers() > 0) ends_->for_all.write(encode(sample));
   }
 
   void send_status(const ServerStatus& status) override {
+    const std::shared_lock ends_lock(ends_mutex_);
     const std::lock_guard lock(mutex_);
     status_ = status;
-    publish_status();
+    if (ends_) publish_status(*ends_);
   }
 
   void refuse(const Hello& hello, const std::string& reason) override {
+    const std::shared_lock ends_lock(ends_mutex_);
     const std::lock_guard lock(mutex_);
     sessions_.refuse(hello, reason);
-    after_change();
+    if (ends_) after_change(*ends_);
   }
 
   LinkBytes bytes(const std::string& agent) const override {
@@ -118,51 +138,93 @@ class DdsServerLink : public ServerLink {
     return {events_.counts().dropped, sessions_.late_replies(), resent_};
   }
 
-  const RejectionCounts& rejections() const override { return participant_.rejections(); }
+  const RejectionCounts& rejections() const override { return *rejections_; }
 
  private:
-  // The way back to one run: a writer in its partition.
-  struct Path {
-    Writer<idl::MapPatch> writer;
-    idl::MapPatch last;  // sequence_number 0: none yet
-    Path(Participant& participant, RunId run) : writer(participant, partition_of(run)) {}
-  };
+  std::unique_ptr<Ends> open(std::vector<std::string> also_call) {
+    WireConfig config = config_;
+    config.also_call = std::move(also_call);
+    auto ends = std::make_unique<Ends>(config, rejections_, [this](Ends& e) { tick(e); });
+    for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
+      if constexpr (topic_of<M>().way == Way::kUp) read<M>(*ends);
+    });
+    ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample&) { look_for_rival(m); });
+    ends->loop.start();
+    return ends;
+  }
 
-  void write_last(RunId run, Path& path) { sessions_.count_down(run, path.writer.write(path.last)); }
+  // Agents that were told where to call this server would go on calling its old address: it calls them.
+  bool join_anew() {
+    std::unique_ptr<Ends> before;
+    {
+      const std::unique_lock lock(ends_mutex_);
+      before = std::move(ends_);
+    }
+    if (before) {
+      log_info("this machine's addresses changed: joining DDS domain " + std::to_string(config_.domain) + " anew");
+      also_call_ = before->participant.addresses_of_others();
+      before->participant.give_up();
+      before.reset();
+      const std::lock_guard lock(mutex_);
+      speakers_ = {};
+      const Instant until = Clock::now() + in_ms(config_.lease_s);
+      for (const RunId run : sessions_.runs()) {
+        sessions_.presence(run, Presence::kSilent);
+        unheard_until_[run] = until;
+      }
+    }
+    try {
+      auto fresh = open(also_call_);
+      const std::unique_lock lock(ends_mutex_);
+      ends_ = std::move(fresh);
+    } catch (const UserError& error) {
+      if (cannot_join_.pass()) log_warn(error.what());
+      return false;
+    }
+    const std::shared_lock ends_lock(ends_mutex_);
+    const std::lock_guard lock(mutex_);
+    publish_status(*ends_);
+    return true;
+  }
 
-  void publish_status() {
+  void write_last(Ends& ends, RunId run) {
+    const auto way = ends.ways.find(run);
+    if (way != ends.ways.end()) sessions_.count_down(run, way->second.write(last_.at(run)));
+  }
+
+  void publish_status(Ends& ends) {
     if (!settled_) return;
     ServerStatus status = status_;
     status.refused = sessions_.refused();
     published_refusals_ = status.refused.empty() ? RunId() : status.refused.back().agent_run;
-    sessions_.count_down_all(status_writer_.write(encode(status)));
+    sessions_.count_down_all(ends.status.write(encode(status)));
   }
 
   // On the loop's thread from here on, all under the mutex.
   template <class Message>
-  void read() {
+  void read(Ends& ends) {
     constexpr bool kSignOfLife = topic_of<Message>().sign_of_life;
     Loop::OnPresence on_presence;
-    if (kSignOfLife) on_presence = [this](const WriterId& w, Presence p) { presence(w, p); };
-    loop_.read<Message>(
-        [this](const Message& message, const Sample& sample) {
+    if (kSignOfLife) on_presence = [this, &ends](const WriterId& w, Presence p) { presence(ends, w, p); };
+    ends.loop.read<Message>(
+        [this, &ends](const Message& message, const Sample& sample) {
           const std::lock_guard lock(mutex_);
           const RunId run(message.agent_run());
-          if (!speakers_.may_say(run, sample.writer, kSignOfLife))
-            return participant_.rejections().add(Rejection::kWrongRun);
+          if (!speakers_.may_say(run, sample.writer, kSignOfLife)) return rejections_->add(Rejection::kWrongRun);
+          unheard_until_.erase(run);
           sessions_.receive(message, sample.bytes, Clock::now());
-          after_change();
+          after_change(ends);
         },
         on_presence);
   }
 
-  void presence(const WriterId& writer, Presence presence) {
+  void presence(Ends& ends, const WriterId& writer, Presence presence) {
     const std::lock_guard lock(mutex_);
     const auto run = speakers_.run_of(writer);  // of hellos, whose writers are the agents' signs of life
     if (!run) return;
     sessions_.presence(*run, presence);
     if (presence == Presence::kGone) speakers_.gone(writer);
-    after_change();
+    after_change(ends);
   }
 
   void look_for_rival(const idl::ServerStatus& message) {
@@ -175,83 +237,94 @@ class DdsServerLink : public ServerLink {
     }
   }
 
-  bool may_settle(Instant now) const {
-    const bool alone = std::ranges::count(participant_.others(), kName) == 0;
-    return !events_.closed() && now - opened_at_ >= settling_time(participant_.config(), server_run_, alone);
+  bool may_settle(const Ends& ends, Instant now) const {
+    const bool alone = std::ranges::count(ends.participant.others(), kName) == 0;
+    return !events_.closed() && now - opened_at_ >= settling_time(config_, server_run_, alone);
   }
 
-  void tick() {
+  void tick(Ends& ends) {
     const std::lock_guard lock(mutex_);
     const Instant now = Clock::now();
-    if (!settled_ && may_settle(now)) {
+    if (!settled_ && may_settle(ends, now)) {
       settled_ = true;
-      publish_status();
+      publish_status(ends);
     }
     if (settled_ && now >= next_heartbeat_) {
       next_heartbeat_ = now + heartbeat_;
-      status_writer_.assert_alive();
+      ends.status.assert_alive();
     }
+    std::erase_if(unheard_until_, [&](const auto& run) {
+      if (now < run.second) return false;
+      sessions_.presence(run.first, Presence::kGone);
+      return true;
+    });
     sessions_.tick(now);
-    after_change();
+    after_change(ends);
   }
 
-  void after_change() {
-    open_paths();
-    std::erase_if(paths_, [this](const auto& path) { return !sessions_.knows(path.first); });
-    answer_repeated();
+  void after_change(Ends& ends) {
+    open_ways(ends);
+    const auto unknown = [this](const auto& of_run) { return !sessions_.knows(of_run.first); };
+    std::erase_if(ends.ways, unknown);
+    std::erase_if(last_, unknown);
+    answer_repeated(ends);
     for (ServerEvent& event : sessions_.take_events()) events_.push(std::move(event));
     const std::vector<Refusal>& refused = sessions_.refused();
-    if (!refused.empty() && refused.back().agent_run != published_refusals_) publish_status();
+    if (!refused.empty() && refused.back().agent_run != published_refusals_) publish_status(ends);
   }
 
   // A run is let in when its reader has found our writer, since a patch sent before would be lost, and when it says
   // that it has found all that it hears and is heard by: play starts then.
-  void open_paths() {
+  void open_ways(Ends& ends) {
     if (!settled_) return;
+    for (const RunId run : sessions_.runs()) ends.ways.try_emplace(run, ends.participant, partition_of(run));
     for (const RunId run : sessions_.waiting()) {
-      const auto path = paths_.try_emplace(run, participant_, run).first;
-      if (path->second.writer.readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
+      if (ends.ways.at(run).readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
     }
   }
 
   // A frame that was answered came again: the answer may have been lost while the link was cut.
-  void answer_repeated() {
+  void answer_repeated(Ends& ends) {
     for (const auto& [run, frame] : sessions_.take_repeated()) {
-      const auto path = paths_.find(run);
-      if (path == paths_.end() || path->second.last.sequence_number() == 0) continue;
-      if (FrameId(path->second.last.after_frame()) < frame) continue;  // not answered yet: the map thread is at it
-      write_last(run, path->second);
+      const auto last = last_.find(run);
+      if (last == last_.end()) continue;
+      if (FrameId(last->second.after_frame()) < frame) continue;  // not answered yet: the map thread is at it
+      write_last(ends, run);
       ++resent_;
     }
   }
 
+  const WireConfig config_;
   const RunId server_run_;
   const Instant opened_at_;
   Instant next_heartbeat_;
   const milliseconds heartbeat_;
-  Participant participant_;
+  const std::shared_ptr<RejectionCounts> rejections_ = std::make_shared<RejectionCounts>();
 
   mutable std::mutex mutex_;  // for all below but the queue
   Sessions sessions_;
   BoundedQueue<ServerEvent> events_;
-  Writer<idl::ServerStatus> status_writer_;
-  Writer<idl::MovingState> moving_writer_;
-  Writer<idl::AgentPose> pose_writer_;
-  Writer<idl::PublicSample> public_writer_;
-  std::map<RunId, Path> paths_;
+  std::map<RunId, idl::MapPatch> last_;     // to each run
+  std::map<RunId, Instant> unheard_until_;  // runs of which nothing was heard since this server joined anew
   Speakers speakers_;
   ServerStatus status_;
   RunId published_refusals_;  // the newest that agents were told of
   std::uint64_t resent_ = 0;
   bool settled_ = false;
   LogLimiter rival_log_;
-  Loop loop_;  // last: stops first
+
+  mutable std::shared_mutex ends_mutex_;  // before the other mutex; held for a write at most
+  std::unique_ptr<Ends> ends_;            // none while it joins anew
+  std::vector<std::string> also_call_;    // of the thread that joins anew
+  LogLimiter cannot_join_;
+  std::optional<AddressWatch> addresses_;  // last: stops first
 };
 
 }  // namespace
 
-std::unique_ptr<ServerLink> open_server_link(const WireConfig& config, RunId server_run) {
-  return std::make_unique<DdsServerLink>(config, server_run);
+std::unique_ptr<ServerLink> open_server_link(const WireConfig& config, RunId server_run,
+                                             const AddressWatch::Addresses& addresses) {
+  return std::make_unique<DdsServerLink>(config, server_run, addresses);
 }
 
 }  // namespace coslam

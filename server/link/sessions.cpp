@@ -143,6 +143,12 @@ std::vector<RunId> Sessions::waiting() const {
   return runs;
 }
 
+std::vector<RunId> Sessions::runs() const {
+  std::vector<RunId> runs;
+  for (const auto& [run, session] : sessions_) runs.push_back(run);
+  return runs;
+}
+
 void Sessions::open(RunId run) {
   const auto found = sessions_.find(run);
   if (found == sessions_.end() || found->second.open) return;

@@ -35,6 +35,7 @@ class Sessions {
   // Runs that were admitted and wait for their way back; open() ends the wait and delivers the Hello.
   std::vector<RunId> waiting() const;
   void open(RunId run);
+  std::vector<RunId> runs() const;
   bool said_ready(RunId run) const { return early_.contains(run); }  // by a status
   bool knows(RunId run) const { return admission_.find(run) != nullptr; }
 

@@ -303,6 +303,7 @@ def faults():
     out["partition"] = (nothing, [(4, lambda r: r.link(1, cut)), (9, lambda r: r.link(1, whole))], {}, [])
     out["one-way partition"] = (nothing, [(4, lambda r: r.link(1, Link(up=False))), (9, lambda r: r.link(1, whole))], {}, [])
     out["an agent's address changes"] = (nothing, [(6, lambda r: r.hosts.change_address(2))], {}, [])
+    out["the server's address changes"] = (nothing, [(6, lambda r: r.hosts.change_address(0))], {}, [])
     out["agent killed 3 times"] = (nothing, [(3, restart(1)), (6, restart(1)), (9, restart(1))], {}, [])
     out["agent stopped 2 s"] = (nothing, timeline_of_stop(5, 1, 2), {}, [])
     out["server stopped 2 s"] = (nothing, timeline_of_stop(5, -1, 2), {}, [])

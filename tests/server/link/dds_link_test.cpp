@@ -269,6 +269,30 @@ TEST_F(DdsLinkTest, AnAgentWhoseAddressChangesJoinsAnewAsTheSameRun) {
   expect_heard(server.of_type<JoinedFrame>(), said);
 }
 
+TEST_F(DdsLinkTest, AServerWhoseAddressChangesJoinsAnewAndNoFrameIsLost) {
+  std::atomic<int> lease{1};
+  EchoServer server(config_, kServer, [&] {
+    return std::vector<std::string>{"127.0.0.1", "10.0.0." + std::to_string(lease)};
+  });
+  const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)));
+  const std::vector<Spoken> said = speech("cam0", RunId(1), 40);
+  const std::vector<Spoken> before(said.begin(), said.begin() + 20), after(said.begin() + 20, said.end());
+  std::atomic<bool> done{false};
+  std::jthread player([&] {
+    EXPECT_EQ(play(*agent, before), 20u);
+    lease = 2;
+    while (agent->server_alive()) std::this_thread::yield();
+    EXPECT_EQ(play(*agent, after), 20u);
+    done = true;
+  });
+  EXPECT_TRUE(server.serve_until([&] { return done.load(); }));
+  player.join();
+  EXPECT_EQ(server.of_type<AgentSilent>().size(), 1u);
+  EXPECT_TRUE(server.of_type<AgentGone>().empty());
+  EXPECT_EQ(agent->server_status()->server_run, kServer);
+  expect_heard(server.of_type<JoinedFrame>(), said);
+}
+
 TEST_F(DdsLinkTest, ASecondServerStepsBack) {
   EchoServer first(config_, RunId(1));
   const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(9)));

@@ -15,7 +15,10 @@ namespace coslam::test {
 // A server that keeps all events and answers every frame with a patch.
 class EchoServer {
  public:
-  EchoServer(const WireConfig& config, RunId run) : run_(run), link_(open_server_link(config, run)) { publish(); }
+  EchoServer(const WireConfig& config, RunId run, const AddressWatch::Addresses& addresses = local_addresses)
+      : run_(run), link_(open_server_link(config, run, addresses)) {
+    publish();
+  }
 
   // Handles one event; false at the timeout.
   bool serve(std::chrono::milliseconds timeout) {
