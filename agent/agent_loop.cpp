@@ -100,7 +100,9 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   }
   if (downlink_s) {
     const bool replies_wait = link_.waiting().any();
-    const bool full = replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s;
+    // A link that was found to carry little is not taken for wide between two answers.
+    if (replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s) full_ = now_();
+    const bool full = full_ && now_() - *full_ <= (reply_rate_.limited() ? kWideAgain : std::chrono::seconds(0));
     send_rate_.heard(wait_s, *downlink_s, full, now_());
     reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
   }

@@ -13,7 +13,7 @@ constexpr double kLeastRate_hz = 10;
 constexpr double kWindow_s = 0.4;  // of messages: what queues delays them all, what was lost and sent again only some
 constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
 constexpr double kLateFor_s = 1.2;              // a stall is no narrow link
-constexpr double kTry_s = 2, kLateInTry_s = 0.25;
+constexpr double kTry_s = 5, kLateInTry_s = 0.25;  // a queue may fill slowly
 constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
 constexpr double kSilence_s = 3;                                                     // as bad as late
 constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
