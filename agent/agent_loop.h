@@ -66,8 +66,8 @@ class AgentLoop {
   Clock now_;
   SendRate send_rate_;
   ReplyRate reply_rate_;
-  std::optional<std::chrono::steady_clock::time_point>
-      full_;  // when replies last waited for a link that carries little
+  // When replies last waited for a link that carries little.
+  std::optional<std::chrono::steady_clock::time_point> full_;
   std::optional<FrameId> last_sent_;
   struct Sent {
     FrameId frame;

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "agent/link/dds_agent_link.h"
-#include "common/base/error.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
