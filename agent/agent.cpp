@@ -92,7 +92,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   out.patches = cut_patches(answers.patches);
   out.frame = make_frame();
   out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
-  out.frame.descriptors_sent = out.descriptors.has_value();
+  out.frame.descriptors_sent = out.descriptors ? DescriptorsSent::kWithFrame : DescriptorsSent::kNone;
   return out;
 }
 

@@ -48,7 +48,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
-    sent_.push_back({image->frame, delay_s, link_.waiting().sent_bytes});
+    sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
     if (sent_.size() > kSentKept) sent_.pop_front();
   }
   warn_when_slow();
@@ -66,16 +66,18 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
 // New ones wait for the old ones. On a link that carries little an image is described in no more features than get
 // through in about a second: later its tracks are others.
 Answers AgentLoop::answers() const {
-  constexpr double kSeconds = 1, kBytesAFeature = 80;
+  constexpr double kSeconds = 1, kBytesAFeature = 80, kBytesAPatch = 80;
   constexpr int kLeastFeatures = 140, kFewFeatures = 200;
-  constexpr std::size_t kFewPatches = 4;
+  constexpr double kFewPatches = 4, kManyPatches = 16;
   Answers out = Answers::all();
   if (!adapts_) return out;
+  const double a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz;
+  const auto patches = static_cast<std::size_t>(std::clamp(a_frame / kBytesAPatch, kFewPatches, kManyPatches));
   if (reply_rate_.limited()) {
     const double most = kSeconds * reply_rate_.bytes_per_s() / kBytesAFeature;
-    out = {kFewPatches, std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)))};
+    out = {patches, std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)))};
   } else if (send_rate_.narrow()) {
-    out = {kFewPatches, kFewFeatures};
+    out = {patches, kFewFeatures};
   }
   const RepliesWaiting waiting = link_.waiting();
   if (waiting.patches) out.patches = 0;
@@ -89,14 +91,15 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   constexpr double kWide_bytes_per_s = 25e3;  // of replies: frames take less
   constexpr std::chrono::seconds kWideAgain{20};
   std::optional<double> downlink_s;
-  double wait_s = 0, delivered_bytes = 0;
+  double wait_s = 0;
   for (const MapPatch& p : patches) {
     if (p.sent_ns == 0) continue;
     const double took_s = to_seconds(p.received_ns - p.sent_ns);
     downlink_s = std::min(downlink_s.value_or(took_s), took_s);
     const Sent sent = sent_with(p.after_frame);
+    answered_ = p.after_frame;
     wait_s = std::max(0.0, p.uplink_wait_s - sent.delay_s);
-    delivered_bytes = sent.reply_bytes;
+    delivered_bytes_ = std::max(delivered_bytes_, sent.reply_bytes);
   }
   if (downlink_s) {
     const bool replies_wait = link_.waiting().any();
@@ -104,16 +107,24 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
     if (replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s) full_ = now_();
     const bool full = full_ && now_() - *full_ <= (reply_rate_.limited() ? kWideAgain : std::chrono::seconds(0));
     send_rate_.heard(wait_s, *downlink_s, full, now_());
-    reply_rate_.heard(wait_s, replies_wait, delivered_bytes, now_());
+    reply_rate_.heard(wait_s, replies_wait, delivered_bytes_, now_());
   }
   narrow_link_ = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
-  link_.limit_replies(reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz, narrow_link_);
-  if (link_.server_alive()) send_rate_.tick(now_());
+  link_.limit_replies({.bytes_a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz,
+                       .up_to_bytes = delivered_bytes_ + reply_rate_.unanswered_bytes(),
+                       .narrow_link = narrow_link_});
+  if (link_.server_alive()) send_rate_.tick(unanswered_s(), now_());
 }
 
 AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
   const auto at = std::ranges::find(sent_, frame, &Sent::frame);
   return at == sent_.end() ? Sent{frame} : *at;
+}
+
+// Since the first frame was sent that the server has not answered.
+double AgentLoop::unanswered_s() const {
+  const auto first = std::ranges::find_if(sent_, [&](const Sent& s) { return !answered_ || s.frame > *answered_; });
+  return first == sent_.end() ? 0 : std::chrono::duration<double>(now_() - first->at).count();
 }
 
 // Once, when what the images need is known.

@@ -21,6 +21,13 @@ struct RepliesWaiting {
   bool any() const { return patches || descriptors; }
 };
 
+struct ReplyLimits {
+  double bytes_a_frame = 0;  // that go with a frame at most; the rest waits for the next
+  double up_to_bytes = 0;    // of all replies since the start: what the server is not known to have yet is bounded
+  // Lost ones are sent again soon unless the link is narrow, where what seems lost is mostly waiting.
+  bool narrow_link = false;
+};
+
 // An agent's end of the link to the map server: over DDS (dds_agent_link.h) or in one process
 // (server/link/inline_link.h). The hello goes out at construction and stays available to servers that start later.
 // Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads: send,
@@ -34,9 +41,8 @@ class AgentLink {
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
   virtual void send_status(const AgentStatus& status) = 0;
-  // From now on replies of no more than so many bytes go with a frame; the rest waits for the next frames. Lost ones
-  // are sent again soon unless the link is narrow, where what seems lost is mostly waiting.
-  virtual void limit_replies(double /*bytes_a_frame*/, bool /*narrow*/) {}
+  // From now on.
+  virtual void limit_replies(const ReplyLimits&) {}
   virtual RepliesWaiting waiting() const { return {}; }
 
   // Lock-step replay. The next patch in order of sequence; waits while there is none. Empty at the timeout, and at once

@@ -60,6 +60,11 @@ struct Ends {
       : participant(config, "coslam-agent " + agent, std::move(rejections)),
         loop(participant, "agent-link", kTick, [this, on_tick] { on_tick(*this); }) {}
 
+  void forget_what_is_repeated_soon() {
+    patches.soon.forget();
+    descriptors.soon.forget();
+  }
+
   // Both ways of every topic: where a word of discovery is lost, that takes seconds.
   bool whole() const {
     const auto found = [](const auto& writer) { return writer.readers() > 0; };
@@ -97,7 +102,10 @@ class DdsAgentLink : public AgentLink {
     // What waits rides with a later frame, so that this one does not wait for it.
     const bool patches_gone = ends_ && patches && patches_waiting_.empty();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
-    frame.descriptors_sent = ends_ && descriptors && descriptors_waiting_.empty();
+    const bool descriptors_gone = ends_ && descriptors_waiting_.empty();
+    frame.descriptors_sent = !descriptors       ? DescriptorsSent::kNone
+                             : descriptors_gone ? DescriptorsSent::kWithFrame
+                                                : DescriptorsSent::kLater;
     // Joining anew: lost, as on a link that is cut.
     if (ends_) ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
     last_.frame = std::move(frame);
@@ -108,9 +116,13 @@ class DdsAgentLink : public AgentLink {
     if (ends_) say(*ends_, status);
   }
 
-  void limit_replies(double bytes_a_frame, bool narrow) override {
-    reply_bytes_a_frame_ = bytes_a_frame;
-    repeat_soon_ = !narrow;
+  void limit_replies(const ReplyLimits& limits) override {
+    const bool was_narrow = limits_ && limits_->narrow_link;
+    limits_ = limits;
+    if (!limits.narrow_link || was_narrow) return;
+    // What waits in the queue of a narrow link would be sent again and again, and keep it full.
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_) ends_->forget_what_is_repeated_soon();
   }
   RepliesWaiting waiting() const override {
     return {!patches_waiting_.empty(), !descriptors_waiting_.empty(), reply_bytes_};
@@ -234,24 +246,27 @@ class DdsAgentLink : public AgentLink {
   void put_parts(const Reply& reply, std::deque<Message>& waiting, std::vector<Message>& last) {
     for (const Reply& part : in_parts(reply)) {
       waiting.push_back(encode(part));
-      if (!reply_bytes_a_frame_) last.push_back(waiting.back());
+      if (!limits_) last.push_back(waiting.back());
     }
   }
 
-  // Descriptors first: they are rare, and where maps have not met everything hangs on them. Those of long ago are
-  // left: few of their tracks are there still.
+  // Descriptors first: they are rare, and where maps have not met everything hangs on them. On a narrow link they would
+  // keep patches waiting for seconds, which take little room and are asked for where they tell something. Descriptors
+  // of long ago are left: few of their tracks are there still.
   void write_waiting() {
     constexpr double kUnlimited = 1e12, kMostLeft = 1500;  // bytes that were not used last time
     constexpr std::chrono::milliseconds kStale{2500};
-    reply_room_ = reply_bytes_a_frame_ ? std::min(reply_room_, kMostLeft) + *reply_bytes_a_frame_ : kUnlimited;
+    reply_room_ = limits_ ? std::min(reply_room_, kMostLeft) + limits_->bytes_a_frame : kUnlimited;
     if (Clock::now() - described_ > kStale) descriptors_waiting_.clear();
+    if (limits_ && limits_->narrow_link) write_waiting(patches_waiting_, ends_->patches);
     write_waiting(descriptors_waiting_, ends_->descriptors);
     write_waiting(patches_waiting_, ends_->patches);
   }
   template <class Message>
   void write_waiting(std::deque<Message>& waiting, ReplyWriters<Message>& writers) {
-    Writer<Message>& writer = repeat_soon_ ? writers.soon : writers.usual;
+    Writer<Message>& writer = limits_ && !limits_->narrow_link ? writers.soon : writers.usual;
     for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
+      if (limits_ && reply_bytes_ >= limits_->up_to_bytes) return;
       const auto bytes = static_cast<double>(writer.write(waiting.front()));
       reply_room_ -= bytes;
       reply_bytes_ += bytes;
@@ -347,8 +362,7 @@ class DdsAgentLink : public AgentLink {
   Outgoing last_;
   std::deque<idl::PatchReply> patches_waiting_;
   std::deque<idl::DescriptorReply> descriptors_waiting_;
-  std::optional<double> reply_bytes_a_frame_;
-  bool repeat_soon_ = false;
+  std::optional<ReplyLimits> limits_;  // none in lock-step
   double reply_room_ = 0, reply_bytes_ = 0;
   Instant described_{};
 

@@ -36,6 +36,11 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, double delivered_
   }
 }
 
+double ReplyRate::unanswered_bytes() const {
+  constexpr double kAnsweredIn_s = 0.15, kAlways = 3e3;
+  return kAnsweredIn_s * bytes_per_s_ + kAlways;
+}
+
 void ReplyRate::note_delivered(double bytes, Instant now) {
   constexpr double kWindow_s = 0.25, kAhead = 2;
   constexpr double kForgottenIn_s = 1;  // half of the most that arrived: where words are lost, some windows tell little

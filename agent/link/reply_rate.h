@@ -19,6 +19,8 @@ class ReplyRate {
   // replies that were sent before that frame.
   void heard(double uplink_wait_s, bool replies_wait, double delivered_bytes, Instant now);
   double bytes_per_s() const { return bytes_per_s_; }
+  // That the server is not known to have yet, at most: a queue in the link tells of itself only when it is long.
+  double unanswered_bytes() const;
   // Frames had to wait for replies before: the link does not carry whatever is given to it.
   bool limited() const { return halved_.has_value(); }
   bool limited_since(Instant then) const { return halved_ && *halved_ >= then; }

@@ -13,7 +13,7 @@ constexpr double kLeastRate_hz = 10;
 constexpr double kWindow_s = 0.4;  // of messages: what queues delays them all, what was lost and sent again only some
 constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
 constexpr double kLateFor_s = 1.2;              // a stall is no narrow link
-constexpr double kTry_s = 5, kLateInTry_s = 0.25;  // a queue may fill slowly
+constexpr double kTry_s = 5, kLateInTry_s = 0.25, kUnansweredInTry_s = 0.3;  // a queue may fill slowly
 constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
 constexpr double kSilence_s = 3;                                                     // as bad as late
 constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
@@ -58,8 +58,14 @@ void SendRate::heard(double uplink_wait_s, double downlink_s, bool full, Instant
   waited(wait_s, full, now);
 }
 
-void SendRate::tick(Instant now) {
+void SendRate::tick(double unanswered_s, Instant now) {
+  constexpr double kNews = 0.2;
   now_ = now;
+  if (!trying(now)) {
+    usually_unanswered_s_ += kNews * (unanswered_s - usually_unanswered_s_);
+  } else if (const double more_s = unanswered_s - usually_unanswered_s_; more_s > kUnansweredInTry_s) {
+    send_fewer(more_s, now);
+  }
   if (!heard_) heard_ = now;
   if (seconds(*heard_, now) <= kSilence_s) return;
   if (!before_silence_) before_silence_ = one_in_;

@@ -25,8 +25,9 @@ class SendRate {
   // A message of the server. uplink_wait_s: how much longer than at best the newest frame took, as the server says;
   // downlink_s: how long the message took, give or take what the clocks differ by. full: no room is left over.
   void heard(double uplink_wait_s, double downlink_s, bool full, Instant now);
-  // Once a frame, while the server lives: hearing nothing is as bad as hearing late.
-  void tick(Instant now);
+  // Once a frame, while the server lives: hearing nothing is as bad as hearing late. unanswered_s: since the first
+  // frame was sent that has no answer yet, which tells of a queue long before a message that went through it.
+  void tick(double unanswered_s, Instant now);
 
   // One frame in so many.
   int one_in() const { return one_in_; }
@@ -45,6 +46,7 @@ class SendRate {
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then
   double downlink_s_ = 0;                     // of the newest message
+  double usually_unanswered_s_ = 0;           // but for tries
   std::optional<double> least_downlink_s_;
   struct Waited {
     Instant at;

@@ -44,6 +44,9 @@ enum class PoseState : std::uint8_t {
   kLost,     // was placed; the pose is the last good one and must not be used
 };
 
+// Descriptors of a frame's image travel apart, see DescriptorReply: along with it, or when the link has room.
+enum class DescriptorsSent : std::uint8_t { kNone, kWithFrame, kLater };
+
 // One image of one agent, complete in itself: a track missing from it has ended or is out of view.
 struct TrackFrame {
   std::string agent;  // name, at most 32 characters
@@ -61,11 +64,11 @@ struct TrackFrame {
   std::uint16_t pose_inliers = 0;
   float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
 
-  std::uint32_t applied_patch = 0;       // sequence number of the last map patch processed, 0 = none
-  bool wants_snapshot = false;           // a patch was missed: send everything bound to my tracks again
-  bool narrow_link = false;              // my link carries little: map patches of one datagram
-  std::uint16_t patches_sent = 0;        // image patches that travel apart for this frame, see PatchReply
-  bool descriptors_sent = false;         // descriptors that travel apart for this frame, see DescriptorReply
+  std::uint32_t applied_patch = 0;  // sequence number of the last map patch processed, 0 = none
+  bool wants_snapshot = false;      // a patch was missed: send everything bound to my tracks again
+  bool narrow_link = false;         // my link carries little: map patches of one datagram
+  std::uint16_t patches_sent = 0;   // image patches that travel apart for this frame, see PatchReply
+  DescriptorsSent descriptors_sent = DescriptorsSent::kNone;
   std::vector<TrackObservation> tracks;  // ascending track id
   std::vector<TagObservation> tags;      // ascending, not of every image; one printed twice may be there twice
 };

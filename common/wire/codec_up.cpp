@@ -167,7 +167,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReferenc
   m.px_bits(px_bits(px_scale));
   m.pose_state(static_cast<std::uint8_t>(f.pose_state));
   m.wants_snapshot(f.wants_snapshot);
-  m.descriptors_sent(f.descriptors_sent);
+  m.descriptors_sent(static_cast<std::uint8_t>(f.descriptors_sent));
   m.on_own_points(f.on_own_points);
   m.narrow_link(f.narrow_link);
   m.agent(f.agent);
@@ -193,15 +193,16 @@ Decoded<TrackFrame> decode_header(const idl::TrackFrame& m) {
   f.applied_patch = m.applied_patch();
   f.wants_snapshot = m.wants_snapshot();
   f.patches_sent = m.patches_sent();
-  f.descriptors_sent = m.descriptors_sent();
+  f.descriptors_sent = static_cast<DescriptorsSent>(m.descriptors_sent());
   f.on_own_points = m.on_own_points();
   f.narrow_link = m.narrow_link();
   f.pose_state = static_cast<PoseState>(m.pose_state());
   // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
-  const Problem problem = first_of(
-      {check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost), check_pose(f.cam_from_world),
-       unpack_pose_covariance(m.covariance(), f.pose_covariance), check_number(f.hull_fraction, 0, 100),
-       check_count(f.pose_inliers, idl::MAX_TRACKS), check_count(f.patches_sent, idl::MAX_TRACKS)});
+  const Problem problem =
+      first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
+                check_enum(m.descriptors_sent(), DescriptorsSent::kLater), check_pose(f.cam_from_world),
+                unpack_pose_covariance(m.covariance(), f.pose_covariance), check_number(f.hull_fraction, 0, 100),
+                check_count(f.pose_inliers, idl::MAX_TRACKS), check_count(f.patches_sent, idl::MAX_TRACKS)});
   if (problem) return *problem;
   return f;
 }

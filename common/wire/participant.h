@@ -74,6 +74,7 @@ class TopicWriter {
   // message: of the topic's type.
   std::uint64_t write(const void* message, std::size_t sample_bytes);
   void assert_alive();
+  void forget();
   int readers() const;
 
  private:
@@ -91,6 +92,7 @@ class Writer {
   // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
   std::uint64_t write(const Message& message) { return writer_.write(&message, sample_bytes(message)); }
   void assert_alive() { writer_.assert_alive(); }    // a sign of life, for topics that have one
+  void forget() { writer_.forget(); }                // what was written: it is not sent again, or not at all
   int readers() const { return writer_.readers(); }  // matched now
 
  private:

@@ -64,6 +64,11 @@ std::uint64_t TopicWriter::write(const void* message, std::size_t sample_bytes) 
 
 void TopicWriter::assert_alive() { impl_->writer->assert_liveliness(); }
 
+void TopicWriter::forget() {
+  std::size_t forgotten = 0;
+  impl_->writer->clear_history(&forgotten);
+}
+
 int TopicWriter::readers() const {
   dds::PublicationMatchedStatus status;
   impl_->writer->get_publication_matched_status(status);

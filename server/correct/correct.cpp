@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/correct/correct.h"
 
+#include <algorithm>
+#include <optional>
+
 namespace coslam {
 
 PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
@@ -11,11 +14,15 @@ PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
 Corrections Correct::run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
                          const ScaleReport& scale, const ViewGraph& graph) {
   Corrections out;
+  const auto is_narrow = [](const CameraFrame& cf) { return cf.frame.narrow_link; };
+  std::optional<PatchWorths> worths;
+  if (std::ranges::any_of(set.frames, is_narrow)) worths.emplace(edit.map(), set);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
     const auto asked = met.requests.find(cf.camera);
     const DescriptorRequest request = asked == met.requests.end() ? DescriptorRequest::kNone : asked->second;
-    MapPatch& patch = out.patches.emplace_back(writer_of(cf.camera, server).write(edit, camera, cf.frame, request));
+    MapPatch& patch = out.patches.emplace_back(
+        writer_of(cf.camera, server).write(edit, camera, cf.frame, request, is_narrow(cf) ? &*worths : nullptr));
     patch.scale_known = scale.in_metres.contains(camera.map);
     patch.group = GroupId(static_cast<std::uint32_t>(graph.group_of(cf.camera) + 1));
   }

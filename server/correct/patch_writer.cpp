@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include "server/map/sighting.h"
 
@@ -102,12 +103,15 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool n
   });
 }
 
-void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPatch* patch) {
+void PatchWriter::write_requests(const Map& map, const MapCamera& camera, const PatchWorths* worths, MapPatch* patch) {
+  // Where few get through, what was asked for long ago is in the way of what is worth more by now.
+  constexpr std::size_t kMostUnanswered = 32;
   const std::uint32_t patience = map.sets_in(config_.patch_patience_s);
   std::erase_if(asked_, [&](const auto& a) { return a.second.value + patience <= map.now().value; });
   if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
-  using Due = std::vector<std::pair<std::uint32_t, TrackId>>;  // those never cut first, then the stalest
-  Due still, moving;
+  using Rank = std::tuple<PatchWorths::Rank, std::uint32_t, TrackId>;  // then those never cut first, then the stalest
+  std::vector<Rank> still, moving, alone;
+  std::size_t unanswered = 0;
   for (const auto& [id, t] : camera.tracks) {
     if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, kLeastFrames))
       continue;  // many do not live longer
@@ -115,17 +119,34 @@ void PatchWriter::write_requests(const Map& map, const MapCamera& camera, MapPat
     const bool keeps = t.bound() && !t.moves();
     if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
     const auto asked = asked_.find(id);
-    if (asked != asked_.end() && !(t.patch && t.patch_set >= asked->second)) continue;  // the answer is on its way
-    (t.moves() ? moving : still).emplace_back(t.patch ? t.patch_set.value + 1 : 0, id);
-  }
-  // What moves soon looks different or is gone: it doesn't wait behind what stays.
-  for (Due* due : {&moving, &still}) {
-    const auto most = std::min(due->size(), static_cast<std::size_t>(config_.patches_per_request));
-    std::partial_sort(due->begin(), due->begin() + static_cast<std::ptrdiff_t>(most), due->end());
-    for (std::size_t i = 0; i < most; ++i) {
-      patch->patch_requests.push_back((*due)[i].second);
-      asked_[(*due)[i].second] = map.now();
+    if (asked != asked_.end() && !(t.patch && t.patch_set >= asked->second)) {  // the answer is on its way
+      ++unanswered;
+      continue;
     }
+    const auto worth = worths != nullptr ? worths->of(camera.id, id) : PatchWorths::Rank();
+    const bool tells = worths == nullptr || worth.first != PatchWorth::kAlone;
+    (t.moves() ? moving : tells ? still : alone).emplace_back(worth, t.patch ? t.patch_set.value + 1 : 0, id);
+  }
+  const auto ask = [&](std::vector<Rank>& due, std::size_t most) {
+    most = std::min(due.size(), most);
+    std::partial_sort(due.begin(), due.begin() + static_cast<std::ptrdiff_t>(most), due.end());
+    for (std::size_t i = 0; i < most; ++i) {
+      const TrackId id = std::get<TrackId>(due[i]);
+      patch->patch_requests.push_back(id);
+      asked_[id] = map.now();
+    }
+    return most;
+  };
+  // What moves soon looks different or is gone: it doesn't wait behind what stays.
+  const auto each = static_cast<std::size_t>(config_.patches_per_request);
+  if (worths == nullptr) {
+    ask(moving, each);
+    ask(still, each);
+  } else {
+    const std::size_t room = std::min(each, kMostUnanswered - std::min(kMostUnanswered, unanswered));
+    std::size_t left = room - ask(moving, room / 2);
+    left -= ask(still, left);
+    ask(alone, std::min<std::size_t>(left, 1));  // it may tell something when another camera comes by
   }
   std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
 }
@@ -165,7 +186,7 @@ bool was_in_its_map(const MapCamera& camera) {
 }  // namespace
 
 MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
-                            DescriptorRequest descriptors) {
+                            DescriptorRequest descriptors, const PatchWorths* worths) {
   const Map& map = edit.map();
   MapPatch patch = next_patch(map, camera, frame);
   // What was merged into another map is still known, only elsewhere.
@@ -195,7 +216,7 @@ MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackF
   if (f.valid() && (!knows || camera.corrected)) patch.placed = PlacedPose{f.frame, f.cam_from_world};
   if (snapshot) sent_.clear();
   write_bindings(map, camera, frame.narrow_link, &patch);
-  write_requests(map, camera, &patch);
+  write_requests(map, camera, worths, &patch);
   patch.descriptor_request = descriptors;
   return patch;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/model/map_patch.h"
+#include "server/associate/patch_worth.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
 
@@ -39,7 +40,9 @@ class PatchWriter {
   PatchWriter(const ServerRun& server, const PatchWriterConfig& config) : server_(server), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
-  MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
+  // worths: where few image patches get through, which of them are asked for.
+  MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors,
+                 const PatchWorths* worths = nullptr);
   // After a frame that came too late to be used: its agent only learns that it may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
@@ -61,7 +64,7 @@ class PatchWriter {
   void consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
                 std::vector<News>& news) const;
   void write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch);
-  void write_requests(const Map& map, const MapCamera& camera, MapPatch* patch);
+  void write_requests(const Map& map, const MapCamera& camera, const PatchWorths* worths, MapPatch* patch);
 
   ServerRun server_;
   PatchWriterConfig config_;

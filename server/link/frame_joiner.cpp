@@ -35,7 +35,7 @@ std::optional<Rejection> FrameJoiner::add(DescriptorReply part) { return keep(de
 
 bool FrameJoiner::complete(const TrackFrame& frame) const {
   return (frame.patches_sent == 0 || patches_.has(frame.frame)) &&
-         (!frame.descriptors_sent || descriptors_.has(frame.frame));
+         (frame.descriptors_sent != DescriptorsSent::kWithFrame || descriptors_.has(frame.frame));
 }
 
 bool FrameJoiner::waited_enough(const Held& held, Instant now) const {

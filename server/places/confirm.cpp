@@ -22,9 +22,9 @@ std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<
 }
 
 // Whether the camera is where this says that it is.
-bool agree(const MapCamera& camera, const Recognition& seen, const Similarity3& said, const Similarity3& now) {
+bool agree(const DescribedImage& image, const Recognition& seen, const Similarity3& said, const Similarity3& now) {
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
-  const Rigid3 expected = transform_world(camera.frames.back().cam_from_world, said);
+  const Rigid3 expected = transform_world(image.frame().cam_from_world, said);
   return expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
          (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
          std::abs(std::log(said.scale / now.scale)) < kScale;
@@ -41,8 +41,9 @@ std::pair<Verification::Part, Verification::Part> Verification::parts(const Map&
   return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
-bool Verification::confirmed(const Map& map, const MapCamera& camera, const Recognition& seen,
+bool Verification::confirmed(const Map& map, const DescribedImage& image, const Recognition& seen,
                              const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
+  const MapCamera& camera = image.camera;
   const auto [own, other] = parts(map, camera, seen, graph);
   const bool forward = own < other;
   const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
@@ -53,7 +54,7 @@ bool Verification::confirmed(const Map& map, const MapCamera& camera, const Reco
   if (at != pending_.end() && at->second.since.value + map.sets_in(kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    if (agree(camera, seen, said, in_from_own)) {
+    if (agree(image, seen, said, in_from_own)) {
       p.evidence.merge(evidence);
       p.cameras.insert({camera.id, seen.key_camera});
       p.enough = p.enough || enough;

@@ -20,7 +20,7 @@ class Verification {
  public:
   // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
   // enough: in so many points that it may confirm; one of the two has to. True once, when it is confirmed.
-  bool confirmed(const Map& map, const MapCamera& camera, const Recognition& seen, const Similarity3& in_from_own,
+  bool confirmed(const Map& map, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
                  const ViewGraph& graph, bool enough);
   // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
   enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };

@@ -17,33 +17,35 @@ std::vector<const MapPoint*> points_of(const Map& map, const Recognition& seen) 
 }
 
 // Depth of the camera's own map at a track: of its point, or of that of the nearest track not far from it.
-std::optional<double> own_depth(const Map& map, const MapCamera& camera, const ServerTrack& track, bool exact) {
+std::optional<double> own_depth(const Map& map, const DescribedImage& image, TrackId track, bool exact) {
   constexpr double kNear = 0.025;  // of the image width
-  const MapPoint* best = map.find(track.point);
+  const auto own = image.points.find(track);
+  const MapPoint* best = own == image.points.end() ? nullptr : map.find(own->second);
   if (best == nullptr && !exact) {
-    float nearest = static_cast<float>(kNear * camera.model.width_px);
-    for (const auto& [id, t] : camera.tracks) {
-      const MapPoint* p = map.find(t.point);
+    float nearest = static_cast<float>(kNear * image.camera.model.width_px);
+    const Eigen::Vector2f& px = image.pixels.at(track);
+    for (const auto& [id, point] : image.points) {
+      const MapPoint* p = map.find(point);
       if (p == nullptr || !p->rests()) continue;
-      const float d = (t.seen.back().undistorted_px - track.seen.back().undistorted_px).norm();
+      const float d = (image.pixels.at(id) - px).norm();
       if (d >= nearest) continue;
       nearest = d;
       best = p;
     }
   }
   if (best == nullptr || !best->rests()) return std::nullopt;
-  return (camera.frames.back().cam_from_world * best->position).z();
+  return (image.frame().cam_from_world * best->position).z();
 }
 
 // Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
-std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
+std::optional<double> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
   constexpr std::size_t kLeast = 10;
   constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
   std::vector<double> ratios;
   for (const bool exact : {true, false}) {
     ratios.clear();
     for (const auto& [track, point] : seen.matches) {
-      const auto own = own_depth(map, camera, camera.tracks.at(track), exact);
+      const auto own = own_depth(map, image, track, exact);
       const double other = (seen.cam_from_world * map.find(point)->position).z();
       if (own && *own > 0 && other > 0) ratios.push_back(std::log(other / *own));
     }
@@ -56,10 +58,10 @@ std::optional<double> scale_of(const Map& map, const MapCamera& camera, const Re
 }
 
 // From the camera's pose in both.
-std::optional<Similarity3> similarity_of(const Map& map, const MapCamera& camera, const Recognition& seen) {
-  const auto scale = scale_of(map, camera, seen);
+std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
+  const auto scale = scale_of(map, image, seen);
   if (!scale) return std::nullopt;
-  const Rigid3& own = camera.frames.back().cam_from_world;
+  const Rigid3& own = image.frame().cam_from_world;
   Similarity3 s;
   s.scale = *scale;
   s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
@@ -85,21 +87,22 @@ bool may_be_placed(const Map& map, const MapCamera& camera, const Recognition& s
 }
 
 // The known points lie where the camera's own pose expects them.
-bool as_expected(const Map& map, const MapCamera& camera, const Recognition& seen, double most_px) {
+bool as_expected(const Map& map, const DescribedImage& image, const Recognition& seen, double most_px) {
   std::vector<double> errors;
   for (const auto& [track, point] : seen.matches) {
     Eigen::Vector2d px;
-    if (!project_world(camera.model, camera.frames.back().cam_from_world, map.find(point)->position, &px, nullptr))
+    if (!project_world(image.camera.model, image.frame().cam_from_world, map.find(point)->position, &px, nullptr))
       return false;
-    errors.push_back((px - camera.tracks.at(track).seen.back().undistorted_px.cast<double>()).norm());
+    errors.push_back((px - image.pixels.at(track).cast<double>()).norm());
   }
   return upper_median(errors) < most_px;
 }
 
 }  // namespace
 
-PlaceDecision PlaceJudge::decide(const Map& map, const MapCamera& camera, std::optional<Recognition> seen,
+PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, std::optional<Recognition> seen,
                                  ExpectedPlace expected, const ViewGraph& graph) {
+  const MapCamera& camera = image.camera;
   if (!expected.there.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.there)}};
   const bool unplaced = camera.map == MapId();
   const bool enough = seen && (unplaced || static_cast<int>(seen->matches.size()) >= config_.min_merge_inliers);
@@ -109,11 +112,11 @@ PlaceDecision PlaceJudge::decide(const Map& map, const MapCamera& camera, std::o
   // Few are not enough by themselves, but may be the one of two images of a loop.
   const bool few = !enough && !seen->expected;
   if (few && seen->map != camera.map) return {PlaceDecision::kTooFew, *seen};
-  if (seen->map == camera.map && as_expected(map, camera, *seen, slack_px(map, camera))) {
+  if (seen->map == camera.map && as_expected(map, image, *seen, slack_px(map, camera))) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kLink, *seen};
   }
-  const auto similarity = similarity_of(map, camera, *seen);
-  if (!similarity || !verification_.confirmed(map, camera, *seen, *similarity, graph, !few)) {
+  const auto similarity = similarity_of(map, image, *seen);
+  if (!similarity || !verification_.confirmed(map, image, *seen, *similarity, graph, !few)) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kDoubtful, *seen};
   }
   return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};

@@ -40,8 +40,8 @@ class PlaceJudge {
  public:
   explicit PlaceJudge(const DecideConfig& config) : config_(config) {}
   // seen: by appearance; expected: by the camera's pose.
-  PlaceDecision decide(const Map& map, const MapCamera& camera, std::optional<Recognition> seen, ExpectedPlace expected,
-                       const ViewGraph& graph);
+  PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<Recognition> seen,
+                       ExpectedPlace expected, const ViewGraph& graph);
   // The map has moved: nothing waits any more.
   void clear() { verification_.clear(); }
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }

@@ -37,14 +37,17 @@ MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> las
   const ViewGraph& graph = last.of;
   MeetReport report;
   expect(map, set, graph, group);
-  for (const CameraFrame& cf : set.frames) {
-    if (cf.descriptors) act(edit, cf, graph, localise, &report);
-  }
+  std::vector<std::pair<DescribedImage, const DescriptorReply*>> described;
   for (const CameraFrame& cf : set.frames) {
     if (!cf.descriptors) continue;
-    places_.add(edit, cf);
+    described.emplace_back(awaited_.take(map, cf), &*cf.descriptors);
+    act(edit, described.back().first, *cf.descriptors, graph, localise, &report);
+  }
+  for (const CameraFrame& cf : set.frames) awaited_.await(edit, cf);
+  for (const auto& [image, reply] : described) {
+    places_.add(edit, image, *reply);
     ++report.described;
-    asking_.came(cf.camera, set.id);
+    asking_.came(image.camera.id, image.set);
   }
   std::set<MapId> maps = living_maps(map);
   if (!maps.empty()) maps.insert(remembered_.begin(), remembered_.end());
@@ -80,12 +83,12 @@ void Meetings::expect(const Map& map, const FrameSet& set, const ViewGraph& grap
   }
 }
 
-ExpectedPlace Meetings::find_expected(const Map& map, const CameraFrame& frame) const {
-  const auto others = expected_.find(frame.camera);
+ExpectedPlace Meetings::find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const {
+  const auto others = expected_.find(image.camera.id);
   if (others == expected_.end()) return {};
   const std::uint32_t lately = 2 * map.sets_in(config.ask.soon_s);
-  const SetId since(map.now().value - std::min(map.now().value, lately));
-  return places_.find_expected(map, frame, others->second, since, PlaceJudge::slack_px(map, map.camera(frame.camera)));
+  const SetId since(image.set.value - std::min(image.set.value, lately));
+  return places_.find_expected(map, image, reply, others->second, since, PlaceJudge::slack_px(map, image.camera));
 }
 
 bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,
@@ -97,28 +100,30 @@ bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph&
          (expected != expected_.end() && std::ranges::find(expected->second, image.camera) != expected->second.end());
 }
 
-PlaceDecision Meetings::decide(const Map& map, const CameraFrame& frame, const ViewGraph& graph) {
-  const MapCamera& camera = map.camera(frame.camera);
-  if (camera.map != MapId() && !camera.frames.back().valid()) return {};
-  ExpectedPlace expected = find_expected(map, frame);
+PlaceDecision Meetings::decide(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
+                               const ViewGraph& graph) {
+  const MapCamera& camera = image.camera;
+  if (camera.map != MapId() && !image.frame().valid()) return {};
+  ExpectedPlace expected = find_expected(map, image, reply);
   std::optional<Recognition> seen;
   if (expected.there.empty()) {
-    seen = places_.find(map, frame, [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
+    seen = places_.find(map, image, reply,
+                        [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
   }
-  return judge_.decide(map, camera, std::move(seen), std::move(expected), graph);
+  return judge_.decide(map, image, std::move(seen), std::move(expected), graph);
 }
 
-void Meetings::act(MapEdit& edit, const CameraFrame& frame, const ViewGraph& graph, const LocaliseConfig& localise,
-                   MeetReport* report) {
+void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply, const ViewGraph& graph,
+                   const LocaliseConfig& localise, MeetReport* report) {
   using enum PlaceDecision::What;
-  const MapCamera& camera = edit.map().camera(frame.camera);
-  const auto [what, seen, in_from_own] = decide(edit.map(), frame, graph);
+  const MapCamera& camera = image.camera;
+  const auto [what, seen, in_from_own] = decide(edit.map(), image, reply, graph);
   report->sightings += what != kUnknown && what != kSeenAsExpected;
   switch (what) {
     case kUnknown:
       break;
     case kSeenAsExpected:
-      bind_matches(edit, camera, seen.matches);
+      bind_matches(edit, image, seen.matches);
       ++report->expected;
       break;
     case kTooFew:
@@ -128,20 +133,20 @@ void Meetings::act(MapEdit& edit, const CameraFrame& frame, const ViewGraph& gra
       ++report->doubted;
       break;
     case kPlace:
-      place(edit, camera, seen, localise);
+      place(edit, image, seen, localise);
       ++report->placed;
       break;
     case kLink:
-      bind_matches(edit, camera, seen.matches);
+      bind_matches(edit, image, seen.matches);
       ++report->linked;
       break;
     case kJoin:
-      join(edit, camera, seen, in_from_own);
+      join(edit, image, seen, in_from_own);
       ++report->merged;
       moved(camera, report);
       break;
     case kClose:
-      if (!close(edit, camera, seen, in_from_own, graph, &loops_)) break;
+      if (!close(edit, image, seen, in_from_own, graph, &loops_)) break;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       moved(camera, report);

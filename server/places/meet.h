@@ -88,13 +88,15 @@ class Meetings {
 
  private:
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group);
-  ExpectedPlace find_expected(const Map& map, const CameraFrame& frame) const;
+  ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
-  PlaceDecision decide(const Map& map, const CameraFrame& frame, const ViewGraph& graph);
-  void act(MapEdit& edit, const CameraFrame& frame, const ViewGraph& graph, const LocaliseConfig& localise,
-           MeetReport* report);
+  PlaceDecision decide(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
+                       const ViewGraph& graph);
+  void act(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply, const ViewGraph& graph,
+           const LocaliseConfig& localise, MeetReport* report);
   void moved(const MapCamera& camera, MeetReport* report);
 
+  AwaitedDescriptors awaited_;
   PlaceMemory places_;
   PlaceJudge judge_;
   Asking asking_;

@@ -97,14 +97,11 @@ std::optional<Recognition> locate(const Map& map, CameraId id, std::span<const K
   return out;
 }
 
-// Where features are in an image.
-using Pixels = std::map<TrackId, Eigen::Vector2d>;
-
 struct FeaturesOfImage {
   const MapCamera& camera;
   const std::vector<TrackId>& tracks;
   const std::vector<std::uint8_t>& descriptors;
-  Pixels pixels;
+  std::map<TrackId, Eigen::Vector2d> pixels;
 };
 
 Matched match_anywhere(const FeaturesOfImage& image, const KnownPoints& known) {
@@ -120,11 +117,9 @@ Matched match_anywhere(const FeaturesOfImage& image, const KnownPoints& known) {
   return out;
 }
 
-FeaturesOfImage features_now(const MapCamera& camera, const DescriptorReply& reply) {
-  FeaturesOfImage out{camera, reply.tracks, reply.descriptors, {}};
-  for (const auto& [id, track] : camera.tracks) {
-    out.pixels.emplace(id, track.seen.back().undistorted_px.cast<double>());
-  }
+FeaturesOfImage features_of(const DescribedImage& image, const DescriptorReply& reply) {
+  FeaturesOfImage out{image.camera, reply.tracks, reply.descriptors, {}};
+  for (const auto& [id, px] : image.pixels) out.pixels.emplace_hint(out.pixels.end(), id, px.cast<double>());
   return out;
 }
 
@@ -204,12 +199,10 @@ std::optional<Recognition> locate_twice(const Map& map, std::span<const KeyImage
 
 }  // namespace
 
-void PlaceMemory::add(MapEdit& edit, const CameraFrame& frame) {
-  if (!frame.descriptors || frame.descriptors->tracks.empty()) return;
-  const SetId set = edit.map().camera(frame.camera).frames.back().set;
-  edit.add_key_image(set, frame.camera);
-  const int number = index_.add(frame.descriptors->descriptors);
-  images_[number] = {set, frame.camera, frame.descriptors->tracks, frame.descriptors->descriptors};
+void PlaceMemory::add(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply) {
+  if (reply.tracks.empty()) return;
+  edit.add_key_image(image.set, image.camera.id);
+  images_[index_.add(reply.descriptors)] = {image.set, image.camera.id, reply.tracks, reply.descriptors};
 }
 
 void PlaceMemory::forget(const std::vector<std::pair<SetId, CameraId>>& views) {
@@ -230,10 +223,10 @@ std::size_t PlaceMemory::bytes() const {
   return bytes;
 }
 
-ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
-                                         SetId since, double gate_px) const {
-  const MapCamera& camera = map.camera(frame.camera);
-  if (!frame.descriptors || !camera.frames.back().valid()) return {};
+ExpectedPlace PlaceMemory::find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
+                                         const std::vector<CameraId>& cameras, SetId since, double gate_px) const {
+  const MapCamera& camera = image.camera;
+  if (!image.frame().valid()) return {};
   std::vector<const KeyImage*> asked;
   for (const CameraId c : cameras) {
     const auto newest =
@@ -242,8 +235,8 @@ ExpectedPlace PlaceMemory::find_expected(const Map& map, const CameraFrame& fram
   }
   if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
-  const NearMatches near = match_near(features_now(camera, *frame.descriptors), camera.frames.back().cam_from_world,
-                                      known, [&](PointId id) { return !seen_by(*map.find(id), camera.id); });
+  const NearMatches near = match_near(features_of(image, reply), image.frame().cam_from_world, known,
+                                      [&](PointId id) { return !seen_by(*map.find(id), camera.id); });
   ExpectedPlace out;
   for (std::size_t i = 0; i < near.tracks.size(); ++i) {
     if (near.off_px[i] > gate_px) continue;
@@ -282,12 +275,11 @@ PlaceMemory::Asked PlaceMemory::asked_for(const Map& map, const std::vector<std:
   return asked;
 }
 
-std::optional<Recognition> PlaceMemory::find(const Map& map, const CameraFrame& frame,
+std::optional<Recognition> PlaceMemory::find(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
                                              const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
-  if (!frame.descriptors) return std::nullopt;
-  const Asked asked = asked_for(map, frame.descriptors->descriptors, may_ask);
+  const Asked asked = asked_for(map, reply.descriptors, may_ask);
   if (asked.images.empty()) return std::nullopt;
-  return locate_twice(map, asked.images, asked.in, features_now(map.camera(frame.camera), *frame.descriptors), config_);
+  return locate_twice(map, asked.images, asked.in, features_of(image, reply), config_);
 }
 
 std::vector<const KeyImage*> PlaceMemory::images_of(const Map& map, MapId of) const {

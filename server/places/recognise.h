@@ -11,6 +11,7 @@
 
 #include "server/map/edit.h"
 #include "server/map/rows.h"
+#include "server/places/described_image.h"
 #include "server/solve/appearance.h"
 
 namespace coslam {
@@ -63,12 +64,11 @@ class PlaceMemory {
  public:
   explicit PlaceMemory(const RecogniseConfig& config) : config_(config) {}
 
-  // Remembers what this camera sees now, if it told.
-  void add(MapEdit& edit, const CameraFrame& frame);
+  void add(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply);
   // Points behind the newest key images of these cameras, not older than `since`, that the camera finds near where its
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
-  ExpectedPlace find_expected(const Map& map, const CameraFrame& frame, const std::vector<CameraId>& cameras,
-                              SetId since, double gate_px) const;
+  ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
+                              const std::vector<CameraId>& cameras, SetId since, double gate_px) const;
   // All remembered images of one map, in the order in which they came.
   std::vector<const KeyImage*> images_of(const Map& map, MapId of) const;
   // Maps that images are remembered of.
@@ -88,7 +88,7 @@ class PlaceMemory {
   void restore(const Tables& tables);
   // Where the camera is by the place that looks most like its image, among the key images that may be asked; these have
   // a pose, in the map that is named.
-  std::optional<Recognition> find(const Map& map, const CameraFrame& frame,
+  std::optional<Recognition> find(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
                                   const std::function<bool(const KeyImage&, MapId)>& may_ask) const;
 
  private:

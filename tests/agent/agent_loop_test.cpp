@@ -40,7 +40,7 @@ class FakeLink final : public AgentLink {
     sent.push_back(std::move(frame));
   }
   void send_status(const AgentStatus& status) override { statuses.push_back(status); }
-  void limit_replies(double, bool narrow) override { found_narrow = narrow; }
+  void limit_replies(const ReplyLimits& limits) override { found_narrow = limits.narrow_link; }
   std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {
     waited_for.push_back(after_frame);
     if (const auto patch = pop()) return patch;

@@ -137,11 +137,11 @@ TEST_F(AgentTest, PatchesAskedForComeWithTheNextFrameAndOnce) {
 TEST_F(AgentTest, TheFirstImageIsDescribedAndThenThoseAskedFor) {
   const AgentOutput first = step();
   ASSERT_TRUE(first.descriptors) << "it introduces the agent";
-  EXPECT_TRUE(first.frame.descriptors_sent);
+  EXPECT_EQ(first.frame.descriptors_sent, DescriptorsSent::kWithFrame);
   EXPECT_EQ(first.descriptors->frame, first.frame.frame);
   EXPECT_EQ(first.descriptors->descriptors.size(), first.descriptors->tracks.size() * kDescriptorBytes);
   EXPECT_FALSE(step().descriptors);
-  EXPECT_FALSE(newest_.frame.descriptors_sent);
+  EXPECT_EQ(newest_.frame.descriptors_sent, DescriptorsSent::kNone);
   EXPECT_TRUE(step({patch()}).descriptors) << "so does a server that is new to it";
   EXPECT_FALSE(step({patch()}).descriptors);
   MapPatch asks = patch(), says_no_more = patch();

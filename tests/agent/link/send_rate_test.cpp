@@ -27,7 +27,7 @@ class Link {
     under_way_.emplace_back(free_s_, start_s - now_s);
   }
   void answer(SendRate& rate, double now_s) {
-    rate.tick(at(now_s));
+    rate.tick(0, at(now_s));
     for (; !under_way_.empty() && under_way_.front().first <= now_s; under_way_.pop_front()) {
       rate.heard(under_way_.front().second, 1e6, false, at(now_s));  // whatever the clocks say
     }
@@ -55,6 +55,29 @@ Played play(SendRate& rate, Link& link, double from_s, double to_s) {
     out.longest_wait_s = std::max(out.longest_wait_s, link.waits_s(now_s));
   }
   return out;
+}
+
+// A queue shows in what is not answered before anything that went through it arrives.
+TEST(SendRate, ATryEndsWhenAnswersStayAway) {
+  SendRate rate(30);
+  double now_s = 0;
+  for (; rate.narrow(); now_s += kPeriod_s) {
+    rate.tick(0.15, at(now_s));
+    rate.heard(0, 0.01, false, at(now_s));
+  }
+  const double tried_s = now_s;
+  for (; !rate.narrow() && now_s < tried_s + 2; now_s += kPeriod_s) rate.tick(0.15 + now_s - tried_s, at(now_s));
+  EXPECT_LT(now_s - tried_s, 0.4);
+  EXPECT_EQ(rate.one_in(), 3);
+}
+
+TEST(SendRate, AnswersThatAlwaysTakeLongEndNoTry) {
+  SendRate rate(30);
+  for (int i = 0; i < 900; ++i) {
+    rate.tick(i % 3 == 0 ? 0.7 : 0.9, at(i * kPeriod_s));
+    rate.heard(0, 0.4, false, at(i * kPeriod_s));
+  }
+  EXPECT_EQ(rate.one_in(), 1);
 }
 
 TEST(SendRate, EverythingGoesOnAGoodLink) {
@@ -96,14 +119,14 @@ TEST(SendRate, GivesWayOnANarrowLinkAndKeepsTenASecond) {
 
 TEST(SendRate, GivesWayWhenNothingComesThrough) {
   SendRate rate(30);
-  for (int i = 0; i < 300; ++i) rate.tick(at(i * kPeriod_s));
+  for (int i = 0; i < 300; ++i) rate.tick(0, at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 3);
 }
 
 TEST(SendRate, ALinkThatWasCutIsAsItWasBefore) {
   SendRate rate(30);
   for (int i = 0; i < 60; ++i) rate.heard(0, 0.01, false, at(i * kPeriod_s));
-  for (int i = 60; i < 400; ++i) rate.tick(at(i * kPeriod_s));
+  for (int i = 60; i < 400; ++i) rate.tick(0, at(i * kPeriod_s));
   EXPECT_TRUE(rate.narrow());
   rate.heard(0, 0.01, false, at(400 * kPeriod_s));
   EXPECT_FALSE(rate.narrow());

@@ -36,7 +36,7 @@ TEST(CodecRoundTrip, TrackFrames) {
     TrackFrame frame = values.frame("cam-0.left_1", RunId(~0ULL - i), i, static_cast<int>(40 * i));
     frame.pose_state = static_cast<PoseState>(i % 3);
     frame.wants_snapshot = i % 2 == 0;
-    frame.descriptors_sent = i % 5 == 0;
+    frame.descriptors_sent = static_cast<DescriptorsSent>(i % 3);
     frame.on_own_points = i % 2 == 0;
     frame.narrow_link = i % 2 == 1;
     frame.patches_sent = static_cast<std::uint16_t>(i);

@@ -41,11 +41,12 @@ class PatchWriterTest : public testing::Test {
   const MapCamera& camera() { return sim_.map.camera(kCam); }
   // As an agent that tracks and missed nothing; `change` makes it another.
   template <class Change>
-  MapPatch write(Change change, DescriptorRequest wants_descriptors = DescriptorRequest::kNone) {
+  MapPatch write(Change change, DescriptorRequest wants_descriptors = DescriptorRequest::kNone,
+                 const PatchWorths* worths = nullptr) {
     TrackFrame frame = sim_.set.frames[0].frame;
     frame.pose_state = PoseState::kTracked;
     change(frame);
-    return writer_.write(sim_.edit, camera(), frame, wants_descriptors);
+    return writer_.write(sim_.edit, camera(), frame, wants_descriptors, worths);
   }
   MapPatch write() {
     return write([](TrackFrame&) {});
@@ -297,6 +298,20 @@ TEST_F(PatchWriterTest, ThePatchOfAMappedTrackIsKeptAndOthersRefreshed) {
     const bool old = t.seen.size() > 50 && id != mapped;
     EXPECT_TRUE(!old || std::binary_search(asked.begin(), asked.end(), id));
   }
+}
+
+// One camera: no patch tells anything yet.
+TEST_F(PatchWriterTest, OnANarrowLinkFewPatchesAreUnderWay) {
+  for (int i = 0; i < 4; ++i) next();
+  std::set<TrackId> asked;
+  for (int i = 0; i < 25; ++i) {
+    const PatchWorths worths(sim_.map, sim_.set);
+    const MapPatch patch = write([](TrackFrame&) {}, DescriptorRequest::kNone, &worths);
+    EXPECT_LE(patch.patch_requests.size(), 1U);
+    asked.insert(patch.patch_requests.begin(), patch.patch_requests.end());
+    next();
+  }
+  EXPECT_GE(asked.size(), 20U);
 }
 
 TEST_F(PatchWriterTest, PassesTheWishForDescriptorsOn) {

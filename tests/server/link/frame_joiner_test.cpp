@@ -13,7 +13,7 @@ TrackFrame frame(std::uint32_t number, std::uint16_t patches = 0, bool descripto
   TrackFrame f;
   f.frame = FrameId(number);
   f.patches_sent = patches;
-  f.descriptors_sent = descriptors;
+  f.descriptors_sent = descriptors ? DescriptorsSent::kWithFrame : DescriptorsSent::kNone;
   return f;
 }
 

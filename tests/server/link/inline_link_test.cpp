@@ -45,7 +45,7 @@ TEST(InlineLink, LockstepConversation) {
 
     const auto joined = expect_event<JoinedFrame>(link.server());
     frame.patches_sent = 5;
-    frame.descriptors_sent = true;
+    frame.descriptors_sent = DescriptorsSent::kWithFrame;
     expect_same(joined.frame, frame);
     expect_same(*joined.patches, patches);
     expect_same(*joined.descriptors, descriptors);

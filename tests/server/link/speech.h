@@ -48,7 +48,7 @@ inline std::vector<Spoken> speech(const std::string& name, RunId run, std::uint3
     if (i % 3 == 1) s.patches = values.patches(s.frame, 30);
     if (i % 10 == 5) s.descriptors = values.descriptors(s.frame, 800);
     s.frame.patches_sent = s.patches ? 30 : 0;
-    s.frame.descriptors_sent = s.descriptors.has_value();
+    s.frame.descriptors_sent = s.descriptors ? DescriptorsSent::kWithFrame : DescriptorsSent::kNone;
     all.push_back(std::move(s));
   }
   return all;

@@ -60,7 +60,7 @@ class DecideTest : public testing::Test {
     return out;
   }
   PlaceDecision decide(std::optional<Recognition> by_looks, ExpectedPlace expected = {}) {
-    return judge_.decide(sim_.map, second(), std::move(by_looks), std::move(expected), ViewGraph());
+    return judge_.decide(sim_.map, newest_image(second()), std::move(by_looks), std::move(expected), ViewGraph());
   }
 
   const test::SimWorld world_;

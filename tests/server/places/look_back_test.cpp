@@ -40,7 +40,8 @@ class LookBackTest : public testing::Test {
                 share * drift.translation};
       sim_->place(cam(0), transform_world(truth(i), drift_));
       if (i == 0 || i == kRound) add_points();
-      if (described) places_.add(sim_->edit, sim_->set.frames[0]);
+      if (!described) continue;
+      places_.add(sim_->edit, newest_image(sim_->map.camera(cam(0))), *sim_->set.frames[0].descriptors);
     }
     test::forget(sim_->edit.journal());
   }

@@ -66,7 +66,7 @@ class PlaceMemoryTest : public testing::Test {
     sim_.add_points();
     blur_looks(sim_.set.frames[0], 0);
     blur_looks(sim_.set.frames[1], 1);
-    places_.add(sim_.edit, sim_.set.frames[0]);
+    places_.add(sim_.edit, newest_image(sim_.map.camera(cam(0))), *sim_.set.frames[0].descriptors);
   }
   // Of the points of the world but each eighth, those with neighbouring numbers look alike.
   void blur_looks(CameraFrame& frame, int camera) const {
@@ -80,7 +80,8 @@ class PlaceMemoryTest : public testing::Test {
     }
   }
   std::optional<Recognition> find() const {
-    return places_.find(sim_.map, sim_.set.frames[1], [](const KeyImage&, MapId) { return true; });
+    return places_.find(sim_.map, newest_image(sim_.map.camera(cam(1))), *sim_.set.frames[1].descriptors,
+                        [](const KeyImage&, MapId) { return true; });
   }
 
   const test::SimWorld world_{{}};

@@ -48,7 +48,7 @@ TEST_F(UniteTest, AFreeTrackIsBoundAndThePointTriangulatedAnew) {
   const int p = points.at(0);
   const PointId id = mapped(0, p, sim_.id, world_.position(p) + Eigen::Vector3d(0.2, 0.2, 0));
   sim_.advance(1);
-  bind_matches(sim_.edit, camera(1), {{track(1, p).id, id}, {track(1, points.at(1)).id, PointId(999)}});
+  bind_matches(sim_.edit, newest_image(camera(1)), {{track(1, p).id, id}, {track(1, points.at(1)).id, PointId(999)}});
   EXPECT_EQ(track(1, p).point, id);
   EXPECT_FALSE(track(1, points.at(1)).bound()) << "its point is gone";
   EXPECT_THAT(sim_.map.find(id)->position, VectorNear(world_.position(p), 0.1));
@@ -65,7 +65,7 @@ TEST_F(UniteTest, WhatIsSeenApartOrMovesStaysApart) {
   sim_.bind(*sim_.map.find(beside), cam(0), track(0, points.at(2)));
   sim_.set_moving(*sim_.map.find(mover));
   bind_matches(
-      sim_.edit, camera(1),
+      sim_.edit, newest_image(camera(1)),
       {{track(1, points.at(0)).id, first}, {track(1, points.at(1)).id, second}, {track(1, points.at(4)).id, own}});
   EXPECT_EQ(track(1, points.at(0)).point, beside) << "camera 0 sees both";
   EXPECT_EQ(track(1, points.at(1)).point, mover);
@@ -85,7 +85,7 @@ TEST_F(UniteTest, ACameraIsPlacedBackToItsLastPose) {
   Recognition seen{.map = sim_.id, .cam_from_world = sim_.truth(cam(1), sim_.set.id)};
   for (const int p : common()) seen.matches.emplace_back(track(1, p).id, mapped(0, p));
   const MapEpoch before = sim_.map.epoch();
-  place(sim_.edit, camera(1), seen, {});
+  place(sim_.edit, newest_image(camera(1)), seen, {});
   EXPECT_GT(sim_.map.epoch(), before);
   EXPECT_EQ(camera(1).map, sim_.id);
   EXPECT_EQ(camera(1).frames.front().map, other);
@@ -112,7 +112,7 @@ class JoinTest : public UniteTest {
     const PointId kept = mapped(0, p);
     mapped(1, p, own_, own_from_world_ * world_.position(p));
     const Recognition seen{.map = sim_.id, .matches = {{track(1, p).id, kept}}};
-    join(sim_.edit, camera(1), seen, own_from_world_.inverse());
+    join(sim_.edit, newest_image(camera(1)), seen, own_from_world_.inverse());
     EXPECT_NE(sim_.map.find(kept), nullptr);
   }
   void expect_all_in(MapId map, const Similarity3& map_from_world) {
@@ -163,7 +163,7 @@ TEST_F(UniteTest, AClosedLoopHoldsFromThenOn) {
                          .key_camera = cam(1),
                          .key_set = SetId(2)};
   std::vector<LoopConstraint> loops;
-  ASSERT_TRUE(close(sim_.edit, camera(0), seen, off.inverse(), {}, &loops));
+  ASSERT_TRUE(close(sim_.edit, newest_image(camera(0)), seen, off.inverse(), {}, &loops));
   ASSERT_EQ(loops.size(), 1U);
   const LoopConstraint& l = loops[0];
   EXPECT_EQ(std::tuple(l.camera, l.set, l.to_camera, l.to_set), std::tuple(cam(0), SetId(9), cam(1), SetId(2)));
@@ -178,7 +178,7 @@ TEST_F(UniteTest, ALoopThatCannotBeClosedChangesNothing) {
   const int p = common().at(0);
   const Recognition seen{.map = sim_.id, .matches = {{track(0, p).id, mapped(1, p)}}, .key_camera = cam(1)};
   std::vector<LoopConstraint> loops;
-  EXPECT_FALSE(close(sim_.edit, camera(0), seen, {}, {}, &loops)) << "the first frame does not move";
+  EXPECT_FALSE(close(sim_.edit, newest_image(camera(0)), seen, {}, {}, &loops)) << "the first frame does not move";
   EXPECT_TRUE(loops.empty());
   EXPECT_FALSE(track(0, p).bound());
 }

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/places/described_image.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace coslam {
+namespace {
+
+constexpr double kPatience_s = 5;  // agents leave out what waited for half as long
+
+}  // namespace
+
+DescribedImage newest_image(const MapCamera& camera) {
+  DescribedImage out{camera, camera.frames.back().set, {}, {}};
+  for (const auto& [id, track] : camera.tracks) {
+    out.pixels.emplace_hint(out.pixels.end(), id, track.seen.back().undistorted_px);
+    if (track.bound()) out.points.emplace_hint(out.points.end(), id, track.point);
+  }
+  return out;
+}
+
+void AwaitedDescriptors::await(MapEdit& edit, const CameraFrame& frame) {
+  const Map& map = edit.map();
+  auto& awaited = awaited_[frame.camera];
+  while (!awaited.empty() && awaited.front().set.value + map.sets_in(kPatience_s) < map.now().value) {
+    const SetId set = awaited.front().set;
+    if (!map.is_key_frame(set)) edit.forget_view(set, frame.camera);
+    awaited.pop_front();
+  }
+  if (frame.frame.descriptors_sent != DescriptorsSent::kLater) return;
+  const MapCamera& camera = map.camera(frame.camera);
+  DescribedImage image = newest_image(camera);
+  edit.add_key_image(image.set, camera.id);
+  awaited.push_back({frame.frame.frame, image.set, std::move(image.pixels)});
+}
+
+DescribedImage AwaitedDescriptors::take(const Map& map, const CameraFrame& frame) {
+  const MapCamera& camera = map.camera(frame.camera);
+  auto& awaited = awaited_[frame.camera];
+  const auto at = std::ranges::find(awaited, frame.descriptors->frame, &Awaited::frame);
+  if (at == awaited.end()) return newest_image(camera);
+  Awaited image = std::move(*at);
+  awaited.erase(at);
+  const FramePose* f = camera.frame_at(image.set);
+  if (f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
+  DescribedImage out{camera, image.set, std::move(image.pixels), {}};
+  for (const MapPoint* p : map.points_observed_at({image.set})) {
+    for (const KeyObservation& o : p->key_observations) {
+      if (o.set == image.set && o.camera == camera.id && p->map == camera.map) out.points[o.track] = p->id;
+    }
+  }
+  return out;
+}
+
+}  // namespace coslam
