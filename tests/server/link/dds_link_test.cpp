@@ -225,6 +225,40 @@ TEST_F(DdsLinkTest, AnAnswerThatWasLostIsSentAgain) {
   EXPECT_GE(server.link().counts().resent_patches, 2u);
 }
 
+// In real time, over a link that carries less than they need.
+TEST_F(DdsLinkTest, DescriptorsThatFollowTheirFrameAreAnnouncedAndBounded) {
+  constexpr double kMost_bytes = 12e3;
+  EchoServer server(config_, kServer);
+  Hello hello = WireValues(1).hello("cam0", RunId(100));
+  hello.pacing = Pacing::kLive;
+  const auto link = open_agent_link(config_, hello);
+  link->limit_replies({.bytes_a_frame = 4e3, .up_to_bytes = kMost_bytes});
+  const std::vector<Spoken> said = speech("cam0", RunId(100), 3000);
+  std::size_t next = 0;
+  const auto say = [&](const std::optional<DescriptorReply>& descriptors) {
+    if (next < said.size()) link->send(said[next++].frame, {}, descriptors);
+  };
+  ASSERT_TRUE(server.serve_until([&] {
+    say({});
+    return !server.of_type<JoinedFrame>().empty();
+  }));
+  DescriptorReply reply = WireValues(2).descriptors(said[next].frame, 800);
+  say(reply);
+  for (int i = 0; i < 10; ++i) say({});
+  EXPECT_TRUE(link->waiting().descriptors);
+  EXPECT_LT(link->waiting().sent_bytes, kMost_bytes + 2e3) << "what is not known to have arrived";
+  link->limit_replies({.bytes_a_frame = 4e3, .up_to_bytes = 1e9});
+  ASSERT_TRUE(server.serve_until([&] {
+    say({});
+    return server.of_type<JoinedFrame>().back().descriptors.has_value();
+  }));
+  const std::vector<JoinedFrame> heard = server.of_type<JoinedFrame>();
+  expect_same(*heard.back().descriptors, reply);
+  for (const JoinedFrame& j : heard) {
+    EXPECT_EQ(j.frame.descriptors_sent == DescriptorsSent::kLater, j.frame.frame == reply.frame) << j.frame.frame.value;
+  }
+}
+
 // What the middleware lets it find may come seconds late where words of discovery are lost.
 TEST_F(DdsLinkTest, AnAgentIsLetInWhenItSaysThatItHears) {
   Participant participant(config_, "test");
