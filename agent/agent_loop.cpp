@@ -48,7 +48,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
-    sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
+    sent_.push_back({image->frame, delay_s, link_.waiting().sent_bytes});
     if (sent_.size() > kSentKept) sent_.pop_front();
   }
   warn_when_slow();
@@ -97,7 +97,6 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
     const double took_s = to_seconds(p.received_ns - p.sent_ns);
     downlink_s = std::min(downlink_s.value_or(took_s), took_s);
     const Sent sent = sent_with(p.after_frame);
-    answered_ = p.after_frame;
     wait_s = std::max(0.0, p.uplink_wait_s - sent.delay_s);
     delivered_bytes_ = std::max(delivered_bytes_, sent.reply_bytes);
   }
@@ -113,18 +112,12 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   link_.limit_replies({.bytes_a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz,
                        .up_to_bytes = delivered_bytes_ + reply_rate_.unanswered_bytes(),
                        .narrow_link = narrow_link_});
-  if (link_.server_alive()) send_rate_.tick(unanswered_s(), now_());
+  if (link_.server_alive()) send_rate_.tick(now_());
 }
 
 AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
   const auto at = std::ranges::find(sent_, frame, &Sent::frame);
   return at == sent_.end() ? Sent{frame} : *at;
-}
-
-// Since the first frame was sent that the server has not answered.
-double AgentLoop::unanswered_s() const {
-  const auto first = std::ranges::find_if(sent_, [&](const Sent& s) { return !answered_ || s.frame > *answered_; });
-  return first == sent_.end() ? 0 : std::chrono::duration<double>(now_() - first->at).count();
 }
 
 // Once, when what the images need is known.

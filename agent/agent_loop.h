@@ -67,18 +67,15 @@ class AgentLoop {
   SendRate send_rate_;
   ReplyRate reply_rate_;
   double delivered_bytes_ = 0;  // of replies
-  std::optional<FrameId> answered_;
   // When replies last waited for a link that carries little.
   std::optional<std::chrono::steady_clock::time_point> full_;
   std::optional<FrameId> last_sent_;
   struct Sent {
     FrameId frame;
-    std::chrono::steady_clock::time_point at;
     double delay_s = 0;      // between image and link: no fault of the link's
     double reply_bytes = 0;  // that had been sent by then
   };
   Sent sent_with(FrameId frame) const;
-  double unanswered_s() const;
   std::deque<Sent> sent_;  // the last frames
   bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
   StateWords words_;

@@ -13,7 +13,7 @@ constexpr double kLeastRate_hz = 10;
 constexpr double kWindow_s = 0.4;  // of messages: what queues delays them all, what was lost and sent again only some
 constexpr double kLate_s = 0.6, kSoon_s = 0.2;  // of waiting; an agent or server that is busy at the start takes less
 constexpr double kLateFor_s = 1.2;              // a stall is no narrow link
-constexpr double kTry_s = 5, kLateInTry_s = 0.25, kUnansweredInTry_s = 0.3;  // a queue may fill slowly
+constexpr double kTry_s = 5, kLateInTry_s = 0.25;  // a queue may fill slowly
 constexpr double kFarTooLate_s = 1.2, kBetweenPauses_s = 10, kLongestPause_s = 2;
 constexpr double kSilence_s = 3;                                                     // as bad as late
 constexpr double kSettling_s = 1.5;                                                  // until fewer frames show
@@ -51,6 +51,13 @@ void SendRate::heard(double uplink_wait_s, double downlink_s, bool full, Instant
   least_downlink_s_ = least_downlink_s_ ? std::min(*least_downlink_s_ + kForget, downlink_s) : downlink_s;
   recent_.push_back({now, std::max(uplink_wait_s, downlink_s - *least_downlink_s_)});
   while (seconds(recent_.front().at, now) > kWindow_s) recent_.pop_front();
+  // Nothing is sent again on the way up: in a try a few that waited tell enough.
+  constexpr double kFewMessages_s = 0.15;
+  constexpr std::size_t kFewMessages = 3;
+  uplink_.push_back({now, uplink_wait_s});
+  while (seconds(uplink_.front().at, now) > kFewMessages_s) uplink_.pop_front();
+  const double up_s = std::ranges::min(uplink_, {}, &Waited::wait_s).wait_s;
+  if (trying(now) && uplink_.size() >= kFewMessages && up_s > kLateInTry_s) send_fewer(up_s, now);
   const double wait_s = std::ranges::min(recent_, {}, &Waited::wait_s).wait_s;
   // A link that was cut is as it was before.
   if (before_silence_ && wait_s <= kSoon_s) one_in_ = *before_silence_;
@@ -58,14 +65,8 @@ void SendRate::heard(double uplink_wait_s, double downlink_s, bool full, Instant
   waited(wait_s, full, now);
 }
 
-void SendRate::tick(double unanswered_s, Instant now) {
-  constexpr double kNews = 0.2;
+void SendRate::tick(Instant now) {
   now_ = now;
-  if (!trying(now)) {
-    usually_unanswered_s_ += kNews * (unanswered_s - usually_unanswered_s_);
-  } else if (const double more_s = unanswered_s - usually_unanswered_s_; more_s > kUnansweredInTry_s) {
-    send_fewer(more_s, now);
-  }
   if (!heard_) heard_ = now;
   if (seconds(*heard_, now) <= kSilence_s) return;
   if (!before_silence_) before_silence_ = one_in_;
@@ -92,7 +93,7 @@ void SendRate::waited(double wait_s, bool full, Instant now) {
   const Instant since = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
   if (seconds(since, now) <= patience_s_) return;
   before_try_ = one_in_;
-  one_in_ = fewer_ ? one_in_ - 1 : 1;  // all at once while nothing came late
+  --one_in_;  // a narrow link is found at the first step, before a queue is long
   tried_ = now;
 }
 

@@ -25,9 +25,8 @@ class SendRate {
   // A message of the server. uplink_wait_s: how much longer than at best the newest frame took, as the server says;
   // downlink_s: how long the message took, give or take what the clocks differ by. full: no room is left over.
   void heard(double uplink_wait_s, double downlink_s, bool full, Instant now);
-  // Once a frame, while the server lives: hearing nothing is as bad as hearing late. unanswered_s: since the first
-  // frame was sent that has no answer yet, which tells of a queue long before a message that went through it.
-  void tick(double unanswered_s, Instant now);
+  // Once a frame, while the server lives: hearing nothing is as bad as hearing late.
+  void tick(Instant now);
 
   // One frame in so many.
   int one_in() const { return one_in_; }
@@ -46,13 +45,12 @@ class SendRate {
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then
   double downlink_s_ = 0;                     // of the newest message
-  double usually_unanswered_s_ = 0;           // but for tries
   std::optional<double> least_downlink_s_;
   struct Waited {
     Instant at;
     double wait_s = 0;
   };
-  std::deque<Waited> recent_;
+  std::deque<Waited> recent_, uplink_;  // both ways; the way up alone, for less long
   std::optional<Instant> heard_, late_since_, soon_since_;
   std::optional<Instant> tried_, fewer_;  // the last try of more, while it holds; when fewer were sent last
   double patience_s_;

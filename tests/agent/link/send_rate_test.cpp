@@ -27,7 +27,7 @@ class Link {
     under_way_.emplace_back(free_s_, start_s - now_s);
   }
   void answer(SendRate& rate, double now_s) {
-    rate.tick(0, at(now_s));
+    rate.tick(at(now_s));
     for (; !under_way_.empty() && under_way_.front().first <= now_s; under_way_.pop_front()) {
       rate.heard(under_way_.front().second, 1e6, false, at(now_s));  // whatever the clocks say
     }
@@ -57,33 +57,27 @@ Played play(SendRate& rate, Link& link, double from_s, double to_s) {
   return out;
 }
 
-// A queue shows in what is not answered before anything that went through it arrives.
-TEST(SendRate, ATryEndsWhenAnswersStayAway) {
+TEST(SendRate, ATryEndsWhenAFewFramesWaited) {
   SendRate rate(30);
   double now_s = 0;
-  for (; rate.narrow(); now_s += kPeriod_s) {
-    rate.tick(0.15, at(now_s));
-    rate.heard(0, 0.01, false, at(now_s));
-  }
+  for (; rate.narrow(); now_s += kPeriod_s) rate.heard(0, 0.01, false, at(now_s));
   const double tried_s = now_s;
-  for (; !rate.narrow() && now_s < tried_s + 2; now_s += kPeriod_s) rate.tick(0.15 + now_s - tried_s, at(now_s));
-  EXPECT_LT(now_s - tried_s, 0.4);
-  EXPECT_EQ(rate.one_in(), 3);
+  for (; !rate.narrow() && now_s < tried_s + 2; now_s += kPeriod_s) rate.heard(now_s - tried_s, 0.01, false, at(now_s));
+  EXPECT_LT(now_s - tried_s, 0.45);
+  EXPECT_EQ(rate.one_in(), 2);
 }
 
-TEST(SendRate, AnswersThatAlwaysTakeLongEndNoTry) {
+// What is late on the way down may have waited for a message that was lost.
+TEST(SendRate, ATryGoesOnWhenAFewAnswersWaited) {
   SendRate rate(30);
-  for (int i = 0; i < 900; ++i) {
-    rate.tick(i % 3 == 0 ? 0.7 : 0.9, at(i * kPeriod_s));
-    rate.heard(0, 0.4, false, at(i * kPeriod_s));
-  }
+  for (int i = 0; i < 900; ++i) rate.heard(i % 3 == 0 ? 0.0 : 0.2, i % 10 < 8 ? 0.5 : 0.01, false, at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 1);
 }
 
 TEST(SendRate, EverythingGoesOnAGoodLink) {
   SendRate rate(30);
   Link link(1000);
-  EXPECT_GE(play(rate, link, 0, 30).sent, 885) << "all, once the server answers";
+  EXPECT_GE(play(rate, link, 0, 30).sent, 880) << "all, half a second after half of them got through";
   EXPECT_FALSE(rate.narrow());
 }
 
@@ -119,14 +113,14 @@ TEST(SendRate, GivesWayOnANarrowLinkAndKeepsTenASecond) {
 
 TEST(SendRate, GivesWayWhenNothingComesThrough) {
   SendRate rate(30);
-  for (int i = 0; i < 300; ++i) rate.tick(0, at(i * kPeriod_s));
+  for (int i = 0; i < 300; ++i) rate.tick(at(i * kPeriod_s));
   EXPECT_EQ(rate.one_in(), 3);
 }
 
 TEST(SendRate, ALinkThatWasCutIsAsItWasBefore) {
   SendRate rate(30);
   for (int i = 0; i < 60; ++i) rate.heard(0, 0.01, false, at(i * kPeriod_s));
-  for (int i = 60; i < 400; ++i) rate.tick(0, at(i * kPeriod_s));
+  for (int i = 60; i < 400; ++i) rate.tick(at(i * kPeriod_s));
   EXPECT_TRUE(rate.narrow());
   rate.heard(0, 0.01, false, at(400 * kPeriod_s));
   EXPECT_FALSE(rate.narrow());
