@@ -48,7 +48,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
-    sent_.push_back({image->frame, delay_s, link_.waiting().sent_bytes});
+    sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
     if (sent_.size() > kSentKept) sent_.pop_front();
   }
   warn_when_slow();
@@ -91,13 +91,14 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
   constexpr double kWide_bytes_per_s = 25e3;  // of replies: frames take less
   constexpr std::chrono::seconds kWideAgain{20};
   std::optional<double> downlink_s;
-  double wait_s = 0;
+  double wait_s = 0, round_s = 0;
   for (const MapPatch& p : patches) {
     if (p.sent_ns == 0) continue;
     const double took_s = to_seconds(p.received_ns - p.sent_ns);
     downlink_s = std::min(downlink_s.value_or(took_s), took_s);
     const Sent sent = sent_with(p.after_frame);
     wait_s = std::max(0.0, p.uplink_wait_s - sent.delay_s);
+    round_s = std::chrono::duration<double>(now_() - sent.at).count();
     delivered_bytes_ = std::max(delivered_bytes_, sent.reply_bytes);
   }
   if (downlink_s) {
@@ -106,7 +107,7 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
     if (replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s) full_ = now_();
     const bool full = full_ && now_() - *full_ <= (reply_rate_.limited() ? kWideAgain : std::chrono::seconds(0));
     send_rate_.heard(wait_s, *downlink_s, full, now_());
-    reply_rate_.heard(wait_s, replies_wait, delivered_bytes_, now_());
+    reply_rate_.heard(wait_s, round_s, replies_wait, delivered_bytes_, now_());
   }
   narrow_link_ = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
   link_.limit_replies({.bytes_a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz,
@@ -117,7 +118,7 @@ void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
 
 AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
   const auto at = std::ranges::find(sent_, frame, &Sent::frame);
-  return at == sent_.end() ? Sent{frame} : *at;
+  return at == sent_.end() ? Sent{frame, now_()} : *at;
 }
 
 // Once, when what the images need is known.

@@ -72,6 +72,7 @@ class AgentLoop {
   std::optional<FrameId> last_sent_;
   struct Sent {
     FrameId frame;
+    std::chrono::steady_clock::time_point at;
     double delay_s = 0;      // between image and link: no fault of the link's
     double reply_bytes = 0;  // that had been sent by then
   };

@@ -13,10 +13,12 @@ constexpr double kLeast_bytes_per_s = 4e3, kMost_bytes_per_s = 10e6;  // the mid
 constexpr double kSoon_s = 0.1, kLate_s = 0.3;
 constexpr double kDoubledAtFirst_s = 0.2, kDoubledIn_s = 2.0;
 constexpr double kSettling_s = 0.6;  // until a change shows
+constexpr double kForget_s = 1e-4;   // of the least round, a message
 
 }  // namespace
 
-void ReplyRate::heard(double uplink_wait_s, bool replies_wait, double delivered_bytes, Instant now) {
+void ReplyRate::heard(double uplink_wait_s, double round_s, bool replies_wait, double delivered_bytes, Instant now) {
+  least_round_s_ = least_round_s_ ? std::min(*least_round_s_ + kForget_s, round_s) : round_s;
   const double since_s = heard_ ? std::chrono::duration<double>(now - *heard_).count() : 0;
   heard_ = now;
   if (uplink_wait_s > kLate_s) {
@@ -37,8 +39,8 @@ void ReplyRate::heard(double uplink_wait_s, bool replies_wait, double delivered_
 }
 
 double ReplyRate::unanswered_bytes() const {
-  constexpr double kAnsweredIn_s = 0.15, kAlways = 3e3;
-  return kAnsweredIn_s * bytes_per_s_ + kAlways;
+  constexpr double kQueue_s = 0.05, kAlways = 3e3;
+  return (kQueue_s + least_round_s_.value_or(0)) * bytes_per_s_ + kAlways;
 }
 
 void ReplyRate::note_delivered(double bytes, Instant now) {

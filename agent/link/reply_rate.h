@@ -15,9 +15,9 @@ namespace coslam {
 // what is seen to arrive. Pure: time is an argument. Thread-compatible.
 class ReplyRate {
  public:
-  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took. delivered_bytes: of all
-  // replies that were sent before that frame.
-  void heard(double uplink_wait_s, bool replies_wait, double delivered_bytes, Instant now);
+  // A message of the server. uplink_wait_s: how much longer than at best the newest frame took. round_s: since that
+  // frame was sent. delivered_bytes: of all replies that were sent before it.
+  void heard(double uplink_wait_s, double round_s, bool replies_wait, double delivered_bytes, Instant now);
   double bytes_per_s() const { return bytes_per_s_; }
   // That the server is not known to have yet, at most: a queue in the link tells of itself only when it is long.
   double unanswered_bytes() const;
@@ -36,6 +36,7 @@ class ReplyRate {
   double arrive_bytes_per_s_ = 0;  // lately, at most
   static constexpr double kAtFirst_bytes_per_s = 8e3;
   double bytes_per_s_ = kAtFirst_bytes_per_s;
+  std::optional<double> least_round_s_;
   std::optional<Instant> heard_, halved_;
 };
 

@@ -11,7 +11,7 @@
 namespace coslam {
 namespace {
 
-constexpr double kPeriod_s = 0.1;
+constexpr double kPeriod_s = 0.1, kRound_s = 0.1;
 constexpr double kFrameBytes = 1100;
 
 // A link that carries so many bytes a second, one after the other, with frames ten times a second and replies that wait
@@ -41,7 +41,7 @@ struct Link {
         const double wait_s = std::chrono::duration<double>(now - queue.front().at).count() - kPeriod_s;
         most_wait_s = std::max(most_wait_s, wait_s);
         replies_bytes = queue.front().replies_before;
-        rate.heard(wait_s, true, queue.front().replies_before, now);
+        rate.heard(wait_s, wait_s + kRound_s, true, queue.front().replies_before, now);
       }
       if (queue.empty()) spare_bytes = 0;
     }
@@ -80,14 +80,14 @@ TEST(ReplyRateTest, NothingIsTriedWhileNothingWaits) {
   ReplyRate rate;
   const double before = rate.bytes_per_s();
   Instant now{};
-  for (int i = 0; i < 100; ++i) rate.heard(0, false, 0, now += std::chrono::milliseconds(33));
+  for (int i = 0; i < 100; ++i) rate.heard(0, 0.1, false, 0, now += std::chrono::milliseconds(33));
   EXPECT_EQ(rate.bytes_per_s(), before);
 }
 
 TEST(ReplyRateTest, NeverStops) {
   ReplyRate rate;
   Instant now{};
-  for (int i = 0; i < 1000; ++i) rate.heard(5, true, 0, now += std::chrono::milliseconds(33));
+  for (int i = 0; i < 1000; ++i) rate.heard(5, 5, true, 0, now += std::chrono::milliseconds(33));
   EXPECT_GE(rate.bytes_per_s(), 4e3);
 }
 
