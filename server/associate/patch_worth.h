@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "server/map/map.h"
 
 namespace coslam {
+
+class PointsByPlace;
 
 // What an image patch of a track without one is good for, where few get through: two cameras are bound to one point
 // only when patches of both tracks are there.
@@ -29,7 +31,7 @@ class PatchWorths {
   Rank of(CameraId camera, TrackId track) const;
 
  private:
-  void collect(const Map& map, const MapCamera& camera, const class PointsByPlace& points);
+  void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points);
   void note(CameraId camera, TrackId track, const Rank& rank);
 
   std::map<std::pair<CameraId, TrackId>, Rank> ranks_;

@@ -9,6 +9,7 @@ namespace coslam {
 namespace {
 
 constexpr double kPatience_s = 5;  // agents leave out what waited for half as long
+constexpr std::size_t kMost = 4;   // of a camera: agents describe no image before the last one is under way
 
 }  // namespace
 
@@ -24,7 +25,8 @@ DescribedImage newest_image(const MapCamera& camera) {
 void AwaitedDescriptors::await(MapEdit& edit, const CameraFrame& frame) {
   const Map& map = edit.map();
   auto& awaited = awaited_[frame.camera];
-  while (!awaited.empty() && awaited.front().set.value + map.sets_in(kPatience_s) < map.now().value) {
+  const auto too_old = [&](const Awaited& a) { return a.set.value + map.sets_in(kPatience_s) < map.now().value; };
+  while (!awaited.empty() && (awaited.size() > kMost || too_old(awaited.front()))) {
     const SetId set = awaited.front().set;
     if (!map.is_key_frame(set)) edit.forget_view(set, frame.camera);
     awaited.pop_front();
@@ -44,7 +46,8 @@ DescribedImage AwaitedDescriptors::take(const Map& map, const CameraFrame& frame
   Awaited image = std::move(*at);
   awaited.erase(at);
   const FramePose* f = camera.frame_at(image.set);
-  if (f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
+  const bool of_this_run = image.set >= camera.run_since;
+  if (!of_this_run || f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
   DescribedImage out{camera, image.set, std::move(image.pixels), {}};
   for (const MapPoint* p : map.points_observed_at({image.set})) {
     for (const KeyObservation& o : p->key_observations) {

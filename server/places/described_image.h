@@ -30,7 +30,8 @@ class AwaitedDescriptors {
  public:
   // What the map knows of an image of this set is kept from now on when its frame says that its descriptors follow.
   void await(MapEdit& edit, const CameraFrame& frame);
-  // The image that these are of; the newest, when it is not known or was not placed in the camera's map.
+  // The image that these are of; the newest, when it is not known, of another run of the agent or not placed in the
+  // camera's map.
   DescribedImage take(const Map& map, const CameraFrame& frame);
 
  private:

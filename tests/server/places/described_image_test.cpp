@@ -101,6 +101,14 @@ TEST_F(DescribedImageTest, IsForgottenWhenNothingComes) {
   EXPECT_EQ(take().set, sim_.set.id);
 }
 
+TEST_F(DescribedImageTest, OneThatNeverSendsWhatItAnnouncesCostsLittle) {
+  step();
+  step(DescriptorsSent::kLater);
+  const SetId at = sim_.set.id;
+  for (int i = 0; i < 8; ++i) step(DescriptorsSent::kLater);
+  EXPECT_FALSE(sim_.map.keeps_observations_of(at, cam(0)));
+}
+
 // Two cameras in maps of their own recognise each other's places, though descriptors come after a second and a half,
 // when three tracks of four have ended.
 TEST(MeetLateTest, MapsMeetThoughDescriptorsComeLate) {
