@@ -333,7 +333,7 @@ def faults():
 
 def tracked_percent(result, images):
     """With a pose in the server's map, of all images, of the agent that fared worst."""
-    return min(100 * sum(1 for _ in open(result / "trajectory" / f"{name}.tum", encoding="ascii")) / count
+    return min(100 * sum(not line.startswith("#") for line in open(result / "trajectory" / f"{name}.tum", encoding="ascii")) / count
                for name, count in images.items())
 
 
