@@ -128,6 +128,17 @@ std::optional<DescriptorReply> Agent::describe_image(int most) {
       everywhere ? tracker_->describe_strongest(std::min(most, config_.descriptor_features), room)
                  : tracker_->describe_at(observed(), std::min(most, config_.place_features), room);
   observe();
+  return reply_of(described);
+}
+
+std::optional<DescriptorReply> Agent::describe_last() {
+  if (observations_.empty()) return std::nullopt;
+  return reply_of(tracker_->describe_at(observed(), config_.place_features, 0));
+}
+
+// Of those that are observed.
+DescriptorReply Agent::reply_of(const DescribedTracks& described) {
+  described_ = frame_;
   const std::vector<TrackId> ids = observed();
   DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};
   for (std::size_t i = 0; i < described.tracks.size(); ++i) {

@@ -61,6 +61,9 @@ class Agent {
 
   void track(const Image& image);
   AgentOutput finish(std::span<const MapPatch> patches, Answers answers = {});
+  // At the end: what the newest image shows at its tracks. Empty without one.
+  std::optional<DescriptorReply> describe_last();
+  std::optional<FrameId> described() const { return described_; }  // the newest image that was
 
   PoseState pose_state() const { return pose_.state(); }
   const PoseResult& pose() const { return pose_.result(); }  // of the newest step
@@ -76,6 +79,7 @@ class Agent {
   void observe();
   void look_for_tags();
   std::optional<DescriptorReply> describe_image(int most);
+  DescriptorReply reply_of(const DescribedTracks& described);
   std::optional<PatchReply> cut_patches(std::size_t most);
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;
@@ -101,6 +105,7 @@ class Agent {
   // The first image introduces the agent.
   DescriptorRequest descriptors_wanted_ = DescriptorRequest::kEverywhere;
   int since_described_ = 0;  // images
+  std::optional<FrameId> described_;
   StageTimes times_;
   std::uint32_t tracked_frames_ = 0;
 };

@@ -38,12 +38,15 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   ++frames_;
   agent_.track(*image);
   const std::vector<MapPatch> patches = collect_patches(stop);
-  if (stop || server_stops()) return false;
+  if (hello_.pacing == Pacing::kLockstep && (stop || server_stops())) return false;
   if (stamps_are_utc_ && !patches.empty()) exchange_ = {patches.back().sent_ns, patches.back().received_ns};
   if (adapts_) watch_link(patches);
   const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
-  if (sends) {
+  if (!sends) {
+    not_sent_ = std::move(out.frame);
+  } else {
+    not_sent_.reset();
     last_sent_ = out.frame.frame;
     out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
@@ -210,6 +213,13 @@ std::string AgentLoop::report() const {
   return out.dump();
 }
 
+// Where a run ends, places are often seen again that it began with, and nobody can ask for this image any more.
+std::optional<DescriptorReply> AgentLoop::last_image() {
+  const bool known = !sent_.empty() && agent_.described() == sent_.back().frame;
+  if (known && !link_.waiting().descriptors) return std::nullopt;
+  return agent_.describe_last();
+}
+
 void AgentLoop::finish(const std::atomic<bool>& stop) {
   // In lock-step the answer to the last frame is still to come; without it the server may not have used that frame.
   try {
@@ -217,8 +227,11 @@ void AgentLoop::finish(const std::atomic<bool>& stop) {
   } catch (const UserError&) {
     // It is gone: there is nobody to report to either.
   }
+  // The server is to have the image that it is told about.
+  if (not_sent_) link_.send(std::move(*std::exchange(not_sent_, std::nullopt)), {}, {});
   AgentStatus last = status(AgentState::kFinished);
   last.report_json = report();
+  last.last_image = last_image();
   link_.send_status(last);
 }
 

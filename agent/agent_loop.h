@@ -44,7 +44,7 @@ class AgentLoop {
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
   // UserError when the server is gone in lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
-  // Tells the server that this agent has ended, with its report.
+  // Tells the server that this agent has ended, with its report and what its last image shows.
   void finish(const std::atomic<bool>& stop);
 
  private:
@@ -57,6 +57,7 @@ class AgentLoop {
   double mean_frame_ms() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
+  std::optional<DescriptorReply> last_image();
   std::string report() const;
 
   AgentLink& link_;
@@ -70,6 +71,7 @@ class AgentLoop {
   // When replies last waited for a link that carries little.
   std::optional<std::chrono::steady_clock::time_point> full_;
   std::optional<FrameId> last_sent_;
+  std::optional<TrackFrame> not_sent_;  // the newest, on a link that does not carry all
   struct Sent {
     FrameId frame;
     std::chrono::steady_clock::time_point at;

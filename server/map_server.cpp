@@ -3,6 +3,7 @@
 #include "server/map_server.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/adjust/settle.h"
 
@@ -60,9 +61,20 @@ std::vector<MapPatch> MapServer::step(const FrameSet& set) {
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());
   note_adjusted();
+  remember_last_images();
   forget();
   edit_.journal().end_set();
   return pipeline_.report<Corrections>().patches;
+}
+
+void MapServer::take_last_image(CameraId camera, DescriptorReply reply) {
+  last_images_.insert_or_assign(camera, std::move(reply));
+}
+
+void MapServer::remember_last_images() {
+  std::erase_if(last_images_, [this](const auto& image) {
+    return pipeline_.stage<Meetings>().remember_last(edit_, image.first, image.second);
+  });
 }
 
 void MapServer::forget() {
@@ -109,6 +121,7 @@ void MapServer::look_back() {
   const auto timer = report_.times.measure("look_back");
   edit_.journal().begin_set();
   pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
+  remember_last_images();
   auto& meetings = pipeline_.stage<Meetings>();
   const auto joined = static_cast<long>(meetings.join_all(edit_).size());
   const LookBackReport back = meetings.look_back(edit_, largest_map());

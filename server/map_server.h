@@ -44,6 +44,8 @@ class MapServer {
   void set_alive(CameraId camera, bool alive) { edit_.set_alive(camera, alive); }
 
   std::vector<MapPatch> step(const FrameSet& set);
+  // What the last image of an agent's run shows; its frame may come later.
+  void take_last_image(CameraId camera, DescriptorReply reply);
   // The answer to a frame that is older than the last set and cannot be used any more.
   MapPatch acknowledge(CameraId camera, const TrackFrame& frame);
 
@@ -118,6 +120,7 @@ class MapServer {
   void forget();
   void note_adjusted();
   void look_back();
+  void remember_last_images();
   void adjust(std::optional<SetId> since, const TellProgress& tell);
 
   ServerRun run_;
@@ -127,6 +130,7 @@ class MapServer {
   PipelineReport report_;
   Forgetting forgetting_;
   PastPart past_;
+  std::map<CameraId, DescriptorReply> last_images_;  // that are not remembered yet
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
   std::vector<LensChange> lenses_;

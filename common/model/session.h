@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 11;
+constexpr std::uint16_t kProtocolVersion = 12;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {
@@ -54,6 +54,8 @@ struct AgentStatus {
   float frame_ms = 0;       // mean time of one step
   ClockExchange exchange;   // of agents whose stamps are of their clock
   std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
+  // When finished: what the last image shows, since nobody can ask for it any more.
+  std::optional<DescriptorReply> last_image;
 };
 
 // An agent that was turned away, with one sentence for its user (wrong protocol, name taken).

@@ -3,9 +3,12 @@
 //
 // Who takes part and how they are: Hello, AgentStatus, ServerStatus.
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/wire/checks.h"
+#include "common/wire/reply_parts.h"
 
 namespace coslam {
 namespace {
@@ -76,6 +79,22 @@ Problem check_camera(const CameraModel& c) {
   return problem_of(c) ? Problem(Rejection::kOutOfRange) : std::nullopt;
 }
 
+// Its parts are this sender's, of one image, and all there.
+Decoded<std::optional<DescriptorReply>> decode_last_image(const idl::AgentStatus& m) {
+  if (m.last_image().empty()) return std::optional<DescriptorReply>();
+  PartJoiner<DescriptorReply> joiner(1);
+  const FrameId frame(m.last_image().front().frame());
+  for (const idl::DescriptorReply& message : m.last_image()) {
+    auto part = decode(message);
+    if (!part) return part.rejection();
+    if (part->agent != m.agent().to_string() || part->agent_run.value != m.agent_run()) return Rejection::kWrongRun;
+    if (const auto reason = joiner.add(std::move(*part))) return *reason;
+  }
+  auto whole = joiner.take(frame);
+  if (!whole) return Rejection::kSizeMismatch;
+  return whole;
+}
+
 }  // namespace
 
 bool valid_agent_name(std::string_view name) {
@@ -135,6 +154,8 @@ idl::AgentStatus encode(const AgentStatus& s) {
   m.pose_state(static_cast<std::uint8_t>(s.pose_state));
   m.agent(s.agent);
   m.report_json().assign(s.report_json.begin(), s.report_json.end());
+  if (!s.last_image) return m;
+  for (const DescriptorReply& part : in_parts(*s.last_image)) m.last_image().push_back(encode(part));
   return m;
 }
 
@@ -154,6 +175,9 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   s.frame_ms = m.frame_ms();
   s.exchange = {m.patch_sent_ns(), m.patch_received_ns(), m.sent_ns(), 0};
   s.report_json.assign(m.report_json().begin(), m.report_json().end());
+  auto last_image = decode_last_image(m);
+  if (!last_image) return last_image.rejection();
+  s.last_image = std::move(*last_image);
   return s;
 }
 

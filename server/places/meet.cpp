@@ -154,6 +154,14 @@ void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorR
   }
 }
 
+bool Meetings::remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply) {
+  const MapCamera& camera = edit.map().camera(id);
+  if (camera.run != reply.agent_run) return true;  // of a run before the present one
+  if (camera.frames.empty() || camera.frames.back().frame < reply.frame) return false;
+  if (camera.frames.back().frame == reply.frame) places_.add(edit, newest_image(camera), reply);
+  return true;
+}
+
 std::vector<std::pair<SetId, CameraId>> Meetings::held_frames() const {
   std::vector<std::pair<SetId, CameraId>> out;
   for (const LoopConstraint& l : loops_) {

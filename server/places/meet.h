@@ -71,6 +71,8 @@ class Meetings {
   // After the set's poses are known.
   MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
                  const GroupConfig& group);
+  // What the last image of a run shows, from now on a known place. False: that image is still to come.
+  bool remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply);
   // Frames that loops are closed by, of the newest loops: those hold the map together.
   std::vector<std::pair<SetId, CameraId>> held_frames() const;
   // Those images are remembered no more.

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <map>
@@ -21,6 +22,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr RunId kRun(5), kServer(9);
@@ -244,6 +246,25 @@ TEST_F(AgentLoopOfFiveImages, EndsAndReports) {
   EXPECT_EQ(report["unreadable"], 2);
   EXPECT_EQ(report["live_tracked_percent"], 0);
   EXPECT_TRUE(report["ms"].contains("track"));
+  ASSERT_TRUE(last.last_image) << "nobody can ask for it any more";
+  EXPECT_EQ(last.last_image->frame, FrameId(4));
+  EXPECT_THAT(last.last_image->tracks, Not(IsEmpty()));
+  for (const TrackId id : last.last_image->tracks) {
+    EXPECT_TRUE(std::ranges::any_of(link_.sent.back().tracks, [&](const auto& t) { return t.track == id; }))
+        << id.value;
+  }
+}
+
+class AgentLoopOfOneImage : public AgentLoopTest {
+ protected:
+  AgentLoopOfOneImage() : AgentLoopTest(Pacing::kLockstep, 1) {}
+};
+
+TEST_F(AgentLoopOfOneImage, WhatWentWithItsFrameIsNotToldAgain) {
+  run(1);
+  link_.answer(FrameId(0));
+  loop_->finish(stop_);
+  EXPECT_FALSE(link_.statuses.back().last_image) << "the first image is described";
 }
 
 TEST_F(AgentLoopOfFiveImages, ReportsToNobodyWithoutFailing) {
@@ -322,6 +343,17 @@ TEST_F(LiveAgentLoop, NeverWaitsForTheServer) {
   loop_->finish(stop_);
   EXPECT_THAT(link_.waited_for, IsEmpty());
   EXPECT_EQ(link_.statuses.back().state, AgentState::kFinished);
+}
+
+TEST_F(LiveAgentLoop, SendsTheImageThatItDescribesAtTheEnd) {
+  sent_of_thirty([&](int i) { link_.answer(FrameId(static_cast<std::uint32_t>(i)), 0.9F); });
+  while (link_.sent.back().frame.value % 30 != 0) ASSERT_TRUE(step());
+  ASSERT_TRUE(step());
+  const FrameId last(link_.sent.back().frame.value + 1);
+  loop_->finish(stop_);
+  EXPECT_EQ(link_.sent.back().frame, last);
+  ASSERT_TRUE(link_.statuses.back().last_image);
+  EXPECT_EQ(link_.statuses.back().last_image->frame, last);
 }
 
 TEST_F(LiveAgentLoop, SaysWhyItWasTurnedAway) {

@@ -116,6 +116,21 @@ TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
     EXPECT_TRUE(report.contains(part)) << part;
 }
 
+TEST_F(ServerLoopTest, WhereARunEndedIsAPlaceToo) {
+  const auto agent = join("cam0");
+  TrackFrame frame = values_.frame("cam0", RunId(last_run_), 0, 20);
+  frame.capture_ns = 0;
+  agent->send(frame, {}, {});
+  EXPECT_TRUE(loop_.poll(0ms));
+  const std::size_t before = loop_.map_server().memory()["places"];
+  AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+  status.last_image = values_.descriptors(frame, 20);
+  agent->send_status(status);
+  EXPECT_TRUE(loop_.poll(0ms));
+  loop_.finish({});
+  EXPECT_GT(loop_.map_server().memory()["places"], before + 20 * kDescriptorBytes);
+}
+
 // All come at once, as after a pause of the server.
 TEST_F(ServerLoopTest, LeavesOutTheOldestFrameSetsThatItHasNoTimeFor) {
   const auto agent = join("cam0");

@@ -102,6 +102,8 @@ inline void expect_same(const AgentStatus& a, const AgentStatus& b) {
   EXPECT_EQ(a.tracks, b.tracks);
   expect_same_bits(a.frame_ms, b.frame_ms, "frame_ms");
   EXPECT_EQ(a.report_json, b.report_json);
+  ASSERT_EQ(a.last_image.has_value(), b.last_image.has_value());
+  if (a.last_image) expect_same(*a.last_image, *b.last_image);
 }
 
 inline void expect_same(const MapPatch& a, const MapPatch& b) {

@@ -239,6 +239,14 @@ TEST(CodecRejects, Statuses) {
   expect_rejected<A>(agent, Rejection::kOutOfRange, [](A& m) { m.state(3); });
   expect_rejected<A>(agent, Rejection::kNotFinite, [](A& m) { m.frame_ms(NAN); });
   expect_rejected<A>(agent, Rejection::kTooMany, [](A& m) { m.report_json().resize(65537); });
+  const A last = encode(WireValues(5).agent_status("cam0", RunId(1), AgentState::kFinished));
+  ASSERT_GT(last.last_image().size(), 2U);
+  expect_rejected<A>(last, Rejection::kSizeMismatch, [](A& m) { m.last_image().pop_back(); });
+  expect_rejected<A>(last, Rejection::kOverflow, [](A& m) { m.last_image().back().frame(18); });
+  expect_rejected<A>(last, Rejection::kWrongRun, [](A& m) { m.last_image().back().agent_run(2); });
+  expect_rejected<A>(last, Rejection::kWrongRun, [](A& m) { m.last_image().back().agent("cam1"); });
+  expect_rejected<A>(last, Rejection::kDuplicate, [](A& m) { m.last_image().push_back(m.last_image().back()); });
+  expect_rejected<A>(last, Rejection::kBadId, [](A& m) { m.last_image().front().tracks().front() = 0; });
   const S server = encode(WireValues(5).server_status(RunId(1)));
   expect_rejected<S>(server, Rejection::kBadId, [](S& m) { m.server_run(0); });
   expect_rejected<S>(server, Rejection::kTooMany, [](S& m) {
