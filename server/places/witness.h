@@ -25,7 +25,7 @@ struct Witness {
 std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen);
 // The same of how the place's map lies to that of the image, `own`.
 Witness reversed(const Witness& w, MapId own);
-// Whether two, of different instants, say the same.
+// Whether two say the same, of different instants or of different cameras.
 bool agree(const Witness& a, const Witness& b);
 
 }  // namespace coslam

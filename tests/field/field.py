@@ -61,6 +61,7 @@ class Run:
         self.result, self.map_file = self.out / "result", self.out / "kept.map"
         self.cpu_s, self.clients, self.attacker = {}, [], None
         self.keeps_map, self.disk_mib, self.pace, self.thinned = False, 0, 1.0, {}
+        self.clock_rate = {}
         self.make_key()
 
     def program(self, name):
@@ -141,8 +142,9 @@ class Run:
         command += self.settings("server.")
         return self.hosts.start(0, command, stdout=self.log("server"), stderr=subprocess.STDOUT)
 
-    def thin(self, every, sequence=None):
-        """Only each so manieth image of these agents, at its own time; of this sequence or as rendered in another."""
+    def thin(self, every, sequence=None, fast=0.0):
+        """Only each so manieth image of these agents, at its own time; of this sequence or as rendered in another.
+        fast: so much more than one second passes on their clocks in a second."""
         file = sequence or self.arguments.sequence
         rate, agents = read_sequence(file)
         folder = pathlib.Path(file).resolve().parent
@@ -150,9 +152,10 @@ class Run:
             a = agents[i]
             images = sorted((folder / a["source"]).iterdir())[::step]
             listed = self.out / (a["name"] + ".csv")
-            listed.write_text("".join(f"{n * step / rate:.9f},{image}\n" for n, image in enumerate(images)),
+            listed.write_text("".join(f"{n * step / rate * (1 + fast):.9f},{image}\n" for n, image in enumerate(images)),
                               encoding="utf-8")
             self.thinned[i] = (listed, rate / step)
+            self.clock_rate[i] = 1 + fast
 
     def set_clock(self, offset):
         """Of the agents that follow it, from now on."""
@@ -164,7 +167,7 @@ class Run:
         wrap = [word.replace("OUT", str(self.out.resolve())) for word in wrap]
         command = [*wrap, self.program("coslam-agent"), "--domain", "3", "--id", a["name"],
                    "--source", str(source), "--calibration", str(self.folder / a["calibration"]),
-                   "--rate", str(self.pace), "--fps", str(rate), "--set", "wire.peers=10.77.0.1"]
+                   "--rate", str(self.pace * self.clock_rate.get(i, 1)), "--fps", str(rate), "--set", "wire.peers=10.77.0.1"]
         if "start_s" in a:
             command += ["--start", str(a["start_s"])]
         if "duration_s" in a:
@@ -327,7 +330,7 @@ def faults():
     out[CRASHES] = (slower, [(2, lambda r: r.attack())], {}, [])
     for off in ("+0.3s", "+5s", "-5s", "+1h"):
         out[f"clock {off}"] = (nothing, [], {1: (*TIME_OF_DAY, "faketime", "-f", off)}, [])
-    out["clock +0 x1.0005"] = (nothing, [], {1: ("faketime", "-f", "+0 x1.0005")}, [])
+    out["clock 500 ppm fast"] = (lambda run: run.thin({1: 1}, fast=500e-6), [], {}, [])
     return out
 
 
