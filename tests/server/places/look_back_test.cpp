@@ -40,10 +40,24 @@ class LookBackTest : public testing::Test {
                 share * drift.translation};
       sim_->place(cam(0), transform_world(truth(i), drift_));
       if (i == 0 || i == kRound) add_points();
+      if (i == 0) first_points_ = static_cast<int>(sim_->map.points().size());
       if (!described) continue;
-      places_.add(sim_->edit, newest_image(sim_->map.camera(cam(0))), *sim_->set.frames[0].descriptors);
+      const DescriptorReply& whole = *sim_->set.frames[0].descriptors;
+      places_.add(sim_->edit, newest_image(sim_->map.camera(cam(0))), thirds_ && i >= kRound ? third_of(whole) : whole);
     }
     test::forget(sim_->edit.journal());
+  }
+  // Another third of the world's points each time.
+  DescriptorReply third_of(const DescriptorReply& whole) {
+    DescriptorReply out{whole.agent, whole.agent_run, whole.frame, {}, {}};
+    for (std::size_t i = 0; i < whole.tracks.size(); ++i) {
+      if (sim_->world_point(cam(0), whole.tracks[i]) % 3 != next_third_) continue;
+      out.tracks.push_back(whole.tracks[i]);
+      const auto begin = whole.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
+    }
+    next_third_ = (next_third_ + 1) % 3;
+    return out;
   }
   // Of all that is seen and has none, where the map has drifted to.
   void add_points() {
@@ -52,8 +66,8 @@ class LookBackTest : public testing::Test {
       if (t != nullptr && !t->bound()) sim_->bind(sim_->create(drift_ * sim_->world.position(p)), cam(0), *t);
     }
   }
-  LookBackReport look() {
-    const LookBackReport report = look_back(sim_->edit, places_, sim_->id, 25, &loops_);
+  LookBackReport look(int min_inliers = 25) {
+    const LookBackReport report = look_back(sim_->edit, places_, sim_->id, min_inliers, &loops_);
     test::expect_consistent(sim_->map);
     return report;
   }
@@ -68,6 +82,8 @@ class LookBackTest : public testing::Test {
   Similarity3 drift_;
   PlaceMemory places_{RecogniseConfig{}};
   std::vector<LoopConstraint> loops_;
+  bool thirds_ = false;  // images of the second visit show but a third each
+  int next_third_ = 0, first_points_ = 0;
 };
 
 TEST_F(LookBackTest, TwoImagesOfALaterVisitCloseTheLoop) {
@@ -86,6 +102,23 @@ TEST_F(LookBackTest, TwoImagesOfALaterVisitCloseTheLoop) {
 TEST_F(LookBackTest, OneImageIsNotEnough) {
   fly(world_, drift_of_a_round_, {0, 5, kRound + 2});
   EXPECT_FALSE(look().changed());
+}
+
+TEST_F(LookBackTest, NeitherAreTwoOfFewPoints) {
+  thirds_ = true;
+  fly(world_, drift_of_a_round_, {0, 5, kRound + 2, kRound + 8});
+  EXPECT_FALSE(look(3 * first_points_ / 10).changed());
+}
+
+TEST_F(LookBackTest, ThreeOfFewPointsCloseItTogether) {
+  thirds_ = true;
+  fly(world_, drift_of_a_round_, {0, 5, kRound + 2, kRound + 5, kRound + 8});
+  const auto before = static_cast<int>(sim_->map.points().size());
+  EXPECT_EQ(look(3 * first_points_ / 10).closed, 1);
+  for (const int set : {0, kRound + 2, kRound + 5, kRound + 8}) {
+    EXPECT_THAT(pose(set), PoseNear(truth(set), 0.006, 0.03)) << set;
+  }
+  EXPECT_LT(static_cast<int>(sim_->map.points().size()), before - first_points_ / 2) << "what each of them shows";
 }
 
 TEST_F(LookBackTest, WhatIsFlatMayHangElsewhereToo) {
