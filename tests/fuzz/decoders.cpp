@@ -76,7 +76,9 @@ void fuzz::write_seeds(const WriteSeed& write_seed) {
   write(topic_index<idl::TrackFrame>(), serialize(encode(frame, pixel_scale(test::vga_camera()))));
   write(topic_index<idl::PatchReply>(), serialize(encode(values.patches(frame, 2))));
   write(topic_index<idl::DescriptorReply>(), serialize(encode(values.descriptors(frame, 2))));
-  write(topic_index<idl::AgentStatus>(), serialize(encode(values.agent_status("cam0", RunId(1)))));
+  AgentStatus last = values.agent_status("cam0", RunId(1), AgentState::kFinished);
+  last.last_image = values.descriptors(frame, 20);
+  write(topic_index<idl::AgentStatus>(), serialize(encode(last)));
   write(topic_index<idl::Hello>(), serialize(encode(values.hello("cam0", RunId(1)))));
   write(topic_index<idl::MapPatch>(), serialize(encode(values.map_patch("cam0", RunId(1), 5, 12))));
   write(topic_index<idl::MovingState>(), serialize(encode(values.moving_state())));

@@ -69,8 +69,9 @@ void fuzz::write_seeds(const WriteSeed& write) {
   const Record end{RecordType::kEnd, 40, {}};
   write("frames",
         "\1" + written({head, hello, encode_event(JoinedFrame{frame, values.patches(frame, 1), {}}, 20), end}));
-  write("status", "\1" + written({head, hello, encode_event(values.agent_status("cam0", RunId(1)), 20),
-                                  encode_event(AgentSilent{"cam0", RunId(1)}, 30),
+  AgentStatus last = values.agent_status("cam0", RunId(1), AgentState::kFinished);
+  last.last_image = values.descriptors(frame, 2);
+  write("status", "\1" + written({head, hello, encode_event(last, 20), encode_event(AgentSilent{"cam0", RunId(1)}, 30),
                                   encode_event(AgentGone{"cam0", RunId(1)}, 30), end}));
   write("cut_off", std::string(1, '\0') + written({head, hello}));
 }
