@@ -165,11 +165,18 @@ std::vector<OverlapRow> overlap_of(const Sequence& sequence, const std::vector<A
   return rows;
 }
 
+// Agents that have one map: as the report lists them; where it lists none, those that were ever in one group.
+Partition agents_by_map(const ResultFolder& result, const ReportedGroups& groups) {
+  const ResultMap common = contents_of(result).maps.front();
+  if (common.id == MapId()) return maps_of(groups);
+  return {AgentNames(common.agents.begin(), common.agents.end())};
+}
+
 void evaluate_groups(Evaluation& e, const ResultFolder& result, const Sequence& sequence,
                      const std::vector<AgentPaths>& agents) {
   if (!std::filesystem::exists(result.groups())) return;
   const ReportedGroups reported = reported_groups(read_groups(result.groups()));
-  evaluate_maps(e, agents, maps_of(reported), sequence.rate_hz);
+  evaluate_maps(e, agents, agents_by_map(result, reported), sequence.rate_hz);
   if (!sequence.overlap) return;
   const auto rows = overlap_of(sequence, agents);
   if (!rows.empty()) e.groups = score_groups(reported, TrueOverlap(rows));

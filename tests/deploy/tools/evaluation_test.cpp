@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
@@ -170,6 +171,18 @@ TEST_F(ResultOfWall, AnErrorAsLargeAsTheSpreadOfTheTruthIsSaidToSayLittle) {
   EXPECT_NEAR(*e.truth_spread_m, *e.ate_m, 0.3 * *e.ate_m);
   EXPECT_EQ(to_json(e)["truth_spread_m"], *e.truth_spread_m);
   EXPECT_THAT(told(), HasSubstr("this says LITTLE of where the cameras were"));
+}
+
+// Maps that met in the last moment have one frame, though their cameras were in no group yet.
+TEST_F(ResultOfWall, MapsAreThoseOfTheReport) {
+  std::ofstream(result_.groups()) << "t_s,group,agents\n0.0,1,cam0\n0.0,2,cam1\n";
+  const nlohmann::json agents{{"cam0", {{"frames", 31}}}, {"cam1", {{"frames", 31}}}};
+  const auto maps = [&] { return evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr).maps.size(); };
+  write_json(result_.report(), {{"agents", agents}});
+  EXPECT_EQ(maps(), 2U) << "nothing else tells";
+  write_json(result_.report(),
+             {{"agents", agents}, {"maps", {{{"map", 1}, {"agents", {{"cam0", 30}, {"cam1", 30}}}}}}});
+  EXPECT_EQ(maps(), 1U);
 }
 
 TEST_F(ResultOfWall, MarkedPointsAndReportedFrames) {
