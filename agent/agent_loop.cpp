@@ -43,12 +43,12 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   if (adapts_) watch_link(patches);
   const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
+  out.frame.narrow_link = narrow_link_;
   if (!sends) {
     not_sent_ = std::move(out.frame);
   } else {
     not_sent_.reset();
     last_sent_ = out.frame.frame;
-    out.frame.narrow_link = narrow_link_;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
     link_.send(std::move(out.frame), out.patches, out.descriptors);
     sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
