@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/wire/checks.h"
@@ -79,20 +80,19 @@ Problem check_camera(const CameraModel& c) {
   return problem_of(c) ? Problem(Rejection::kOutOfRange) : std::nullopt;
 }
 
-// Its parts are this sender's, of one image, and all there.
+// This sender's, all of it.
 Decoded<std::optional<DescriptorReply>> decode_last_image(const idl::AgentStatus& m) {
   if (m.last_image().empty()) return std::optional<DescriptorReply>();
-  PartJoiner<DescriptorReply> joiner(1);
-  const FrameId frame(m.last_image().front().frame());
+  std::vector<DescriptorReply> parts;
   for (const idl::DescriptorReply& message : m.last_image()) {
     auto part = decode(message);
     if (!part) return part.rejection();
-    if (part->agent != m.agent().to_string() || part->agent_run.value != m.agent_run()) return Rejection::kWrongRun;
-    if (const auto reason = joiner.add(std::move(*part))) return *reason;
+    parts.push_back(std::move(*part));
   }
-  auto whole = joiner.take(frame);
-  if (!whole) return Rejection::kSizeMismatch;
-  return whole;
+  auto whole = in_one(std::move(parts));
+  if (!whole) return whole.rejection();
+  if (whole->agent != m.agent().to_string() || whole->agent_run.value != m.agent_run()) return Rejection::kWrongRun;
+  return std::optional(std::move(*whole));
 }
 
 }  // namespace

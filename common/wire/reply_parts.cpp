@@ -108,6 +108,22 @@ std::optional<Reply> PartJoiner<Reply>::take(FrameId frame) {
   return whole;
 }
 
+template <class Reply>
+Decoded<Reply> in_one(std::vector<Reply> parts) {
+  PartJoiner<Reply> joiner(1);
+  const FrameId frame = parts.front().frame;
+  const std::pair sender(parts.front().agent, parts.front().agent_run);
+  for (Reply& part : parts) {
+    if (std::pair(part.agent, part.agent_run) != sender) return Rejection::kWrongRun;
+    if (const auto reason = joiner.add(std::move(part))) return *reason;
+  }
+  auto whole = joiner.take(frame);
+  if (!whole) return Rejection::kSizeMismatch;
+  return std::move(*whole);
+}
+
+template Decoded<PatchReply> in_one(std::vector<PatchReply> parts);
+template Decoded<DescriptorReply> in_one(std::vector<DescriptorReply> parts);
 template class PartJoiner<PatchReply>;
 template class PartJoiner<DescriptorReply>;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/model/track_frame.h"
+#include "common/wire/codec.h"
 #include "common/wire/counters.h"
 
 // Answers to requests travel in parts that fit one datagram each: on a narrow link they go between the frames, and the
@@ -15,6 +16,11 @@ namespace coslam {
 
 std::vector<PatchReply> in_parts(const PatchReply& reply);
 std::vector<DescriptorReply> in_parts(const DescriptorReply& reply);
+
+// The answer that these are the parts of, at least one, in any order. Rejected unless all are there, of one sender and
+// one frame.
+template <class Reply>
+Decoded<Reply> in_one(std::vector<Reply> parts);
 
 // Puts the parts of the answers of one agent run together, whatever their order. Of a type of answer at most `bound`
 // are held; the oldest makes room. Thread-compatible.
@@ -39,6 +45,8 @@ class PartJoiner {
   std::deque<Gathered> gathered_;  // as they came
 };
 
+extern template Decoded<PatchReply> in_one(std::vector<PatchReply> parts);
+extern template Decoded<DescriptorReply> in_one(std::vector<DescriptorReply> parts);
 extern template class PartJoiner<PatchReply>;
 extern template class PartJoiner<DescriptorReply>;
 

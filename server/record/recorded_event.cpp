@@ -89,21 +89,13 @@ class PayloadReader {
   auto reply() {
     using Reply = decltype(message<Message>());
     std::optional<Reply> whole;
-    PartJoiner<Reply> joiner(1);
-    FrameId frame;
-    std::pair<std::string, RunId> sender;
-    const auto parts = number<std::uint16_t>();
-    for (std::uint16_t i = 0; ok_ && i < parts; ++i) {
-      auto part = message<Message>();
-      if (i == 0) {
-        frame = part.frame;
-        sender = {part.agent, part.agent_run};
-      }
-      const bool of_one = part.frame == frame && sender == std::pair(part.agent, part.agent_run);
-      ok_ = ok_ && of_one && !joiner.add(std::move(part));
-    }
-    if (ok_ && parts > 0) whole = joiner.take(frame);
-    ok_ = ok_ && whole.has_value() == (parts > 0);
+    std::vector<Reply> parts;
+    const auto count = number<std::uint16_t>();
+    for (std::uint16_t i = 0; ok_ && i < count; ++i) parts.push_back(message<Message>());
+    if (!ok_ || parts.empty()) return whole;
+    auto joined = in_one(std::move(parts));
+    ok_ = static_cast<bool>(joined);
+    if (ok_) whole = std::move(*joined);
     return whole;
   }
   template <class T>
