@@ -26,7 +26,10 @@ PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const 
   // One that a change of the map overtook is planned again.
   const bool done = taken.taken && taken.extent == RefineExtent::kOutline && (taken.report.applied || !taken.usable);
   if (done && taken.map == outline_) outline_ = MapId();
-  if (met.to_adjust != MapId()) outline_ = met.to_adjust;
+  if (met.to_adjust != MapId()) {
+    outline_since_ = met.to_adjust == outline_ ? std::min(outline_since_, met.adjust_since) : met.adjust_since;
+    outline_ = met.to_adjust;
+  }
   const bool key_frame = decide_key_frame(edit, set, config);
   return {key_frame, plan_job(edit.map(), key_frame, refine)};
 }
@@ -40,7 +43,8 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   }
   if (maps.empty()) return false;
   const MapId of = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
-  planned_ = plan_refine(map, of, outline ? RefineExtent::kOutline : RefineExtent::kWindow, refine);
+  planned_ = outline ? plan_outline_since(map, of, outline_since_, refine)
+                     : plan_refine(map, of, RefineExtent::kWindow, refine);
   if (planned_) {
     ++plans_;
   } else if (outline) {

@@ -69,7 +69,8 @@ class PlanAdjustment {
 
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
-  MapId outline_;  // to be adjusted whole; 0 = none
+  MapId outline_;  // whose outline is to be adjusted; 0 = none
+  SetId outline_since_;
   int plans_ = 0;
 };
 

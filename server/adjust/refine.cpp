@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -26,6 +27,50 @@ int poses_to_adjust(const Map& map, MapId of, SetId set) {
       map.cameras(), [&](const MapCamera& c) { return pose_to_adjust(map, of, set, c.id) != nullptr; }));
 }
 
+constexpr int kMostApart = 3;  // key frames of an outline: neighbours have to see the same points
+
+// Key frames with so many poses each, ascending.
+struct KeyPoses {
+  std::vector<SetId> sets;
+  std::vector<int> poses;
+
+  int sum() const { return std::accumulate(poses.begin(), poses.end(), 0); }
+};
+
+KeyPoses key_poses(const Map& map, MapId of) {
+  KeyPoses out;
+  for (const KeyFrame& k : map.key_frames()) {
+    const int n = poses_to_adjust(map, of, k.set);
+    if (n == 0) continue;
+    out.sets.push_back(k.set);
+    out.poses.push_back(n);
+  }
+  return out;
+}
+
+// Some of them, evenly, the first and the newest among them.
+std::vector<SetId> outline_of(const KeyPoses& keys, int most_poses) {
+  const int poses = keys.sum();
+  if (poses <= most_poses) return keys.sets;
+  const int apart = std::min(kMostApart, (poses + most_poses - 1) / most_poses);
+  const std::size_t all = keys.sets.size(), some = std::max<std::size_t>(2, all / static_cast<std::size_t>(apart));
+  std::vector<SetId> out;
+  out.reserve(some);
+  for (std::size_t i = 0; i < some; ++i) out.push_back(keys.sets[i * (all - 1) / (some - 1)]);
+  return out;
+}
+
+// Those since a set, as long as their poses are no more than that together: the newest.
+KeyPoses newest_of(const KeyPoses& keys, SetId since, int most_poses) {
+  std::size_t first = keys.sets.size();
+  for (int sum = 0; first > 0 && keys.sets[first - 1] >= since; --first) {
+    sum += keys.poses[first - 1];
+    if (sum > most_poses) break;
+  }
+  const auto n = static_cast<std::ptrdiff_t>(first);
+  return {{keys.sets.begin() + n, keys.sets.end()}, {keys.poses.begin() + n, keys.poses.end()}};
+}
+
 // Ascending.
 std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
   const auto& keys = map.key_frames();
@@ -36,20 +81,8 @@ std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent e
     for (std::size_t k = keys.size() - window; k < keys.size(); ++k) out.push_back(keys[k].set);
     return out;
   }
-  int poses = 0;
-  for (const KeyFrame& k : keys) {
-    const int n = poses_to_adjust(map, of, k.set);
-    poses += n;
-    if (n > 0) out.push_back(k.set);
-  }
-  if (extent == RefineExtent::kWhole || poses <= config.outline_poses) return out;
-  // Evenly, the first and the newest among them; neighbours have to see the same points.
-  constexpr int kMostApart = 3;
-  const int apart = std::min(kMostApart, (poses + config.outline_poses - 1) / config.outline_poses);
-  const std::size_t all = out.size(), some = std::max<std::size_t>(2, all / static_cast<std::size_t>(apart));
-  for (std::size_t i = 0; i < some; ++i) out[i] = out[i * (all - 1) / (some - 1)];
-  out.resize(some);
-  return out;
+  const KeyPoses all = key_poses(map, of);
+  return extent == RefineExtent::kWhole ? all.sets : outline_of(all, config.outline_poses);
 }
 
 void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
@@ -293,6 +326,19 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
                       window ? 3 * static_cast<std::size_t>(config.window) : 0, extent);
   if (!job) return job;
   job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
+  return job;
+}
+
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config) {
+  const int most_poses = kMostApart * config.outline_poses;
+  const KeyPoses all = key_poses(map, of);
+  const bool short_run = all.sum() <= most_poses;
+  const KeyPoses some = short_run ? all : newest_of(all, since, most_poses);
+  if (some.sets.size() < 2) return std::nullopt;
+  const int holding = short_run ? 0 : config.outline_poses;
+  auto job = plan_job(map, of, outline_of(some, config.outline_poses), static_cast<std::size_t>(holding),
+                      RefineExtent::kOutline);
+  if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
 

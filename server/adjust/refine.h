@@ -19,7 +19,7 @@ enum class RefineExtent : std::uint8_t { kWindow, kOutline, kWhole };
 struct RefineConfig {
   bool enabled = true;
   int window = 8;           // K: newest key frames whose poses are free
-  int outline_poses = 400;  // of an outline; more where every third key frame has more
+  int outline_poses = 400;  // of an outline; of all that is known more where every third key frame has more
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
   bool intrinsics = false;    // solve for the lenses too, then
@@ -69,7 +69,10 @@ struct RefineReport {
 
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
-// The same for all key frames after a set; those before it hold them and stay.
+// The outline of a map that changed since a set: of all of it where that takes no more than it may; else of its key
+// frames since then, of the newest that may be; those before hold them and stay.
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
+// For all key frames after a set; those before it hold them and stay.
 std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
 // What solves for the lenses over the first key frames of a map, to be looked at and not applied; empty when there is
 // too little.

@@ -105,9 +105,11 @@ PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, st
   const MapCamera& camera = image.camera;
   if (!expected.there.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.there)}};
   const bool unplaced = camera.map == MapId();
-  const bool enough = seen && (unplaced || static_cast<int>(seen->matches.size()) >= config_.min_merge_inliers);
+  const int least = unplaced ? config_.min_place_inliers : config_.min_merge_inliers;
+  const bool enough = seen && static_cast<int>(seen->matches.size()) >= least;
   if (!enough && expected.beside) seen = std::move(expected.beside);
   if (!seen) return {PlaceDecision::kUnknown};
+  if (unplaced && !enough) return {PlaceDecision::kTooFew, *seen};
   if (unplaced) return {may_be_placed(map, camera, *seen) ? PlaceDecision::kPlace : PlaceDecision::kDoubtful, *seen};
   // Few are not enough by themselves, but may be the one of two images of a loop.
   const bool few = !enough && !seen->expected;

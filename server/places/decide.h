@@ -13,6 +13,7 @@
 namespace coslam {
 
 struct DecideConfig {
+  int min_place_inliers = 20;  // to place a camera that has no map
   int min_merge_inliers = 25;  // to join two maps, or to draw one together
 };
 

@@ -141,7 +141,7 @@ void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorR
       ++report->linked;
       break;
     case kJoin:
-      join(edit, image, seen, in_from_own);
+      report->adjust_since = join(edit, image, seen, in_from_own);
       ++report->merged;
       moved(camera, report);
       break;
@@ -149,6 +149,7 @@ void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorR
       if (!close(edit, image, seen, in_from_own, graph, &loops_)) break;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
+      report->adjust_since = SetId();
       moved(camera, report);
       break;
   }

@@ -31,7 +31,7 @@ struct MeetConfig {
 template <class V>
 void describe(V& v, MeetConfig& c) {
   v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
-  v.field("min_place_inliers", c.recognise.min_inliers, {8, 1000}, "to place a camera by its descriptors");
+  v.field("min_place_inliers", c.decide.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
   v.field("min_merge_inliers", c.decide.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
   describe(v, c.ask);
 }
@@ -40,7 +40,8 @@ struct MeetReport {
   int described = 0;  // images that came with descriptors
   int sightings = 0;  // known places recognised
   int placed = 0, merged = 0, closed = 0, linked = 0, expected = 0, doubted = 0;
-  MapId to_adjust;  // the last map that was made of two or drawn together; 0 = none
+  MapId to_adjust;     // the last map that was made of two or drawn together; 0 = none
+  SetId adjust_since;  // what is older was in it already
   std::map<CameraId, DescriptorRequest> requests;
 
   void count(auto&& add) const {

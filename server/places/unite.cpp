@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/places/unite.h"
 
+#include <algorithm>
+
 #include "server/associate/register.h"
 
 namespace coslam {
@@ -11,6 +13,15 @@ int frames_in(const Map& map, MapId id) {
   int n = 0;
   for (const MapCamera& c : map.cameras()) n += c.frames_in_map(id);
   return n;
+}
+
+SetId first_set_in(const Map& map, MapId id) {
+  SetId first = map.now();
+  for (const MapCamera& c : map.cameras()) {
+    const auto frame = std::ranges::find(c.frames, id, &FramePose::map);
+    if (frame != c.frames.end()) first = std::min(first, frame->set);
+  }
+  return first;
 }
 
 }  // namespace
@@ -48,10 +59,11 @@ void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen,
   edit.raise_epoch();
 }
 
-void join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own) {
+SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own) {
   const Map& map = edit.map();
   const MapId own = image.camera.map, in = seen.map;
   const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
+  const SetId since = std::max(first_set_in(map, own), first_set_in(map, in));
   // One in metres keeps its frame; else the larger, the older one when they are equal.
   const auto rank = [&](MapId id, int frames) { return std::pair(map.is_metric(id), frames); };
   if (rank(own, own_frames) > rank(in, in_frames) || (rank(own, own_frames) == rank(in, in_frames) && own < in)) {
@@ -60,6 +72,7 @@ void join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, c
     edit.merge(own, in, in_from_own);
   }
   bind_matches(edit, image, seen.matches);
+  return since;
 }
 
 bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,

@@ -18,8 +18,8 @@ namespace coslam {
 void bind_matches(MapEdit& edit, const DescribedImage& image, const std::vector<std::pair<TrackId, PointId>>& matches);
 // A camera without a map gets a pose in the place's, and before that as far back as it can be found.
 void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen, const LocaliseConfig& config);
-// The camera's map and the place's become one, in the frame of the larger.
-void join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own);
+// The camera's map and the place's become one, in the frame of the larger. Since when the younger one was there.
+SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own);
 // The camera's map is drawn together; the loop then holds like the earlier ones. False when there is no solution.
 bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
            const ViewGraph& graph, std::vector<LoopConstraint>* loops);
