@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/geometry/robust.h"
+#include "server/places/depth_ratio.h"
 
 namespace coslam {
 namespace {
@@ -38,9 +40,7 @@ std::optional<double> own_depth(const Map& map, const DescribedImage& image, Tra
 }
 
 // Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
-std::optional<double> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
-  constexpr std::size_t kLeast = 10;
-  constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
+std::optional<DepthRatio> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
   std::vector<double> ratios;
   for (const bool exact : {true, false}) {
     ratios.clear();
@@ -49,21 +49,16 @@ std::optional<double> scale_of(const Map& map, const DescribedImage& image, cons
       const double other = (seen.cam_from_world * map.find(point)->position).z();
       if (own && *own > 0 && other > 0) ratios.push_back(std::log(other / *own));
     }
-    if (ratios.size() >= kLeast) break;
+    if (ratios.size() >= kLeastDepthRatios) break;
   }
-  if (ratios.size() < kLeast) return std::nullopt;
-  std::sort(ratios.begin(), ratios.end());
-  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > kMostSpread) return std::nullopt;
-  return std::exp(ratios[ratios.size() / 2]);
+  return depth_ratio(std::move(ratios));
 }
 
 // From the camera's pose in both.
-std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
-  const auto scale = scale_of(map, image, seen);
-  if (!scale) return std::nullopt;
+Similarity3 similarity_of(const DescribedImage& image, const Recognition& seen, double scale) {
   const Rigid3& own = image.frame().cam_from_world;
   Similarity3 s;
-  s.scale = *scale;
+  s.scale = scale;
   s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
   s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own.center());
   return s;
@@ -117,11 +112,12 @@ PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, st
   if (seen->map == camera.map && as_expected(map, image, *seen, slack_px(map, camera))) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kLink, *seen};
   }
-  const auto similarity = similarity_of(map, image, *seen);
-  if (!similarity || !verification_.confirmed(map, image, *seen, *similarity, graph, !few)) {
+  const auto ratio = scale_of(map, image, *seen);
+  const Similarity3 similarity = similarity_of(image, *seen, ratio ? ratio->scale : 1);
+  if (!ratio || !verification_.confirmed(map, image, *seen, similarity, graph, !few)) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kDoubtful, *seen};
   }
-  return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};
+  return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, similarity, ratio->log_sigma};
 }
 
 }  // namespace coslam

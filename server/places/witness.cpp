@@ -6,11 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "server/places/depth_ratio.h"
+
 namespace coslam {
 
 std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen) {
-  constexpr std::size_t kLeastPairs = 10;
-  constexpr double kMostSpread = 0.3;  // between the quartiles of the logarithm
   const FramePose& own = *map.camera(seen.image->camera).frame_at(seen.image->set);
   Witness out{
       .set = seen.image->set, .camera = seen.image->camera, .into = seen.place.map, .depth = seen.place.median_depth};
@@ -22,11 +22,11 @@ std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen) {
     if (here > 0 && there > 0) ratios.push_back(std::log(there / here));
     out.pairs.emplace_back(of_own.id, known);
   }
-  if (ratios.size() < kLeastPairs) return std::nullopt;
-  std::ranges::sort(ratios);
-  if (ratios[ratios.size() * 3 / 4] - ratios[ratios.size() / 4] > kMostSpread) return std::nullopt;
+  const auto ratio = depth_ratio(std::move(ratios));
+  if (!ratio) return std::nullopt;
+  out.log_scale_sigma = ratio->log_sigma;
   Similarity3& s = out.into_from_own;
-  s.scale = std::exp(ratios[ratios.size() / 2]);
+  s.scale = ratio->scale;
   s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own.cam_from_world.rotation).normalized();
   s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own.cam_from_world.center());
   out.center = own.cam_from_world.center();

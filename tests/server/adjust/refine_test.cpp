@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "server/adjust/adjustment.h"
@@ -291,6 +292,37 @@ TEST_F(RefineTest, AnOutlineAdjustsSomeKeyFramesAndCarriesTheOthers) {
   EXPECT_LT(after_m, 0.35 * before_m) << "between its key frames too";
   config_.outline_poses = all;
   EXPECT_EQ(static_cast<int>(plan(RefineExtent::kOutline).poses.size()), all) << "all of a small map";
+}
+
+TEST_F(RefineTest, TheOutlineOfALongRunIsOfWhatChanged) {
+  const auto& keys = sim_.map.key_frames();
+  const auto free_sets = [&](SetId since) {
+    const auto job = plan_outline_since(sim_.map, sim_.id, since, config_);
+    std::set<SetId> out;
+    for (std::size_t i = 0; job && i < job->poses.size(); ++i) {
+      if (!job->problem.poses[i].fixed) out.insert(job->poses[i].set);
+    }
+    return out;
+  };
+  config_.outline_poses = static_cast<int>(keys.size());  // of three cameras: what an outline may be taken of
+  EXPECT_EQ(*free_sets(keys[7].set).begin(), keys.front().set) << "a short run's is of all of it";
+  config_.outline_poses = 8;
+  EXPECT_EQ(*free_sets(keys[7].set).begin(), keys[7].set);
+  EXPECT_EQ(*free_sets(SetId()).begin(), keys[3].set) << "of the newest, no more than may be";
+  EXPECT_TRUE(free_sets(keys.back().set).empty()) << "the window's matter";
+}
+
+TEST_F(RefineTest, TheOutlineOfWhatChangedIsHeldByWhatIsOlder) {
+  const auto& keys = sim_.map.key_frames();
+  config_.outline_poses = 8;
+  const auto job = plan_outline_since(sim_.map, sim_.id, keys[5].set, config_);
+  ASSERT_TRUE(job);
+  EXPECT_FALSE(job->floating);
+  const Rigid3 before = pose(0, 20);
+  const double off_m = worst_m(36, 60);
+  ASSERT_TRUE(apply_refine(sim_.edit, *job, solve_refine(*job)).applied);
+  EXPECT_THAT(pose(0, 20), PoseNear(before, 1e-12, 1e-12));
+  EXPECT_LT(worst_m(36, 60), 0.5 * off_m);
 }
 
 TEST_F(RefineTest, FramesThatCameMeanwhileAreCarried) {

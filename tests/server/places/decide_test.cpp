@@ -190,6 +190,12 @@ class DecideWithoutMap : public DecideTest {
   }
 };
 
+TEST_F(DecideWithoutMap, FewFeaturesDoNotPlaceIt) {
+  const auto least = static_cast<std::size_t>(config_.min_place_inliers);
+  EXPECT_EQ(decide(seen(least - 1)).what, kTooFew);
+  EXPECT_EQ(decide(seen(least)).what, kPlace);
+}
+
 TEST_F(DecideWithoutMap, OneImageWithReliefPlacesACamera) { EXPECT_EQ(decide(seen()).what, kPlace); }
 
 class DecideAtAWall : public DecideWithoutMap {
