@@ -48,12 +48,23 @@ void add_nodes(const Map& map, const Nodes& nodes, PathGraph* graph) {
   }
 }
 
-void link_successive_frames(const Nodes& nodes, PathGraph* graph) {
+// Drift grows from set to set while a camera is followed. Across a time in which nobody heard of it, as when the server
+// was away, its pose is what it says itself and its points are new ones: that may hide more drift than all the rest.
+double step_weight(const Map& map, const MapCamera& camera, SetId before, SetId now) {
+  constexpr double kFollowed_s = 0.5;
+  const std::uint32_t sets = now.value - before.value;
+  const bool given_out = before < camera.past.until;  // frames in between
+  const double drift = given_out || sets <= map.sets_in(kFollowed_s) ? 1.0 : sets;
+  return 1.0 / (drift * sets);
+}
+
+void link_successive_frames(const Map& map, const Nodes& nodes, PathGraph* graph) {
   for (std::size_t i = 1; i < nodes.keys.size(); ++i) {
     const auto& [camera, set] = nodes.keys[i];
     const auto& [camera_before, set_before] = nodes.keys[i - 1];
     if (camera != camera_before) continue;
-    graph->links.push_back({static_cast<int>(i - 1), static_cast<int>(i), 1.0 / (set.value - set_before.value)});
+    graph->links.push_back(
+        {static_cast<int>(i - 1), static_cast<int>(i), step_weight(map, map.camera(camera), set_before, set)});
   }
 }
 
@@ -170,7 +181,7 @@ bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::
   if (nodes.keys.empty()) return false;
   add_nodes(map, nodes, &graph);
   if (!tie(nodes, loop, together, &graph)) return false;
-  link_successive_frames(nodes, &graph);
+  link_successive_frames(map, nodes, &graph);
   link_neighbours(map, of, nodes, &graph);
   link_visits(map, of, nodes, &graph);
   link_loops(earlier, nodes, &graph);

@@ -130,6 +130,25 @@ TEST_F(CloseLoopTest, TheLoopHoldsAndTheDriftIsSpread) {
   EXPECT_EQ(std::tuple(e.kind, e.why, e.map), std::tuple(EventKind::kMapMoved, Why::kLoopClosed, sim_.id));
 }
 
+// A server that was away a second knows a camera again by what that says itself, and its depths by new points.
+TEST(CloseLoop, DriftIsWhereNobodyLooked) {
+  constexpr int kFrom = 30, kTo = 60, kEnd = 90;
+  const test::SimWorld world{{}};
+  test::SimMap sim{world, test::paths_side_by_side(1)};
+  const Similarity3 after{1.5, so3_exp({0, 0.05, 0}), {0.2, 0, -0.1}};
+  const auto truth = [&](int set) { return sim.truth(cam(0), at_set(set)); };
+  for (int i = 0; i <= kEnd; ++i) {
+    sim.ingest();
+    if (i <= kFrom || i >= kTo) sim.place(cam(0), i < kTo ? truth(i) : transform_world(truth(i), after));
+  }
+  const LoopConstraint loop{cam(0), cam(0), at_set(kEnd), at_set(0), truth(kEnd) * truth(0).inverse(), 1 / after.scale};
+  ASSERT_TRUE(close_loop(sim.edit, sim.id, loop, {}, {}));
+  const auto pose = [&](int set) { return sim.map.camera(cam(0)).frame_at(at_set(set))->cam_from_world; };
+  EXPECT_THAT(pose(kEnd), PoseNear(truth(kEnd), 1e-9, 1e-9));
+  EXPECT_THAT(pose(kFrom), PoseNear(truth(kFrom), 0.005, 0.03));
+  EXPECT_THAT(pose(kTo), PoseNear(truth(kTo), 0.005, 0.03));
+}
+
 TEST_F(CloseLoopTest, APointGoesWithTheFrameThatSawItLast) {
   const PointId seen = seen_in_the_middle(common_.front(), 1);
   const PointId unseen = sim_.create({0, 0, 4}).id;
