@@ -40,7 +40,7 @@ std::optional<double> own_depth(const Map& map, const DescribedImage& image, Tra
 }
 
 // Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
-std::optional<DepthRatio> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
+std::optional<double> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
   std::vector<double> ratios;
   for (const bool exact : {true, false}) {
     ratios.clear();
@@ -55,10 +55,12 @@ std::optional<DepthRatio> scale_of(const Map& map, const DescribedImage& image, 
 }
 
 // From the camera's pose in both.
-Similarity3 similarity_of(const DescribedImage& image, const Recognition& seen, double scale) {
+std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
+  const auto scale = scale_of(map, image, seen);
+  if (!scale) return std::nullopt;
   const Rigid3& own = image.frame().cam_from_world;
   Similarity3 s;
-  s.scale = scale;
+  s.scale = *scale;
   s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
   s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own.center());
   return s;
@@ -112,12 +114,11 @@ PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, st
   if (seen->map == camera.map && as_expected(map, image, *seen, slack_px(map, camera))) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kLink, *seen};
   }
-  const auto ratio = scale_of(map, image, *seen);
-  const Similarity3 similarity = similarity_of(image, *seen, ratio ? ratio->scale : 1);
-  if (!ratio || !verification_.confirmed(map, image, *seen, similarity, graph, !few)) {
+  const auto similarity = similarity_of(map, image, *seen);
+  if (!similarity || !verification_.confirmed(map, image, *seen, *similarity, graph, !few)) {
     return {few ? PlaceDecision::kTooFew : PlaceDecision::kDoubtful, *seen};
   }
-  return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, similarity, ratio->log_sigma};
+  return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};
 }
 
 }  // namespace coslam

@@ -33,7 +33,6 @@ struct PlaceDecision {
   What what = kUnknown;
   Recognition seen;         // of kSeenAsExpected the matches alone
   Similarity3 in_from_own;  // of kJoin and kClose: from the camera's map as it is now
-  double log_scale_sigma = 0;
 };
 
 // The one that decides whether what a camera recognised is the same place, and what follows from that. Before anything

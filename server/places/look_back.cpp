@@ -11,7 +11,6 @@
 
 #include "common/geometry/robust.h"
 #include "server/associate/register.h"
-#include "server/places/depth_ratio.h"
 #include "server/places/witness.h"
 
 namespace coslam {
@@ -160,7 +159,7 @@ std::optional<LoopConstraint> constraint_of(const Map& map, const Confirmed& vis
   const FramePose* there = map.camera(place.key_camera).frame_at(place.key_set);
   if (there == nullptr) return std::nullopt;
   const Rigid3& own = own_frame(map, v.seen).cam_from_world;
-  double weight = 0, log_scale = 0, log_scale_variance = 0;
+  double weight = 0, log_scale = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector4d rotation = Eigen::Vector4d::Zero();
   for (const Visit* w : visits) {
@@ -170,21 +169,18 @@ std::optional<LoopConstraint> constraint_of(const Map& map, const Confirmed& vis
     const double sign = of_camera.coeffs().dot(rotation) < 0 ? -1 : 1;
     weight += points;
     log_scale += points * std::log(s.scale);
-    log_scale_variance += std::pow(points * w->witness->log_scale_sigma, 2);
     center += points * (s * own.center());
     rotation += points * sign * of_camera.coeffs();
   }
   center /= weight;
   const Eigen::Quaterniond cam_from_world = Eigen::Quaterniond(rotation.normalized()).conjugate();
   const Rigid3 here{cam_from_world, -(cam_from_world * center)};
-  LoopConstraint loop{v.seen.image->camera,
-                      place.key_camera,
-                      v.seen.image->set,
-                      place.key_set,
-                      here * there->cam_from_world.inverse(),
-                      std::exp(log_scale / weight)};
-  loop.scale = likely_scale(map, loop, std::sqrt(log_scale_variance) / weight);
-  return loop;
+  return LoopConstraint{v.seen.image->camera,
+                        place.key_camera,
+                        v.seen.image->set,
+                        place.key_set,
+                        here * there->cam_from_world.inverse(),
+                        std::exp(log_scale / weight)};
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorR
                    const LocaliseConfig& localise, MeetReport* report) {
   using enum PlaceDecision::What;
   const MapCamera& camera = image.camera;
-  const auto [what, seen, in_from_own, log_scale_sigma] = decide(edit.map(), image, reply, graph);
+  const auto [what, seen, in_from_own] = decide(edit.map(), image, reply, graph);
   report->sightings += what != kUnknown && what != kSeenAsExpected;
   switch (what) {
     case kUnknown:
@@ -146,7 +146,7 @@ void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorR
       moved(camera, report);
       break;
     case kClose:
-      if (!close(edit, image, seen, {in_from_own.scale, log_scale_sigma}, graph, &loops_)) break;
+      if (!close(edit, image, seen, in_from_own, graph, &loops_)) break;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       report->adjust_since = SetId();

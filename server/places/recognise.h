@@ -17,10 +17,9 @@
 namespace coslam {
 
 struct RecogniseConfig {
-  int min_votes = 12;  // features that look like one of the key image
-  int images = 4;      // best key images whose points are matched by their looks alone
-  int min_first =
-      7;  // of these, that agree on a pose: enough to look for others where they should be; chance makes 4 or 5
+  int min_votes = 12;      // features that look like one of the key image
+  int images = 4;          // best key images whose points are matched by their looks alone
+  int min_first = 7;       // of these, that agree on a pose (chance makes 4 or 5): others are looked for by that
   int around = 12;         // best key images whose points are looked for then
   int min_inliers = 12;    // of the pose in the end
   double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose

@@ -75,14 +75,13 @@ SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, 
   return since;
 }
 
-bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const DepthRatio& scale,
+bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
            const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
   const MapCamera& camera = image.camera;
   const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
-  LoopConstraint loop{
-      camera.id,  seen.key_camera, image.set, seen.key_set, seen.cam_from_world * there->cam_from_world.inverse(),
-      scale.scale};
-  loop.scale = likely_scale(edit.map(), loop, scale.log_sigma);
+  const LoopConstraint loop{
+      camera.id,        seen.key_camera, image.set, seen.key_set, seen.cam_from_world * there->cam_from_world.inverse(),
+      in_from_own.scale};
   if (!close_loop(edit, camera.map, loop, *loops, graph.group_with(camera.id))) return false;
   loops->push_back(loop);
   bind_matches(edit, image, seen.matches);

@@ -8,7 +8,6 @@
 #include "server/covisibility/group.h"
 #include "server/map/edit.h"
 #include "server/places/close_loop.h"
-#include "server/places/depth_ratio.h"
 #include "server/places/recognise.h"
 #include "server/pose/localise.h"
 
@@ -22,8 +21,7 @@ void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen,
 // The camera's map and the place's become one, in the frame of the larger. Since when the younger one was there.
 SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own);
 // The camera's map is drawn together; the loop then holds like the earlier ones. False when there is no solution.
-// scale: of lengths in the place's part over those of the camera's.
-bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const DepthRatio& scale,
+bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
            const ViewGraph& graph, std::vector<LoopConstraint>* loops);
 
 }  // namespace coslam

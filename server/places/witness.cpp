@@ -24,9 +24,8 @@ std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen) {
   }
   const auto ratio = depth_ratio(std::move(ratios));
   if (!ratio) return std::nullopt;
-  out.log_scale_sigma = ratio->log_sigma;
   Similarity3& s = out.into_from_own;
-  s.scale = ratio->scale;
+  s.scale = *ratio;
   s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own.cam_from_world.rotation).normalized();
   s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own.cam_from_world.center());
   out.center = own.cam_from_world.center();

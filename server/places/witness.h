@@ -16,7 +16,6 @@ struct Witness {
   CameraId camera;
   MapId into;  // that of the place
   Similarity3 into_from_own;
-  double log_scale_sigma = 0;
   double depth = 0;                                // of the place's points
   Eigen::Vector3d center;                          // of the camera, in its own map
   std::vector<std::pair<PointId, PointId>> pairs;  // own, of the place

@@ -58,6 +58,7 @@ class Factor {
   Factor(int size, const Triplets& triplets) {
     Sparse a(size, size);
     a.setFromTriplets(triplets.begin(), triplets.end());
+    factor_.cholmod().print = 0;  // ok() says it
     factor_.compute(a);
   }
   bool ok() const { return factor_.info() == Eigen::Success; }

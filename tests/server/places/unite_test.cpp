@@ -163,7 +163,7 @@ TEST_F(UniteTest, AClosedLoopHoldsFromThenOn) {
                          .key_camera = cam(1),
                          .key_set = SetId(2)};
   std::vector<LoopConstraint> loops;
-  ASSERT_TRUE(close(sim_.edit, newest_image(camera(0)), seen, {off.inverse().scale, 0}, {}, &loops));
+  ASSERT_TRUE(close(sim_.edit, newest_image(camera(0)), seen, off.inverse(), {}, &loops));
   ASSERT_EQ(loops.size(), 1U);
   const LoopConstraint& l = loops[0];
   EXPECT_EQ(std::tuple(l.camera, l.set, l.to_camera, l.to_set), std::tuple(cam(0), SetId(9), cam(1), SetId(2)));
