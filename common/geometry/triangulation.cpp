@@ -6,20 +6,31 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace coslam {
 namespace {
 
 constexpr double kMinDepth = 1e-6;
 
-double widest_angle(std::span<const View> views, const Eigen::Vector3d& point) {
+std::vector<Eigen::Vector3d> centers_of(std::span<const View> views) {
+  std::vector<Eigen::Vector3d> out;
+  out.reserve(views.size());
+  for (const View& v : views) out.push_back(v.cam_from_world.center());
+  return out;
+}
+
+double widest_angle(const std::vector<Eigen::Vector3d>& centers, const Eigen::Vector3d& point) {
   // Angle between the first ray and each other, then between the two extremes: enough for tracks, and linear.
-  const auto direction = [&](const View& v) { return (point - v.cam_from_world.center()).normalized(); };
+  const auto direction = [&](const Eigen::Vector3d& center) -> Eigen::Vector3d {
+    return (point - center).normalized();
+  };
   const auto farthest = [&](const Eigen::Vector3d& from) {
     double least = 1.0;
     Eigen::Vector3d best = from;
-    for (const View& v : views) {
-      const Eigen::Vector3d d = direction(v);
+    for (const Eigen::Vector3d& center : centers) {
+      const Eigen::Vector3d d = direction(center);
       if (d.dot(from) < least) {
         least = d.dot(from);
         best = d;
@@ -27,18 +38,18 @@ double widest_angle(std::span<const View> views, const Eigen::Vector3d& point) {
     }
     return std::pair(best, std::acos(std::clamp(least, -1.0, 1.0)));
   };
-  const auto [one_end, unused] = farthest(direction(views.front()));
+  const auto [one_end, unused] = farthest(direction(centers.front()));
   return farthest(one_end).second;
 }
 
-bool linear_start(std::span<const View> views, Eigen::Vector3d* point) {
+bool linear_start(std::span<const View> views, const std::vector<Eigen::Vector3d>& centers, Eigen::Vector3d* point) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const View& v : views) {
-    const Eigen::Vector3d d = world_ray(v);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Vector3d d = world_ray(views[i]);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
     a += across;
-    b += across * v.cam_from_world.center();
+    b += across * centers[i];
   }
   const Eigen::LDLT<Eigen::Matrix3d> ldlt(a);
   if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() < 1e-10) return false;
@@ -100,8 +111,9 @@ TriangulationResult triangulate(std::span<const View> views, double sigma_px, do
   if (views.size() < 2) return result;
   result.status = TriangulationStatus::kTooLittleParallax;
   Eigen::Vector3d point;
-  if (!linear_start(views, &point)) return result;
-  result.parallax_rad = widest_angle(views, point);
+  const std::vector<Eigen::Vector3d> centers = centers_of(views);
+  if (!linear_start(views, centers, &point)) return result;
+  result.parallax_rad = widest_angle(centers, point);
   if (result.parallax_rad < min_parallax_rad) return result;
 
   result.status = TriangulationStatus::kBehindCamera;
@@ -126,7 +138,7 @@ TriangulationResult triangulate(std::span<const View> views, double sigma_px, do
     return result;
   }
   result.covariance = (result.covariance.inverse() * (sigma_px * sigma_px)).eval();
-  result.parallax_rad = widest_angle(views, result.position);
+  result.parallax_rad = widest_angle(centers, result.position);
   result.status =
       result.parallax_rad < min_parallax_rad ? TriangulationStatus::kTooLittleParallax : TriangulationStatus::kOk;
   return result;

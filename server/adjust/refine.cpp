@@ -93,25 +93,33 @@ void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, 
   job->poses.push_back({set, camera});
 }
 
+// Which sets these poses are of: most observations of a place that was seen often are of none.
+std::vector<bool> sets_of(const PoseIndex& index, SetId newest) {
+  std::vector<bool> out(newest.value + 1);
+  for (const auto& [key, pose] : index) out[key.first.value] = true;
+  return out;
+}
+
 void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
+  const std::vector<bool> in_job = sets_of(index, map.now());
+  std::vector<std::pair<const KeyObservation*, int>> seen;  // with the pose
   for (const MapPoint* candidate : map.points_observed_since(first)) {
     const MapPoint& p = *candidate;
     if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
-    const auto usable =
-        std::count_if(p.key_observations.begin(), p.key_observations.end(), [&](const KeyObservation& o) {
-          return index.contains({o.set, o.camera});
-        });
-    if (usable < 2) continue;
+    seen.clear();
+    for (const KeyObservation& o : p.key_observations) {
+      if (!in_job[o.set.value]) continue;
+      if (const auto at = index.find({o.set, o.camera}); at != index.end()) seen.emplace_back(&o, at->second);
+    }
+    if (seen.size() < 2) continue;
     const int point = static_cast<int>(job->points.size());
     job->points.push_back(p.id);
     job->problem.points.push_back(p.position);
-    for (const KeyObservation& o : p.key_observations) {
-      const auto at = index.find({o.set, o.camera});
-      if (at == index.end()) continue;
+    for (const auto& [o, pose] : seen) {
       job->problem.observations.push_back(
-          {at->second, point, o.undistorted_px.cast<double>(), std::max(0.5, map.camera(o.camera).sigma_px)});
-      job->observations.push_back({o.set, o.track});
+          {pose, point, o->undistorted_px.cast<double>(), std::max(0.5, map.camera(o->camera).sigma_px)});
+      job->observations.push_back({o->set, o->track});
     }
   }
 }

@@ -88,6 +88,13 @@ std::uint32_t Map::sets_in(double time_s) const {
 }
 
 const FramePose* MapCamera::frame_at(SetId set) const {
+  if (frames.empty() || set > frames.back().set) return nullptr;
+  // Mostly it has one in every set.
+  const std::uint32_t before_newest = frames.back().set.value - set.value;
+  if (before_newest < frames.size()) {
+    const FramePose& f = frames[frames.size() - 1 - before_newest];
+    if (f.set == set) return &f;
+  }
   const auto at =
       std::lower_bound(frames.begin(), frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
   return at == frames.end() || at->set != set ? nullptr : &*at;
