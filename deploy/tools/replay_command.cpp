@@ -68,7 +68,8 @@ class Costs {
     if (now_ns < next_ns_) return;
     next_ns_ = now_ns + kEvery_ns;
     if (!std::exchange(begun_, true)) {
-      std::printf("played_min,resident_mib,map_mib,cpu_ms_a_set,points,key_frames,frames,threads,files\n");
+      std::printf(
+          "played_min,resident_mib,map_mib,cpu_ms_a_set,map_thread_ms_a_set,points,key_frames,frames,threads,files\n");
     }
     const DurationHistogram sets = of(server, "frame_set");
     double map_mib = 0;
@@ -77,11 +78,13 @@ class Costs {
     for (const MapCamera& c : server.map().cameras()) frames += c.frames.size();
     const double sum_ms = 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
     const double n = std::max(1.0, static_cast<double>(sets.count() - count_));
-    std::printf("%.1f,%.1f,%.1f,%.2f,%zu,%zu,%zu,%zu,%zu\n", to_seconds(now_ns) / 60, resident_mib(), map_mib,
-                (sum_ms - sum_ms_) / n, server.map().points().size(), server.map().key_frames().size(), frames,
-                entries_of("/proc/self/task"), entries_of("/proc/self/fd"));
+    const double of_map_thread_ms = sets.mean_ms() * static_cast<double>(sets.count());
+    std::printf("%.1f,%.1f,%.1f,%.2f,%.2f,%zu,%zu,%zu,%zu,%zu\n", to_seconds(now_ns) / 60, resident_mib(), map_mib,
+                (sum_ms - sum_ms_) / n, (of_map_thread_ms - of_map_thread_ms_) / n, server.map().points().size(),
+                server.map().key_frames().size(), frames, entries_of("/proc/self/task"), entries_of("/proc/self/fd"));
     std::fflush(stdout);
     sum_ms_ = sum_ms;
+    of_map_thread_ms_ = of_map_thread_ms;
     count_ = sets.count();
   }
 
@@ -93,7 +96,7 @@ class Costs {
   }
   bool begun_ = false;
   TimeNs next_ns_ = 0;
-  double sum_ms_ = 0;
+  double sum_ms_ = 0, of_map_thread_ms_ = 0;
   std::uint64_t count_ = 0;
 };
 
