@@ -164,7 +164,7 @@ void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solu
     if (const auto node = frame_of(map, nodes, p)) {
       edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
       // What moves is where its cameras saw it last, not where old views would have it; what is out of sight can wait
-      // for the adjustment that follows, which triangulates all anew.
+      // for the adjustment that follows, which triangulates anew what it reaches.
       if (p.rests() && map.is_recent(p.last_seen)) retriangulate(edit, p);
     }
   }
