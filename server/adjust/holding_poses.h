@@ -3,20 +3,12 @@
 #pragma once
 
 #include <cstddef>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "server/map/map.h"
 
 namespace coslam {
-
-struct PoseHash {
-  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
-    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
-  }
-};
-using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
 
 using Poses = std::vector<std::pair<SetId, CameraId>>;
 

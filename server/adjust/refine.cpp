@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 #include <tuple>
+#include <unordered_map>
 
 #include "server/adjust/holding_poses.h"
 #include "server/associate/register.h"
@@ -15,6 +16,13 @@
 
 namespace coslam {
 namespace {
+
+struct PoseHash {
+  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
+    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
+  }
+};
+using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
 
 const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera) {
   const FramePose* f = map.camera(camera).frame_at(set);
