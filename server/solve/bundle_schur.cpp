@@ -251,9 +251,9 @@ class Reduced {
       }
     }
     if (first_time) {
+      factor_.cholmod().print = 0;  // where it fails, the step is damped more
       // What cameras see of one place at different times lies far apart: cut into parts that share little (METIS) the
       // factor takes a fifth less work than by degree.
-      factor_.cholmod().print = 0;  // where it fails, the step is damped more
       factor_.cholmod().nmethods = 1;
       factor_.cholmod().method[0].ordering = CHOLMOD_METIS;
       factor_.analyzePattern(sparse_);
