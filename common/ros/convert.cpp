@@ -45,6 +45,8 @@ Transform transform_of(const Rigid3& frame_from_child) {
   return {vector_of(frame_from_child.translation), quaternion_of(frame_from_child.rotation)};
 }
 
+Rigid3 base_from_optical() { return {Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), Eigen::Vector3d::Zero()}; }
+
 Covariance36 world_covariance(const Rigid3& cam_from_world, const Matrix6d& covariance) {
   Covariance36 rows{};
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data()) =

@@ -22,6 +22,9 @@ Quaternion quaternion_of(const Eigen::Quaterniond& q);
 Pose pose_of(const Rigid3& frame_from_child);
 Transform transform_of(const Rigid3& frame_from_child);
 
+// REP 103: from x right, y down, z ahead, as cameras have it, to x ahead, y left, z up, as bodies have it.
+Rigid3 base_from_optical();
+
 // The covariance of world_from_cam, position and fixed-axis rotation in the world, from that of cam_from_world in the
 // order of retract().
 Covariance36 world_covariance(const Rigid3& cam_from_world, const Matrix6d& covariance);

@@ -27,6 +27,13 @@ std::optional<PublicVelocity> velocity_of(const MapCamera& camera) {
   return std::nullopt;
 }
 
+std::optional<Rigid3> pose_at(const MapCamera& camera, MapId map, TimeNs capture_ns) {
+  for (auto f = camera.frames.rbegin(); f != camera.frames.rend() && f->capture_ns >= capture_ns; ++f) {
+    if (f->capture_ns == capture_ns && f->valid() && f->map == map) return f->cam_from_world;
+  }
+  return std::nullopt;
+}
+
 float sigma_of(const MapPoint& point) { return static_cast<float>(std::sqrt(point.covariance.trace())); }
 
 PublicTrackState state_of(const Map& map, const ServerTrack& track) {
@@ -66,7 +73,7 @@ PublicPath path_of(const MapCamera& camera) {
 
 }  // namespace
 
-PublicPoses copy_poses(const Map& map, const FrameSet& set, RunId server_run) {
+PublicPoses copy_poses(const Map& map, const FrameSet& set, RunId server_run, OdomFrames* odom) {
   PublicPoses out;
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& c = map.camera(cf.camera);
@@ -76,6 +83,8 @@ PublicPoses copy_poses(const Map& map, const FrameSet& set, RunId server_run) {
     const bool known = cf.frame.pose_state == PoseState::kTracked && cf.frame.server_run == server_run;
     if (known) pose.covariance = cf.frame.pose_covariance;
     pose.velocity = velocity_of(c);
+    pose.cam_from_odom = odom->follow(c.name, f.capture_ns, f.cam_from_world,
+                                      [&](TimeNs capture_ns) { return pose_at(c, f.map, capture_ns); });
     out.cameras.push_back(std::move(pose));
   }
   return out;

@@ -8,13 +8,14 @@
 
 #include "server/map/map.h"
 #include "server/motion/objects.h"
+#include "server/publish/odom_frames.h"
 #include "server/publish/snapshot.h"
 
 // Parts of a snapshot, copied from the map.
 namespace coslam {
 
 // server_run: whose poses of agents are in this map.
-PublicPoses copy_poses(const Map& map, const FrameSet& set, RunId server_run);
+PublicPoses copy_poses(const Map& map, const FrameSet& set, RunId server_run, OdomFrames* odom);
 PublicMoving copy_moving(const Map& map, const std::vector<MovingObject>& objects);
 PublicTracks copy_tracks(const Map& map, const FrameSet& set);
 // The corrected way of each camera in its map: the last seconds, and what is before at even intervals.

@@ -28,6 +28,10 @@ const std::string& RosNames::of(const std::string& agent) {
 
 std::string frame_of(MapId map, MapId main) { return map == main ? "map" : "map_" + std::to_string(map.value); }
 
+std::string odom_frame(const std::string& ros_name) { return ros_name + "/odom"; }
+
+std::string base_frame(const std::string& ros_name) { return ros_name + "/base_link"; }
+
 std::string camera_frame(const std::string& ros_name) { return ros_name + "/camera_optical_frame"; }
 
 }  // namespace coslam

@@ -22,6 +22,9 @@ class RosNames {
 
 // The root frame of a map: "map", or "map_ID" while it has not met the main one.
 std::string frame_of(MapId map, MapId main);
+// The frames of an agent: see docs/live.md.
+std::string odom_frame(const std::string& ros_name);
+std::string base_frame(const std::string& ros_name);
 std::string camera_frame(const std::string& ros_name);
 
 }  // namespace coslam

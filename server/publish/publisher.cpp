@@ -46,10 +46,12 @@ const Publisher::OfAgent& Publisher::of_agent(const std::string& agent, const An
   const auto [at, is_new] = agents_.try_emplace(agent);
   if (is_new) {
     const std::string prefix = "/coslam/" + names_.of(agent);
-    at->second = {add(ros_channel<ros::Odometry>(prefix + "/odom", Part::kPoses)),
+    at->second = {add(ros_channel<ros::PoseWithCovarianceStamped>(prefix + "/pose", Part::kPoses)),
+                  add(ros_channel<ros::Odometry>(prefix + "/odom", Part::kPoses)),
                   add(ros_channel<ros::Path>(prefix + "/path", Part::kPaths, 1)),
                   add(json_channel(prefix + "/tracks", "coslam.Tracks", kTracksSchema, Part::kTracks, 1))};
-    for (const ChannelPtr& c : {at->second.odom, at->second.path, at->second.tracks}) announce(c);
+    const OfAgent& made = at->second;
+    for (const ChannelPtr& c : {made.pose, made.odom, made.path, made.tracks}) announce(c);
   }
   return at->second;
 }
@@ -68,7 +70,9 @@ void Publisher::encode(const Snapshot& snapshot, const Announce& announce, const
   if (const auto& p = snapshot.poses) {
     tell(tf_, p->t_ns, [&] { return ros::to_cdr(tf_message(*p, names_)); });
     for (const PublicPose& c : p->cameras) {
-      tell(of_agent(c.agent, announce).odom, c.capture_ns, [&] { return ros::to_cdr(odometry(c, p->main, names_)); });
+      const OfAgent& to = of_agent(c.agent, announce);
+      tell(to.pose, c.capture_ns, [&] { return ros::to_cdr(pose_in_map(c, p->main)); });
+      tell(to.odom, c.capture_ns, [&] { return ros::to_cdr(odometry(c, names_)); });
     }
   }
   if (const auto& m = snapshot.moving) {

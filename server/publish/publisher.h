@@ -36,7 +36,7 @@ class Publisher {
 
  private:
   struct OfAgent {
-    ChannelPtr odom, path, tracks;
+    ChannelPtr pose, odom, path, tracks;
   };
   const OfAgent& of_agent(const std::string& agent, const Announce& announce);
   ChannelPtr add(Channel channel);

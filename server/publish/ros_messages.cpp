@@ -3,6 +3,9 @@
 #include "server/publish/ros_messages.h"
 
 #include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "common/ros/convert.h"
 #include "common/ros/views.h"
@@ -22,20 +25,32 @@ ros::Header header_in(MapId map, const PublicInstant& instant) {
   return ros::header_of(instant.t_ns, frame_of(map, instant.main));
 }
 
-// From two poses: each with its variance, the errors taken for independent, which overestimates them.
+// Of base_link in a frame, from the camera's there.
+ros::PoseWithCovariance pose_of_base(const Rigid3& cam_from_frame, const std::optional<PoseCovariance>& covariance) {
+  return {ros::pose_of(cam_from_frame.inverse() * ros::base_from_optical().inverse()),
+          covariance ? ros::world_covariance(cam_from_frame, covariance->cast<double>())
+                     : diagonal(kUnknownVariance, kUnknownVariance)};
+}
+
+// Of base_link along its axes, from two poses: each with its variance, the errors taken for independent, which
+// overestimates them.
 ros::TwistWithCovariance twist_of(const PublicPose& pose) {
   ros::TwistWithCovariance out;
   out.covariance = diagonal(kUnknownVariance, kUnknownVariance);
   if (!pose.velocity) return out;
-  out.twist = {ros::vector_of(pose.velocity->linear), ros::vector_of(pose.velocity->angular_rad)};
+  const Eigen::Matrix3d turned = ros::base_from_optical().rotation.toRotationMatrix();
+  out.twist = {ros::vector_of(turned * pose.velocity->linear), ros::vector_of(turned * pose.velocity->angular_rad)};
   if (!pose.covariance) return out;
-  const Eigen::Matrix3d turn = pose.covariance->topLeftCorner<3, 3>().cast<double>();
-  const Eigen::Matrix3d place = pose.covariance->bottomRightCorner<3, 3>().cast<double>();
   const double factor = 2 / (pose.velocity->over_s * pose.velocity->over_s);
+  const auto in_base = [&](const Eigen::Matrix3f& of_camera) -> Eigen::Matrix3d {
+    return factor * turned * of_camera.cast<double>() * turned.transpose();
+  };
+  const Eigen::Matrix3d turn = in_base(pose.covariance->topLeftCorner<3, 3>());
+  const Eigen::Matrix3d place = in_base(pose.covariance->bottomRightCorner<3, 3>());
   for (Eigen::Index row = 0; row < 3; ++row) {
     for (Eigen::Index col = 0; col < 3; ++col) {
-      out.covariance[static_cast<std::size_t>(6 * row + col)] = factor * place(row, col);
-      out.covariance[static_cast<std::size_t>(6 * (row + 3) + col + 3)] = factor * turn(row, col);
+      out.covariance[static_cast<std::size_t>(6 * row + col)] = place(row, col);
+      out.covariance[static_cast<std::size_t>(6 * (row + 3) + col + 3)] = turn(row, col);
     }
   }
   return out;
@@ -50,23 +65,29 @@ const PublicMoving::InMap& in_main(const PublicMoving& moving) {
 }  // namespace
 
 ros::TFMessage tf_message(const PublicPoses& poses, RosNames& names) {
+  const Rigid3 base_from_cam = ros::base_from_optical();
   ros::TFMessage out;
   for (const PublicPose& c : poses.cameras) {
-    out.transforms.push_back({ros::header_of(c.capture_ns, frame_of(c.map, poses.main)),
-                              camera_frame(names.of(c.agent)), ros::transform_of(c.cam_from_map.inverse())});
+    const std::string& name = names.of(c.agent);
+    const auto say = [&](std::string frame, std::string child, const Rigid3& frame_from_child) {
+      out.transforms.push_back(
+          {ros::header_of(c.capture_ns, std::move(frame)), std::move(child), ros::transform_of(frame_from_child)});
+    };
+    say(frame_of(c.map, poses.main), odom_frame(name), c.cam_from_map.inverse() * c.cam_from_odom);
+    say(odom_frame(name), base_frame(name), c.cam_from_odom.inverse() * base_from_cam.inverse());
+    say(base_frame(name), camera_frame(name), base_from_cam);
   }
   return out;
 }
 
-ros::Odometry odometry(const PublicPose& pose, MapId main, RosNames& names) {
-  ros::Odometry out;
-  out.header = ros::header_of(pose.capture_ns, frame_of(pose.map, main));
-  out.child_frame_id = camera_frame(names.of(pose.agent));
-  out.pose.pose = ros::pose_of(pose.cam_from_map.inverse());
-  out.pose.covariance = pose.covariance ? ros::world_covariance(pose.cam_from_map, pose.covariance->cast<double>())
-                                        : diagonal(kUnknownVariance, kUnknownVariance);
-  out.twist = twist_of(pose);
-  return out;
+ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main) {
+  return {ros::header_of(pose.capture_ns, frame_of(pose.map, main)), pose_of_base(pose.cam_from_map, pose.covariance)};
+}
+
+ros::Odometry odometry(const PublicPose& pose, RosNames& names) {
+  const std::string& name = names.of(pose.agent);
+  return {ros::header_of(pose.capture_ns, odom_frame(name)), base_frame(name),
+          pose_of_base(pose.cam_from_odom, pose.covariance), twist_of(pose)};
 }
 
 ros::Path path(const PublicPath& path, const PublicInstant& instant) {
@@ -74,7 +95,7 @@ ros::Path path(const PublicPath& path, const PublicInstant& instant) {
   ros::Path out;
   out.header = ros::header_of(instant.t_ns, frame);
   for (const auto& [t_ns, cam_from_map] : path.cam_from_map)
-    out.poses.push_back({ros::header_of(t_ns, frame), ros::pose_of(cam_from_map.inverse())});
+    out.poses.push_back({ros::header_of(t_ns, frame), pose_of_base(cam_from_map, std::nullopt).pose});
   return out;
 }
 

@@ -6,12 +6,15 @@
 #include "server/publish/names.h"
 #include "server/publish/snapshot.h"
 
-// Snapshots as messages of ROS 2. Frames: see frame_of() and camera_frame().
+// Snapshots as messages of ROS 2. Frames: see frame_of() and odom_frame(). An agent's pose is that of its base_link.
 namespace coslam {
 
+// A map, the odom frame, base_link and the camera of each agent, one in the other.
 ros::TFMessage tf_message(const PublicPoses& poses, RosNames& names);
 // A covariance that nobody knows is very large.
-ros::Odometry odometry(const PublicPose& pose, MapId main, RosNames& names);
+ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main);
+// Its covariance is that of the pose in the map: how far the odom frame has drifted is not in it.
+ros::Odometry odometry(const PublicPose& pose, RosNames& names);
 ros::Path path(const PublicPath& path, const PublicInstant& instant);
 // Points of all maps; field `map` says whose frame the coordinates are in.
 ros::PointCloud2 static_cloud(const PublicCloud& cloud);

@@ -55,6 +55,7 @@ struct PublicPose {
   MapId map;
   TimeNs capture_ns = 0;
   Rigid3 cam_from_map;
+  Rigid3 cam_from_odom;                      // see OdomFrames
   std::optional<PoseCovariance> covariance;  // of cam_from_map, as the agent knows it
   std::optional<PublicVelocity> velocity;
 };

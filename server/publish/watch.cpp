@@ -73,7 +73,7 @@ Snapshot MapWatch::after_set(const FrameSet& set, const MapServer& server, PartS
   out.events = happenings_.after_set(map, server.journal(), server.graph());
   if (cloud_.under_way() && moved_whole(server.journal())) cloud_.give_up();
   if (wanted.has(Part::kPoses) && poses_pace_.due(now_ns, kPoses_s))
-    out.poses = dated(map, copy_poses(map, set, server.run()));
+    out.poses = dated(map, copy_poses(map, set, server.run(), &odom_));
   if (wanted.has(Part::kMoving) && moving_pace_.due(now_ns, kMoving_s))
     out.moving = dated(map, copy_moving(map, server.objects()));
   if (wanted.has(Part::kTracks) && tracks_pace_.due(now_ns, kTracks_s)) out.tracks = dated(map, copy_tracks(map, set));

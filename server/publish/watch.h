@@ -10,6 +10,7 @@
 #include "server/publish/copies.h"
 #include "server/publish/happenings.h"
 #include "server/publish/main_map.h"
+#include "server/publish/odom_frames.h"
 #include "server/publish/snapshot.h"
 
 namespace coslam {
@@ -60,6 +61,7 @@ class MapWatch {
 
   MainMap main_;
   Happenings happenings_;
+  OdomFrames odom_;
   std::map<CameraId, Frames> frames_;
   CloudCopy cloud_;
   std::optional<SetId> cloud_of_;  // the newest set when the last cloud was finished

@@ -40,7 +40,7 @@ class Speaker {
 
   void speak() {
     const ros::Header header = ros::header_of(7'000'000'001, "map");
-    ros::Odometry odometry{header, "cam0/camera_optical_frame", {}, {}};
+    ros::Odometry odometry{header, "cam0/base_link", {}, {}};
     odometry.pose.pose.position = {1.5, -2, 3};
     odometry.pose.covariance[35] = 0.25;
     say("/coslam/cam0/odom", "nav_msgs/msg/Odometry", ros::to_cdr(odometry));
@@ -108,7 +108,7 @@ TEST(Cyclone, ANodeHearsTheBridge) {
   const std::string text = text_in(heard);
   ASSERT_TRUE(status) << text;
   EXPECT_EQ(*status, 0) << text;
-  EXPECT_THAT(text, HasSubstr("odom 7.000000001 map cam0/camera_optical_frame 1.5 -2 3 1 0.25\n"));
+  EXPECT_THAT(text, HasSubstr("odom 7.000000001 map cam0/base_link 1.5 -2 3 1 0.25\n"));
   EXPECT_THAT(text, HasSubstr("cloud map 5000 8 140000 x 0.5\n"));
   EXPECT_THAT(text, HasSubstr("text {\"t_s\":7}\n"));
   EXPECT_THAT(text, HasSubstr("px4 2 1 0 -2 1 0 60\n")) << "FRD: one metre ahead, two up";

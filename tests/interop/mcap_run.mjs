@@ -26,8 +26,10 @@ for await (const { topic, t, value, independent } of recording.messages()) {
 }
 assert.equal(BigInt([...count.values()].reduce((a, b) => a + b)), reader.statistics.messageCount);
 for (const agent of agents) {
-  assert.ok(frames.has(`${agent}/camera_optical_frame`), `/tf has the camera of ${agent}`);
-  assert.ok(count.get(`/coslam/${agent}/odom`) > 0, `${agent} has poses`);
+  for (const frame of ["odom", "base_link", "camera_optical_frame"]) {
+    assert.ok(frames.has(`${agent}/${frame}`), `/tf has ${agent}/${frame}`);
+  }
+  for (const topic of ["pose", "odom"]) assert.ok(count.get(`/coslam/${agent}/${topic}`) > 0, `${agent} has its ${topic}`);
   assert.ok(count.get(`/coslam/${agent}/path`) > 0, `${agent} has a path`);
   assert.ok(count.get(`/coslam/${agent}/tracks`) > 0, `${agent} has tracks`);
 }

@@ -38,7 +38,7 @@ class Sample {
 };
 
 ros::Odometry odometry(const ros::Header& header, const Rigid3& world_from_cam) {
-  ros::Odometry odometry{header, "left/camera_optical_frame", {}, {}};
+  ros::Odometry odometry{header, "left/base_link", {}, {}};
   odometry.pose.pose = ros::pose_of(world_from_cam);
   for (std::size_t i = 0; i < 36; ++i) odometry.pose.covariance[i] = static_cast<double>(i);
   odometry.twist.twist.linear.z = 1.5;

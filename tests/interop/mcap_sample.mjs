@@ -34,7 +34,7 @@ const odom = await at("/odom", 150);
 assert.equal(odom.t, 150n * period);
 assert.deepEqual(odom.value.header.stamp, { sec: 3, nanosec: 0 });
 assert.equal(odom.value.header.frame_id, "map");
-assert.equal(odom.value.child_frame_id, "left/camera_optical_frame");
+assert.equal(odom.value.child_frame_id, "left/base_link");
 assert.equal(odom.value.pose.pose.position.x, 75);
 assert.ok(Math.abs(odom.value.pose.pose.orientation.z - Math.sin(0.75)) < 1e-12);
 assert.equal(odom.value.pose.covariance[35], 35);

@@ -71,6 +71,7 @@ class Heard {
 TEST_F(BridgeRun, ABridgeThatDiesLeavesTheMapAsItIs) {
   Participant node(ros_wire({.domain = nodes_.number()}), "node");
   Heard<ros::Odometry> odometry(node, "/coslam/cam0/odom");
+  Heard<ros::PoseWithCovarianceStamped> poses(node, "/coslam/cam0/pose");
   Heard<ros::PointCloud2> points(node, "/coslam/map/points");
   Heard<ros::TFMessage> transforms(node, "/tf");
   Program server("coslam-server", this->server());
@@ -80,10 +81,10 @@ TEST_F(BridgeRun, ABridgeThatDiesLeavesTheMapAsItIs) {
   ASSERT_TRUE(odometry.more_than(0)) << bridge->err() << server.err();
   EXPECT_TRUE(points.one_that([](const ros::PointCloud2& cloud) { return cloud.width > 10; }));
   ASSERT_TRUE(transforms.more_than(0));
+  EXPECT_TRUE(odometry.one_that(
+      [](const ros::Odometry& o) { return o.header.frame_id == "cam0/odom" && o.child_frame_id == "cam0/base_link"; }));
   // At first each of the two may have a map of its own.
-  EXPECT_TRUE(odometry.one_that([](const ros::Odometry& o) {
-    return o.header.frame_id == "map" && o.child_frame_id == "cam0/camera_optical_frame";
-  }));
+  EXPECT_TRUE(poses.one_that([](const ros::PoseWithCovarianceStamped& p) { return p.header.frame_id == "map"; }));
 
   bridge->signal(SIGKILL);
   EXPECT_EQ(bridge->exit_code(), 128 + SIGKILL);

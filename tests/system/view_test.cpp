@@ -51,15 +51,15 @@ TEST(View, ARunIsShownWhileItHappens) {
   EXPECT_EQ(http_get(port, "/").status, 200);
 
   WebClient viewer(port, {.protocol = "foxglove.sdk.v1"});
-  for (const char* topic : {"/coslam/map/points", "/coslam/map/moving", "/coslam/cam1/odom", "/coslam/state"})
+  for (const char* topic : {"/coslam/map/points", "/coslam/map/moving", "/coslam/cam1/pose", "/coslam/state"})
     ASSERT_TRUE(viewer.subscribe(topic)) << topic;
   const auto cloud =
       viewer.message_where("/coslam/map/points", [](const auto& m) { return ros_of<ros::PointCloud2>(m).width > 30; });
   ASSERT_TRUE(cloud) << run.err();
   EXPECT_TRUE(viewer.message_where("/coslam/map/moving", [](const auto&) { return true; }));
   const auto where = [&] {
-    const auto odom = viewer.message_where("/coslam/cam1/odom", [](const auto&) { return true; });
-    return odom ? ros_of<ros::Odometry>(*odom).pose.pose.position.x : std::nan("");
+    const auto pose = viewer.message_where("/coslam/cam1/pose", [](const auto&) { return true; });
+    return pose ? ros_of<ros::PoseWithCovarianceStamped>(*pose).pose.pose.position.x : std::nan("");
   };
   const double before = where();
   EXPECT_TRUE(viewer.message_where("/coslam/map/points", [&](const auto& m) { return m.t_ns > cloud->t_ns; }));
@@ -89,7 +89,7 @@ TEST(View, ARunInOneProcessToo) {
   const auto tf =
       viewer.message_where("/tf", [](const auto& m) { return !ros_of<ros::TFMessage>(m).transforms.empty(); });
   ASSERT_TRUE(tf) << run.err();
-  EXPECT_EQ(ros_of<ros::TFMessage>(*tf).transforms[0].child_frame_id, "cam0/camera_optical_frame");
+  EXPECT_EQ(ros_of<ros::TFMessage>(*tf).transforms[0].child_frame_id, "cam0/odom");
   run.signal(SIGINT);
   EXPECT_EQ(run.exit_code(), 0) << run.err();
 }

@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "deploy/tools/export/result_events.h"
+#include "server/publish/odom_frames.h"
 
 namespace coslam::exporting {
 namespace {
@@ -157,13 +158,18 @@ void ResultSnapshots::gather_instants() {
   for (Agent& agent : agents_) {
     for (const auto& [map, path] : agent.paths) {
       for (const StampedPose& pose : path)
-        all.push_back({pose.t_ns, {agent.name, map, pose.t_ns, pose.cam_from_world, std::nullopt, std::nullopt}});
+        all.push_back({pose.t_ns, {agent.name, map, pose.t_ns, pose.cam_from_world, {}, std::nullopt, std::nullopt}});
       const double length_s = path.size() < 2 ? 0 : to_seconds(path.back().t_ns - path.front().t_ns);
       if (length_s > 0) agent.rate_hz = std::max(agent.rate_hz, static_cast<double>(path.size() - 1) / length_s);
     }
   }
   std::ranges::stable_sort(all, {}, &std::pair<TimeNs, PublicPose>::first);
+  OdomFrames odom;
   for (auto& [t_ns, pose] : all) {
+    const auto& paths = find(pose.agent)->paths;
+    const auto path = std::ranges::find(paths, pose.map, &std::pair<MapId, Trajectory>::first);
+    pose.cam_from_odom = odom.follow(pose.agent, t_ns, pose.cam_from_map,
+                                     [&](TimeNs at_ns) { return coslam::pose_at(path->second, at_ns, 0); });
     const bool begins = instants_.empty() ||
                         to_seconds(t_ns - instants_.back().poses.front().capture_ns) > kTogether_s ||
                         std::ranges::count(instants_.back().poses, pose.agent, &PublicPose::agent) > 0;

@@ -94,8 +94,8 @@ std::vector<std::pair<TimeNs, Message>> messages_of(mcap::Reader& reader, const 
 
 TEST_F(McapExport, PosesAreInTheFramesOfTheirMaps) {
   mcap::Reader reader = exported();
-  const auto a = messages_of<ros::Odometry>(reader, "/coslam/a/odom");
-  const auto b = messages_of<ros::Odometry>(reader, "/coslam/b/odom");
+  const auto a = messages_of<ros::PoseWithCovarianceStamped>(reader, "/coslam/a/pose");
+  const auto b = messages_of<ros::PoseWithCovarianceStamped>(reader, "/coslam/b/pose");
   ASSERT_EQ(a.size(), 31U);
   ASSERT_EQ(b.size(), 31U);
   EXPECT_EQ(a[10].first, 10 * kFrame_ns);
@@ -103,7 +103,12 @@ TEST_F(McapExport, PosesAreInTheFramesOfTheirMaps) {
   EXPECT_NEAR(a[10].second.pose.pose.position.x, 1.0, 1e-9);
   EXPECT_EQ(b[10].second.header.frame_id, "map_2");
   EXPECT_NEAR(b[10].second.pose.pose.position.y, 1.0, 1e-9);
-  EXPECT_EQ(messages_of<ros::TFMessage>(reader, "/tf").at(5).second.transforms.size(), 2U);
+  EXPECT_EQ(messages_of<ros::TFMessage>(reader, "/tf").at(5).second.transforms.size(), 6U);
+  const auto odom = messages_of<ros::Odometry>(reader, "/coslam/b/odom");
+  EXPECT_EQ(odom.at(10).second.header.frame_id, "b/odom");
+  EXPECT_EQ(odom[0].second.pose.pose.position.x, 0);
+  const auto length = [](const ros::Point& p) { return std::hypot(p.x, p.y, p.z); };
+  EXPECT_NEAR(length(odom[10].second.pose.pose.position), 1.0, 1e-9) << "from where it began";
   const auto paths = messages_of<ros::Path>(reader, "/coslam/a/path");
   EXPECT_EQ(paths.back().second.poses.size(), 31U);
 }

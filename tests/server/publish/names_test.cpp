@@ -25,6 +25,8 @@ TEST(RosNames, NoTwoAgentsShareOne) {
 TEST(Frames, MapsThatHaveNotMetHaveRootsOfTheirOwn) {
   EXPECT_EQ(frame_of(MapId(3), MapId(3)), "map");
   EXPECT_EQ(frame_of(MapId(4), MapId(3)), "map_4");
+  EXPECT_EQ(odom_frame("cam0"), "cam0/odom");
+  EXPECT_EQ(base_frame("cam0"), "cam0/base_link");
   EXPECT_EQ(camera_frame("cam0"), "cam0/camera_optical_frame");
 }
 

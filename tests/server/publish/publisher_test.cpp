@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/ros/cdr.h"
+#include "common/ros/convert.h"
 #include "common/ros/messages.h"
 #include "common/ros/type.h"
 
@@ -26,10 +27,21 @@ Rigid3 camera_pose() {
   return Rigid3(map_from_cam, Eigen::Vector3d(1, 2, 3)).inverse();
 }
 
+Rigid3 cam_from_odom() {
+  return Rigid3(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {0.5, 0.25, 0}).inverse() *
+         camera_pose();
+}
+
+Rigid3 rigid_of(const ros::Transform& t) {
+  return {Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z),
+          {t.translation.x, t.translation.y, t.translation.z}};
+}
+
 Snapshot snapshot() {
   Snapshot out;
   PublicPoses poses{{2'500'000'000, kMain}, {}};
   PublicPose pose{.agent = "cam-0", .map = kMain, .capture_ns = 2'400'000'000, .cam_from_map = camera_pose()};
+  pose.cam_from_odom = cam_from_odom();
   pose.covariance = PoseCovariance::Identity() * 0.01F;
   pose.velocity = PublicVelocity{{0, 0, 1}, {0, 0.5, 0}, 0.1};
   poses.cameras = {pose, {.agent = "far", .map = kOther, .capture_ns = 2'500'000'000}};
@@ -115,8 +127,9 @@ class PublisherTest : public ::testing::Test {
 
 TEST_F(PublisherTest, EveryChannelHasItsMessage) {
   publish();
-  EXPECT_THAT(announced_, ElementsAre("/coslam/cam_0/odom", "/coslam/cam_0/path", "/coslam/cam_0/tracks",
-                                      "/coslam/far/odom", "/coslam/far/path", "/coslam/far/tracks"));
+  EXPECT_THAT(announced_,
+              ElementsAre("/coslam/cam_0/pose", "/coslam/cam_0/odom", "/coslam/cam_0/path", "/coslam/cam_0/tracks",
+                          "/coslam/far/pose", "/coslam/far/odom", "/coslam/far/path", "/coslam/far/tracks"));
   for (const ChannelPtr& c : publisher_.channels()) {
     const bool none = c->topic == "/coslam/far/path" || c->topic == "/coslam/far/tracks";
     EXPECT_EQ(messages_.contains(c->topic), !none) << c->topic;
@@ -133,29 +146,58 @@ TEST_F(PublisherTest, NothingIsMadeThatNobodyWants) {
   EXPECT_TRUE(messages_.contains("/tf"));
 }
 
-TEST_F(PublisherTest, CamerasAreWhereTheyAreInTheMap) {
+TEST_F(PublisherTest, FramesHangInEachOther) {
   publish();
   const auto tf = ros<ros::TFMessage>("/tf");
-  ASSERT_EQ(tf.transforms.size(), 2U);
-  EXPECT_EQ(tf.transforms[0].header.frame_id, "map");
-  EXPECT_EQ(tf.transforms[0].child_frame_id, "cam_0/camera_optical_frame");
-  EXPECT_EQ(tf.transforms[0].header.stamp.sec, 2);
-  EXPECT_EQ(tf.transforms[0].header.stamp.nanosec, 400'000'000U);
-  EXPECT_NEAR(tf.transforms[0].transform.translation.y, 2, 1e-12);
-  EXPECT_NEAR(tf.transforms[0].transform.rotation.y, std::sqrt(0.5), 1e-12);
-  EXPECT_EQ(tf.transforms[1].header.frame_id, "map_5");
+  ASSERT_EQ(tf.transforms.size(), 6U);
+  std::vector<std::string> frames;
+  for (const auto& t : tf.transforms) frames.push_back(t.header.frame_id + " " + t.child_frame_id);
+  EXPECT_THAT(frames,
+              ElementsAre("map cam_0/odom", "cam_0/odom cam_0/base_link", "cam_0/base_link cam_0/camera_optical_frame",
+                          "map_5 far/odom", "far/odom far/base_link", "far/base_link far/camera_optical_frame"));
+  EXPECT_EQ(tf.transforms[2].header.stamp.sec, 2);
+  EXPECT_EQ(tf.transforms[2].header.stamp.nanosec, 400'000'000U);
+  // One after the other they say where the camera is in the map; base_link is there too.
+  const Rigid3 map_from_base = rigid_of(tf.transforms[0].transform) * rigid_of(tf.transforms[1].transform);
+  const Rigid3 map_from_cam = map_from_base * rigid_of(tf.transforms[2].transform);
+  EXPECT_LT(local(map_from_cam, camera_pose().inverse()).norm(), 1e-12);
+  EXPECT_EQ(map_from_base.translation, map_from_cam.translation);
+  EXPECT_LT(local(rigid_of(tf.transforms[0].transform), camera_pose().inverse() * cam_from_odom()).norm(), 1e-12);
+}
+
+// REP 103: a body's x is ahead, y left, z up; a camera's x right, y down, z ahead.
+TEST_F(PublisherTest, ABodyLooksAheadAlongX) {
+  const Eigen::Quaterniond base_from_cam = ros::base_from_optical().rotation;
+  EXPECT_LT((base_from_cam * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_LT((base_from_cam * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_LT((base_from_cam * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+}
+
+TEST_F(PublisherTest, PosesInTheMapAndInOdomAreOfTheBody) {
+  publish();
+  const auto pose = ros<ros::PoseWithCovarianceStamped>("/coslam/cam_0/pose");
+  EXPECT_EQ(pose.header.frame_id, "map");
+  EXPECT_NEAR(pose.pose.pose.position.x, 1, 1e-12);
+  // It looks along x of the map with y down: its left is z.
+  const auto& q = pose.pose.pose.orientation;
+  const Eigen::Quaterniond map_from_base(q.w, q.x, q.y, q.z);
+  EXPECT_LT((map_from_base * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+  EXPECT_LT((map_from_base * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_NEAR(pose.pose.covariance[0], 0.01, 1e-6);
+  EXPECT_NEAR(pose.pose.covariance[35], 0.01, 1e-6);
+  EXPECT_EQ(messages_.at("/coslam/cam_0/pose")->t_ns, 2'400'000'000);
+  EXPECT_EQ(ros<ros::PoseWithCovarianceStamped>("/coslam/far/pose").header.frame_id, "map_5");
+  EXPECT_GT(ros<ros::PoseWithCovarianceStamped>("/coslam/far/pose").pose.covariance[0], 1e5) << "nobody knows it";
 
   const auto odom = ros<ros::Odometry>("/coslam/cam_0/odom");
-  EXPECT_EQ(odom.header.frame_id, "map");
-  EXPECT_EQ(odom.child_frame_id, "cam_0/camera_optical_frame");
-  EXPECT_NEAR(odom.pose.pose.position.x, 1, 1e-12);
+  EXPECT_EQ(odom.header.frame_id, "cam_0/odom");
+  EXPECT_EQ(odom.child_frame_id, "cam_0/base_link");
+  EXPECT_NEAR(odom.pose.pose.position.x, cam_from_odom().center().x(), 1e-12);
   EXPECT_NEAR(odom.pose.covariance[0], 0.01, 1e-6);
-  EXPECT_NEAR(odom.pose.covariance[35], 0.01, 1e-6);
-  EXPECT_EQ(odom.twist.twist.linear.z, 1);
-  EXPECT_EQ(odom.twist.twist.angular.y, 0.5);
+  EXPECT_NEAR(odom.twist.twist.linear.x, 1, 1e-12) << "ahead";
+  EXPECT_NEAR(odom.twist.twist.angular.z, -0.5, 1e-12) << "about down";
   EXPECT_NEAR(odom.twist.covariance[0], 2 * 0.01 / (0.1 * 0.1), 1e-4);
   EXPECT_EQ(messages_.at("/coslam/cam_0/odom")->t_ns, 2'400'000'000);
-  EXPECT_GT(ros<ros::Odometry>("/coslam/far/odom").pose.covariance[0], 1e5) << "nobody knows it";
 
   const auto path = ros<ros::Path>("/coslam/cam_0/path");
   ASSERT_EQ(path.poses.size(), 2U);

@@ -67,6 +67,24 @@ TEST_F(WatchTest, CopiesWhatTheMapHas) {
   EXPECT_THAT(kinds, ::testing::IsSupersetOf({"joined", "map_started", "merge"}));
 }
 
+TEST_F(WatchTest, TheOdomFrameFollowsTheCameraWithoutAJump) {
+  std::map<std::string, std::vector<Rigid3>> map_from_odom;
+  for (int i = 0; i < 150; ++i) {
+    const Snapshot s = step(i % 50 < 25 ? kAllParts : PartSet{});  // there is not always somebody who looks
+    if (!s.poses) continue;
+    for (const PublicPose& pose : s.poses->cameras)
+      map_from_odom[pose.agent].push_back(pose.cam_from_map.inverse() * pose.cam_from_odom);
+  }
+  ASSERT_EQ(map_from_odom.size(), 2U);
+  for (const auto& [agent, frames] : map_from_odom) {
+    ASSERT_GT(frames.size(), 60U) << agent;
+    // Only what was corrected meanwhile moves it: little, of metres.
+    const Vector6d moved = local(frames.front(), frames.back());
+    EXPECT_LT(moved.head<3>().norm(), 0.02) << agent;
+    EXPECT_LT((frames.front().translation - frames.back().translation).norm(), 0.1) << agent;
+  }
+}
+
 // The camera frame has x to the right, y down, z forward.
 TEST_F(WatchTest, TheVelocityIsThatOfTheCamera) {
   const Snapshot s = steps(60, kAllParts);

@@ -7,6 +7,7 @@ import { NAMES, WHY_LOST } from "./script.mjs";
 
 const json = (value) => new TextEncoder().encode(JSON.stringify(value));
 const cloud = "sensor_msgs/msg/PointCloud2";
+const estimate = "geometry_msgs/msg/PoseWithCovarianceStamped";
 
 function channelsOf(cameras) {
   const list = [
@@ -19,7 +20,7 @@ function channelsOf(cameras) {
   for (const i of cameras) {
     const of = `/coslam/${NAMES[i]}`;
     list.push(
-      { topic: `${of}/odom`, type: "nav_msgs/msg/Odometry", rate_hz: 30, make: (run, t) => (run.isLost(i, t) ? null : run.odom(i, t)) },
+      { topic: `${of}/pose`, type: estimate, rate_hz: 30, make: (run, t) => (run.isLost(i, t) ? null : run.pose(i, t)) },
       { topic: `${of}/path`, type: "nav_msgs/msg/Path", rate_hz: 1, make: (run, t) => run.path(i, t) },
       { topic: `${of}/tracks`, rate_hz: 5, make: (run, t) => json(run.tracks(i, t)) });
   }

@@ -26,6 +26,9 @@ function cloud(t_s, frame, fields, count, fill, extra = 0) {
   return out.u8(0).u32(step).u32(data.length).octets(data).u8(1).done();
 }
 
+// x ahead, y left, z up of a camera, whose axes are x right, y down, z ahead.
+function ofBase(r) { return [0, 3, 6].flatMap((row) => [r[row + 2], -r[row], -r[row + 1]]); }
+
 function xyzTo(view, at, [x, y, z], sigma) {
   [x, y, z, sigma].forEach((value, i) => view.setFloat32(at + 4 * i, value, true));
 }
@@ -101,12 +104,12 @@ export class Run {
       : marker(0, [[0, 0, 0], [0, 0, 0, 1]], [0.04, 0.1, 0.1], [box.t, tip]))).done();
   }
 
-  odom(index, t_s) {
+  pose(index, t_s) {
     const pose = this.inMap(index, t_s, cameraAt(index, t_s));
-    const out = new CdrWriter(900).header(t_s, frameOf(mapOf(index, t_s))).string(`${NAMES[index]}/camera_optical_frame`);
+    const out = new CdrWriter(900).header(t_s, frameOf(mapOf(index, t_s)));
     const variance = [0.0004, 0.0002, 0.0011, 1e-5, 1e-5, 1e-5];
     const covariance = Array.from({ length: 36 }, (_, i) => (i % 7 === 0 ? variance[i / 7] : i === 2 || i === 12 ? 0.0003 : 0));
-    return out.pose(pose.t, quaternion(pose.r)).f64s(covariance).f64s(new Array(6 + 36).fill(0)).done();
+    return out.pose(pose.t, quaternion(ofBase(pose.r))).f64s(covariance).done();
   }
 
   path(index, t_s) {
@@ -114,7 +117,7 @@ export class Run {
     const poses = this.poses[index].slice(-500);
     return out.sequence(poses, ({ t_s: at_s, pose }) => {
       const inMap = this.inMap(index, t_s, pose);
-      out.header(at_s, frameOf(mapOf(index, t_s))).pose(inMap.t, quaternion(inMap.r));
+      out.header(at_s, frameOf(mapOf(index, t_s))).pose(inMap.t, quaternion(ofBase(inMap.r)));
     }).done();
   }
 

@@ -13,8 +13,6 @@ const PARTS = {
   "geometry_msgs/Pose": "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation",
   "geometry_msgs/PoseStamped": "std_msgs/Header header\ngeometry_msgs/Pose pose",
   "geometry_msgs/PoseWithCovariance": "geometry_msgs/Pose pose\nfloat64[36] covariance",
-  "geometry_msgs/Twist": "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular",
-  "geometry_msgs/TwistWithCovariance": "geometry_msgs/Twist twist\nfloat64[36] covariance",
   "sensor_msgs/PointField": "string name\nuint32 offset\nuint8 datatype\nuint32 count",
   "sensor_msgs/CompressedImage": "std_msgs/Header header\nstring format\nuint8[] data",
   "visualization_msgs/UVCoordinate": "float32 u\nfloat32 v",
@@ -31,9 +29,7 @@ const ROOTS = {
   "sensor_msgs/msg/PointCloud2":
     "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n" +
     "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense",
-  "nav_msgs/msg/Odometry":
-    "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n" +
-    "geometry_msgs/TwistWithCovariance twist",
+  "geometry_msgs/msg/PoseWithCovarianceStamped": "std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose",
   "nav_msgs/msg/Path": "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses",
   "visualization_msgs/msg/MarkerArray": "visualization_msgs/Marker[] markers",
 };

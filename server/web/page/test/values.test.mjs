@@ -70,7 +70,10 @@ test("up is up for cameras that look down while they turn", () => {
   const poses = Array.from({ length: 20 }, (_, i) => {
     const [yaw, pitch] = [0.3 * i, -0.5];
     const [cy, sy, cp, sp] = [Math.cos(yaw / 2), Math.sin(yaw / 2), Math.cos(pitch / 2), Math.sin(pitch / 2)];
-    return { position: { x: 0, y: 0, z: 0 }, orientation: { x: cy * sp, y: sy * cp, z: -sy * sp, w: cy * cp } };
+    const camera = [cy * sp, sy * cp, -sy * sp, cy * cp];
+    const [x, y, z, w] = [[1, 1, 1, 1], [-1, 1, 1, -1], [-1, -1, 1, 1], [-1, 1, -1, 1]]  // by a body's axes
+      .map((signs) => 0.5 * signs.reduce((sum, sign, k) => sum + sign * camera[k], 0));
+    return { position: { x: 0, y: 0, z: 0 }, orientation: { x, y, z, w } };
   });
   const frames = new Frames();
   frames.level("map", poses);

@@ -87,7 +87,7 @@ export interface Vector { x: number; y: number; z: number }
 export interface Quaternion extends Vector { w: number }
 export interface Pose { position: Vector; orientation: Quaternion }
 export interface Header { stamp: { sec: number; nsec?: number; nanosec?: number }; frame_id: string }
-export interface Odometry { header: Header; pose: { pose: Pose; covariance: ArrayLike<number> } }
+export interface PoseEstimate { header: Header; pose: { pose: Pose; covariance: ArrayLike<number> } }
 export interface Path { header: Header; poses: { header: Header; pose: Pose }[] }
 export interface Marker {
   header: Header;
@@ -112,8 +112,8 @@ export const TOPIC = {
 // What the channels of an agent have between /coslam/ and their last part.
 export function topicName(agent: AgentState): string { return agent.topic?.replace(/^\/coslam\//, "") ?? agent.name; }
 
-// "/coslam/cam0/odom" -> ["cam0", "odom"], the first as topicName() has it; undefined for topics that are of no agent.
+// "/coslam/cam0/pose" -> ["cam0", "pose"], the first as topicName() has it; undefined for topics that are of no agent.
 export function agentTopic(topic: string): [string, string] | undefined {
-  const match = /^\/coslam\/(.+)\/(odom|path|tracks)$/.exec(topic);
+  const match = /^\/coslam\/(.+)\/(pose|path|tracks)$/.exec(topic);
   return match ? [match[1]!, match[2]!] : undefined;
 }

@@ -4,8 +4,8 @@
 // Cameras: a frustum in the colour of the group, the way it came, its name. One without a pose stays where it was, dashed.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Matrix4, Mesh, MeshBasicMaterial, Vector3 } from "three";
 
-import type { AgentState, Odometry, Path, Pose } from "../data/types";
-import { type Frames, quaternionOf } from "./frames";
+import type { AgentState, Path, Pose, PoseEstimate } from "../data/types";
+import { type Frames, lookOf } from "./frames";
 import { type Label, Label as LabelOf, type Labels } from "./labels";
 import { Strokes, strip } from "./lines";
 import type { Palette } from "./palette";
@@ -51,10 +51,10 @@ export class CameraMark {
     this.shape(state.fov);
   }
 
-  takeOdometry(odometry: Odometry, frames: Frames): void {
-    this.pose = odometry.pose.pose;
-    this.covariance = odometry.pose.covariance;
-    this.move(odometry.header.frame_id, frames);
+  takePose({ header, pose }: PoseEstimate, frames: Frames): void {
+    this.pose = pose.pose;
+    this.covariance = pose.covariance;
+    this.move(header.frame_id, frames);
     this.drawTrail();
   }
 
@@ -111,7 +111,7 @@ export class CameraMark {
     if (!this.pose) return;
     const { position } = this.pose;
     const scale = new Vector3(this.size, this.size, this.size);
-    this.body.matrix.copy(new Matrix4().compose(new Vector3(position.x, position.y, position.z), quaternionOf(this.pose), scale));
+    this.body.matrix.copy(new Matrix4().compose(new Vector3(position.x, position.y, position.z), lookOf(this.pose), scale));
     this.body.updateMatrixWorld(true);
   }
 

@@ -69,7 +69,7 @@ export class Frames {
     const frame = this.of(name);
     if ((frame.settled && !again) || poses.length === 0) return;
     const up = upOf(poses);
-    frame.ahead ??= new Vector3(0, 0, 1).applyQuaternion(quaternionOf(poses[0]!));
+    frame.ahead ??= new Vector3(0, 0, 1).applyQuaternion(lookOf(poses[0]!));
     const ahead = frame.ahead.clone().addScaledVector(up, -frame.ahead.dot(up));
     if (ahead.lengthSq() < 1e-6) ahead.set(up.y, up.z, up.x).addScaledVector(up, -up.dot(ahead));
     const back = ahead.normalize().negate();
@@ -126,13 +126,18 @@ export class Frames {
   }
 }
 
+const BASE_FROM_OPTICAL = new Quaternion(-0.5, 0.5, -0.5, 0.5);
+
+// How the camera of a base_link (x ahead, y left, z up) is turned: x right, y down, z ahead.
+export function lookOf(pose: Pose): Quaternion { return quaternionOf(pose).multiply(BASE_FROM_OPTICAL); }
+
 export function quaternionOf({ orientation: q }: Pose): Quaternion { return new Quaternion(q.x, q.y, q.z, q.w); }
 
 function upOf(poses: readonly Pose[]): Vector3 {
   const up = new Vector3();
   const m = new Array<number>(9).fill(0);
   for (const pose of poses) {
-    const q = quaternionOf(pose);
+    const q = lookOf(pose);
     const x = new Vector3(1, 0, 0).applyQuaternion(q).toArray();
     up.sub(new Vector3(0, 1, 0).applyQuaternion(q));
     for (let i = 0; i < 9; ++i) m[i] = m[i]! + (x[Math.floor(i / 3)]! * x[i % 3]!) / poses.length;

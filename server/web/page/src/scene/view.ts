@@ -7,7 +7,7 @@ import { Box3, Matrix4, Vector3 } from "three";
 import type { Cloud } from "../data/cloud";
 import { decode } from "../data/decode";
 import type { Source } from "../data/source";
-import { TOPIC, agentTopic, topicName, type MarkerArray, type Message, type Odometry, type Path, type Pose, type RunState, type Tracks } from "../data/types";
+import { TOPIC, agentTopic, topicName, type MarkerArray, type Message, type Path, type Pose, type PoseEstimate, type RunState, type Tracks } from "../data/types";
 import { CameraMark } from "./cameras";
 import { Frames } from "./frames";
 import { Labels } from "./labels";
@@ -224,9 +224,9 @@ export class View {
   }
 
   private takePose(mark: CameraMark, what: string, message: Message): void {
-    if (what === "odom") {
-      const odometry = decode<Odometry>(message);
-      if (odometry) mark.takeOdometry(odometry, this.frames);
+    if (what === "pose") {
+      const estimate = decode<PoseEstimate>(message);
+      if (estimate) mark.takePose(estimate, this.frames);
     } else {
       const path = decode<Path>(message);
       if (path) mark.takePath(path, this.frames);
