@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "agent/gpu/kept_code.h"
 #include "agent/gpu/match_program.h"
 #include "agent/gpu/shared.h"
 
@@ -126,6 +127,12 @@ struct Compiler {
   int (*log)(void* program, char* text) = nullptr;
 };
 
+std::string text_of(const std::string& program) {
+  return "#define GROUP " + std::to_string(kGroup) + "\n" + kCudaDialect + program;
+}
+
+std::string architecture_of(int capability) { return "--gpu-architecture=sm_" + std::to_string(capability); }
+
 // A program in the GPU's memory, once for all cameras of the process.
 struct Loaded {
   explicit Loaded(std::string text) : source(std::move(text)) {
@@ -134,12 +141,15 @@ struct Loaded {
     int major = 0, minor = 0;
     cuda.check(cuda.device_attribute(&major, kCapabilityMajor, device), "cuDeviceGetAttribute");
     cuda.check(cuda.device_attribute(&minor, kCapabilityMinor, device), "cuDeviceGetAttribute");
-    const std::vector<char> code = cuda_machine_code(source, 10 * major + minor);
+    const int capability = 10 * major + minor;
     cuda.check(cuda.retain_context(&context, device), "cuDevicePrimaryCtxRetain");
-    int status = cuda.set_context(context);
-    if (status == 0) status = cuda.load_module(&module, code.data());
-    if (status != 0) cuda.release_context(device);
-    cuda.check(status, "cuModuleLoadData");
+    try {
+      cuda.check(cuda.set_context(context), "cuCtxSetCurrent");
+      load(capability);
+    } catch (...) {
+      cuda.release_context(device);
+      throw;
+    }
   }
   ~Loaded() {
     if (cuda.set_context(context) == 0) cuda.unload_module(module);
@@ -149,6 +159,16 @@ struct Loaded {
   Loaded& operator=(const Loaded&) = delete;
 
   bool is_of(const std::string& text) const { return source == text; }
+
+  // What was kept may be of a driver that is no more: then it is translated all the same.
+  void load(int capability) {
+    const KeptCode kept = KeptCode::of_user();
+    const std::string key = architecture_of(capability) + "\n" + text_of(source);
+    if (const auto code = kept.find(key); code && cuda.load_module(&module, code->data()) == 0) return;
+    const std::vector<char> code = cuda_machine_code(source, capability);
+    cuda.check(cuda.load_module(&module, code.data()), "cuModuleLoadData");
+    kept.keep(key, code);
+  }
 
   const Driver& cuda = Driver::get();
   std::string source;
@@ -297,8 +317,7 @@ class CudaDevice final : public Device {
 
 std::vector<char> cuda_machine_code(const std::string& program, int capability) {
   static const Compiler compiler;
-  const std::string text = "#define GROUP " + std::to_string(kGroup) + "\n" + kCudaDialect + program;
-  const std::string architecture = "--gpu-architecture=sm_" + std::to_string(capability);
+  const std::string text = text_of(program), architecture = architecture_of(capability);
   // As on the CPU, no product is added unrounded.
   const std::array<const char*, 4> options{architecture.c_str(), "--device-as-default-execution-space", "--fmad=false",
                                            "--std=c++17"};

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdlib>
-
+#include "common/base/cache_folder.h"
 #include "common/base/error.h"
 #include "deploy/scene/scene.h"
 #include "deploy/scene/writer.h"
@@ -12,8 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path cache_root() {
-  if (const char* set = std::getenv("COSLAM_CACHE"); set != nullptr && *set != '\0') return set;
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return fs::path(home) / ".cache/coslam";
+  if (auto folder = cache_folder()) return *folder;
   throw UserError("no place for rendered scenes: set COSLAM_CACHE or HOME");
 }
 
