@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <map>
 #include <tuple>
 
 #include "server/associate/gate.h"
@@ -27,25 +26,25 @@ void collect(const Map& map, const MapCamera& camera, const PointsByPlace& point
              std::vector<Candidate>* out) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of the tracks in the grid
-  const TrackGrid grid(camera, [&](const ServerTrack& t) {
-    const MapPoint* p = map.find(t.point);
-    if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) return false;
-    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
-    if (window) covariances[t.id] = window->covariance;
-    return window.has_value();
-  });
+  const TrackGrid grid(
+      camera,
+      [&](const ServerTrack& t) -> std::optional<Eigen::Matrix2d> {
+        const MapPoint* p = map.find(t.point);
+        if (p == nullptr || !p->rests() || !t.patch || t.gate_failures > 0) return std::nullopt;
+        const auto window = search_window(camera.model, pose, *p, gate_px, theta);
+        return window ? std::optional(window->covariance) : std::nullopt;
+      },
+      theta);
   for (const MapPoint* p : points.near_tracks(camera, grid, {theta, gate_px})) {
     if (seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
-    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
-      const Eigen::Matrix2d s =
-          window->covariance + covariances.at(t->id) + gate_px * gate_px * Eigen::Matrix2d::Identity();
-      const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
+    grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
+      const Eigen::Matrix2d s = window->covariance + t.covariance + gate_px * gate_px * Eigen::Matrix2d::Identity();
+      const Eigen::Vector2d r = t.px - window->px;
       const double d2 = r.dot(s.inverse() * r);
-      if (d2 < best.d2) best = {d2, p->id, t->point, camera.id, t};
+      if (d2 < best.d2) best = {d2, p->id, t.track->point, camera.id, t.track};
     });
     if (best.track == nullptr) continue;
     ++report->candidates;

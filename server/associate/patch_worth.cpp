@@ -31,26 +31,26 @@ void PatchWorths::note(CameraId camera, TrackId track, const Rank& rank) {
 void PatchWorths::collect(const Map& map, const MapCamera& camera, const PointsByPlace& points) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  std::map<TrackId, Eigen::Matrix2d> covariances;  // in the image, of the points of tracks that have one
-  const TrackGrid grid(camera, [&](const ServerTrack& t) {
-    if (t.free_and_resting()) return true;
-    const MapPoint* p = map.find(t.point);
-    if (p == nullptr || !p->rests() || t.gate_failures > 0) return false;
-    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
-    if (window) covariances[t.id] = window->covariance;
-    return window.has_value();
-  });
+  const TrackGrid grid(
+      camera,
+      [&](const ServerTrack& t) -> std::optional<Eigen::Matrix2d> {
+        if (t.free_and_resting()) return Eigen::Matrix2d::Zero();
+        const MapPoint* p = map.find(t.point);
+        if (p == nullptr || !p->rests() || t.gate_failures > 0) return std::nullopt;
+        const auto window = search_window(camera.model, pose, *p, gate_px, theta);
+        return window ? std::optional(window->covariance) : std::nullopt;
+      },
+      theta);
   for (const MapPoint* p : points.near_tracks(camera, grid, {theta, gate_px})) {
     if (seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     std::pair<double, const ServerTrack*> nearest{theta * theta, nullptr};
-    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
-      Eigen::Matrix2d s = window->covariance + gate_px * gate_px * Eigen::Matrix2d::Identity();
-      if (const auto own = covariances.find(t->id); own != covariances.end()) s += own->second;
-      const Eigen::Vector2d r = t->seen.back().undistorted_px.cast<double>() - window->px;
+    grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
+      const Eigen::Matrix2d s = window->covariance + gate_px * gate_px * Eigen::Matrix2d::Identity() + t.covariance;
+      const Eigen::Vector2d r = t.px - window->px;
       const double d2 = r.dot(s.inverse() * r);
-      if (d2 < nearest.first) nearest = {d2, t};
+      if (d2 < nearest.first) nearest = {d2, t.track};
     });
     const auto [d2, track] = nearest;
     if (track == nullptr) continue;

@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace coslam {
 namespace {
 
-constexpr std::size_t kMostInBox = 32;
+constexpr Eigen::Index kMostInBox = 64;
 // What is left out by rough arithmetic is left out by the exact one as well.
-constexpr double kRounding = 1e-9, kSlack_px = 0.01;
+constexpr double kRounding = 1e-6;
+constexpr float kSlack_px = 0.01F;
 
 // Half space of the world: inside where normal * x + offset >= 0.
 struct HalfSpace {
@@ -48,73 +50,119 @@ bool may_reach(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Fr
 
 }  // namespace
 
-PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) {
-  for (const MapPoint* p : points) places_.push_back({p, p->position, p->covariance.trace()});
-  std::ranges::stable_sort(places_, {}, [](const Place& p) { return p.point->map; });
-  for (std::size_t first = 0; first < places_.size();) {
-    std::size_t last = first;
-    while (last < places_.size() && places_[last].point->map == places_[first].point->map) ++last;
-    split(first, last);
+PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) : points_(points) {
+  constexpr std::size_t kAhead = 8;  // points lie anywhere in memory
+  std::vector<Place> places(points.size());
+  bool one_map = true;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i + kAhead < points.size()) {
+      __builtin_prefetch(&points[i + kAhead]->map);
+      __builtin_prefetch(&points[i + kAhead]->position);
+      __builtin_prefetch(&points[i + kAhead]->covariance);
+    }
+    const MapPoint& p = *points[i];
+    places[i] = place_of(p, static_cast<std::uint32_t>(i));
+    one_map = one_map && p.map == points.front()->map;
+  }
+  const auto map_of = [&](const Place& p) { return points_[p.of]->map; };
+  if (!one_map) std::ranges::stable_sort(places, {}, map_of);
+  for (std::size_t first = 0; first < places.size();) {
+    const MapId map = map_of(places[first]);
+    std::size_t last = one_map ? places.size() : first;
+    while (last < places.size() && map_of(places[last]) == map) ++last;
+    split(&places, map, first, last);
     first = last;
   }
+  const auto n = static_cast<Eigen::Index>(places.size());
+  for (Eigen::ArrayXf* a : {&x_, &y_, &z_, &variance_}) a->resize(n);
+  of_.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) hold(i, places[i]);
 }
 
-void PointsByPlace::split(std::size_t first, std::size_t last) {
-  Box box{places_[first].point->map, places_[first].position, places_[first].position, first, last};
+PointsByPlace::Place PointsByPlace::place_of(const MapPoint& point, std::uint32_t of) {
+  return {point.position.cast<float>(), static_cast<float>(point.covariance.trace()), of};
+}
+
+void PointsByPlace::hold(std::size_t at, const Place& place) {
+  const auto i = static_cast<Eigen::Index>(at);
+  const Eigen::Vector3f& p = place.position;
+  x_[i] = p.x();
+  y_[i] = p.y();
+  z_[i] = p.z();
+  variance_[i] = place.variance;
+  of_[at] = place.of;
+  furthest_ = std::max(furthest_, p.cwiseAbs().maxCoeff());
+}
+
+void PointsByPlace::split(std::vector<Place>* places, MapId map, std::size_t first, std::size_t last) {
+  Eigen::Vector3f low = (*places)[first].position, high = low;
   for (std::size_t i = first; i < last; ++i) {
-    box.low = box.low.cwiseMin(places_[i].position);
-    box.high = box.high.cwiseMax(places_[i].position);
+    low = low.cwiseMin((*places)[i].position);
+    high = high.cwiseMax((*places)[i].position);
   }
   if (last - first <= kMostInBox) {
-    boxes_.push_back(box);
+    boxes_.push_back({map, low.cast<double>(), high.cast<double>(), first, last});
     return;
   }
   Eigen::Index axis = 0;
-  (box.high - box.low).maxCoeff(&axis);
+  (high - low).maxCoeff(&axis);
   const std::size_t middle = first + (last - first) / 2;
-  const auto at = [this](std::size_t i) { return places_.begin() + static_cast<std::ptrdiff_t>(i); };
+  const auto at = [&](std::size_t i) { return places->begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(first), at(middle), at(last),
                    [&](const Place& a, const Place& b) { return a.position[axis] < b.position[axis]; });
-  split(first, middle);
-  split(middle, last);
+  split(places, map, first, middle);
+  split(places, map, middle, last);
 }
 
 std::vector<const MapPoint*> PointsByPlace::near_tracks(const MapCamera& camera, const TrackGrid& grid,
                                                         const SearchRadius& radius) const {
+  using OfBox = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMostInBox, 1>;
   const CameraModel& c = camera.model;
   const Frustum frustum = frustum_of(camera, search_margin_px(c).array() + radius.most_px);
   const Rigid3& pose = camera.frames.back().cam_from_world;
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  const double focal2 = std::pow(std::max(c.fx, c.fy), 2);
-  std::vector<const MapPoint*> out;
-  const auto look_at = [&](const Place& p) {
-    const Eigen::Vector3d in_cam = rotation * p.position + pose.translation;
-    if (in_cam.z() <= 0) return;
-    // By the norm of the projection's derivative, f / z sqrt(2 + (x^2 + y^2) / z^2).
-    const double nearness = 1 / in_cam.z();
-    const Eigen::Vector2d n = nearness * in_cam.head<2>();
-    const double variance_px2 = focal2 * nearness * nearness * (2 + n.squaredNorm()) * p.variance;
-    if (grid.any_near(c.pixel_from_normalized(n), radius.of(variance_px2) + kSlack_px)) out.push_back(p.point);
-  };
+  const Eigen::Matrix3f r = pose.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f t = pose.translation.cast<float>();
+  const auto focal = static_cast<float>(std::max(c.fx, c.fy));
+  const float error = 8 * std::numeric_limits<float>::epsilon() * (furthest_ + t.cwiseAbs().maxCoeff());
+  const auto reach2_px2 = static_cast<float>(radius.reach2_px2()), variances = static_cast<float>(radius.variances());
+  std::vector<std::uint32_t> found;
   for (const Box& b : boxes_) {
     if (b.map != camera.map || !may_reach(b.low, b.high, frustum)) continue;
-    for (std::size_t i = b.first; i < b.last; ++i) look_at(places_[i]);
+    const auto first = static_cast<Eigen::Index>(b.first), n = static_cast<Eigen::Index>(b.last - b.first);
+    const auto x = x_.segment(first, n), y = y_.segment(first, n), z = z_.segment(first, n);
+    const OfBox depth = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + t.z();
+    const OfBox nearness = depth.inverse();
+    const OfBox u = (r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + t.x()) * nearness;
+    const OfBox v = (r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + t.y()) * nearness;
+    // By the norm of the projection's derivative, f / z sqrt(2 + (x^2 + y^2) / z^2).
+    const OfBox size2 = 2 + u.square() + v.square();
+    const OfBox variance_px2 = (focal * nearness).square() * size2 * variance_.segment(first, n);
+    const OfBox slack_px = kSlack_px + focal * nearness * size2.sqrt() * error;
+    const OfBox reach_px = (reach2_px2 + variances * variance_px2).sqrt() + slack_px;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (depth[i] <= 0) continue;
+      const Eigen::Vector2d px = c.pixel_from_normalized({u[i], v[i]});
+      if (!grid.may_reach(px, reach_px[i])) continue;
+      if (grid.any_near(px, radius.of(variance_px2[i]) + slack_px[i], reach_px[i]))
+        found.push_back(of_[b.first + static_cast<std::size_t>(i)]);
+    }
   }
-  std::ranges::sort(out, {}, &MapPoint::id);
+  std::ranges::sort(found);
+  std::vector<const MapPoint*> out;
+  out.reserve(found.size());
+  for (const std::uint32_t i : found) out.push_back(points_[i]);
   return out;
 }
 
 void PointsByPlace::moved(const MapPoint& point) {
-  for (Box& b : boxes_) {
-    if (b.map != point.map) continue;
-    for (std::size_t i = b.first; i < b.last; ++i) {
-      if (places_[i].point != &point) continue;
-      places_[i] = {&point, point.position, point.covariance.trace()};
-      b.low = b.low.cwiseMin(point.position);
-      b.high = b.high.cwiseMax(point.position);
-      return;
-    }
-  }
+  const auto in = std::ranges::lower_bound(points_, point.id, {}, &MapPoint::id);
+  if (in == points_.end() || *in != &point) return;
+  const auto of = static_cast<std::uint32_t>(in - points_.begin());
+  const auto at = static_cast<std::size_t>(std::ranges::find(of_, of) - of_.begin());
+  hold(at, place_of(point, of));
+  const auto box = std::ranges::upper_bound(boxes_, at, {}, &Box::last);  // they lie one after the other
+  box->low = box->low.cwiseMin(point.position);
+  box->high = box->high.cwiseMax(point.position);
 }
 
 }  // namespace coslam

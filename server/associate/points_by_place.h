@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "server/associate/track_grid.h"
@@ -18,7 +19,7 @@ class PointsByPlace {
   explicit PointsByPlace(const std::vector<const MapPoint*>& points);
 
   // All of the camera's map that its newest pose has in the image or up to search_margin_px() and the largest radius
-  // beside it, and that near() of the grid would visit a track for; and a few others. Ascending.
+  // beside it, and for which near() of the grid would visit a track within reach; and a few others. Ascending.
   std::vector<const MapPoint*> near_tracks(const MapCamera& camera, const TrackGrid& grid,
                                            const SearchRadius& radius) const;
   // A point was moved since.
@@ -26,19 +27,25 @@ class PointsByPlace {
 
  private:
   struct Place {
-    const MapPoint* point;
-    Eigen::Vector3d position;
-    double variance;  // of all directions together
+    Eigen::Vector3f position;
+    float variance;    // of all directions together
+    std::uint32_t of;  // points_
   };
   struct Box {
     MapId map;
     Eigen::Vector3d low, high;
-    std::size_t first, last;  // of places_, one beyond the last
+    std::size_t first, last;  // of the arrays below, one beyond the last
   };
-  void split(std::size_t first, std::size_t last);
+  void split(std::vector<Place>* places, MapId map, std::size_t first, std::size_t last);
+  static Place place_of(const MapPoint& point, std::uint32_t of);
+  void hold(std::size_t at, const Place& place);
 
-  std::vector<Place> places_;  // those of a box together
+  std::vector<const MapPoint*> points_;  // ascending ids
   std::vector<Box> boxes_;
+  // Of each place, those of a box together.
+  std::vector<std::uint32_t> of_;
+  Eigen::ArrayXf x_, y_, z_, variance_;
+  float furthest_ = 0;  // from the origin, along an axis
 };
 
 }  // namespace coslam

@@ -29,10 +29,9 @@ void collect(const Map& map, const MapCamera& camera, const PointsByPlace& point
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
     Candidate best{theta * theta, nullptr, nullptr};
-    grid.near(window->px, window->radius_px, [&](const ServerTrack* t) {
-      const auto d2 = gate_distance2({p->position, p->covariance}, camera.model, pose,
-                                     t->seen.back().undistorted_px.cast<double>(), gate_px);
-      if (d2 && *d2 < best.d2) best = {*d2, p, t};
+    grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
+      const auto d2 = gate_distance2({p->position, p->covariance}, camera.model, pose, t.px, gate_px);
+      if (d2 && *d2 < best.d2) best = {*d2, p, t.track};
     });
     if (best.track != nullptr) out->push_back(best);
   }

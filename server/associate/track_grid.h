@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <compare>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -17,10 +18,17 @@ namespace coslam {
 // Tracks of one camera by place.
 class TrackGrid {
  public:
-  // Those of them that are wanted.
-  TrackGrid(const MapCamera& camera, auto&& wanted) {
+  struct InGrid {
+    const ServerTrack* track;
+    Eigen::Vector2d px;          // undistorted
+    Eigen::Matrix2d covariance;  // in the image, of the point that it has
+  };
+  // Those of them that are wanted: by a bool, or by an optional covariance of its own, of which so many standard
+  // deviations count.
+  TrackGrid(const MapCamera& camera, auto&& wanted, double own_sigmas = 0) : own_variances_(own_sigmas * own_sigmas) {
     for (const auto& entry : camera.tracks) {
-      if (wanted(entry.second)) add(entry.second);
+      const auto want = wanted(entry.second);
+      if (want) add(entry.second, covariance_of(want));
     }
     sort();
   }
@@ -28,31 +36,45 @@ class TrackGrid {
   template <class Visit>
   void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
     any_of_rows(px, radius_px, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) visit(tracks_[i].track);
+      for (std::size_t i = first; i < last; ++i) visit(tracks_[i].in);
       return false;
     });
   }
-  // There are such.
-  bool any_near(const Eigen::Vector2d& px, double radius_px) const {
-    return any_of_rows(px, radius_px, [](std::size_t first, std::size_t last) { return first < last; });
+  // False: there is none within reach_px, and what its own covariance adds. For most places a look at one value.
+  bool may_reach(const Eigen::Vector2d& px, double reach_px) const { return reach_px > kFinePx || is_marked(px); }
+  // There are such no farther than reach_px, and what the track's own covariance adds, from there.
+  bool any_near(const Eigen::Vector2d& px, double radius_px, double reach_px) const {
+    const double reach2 = reach_px * reach_px;
+    return any_of_rows(px, radius_px, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const InGrid& t = tracks_[i].in;
+        if ((t.px - px).squaredNorm() <= reach2 + own_variances_ * t.covariance.trace()) return true;
+      }
+      return false;
+    });
   }
 
  private:
-  static constexpr double kCellPx = 16;
+  static constexpr double kCellPx = 16, kFinePx = 8;
   struct Cell {
     int y = 0, x = 0;
     friend auto operator<=>(const Cell&, const Cell&) = default;
   };
   struct InCell {
     Cell cell;
-    const ServerTrack* track;
+    InGrid in;
   };
+  static Eigen::Matrix2d covariance_of(bool) { return Eigen::Matrix2d::Zero(); }
+  static const Eigen::Matrix2d& covariance_of(const std::optional<Eigen::Matrix2d>& own) { return *own; }
   static Cell cell(const Eigen::Vector2d& px) { return {floor_of(px.y() / kCellPx), floor_of(px.x() / kCellPx)}; }
   static int floor_of(double x) {
     const int whole = static_cast<int>(x);
     return whole - static_cast<int>(x < whole);
   }
-  void add(const ServerTrack& t) { tracks_.push_back({cell(t.seen.back().undistorted_px.cast<double>()), &t}); }
+  void add(const ServerTrack& t, const Eigen::Matrix2d& covariance) {
+    const Eigen::Vector2d px = t.seen.back().undistorted_px.cast<double>();
+    tracks_.push_back({cell(px), {&t, px, covariance}});
+  }
   void sort() {
     std::ranges::stable_sort(tracks_, {}, &InCell::cell);
     if (tracks_.empty()) return;
@@ -66,6 +88,37 @@ class TrackGrid {
         begins_.push_back(at);
       }
     }
+    mark();
+  }
+  double own_px(const InGrid& t) const { return std::sqrt(own_variances_ * t.covariance.trace()); }
+  // Fine cells that a track may be near to, within kFinePx and what its own covariance adds.
+  void mark() {
+    Eigen::Array2d low = tracks_.front().in.px, high = low;
+    for (const InCell& t : tracks_) {
+      const double most_px = kFinePx + own_px(t.in);
+      low = low.min(t.in.px.array() - most_px);
+      high = high.max(t.in.px.array() + most_px);
+    }
+    origin_px_ = low - kFinePx;
+    const auto size = ((high - origin_px_) / kFinePx).cast<int>() + 2;
+    columns_ = size.x();
+    rows_ = size.y();
+    marked_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), false);
+    for (const InCell& t : tracks_) {
+      const double most_px = kFinePx + own_px(t.in);
+      const Eigen::Array2d at = t.in.px.array() - origin_px_;
+      const Eigen::Array2i from = ((at - most_px) / kFinePx).cast<int>(), to = ((at + most_px) / kFinePx).cast<int>();
+      for (int y = from.y(); y <= to.y(); ++y) {
+        for (int x = from.x(); x <= to.x(); ++x) marked_[fine(x, y)] = true;
+      }
+    }
+  }
+  std::size_t fine(int x, int y) const { return static_cast<std::size_t>(y * columns_ + x); }
+  bool is_marked(const Eigen::Vector2d& px) const {
+    if (marked_.empty()) return false;
+    const Eigen::Array2d at = (px.array() - origin_px_) / kFinePx;
+    if (!((at >= 0).all() && at.x() < columns_ && at.y() < rows_)) return false;
+    return marked_[fine(static_cast<int>(at.x()), static_cast<int>(at.y()))] != 0;
   }
   std::size_t begin_of(int y, int x) const {
     return begins_[static_cast<std::size_t>((y - low_.y) * (high_.x - low_.x + 2) + x - low_.x)];
@@ -86,6 +139,10 @@ class TrackGrid {
   std::vector<InCell> tracks_;       // ascending cells
   Cell low_, high_;                  // that hold tracks
   std::vector<std::size_t> begins_;  // of tracks_, by cell from low_ on and one column more
+  double own_variances_;
+  Eigen::Array2d origin_px_ = Eigen::Array2d::Zero();  // of the fine cells
+  int columns_ = 0, rows_ = 0;
+  std::vector<std::uint8_t> marked_;
 };
 
 inline constexpr double kMostSearch_px = 40;  // around where a point should be
@@ -101,6 +158,13 @@ struct SearchRadius {
   // variance_px2: of the point's place in the image, both directions together.
   double of(double variance_px2) const {
     return std::clamp(sigmas * std::sqrt(variance_px2 + noise_px * noise_px), least_px, most_px);
+  }
+  // No track that fits is farther off, but for its own variance: squared, reach2_px2 + variances * variance_px2. Noise
+  // is of raw pixels, which a lens may have drawn together.
+  double variances() const { return sigmas * sigmas; }
+  double reach2_px2() const {
+    constexpr double kLeastScale = 0.5;
+    return sigmas == 0 ? most_px * most_px : variances() * std::pow(noise_px / kLeastScale, 2);
   }
 };
 

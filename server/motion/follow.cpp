@@ -236,9 +236,9 @@ Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, 
   Look best;
   double second = -1;
   const double radius_px = std::min(window->radius_px + kMostShift_px, most_px);
-  grid.near(window->px, radius_px, [&](const ServerTrack* t) {
-    if ((t->seen.back().undistorted_px.cast<double>() - window->px).norm() > radius_px) return;
-    const Look look = look_of(p, *t);
+  grid.near(window->px, radius_px, [&](const TrackGrid::InGrid& t) {
+    if ((t.px - window->px).norm() > radius_px) return;
+    const Look look = look_of(p, *t.track);
     second = std::max(second, std::min(look.zncc, best.zncc));
     if (look.zncc > best.zncc) best = look;
   });

@@ -29,8 +29,9 @@ std::optional<Match> match_of(const Map& map, const MapCamera& camera, const Map
   if (!project_world(camera.model, camera.frames.back().cam_from_world, point.position, &px)) return std::nullopt;
   Match best{&point, nullptr, map.config().zncc_min};
   double second = -1;
-  grid.near(px, radius_px, [&](const ServerTrack* t) {
-    if ((t->seen.back().undistorted_px.cast<double>() - px).norm() > radius_px) return;
+  grid.near(px, radius_px, [&](const TrackGrid::InGrid& in) {
+    if ((in.px - px).norm() > radius_px) return;
+    const ServerTrack* t = in.track;
     const FramePose* cut_at = camera.frame_at(t->patch_set);
     if (cut_at == nullptr || cut_at->map != point.map) return;
     const auto fit = fit_patch(map, point, camera, cut_at->cam_from_world, *t->patch);

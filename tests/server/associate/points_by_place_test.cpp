@@ -36,14 +36,17 @@ class PointsByPlaceTest : public testing::Test {
     for (const auto& [id, p] : sim_.map.points()) out.push_back(&p);
     return out;
   }
-  // Those for which a track is visited, by a look at each point and each track.
+  // Those for which a track is near enough, by a look at each point and each track.
   std::set<PointId> with_tracks(const MapCamera& camera, const TrackGrid& grid, const SearchRadius& radius) const {
     std::set<PointId> out;
     for (const MapPoint* p : points()) {
       if (p->map != camera.map) continue;
       const auto window =
           search_window(camera.model, camera.frames.back().cam_from_world, *p, radius.noise_px, radius.sigmas);
-      if (window) grid.near(window->px, window->radius_px, [&](const ServerTrack*) { out.insert(p->id); });
+      if (!window) continue;
+      grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
+        if ((t.px - window->px).norm() <= window->radius_px) out.insert(p->id);
+      });
     }
     return out;
   }
@@ -102,13 +105,17 @@ TEST_F(PointsByPlaceTest, AGridVisitsAllThatAreNear) {
   for (const double radius_px : {0.5, 6.0, 40.0}) {
     for (const Eigen::Vector2d& px : {Eigen::Vector2d(-50, 100), Eigen::Vector2d(320, 240), Eigen::Vector2d(637, 5)}) {
       std::set<TrackId> visited, expected;
-      grid.near(px, radius_px, [&](const ServerTrack* t) { visited.insert(t->id); });
+      grid.near(px, radius_px, [&](const TrackGrid::InGrid& t) { visited.insert(t.track->id); });
       for (const auto& [id, t] : c.tracks) {
         const Eigen::Vector2d off = t.seen.back().undistorted_px.cast<double>() - px;
         if (off.cwiseAbs().maxCoeff() <= radius_px) expected.insert(id);
       }
       EXPECT_TRUE(std::ranges::includes(visited, expected));
-      EXPECT_EQ(grid.any_near(px, radius_px), !visited.empty());
+      const bool within = std::ranges::any_of(c.tracks, [&](const auto& t) {
+        return (t.second.seen.back().undistorted_px.template cast<double>() - px).norm() <= radius_px;
+      });
+      EXPECT_EQ(grid.any_near(px, radius_px, radius_px), within);
+      EXPECT_EQ(grid.any_near(px, radius_px, 1e3), !visited.empty());
     }
   }
 }
