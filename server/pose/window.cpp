@@ -81,12 +81,13 @@ void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* own
     f.rests = track.motion == TrackMotion::kResting;
     if (f.seen.front().set < seen_before || f.seen.front().set.value < track.distrusted_before) {
       const SetId from = std::max(seen_before, SetId(track.distrusted_before));
-      std::erase_if(f.seen, [&](const TrackPoint& s) { return s.set < from; });
+      f.seen.erase(f.seen.begin(), std::ranges::lower_bound(f.seen, from, {}, &TrackPoint::set));
     }
   }
-  std::erase_if(own->tracks, [&](const auto& entry) {
+  const auto ended = [&](const auto& entry) {
     return entry.second.seen.empty() || entry.second.seen.back().set < ended_before;
-  });
+  };
+  if (std::ranges::any_of(own->tracks, ended)) erase_if(&own->tracks, ended);
 }
 
 // What was followed as one of the things of the window; empty when it tells nothing.

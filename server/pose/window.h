@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/flat_map.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
 #include "server/solve/window.h"
@@ -59,7 +60,7 @@ class WindowPose {
   struct OfCamera {
     RunId run;
     bool in_need = false;
-    std::map<TrackId, Followed> tracks;
+    FlatMap<TrackId, Followed> tracks;
   };
   void remember(const Map& map, const MapCamera& camera, OfCamera* own) const;
   class Poses;
