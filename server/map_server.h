@@ -39,6 +39,9 @@ class MapServer {
  public:
   MapServer(RunId run, const MapServerConfig& config);
 
+  // Who shares in the work of its stages; they outlive it. The map is the same to the bit.
+  void work_with(Workers& workers) { pipeline_.work_with(workers); }
+
   // Agents, in the order in which their cameras are to be numbered. A known name with a new run is a restart.
   CameraId admit(const Hello& hello);
   void set_alive(CameraId camera, bool alive) { edit_.set_alive(camera, alive); }

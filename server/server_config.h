@@ -12,6 +12,7 @@
 namespace coslam {
 
 struct ServerConfig {
+  int threads = 0;
   MapServerConfig map;
   SyncConfig sync;
   EventsConfig events;
@@ -20,6 +21,8 @@ struct ServerConfig {
 
 template <class V>
 void describe(V& v, ServerConfig& c) {
+  v.field("threads", c.threads, {0, 256},
+          "that share in what is done camera by camera for a frame set; 0: half as many as there are cores, 8 at most");
   describe(v, c.map);
   v.section("sync", c.sync);
   v.section("events", c.events);

@@ -3,6 +3,7 @@
 #include "server/server_loop.h"
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "common/base/error.h"
@@ -19,15 +20,23 @@ constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
 constexpr TimeNs kStartingPeriod_ns = 100'000'000, kStarting_ns = 1'000'000'000;
 constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
 
+int threads_of(const ServerConfig& config) {
+  constexpr unsigned kMost = 8;
+  if (config.threads > 0) return config.threads;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1U, kMost));
+}
+
 }  // namespace
 
 ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config)
     : link_(link),
       config_(config),
+      workers_("map helper", threads_of(config.server)),
       server_(run, config.server.map),
       sync_(config.server.sync),
       stamps_({config.clock.utc_ns() - config.clock.monotonic_ns()}),
       refiner_(config.refine_in_thread) {
+  server_.work_with(workers_);
   if (!config.map.empty()) {
     keeper_.emplace(config.map, config.server.map_file, &server_);
     if (server_.restored_until()) sync_.begin_after(server_.map().now());

@@ -12,6 +12,7 @@
 
 #include "common/base/log.h"
 #include "common/flow/clock.h"
+#include "common/flow/worker_pool.h"
 #include "server/link/server_link.h"
 #include "server/map_keeper.h"
 #include "server/observe/result_store.h"
@@ -105,6 +106,7 @@ class ServerLoop {
 
   ServerLink& link_;
   ServerLoopConfig config_;
+  WorkerPool workers_;
   MapServer server_;
   FrameSetSync sync_;
   StampWatch stamps_;

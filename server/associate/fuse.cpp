@@ -22,8 +22,8 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points, FuseReport* report,
-             std::vector<Candidate>* out) {
+std::vector<Candidate> candidates_of(const Map& map, const MapCamera& camera, const PointsByPlace& points) {
+  std::vector<Candidate> out;
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
   const TrackGrid grid(
@@ -46,10 +46,9 @@ void collect(const Map& map, const MapCamera& camera, const PointsByPlace& point
       const double d2 = r.dot(s.inverse() * r);
       if (d2 < best.d2) best = {d2, p->id, t.track->point, camera.id, t.track};
     });
-    if (best.track == nullptr) continue;
-    ++report->candidates;
-    out->push_back(best);
+    if (best.track != nullptr) out.push_back(best);
   }
+  return out;
 }
 
 // Seen at once by one camera, now or at a key frame, so they are two things.
@@ -94,15 +93,18 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
 
 }  // namespace
 
-FuseReport fuse_points(MapEdit& edit, const FrameSet& set) {
+FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   FuseReport report;
-  std::vector<Candidate> candidates;
   const PointsByPlace points(static_points_around(map, set));
-  for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = map.camera(cf.camera);
-    if (camera.frames.back().valid()) collect(map, camera, points, &report, &candidates);
-  }
+  std::vector<std::vector<Candidate>> of_cameras(set.frames.size());
+  workers.each(of_cameras.size(), [&](std::size_t i) {
+    const MapCamera& camera = map.camera(set.frames[i].camera);
+    if (camera.frames.back().valid()) of_cameras[i] = candidates_of(map, camera, points);
+  });
+  std::vector<Candidate> candidates;
+  for (const auto& of_camera : of_cameras) candidates.insert(candidates.end(), of_camera.begin(), of_camera.end());
+  report.candidates = static_cast<int>(candidates.size());
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
   for (const Candidate& c : candidates) {
     const MapPoint *p = map.find(c.first), *q = map.find(c.second);

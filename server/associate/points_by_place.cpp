@@ -154,15 +154,4 @@ std::vector<const MapPoint*> PointsByPlace::near_tracks(const MapCamera& camera,
   return out;
 }
 
-void PointsByPlace::moved(const MapPoint& point) {
-  const auto in = std::ranges::lower_bound(points_, point.id, {}, &MapPoint::id);
-  if (in == points_.end() || *in != &point) return;
-  const auto of = static_cast<std::uint32_t>(in - points_.begin());
-  const auto at = static_cast<std::size_t>(std::ranges::find(of_, of) - of_.begin());
-  hold(at, place_of(point, of));
-  const auto box = std::ranges::upper_bound(boxes_, at, {}, &Box::last);  // they lie one after the other
-  box->low = box->low.cwiseMin(point.position);
-  box->high = box->high.cwiseMax(point.position);
-}
-
 }  // namespace coslam

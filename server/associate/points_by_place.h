@@ -22,8 +22,6 @@ class PointsByPlace {
   // beside it, and for which near() of the grid would visit a track within reach; and a few others. Ascending.
   std::vector<const MapPoint*> near_tracks(const MapCamera& camera, const TrackGrid& grid,
                                            const SearchRadius& radius) const;
-  // A point was moved since.
-  void moved(const MapPoint& point);
 
  private:
   struct Place {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
@@ -20,20 +22,48 @@ struct Candidate {
   const ServerTrack* track;
 };
 
-void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points, std::vector<Candidate>* out) {
-  const TrackGrid grid(camera, [](const ServerTrack& t) { return t.free_and_resting() && t.patch; });
+// What one camera's free tracks may show, of the points of a set.
+struct Candidates {
+  std::optional<TrackGrid> grid;    // empty: the camera has no pose
+  std::vector<Candidate> by_point;  // ascending
+};
+
+// The track that is nearest to where the point should be, if one is near enough.
+std::optional<Candidate> candidate_of(const Map& map, const MapCamera& camera, const TrackGrid& grid,
+                                      const MapPoint& p) {
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
-  for (const MapPoint* p : points.near_tracks(camera, grid, {theta, gate_px})) {
-    if (seen_by(*p, camera.id)) continue;
-    const auto window = search_window(camera.model, pose, *p, gate_px, theta);
-    if (!window) continue;
-    Candidate best{theta * theta, nullptr, nullptr};
-    grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
-      const auto d2 = gate_distance2({p->position, p->covariance}, camera.model, pose, t.px, gate_px);
-      if (d2 && *d2 < best.d2) best = {*d2, p, t.track};
-    });
-    if (best.track != nullptr) out->push_back(best);
+  if (seen_by(p, camera.id)) return std::nullopt;
+  const auto window = search_window(camera.model, pose, p, gate_px, theta);
+  if (!window) return std::nullopt;
+  Candidate best{theta * theta, nullptr, nullptr};
+  grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
+    const auto d2 = gate_distance2({p.position, p.covariance}, camera.model, pose, t.px, gate_px);
+    if (d2 && *d2 < best.d2) best = {*d2, &p, t.track};
+  });
+  return best.track != nullptr ? std::optional(best) : std::nullopt;
+}
+
+Candidates collect(const Map& map, const MapCamera& camera, const PointsByPlace& points) {
+  Candidates out;
+  if (!camera.frames.back().valid()) return out;
+  out.grid.emplace(camera, [](const ServerTrack& t) { return t.free_and_resting() && t.patch; });
+  for (const MapPoint* p : points.near_tracks(camera, *out.grid, {map.config().theta, map.gate_sigma_px(camera)})) {
+    if (const auto candidate = candidate_of(map, camera, *out.grid, *p)) out.by_point.push_back(*candidate);
+  }
+  return out;
+}
+
+// Points were moved since they were collected.
+void look_again(const Map& map, const MapCamera& camera, const std::set<PointId>& moved, Candidates* candidates) {
+  std::vector<Candidate>& all = candidates->by_point;
+  std::erase_if(all, [&](const Candidate& c) { return moved.contains(c.point->id); });
+  for (const PointId id : moved) {
+    const MapPoint* p = map.find(id);
+    if (p == nullptr || p->map != camera.map) continue;
+    const auto candidate = candidate_of(map, camera, *candidates->grid, *p);
+    if (candidate)
+      all.insert(std::ranges::upper_bound(all, id, {}, [](const auto& c) { return c.point->id; }), *candidate);
   }
 }
 
@@ -55,16 +85,20 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
   return true;
 }
 
-RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   RegisterReport report;
   const bool look_back = map.every(map.config().match_period_s);
-  PointsByPlace points(look_back ? static_points_around(map, set) : recent_static_points(map));
-  for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = map.camera(cf.camera);
-    if (!camera.frames.back().valid()) continue;
-    std::vector<Candidate> candidates;
-    collect(map, camera, points, &candidates);
+  const PointsByPlace points(look_back ? static_points_around(map, set) : recent_static_points(map));
+  std::vector<Candidates> of_cameras(set.frames.size());
+  workers.each(of_cameras.size(),
+               [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(set.frames[i].camera), points); });
+  std::set<PointId> moved;
+  for (std::size_t i = 0; i < of_cameras.size(); ++i) {
+    if (!of_cameras[i].grid) continue;
+    const MapCamera& camera = map.camera(set.frames[i].camera);
+    look_again(map, camera, moved, &of_cameras[i]);
+    std::vector<Candidate>& candidates = of_cameras[i].by_point;
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
     for (const Candidate& c : candidates) {
       ++report.candidates;
@@ -77,7 +111,7 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set) {
       edit.bind(*c.point, camera.id, *c.track, Why::kRegistered, {std::sqrt(c.d2), fit->zncc});
       edit.keep_recent(*c.point);
       retriangulate(edit, *c.point);
-      points.moved(*c.point);
+      moved.insert(c.point->id);
       ++report.registered;
     }
   }

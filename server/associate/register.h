@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/base/workers.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
 
@@ -19,7 +20,7 @@ struct RegisterReport {
 // Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
 // theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
 // widest views.
-RegisterReport register_tracks(MapEdit& edit, const FrameSet& set);
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 // Position and covariance of a point from all its key views and the newest view of each bound track.
 // False when its views do not determine it (it then stays as it is).
@@ -29,7 +30,9 @@ struct Register {
   static constexpr std::string_view kName = "register";
   using Config = NoConfig<Register>;
   Config config;
-  RegisterReport run(MapEdit& edit, const FrameSet& set) const { return register_tracks(edit, set); }
+  RegisterReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+    return register_tracks(edit, set, workers);
+  }
 };
 
 }  // namespace coslam

@@ -12,7 +12,7 @@ PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
 }
 
 Corrections Correct::run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
-                         const ScaleReport& scale, const ViewGraph& graph) {
+                         const ScaleReport& scale, const ViewGraph& graph, Workers& workers) {
   Corrections out;
   const auto is_narrow = [](const CameraFrame& cf) { return cf.frame.narrow_link; };
   std::optional<PatchWorths> worths;
@@ -21,11 +21,16 @@ Corrections Correct::run(MapEdit& edit, const FrameSet& set, const ServerRun& se
     const MapCamera& camera = edit.map().camera(cf.camera);
     const auto asked = met.requests.find(cf.camera);
     const DescriptorRequest request = asked == met.requests.end() ? DescriptorRequest::kNone : asked->second;
-    MapPatch& patch = out.patches.emplace_back(
-        writer_of(cf.camera, server).write(edit, camera, cf.frame, request, is_narrow(cf) ? &*worths : nullptr));
+    MapPatch& patch = out.patches.emplace_back(writer_of(cf.camera, server).begin(edit, camera, cf.frame, request));
     patch.scale_known = scale.in_metres.contains(camera.map);
     patch.group = GroupId(static_cast<std::uint32_t>(graph.group_of(cf.camera) + 1));
   }
+  const Map& map = edit.map();
+  workers.each(out.patches.size(), [&](std::size_t i) {
+    const CameraFrame& cf = set.frames[i];
+    writers_.at(cf.camera).fill(map, map.camera(cf.camera), cf.frame, is_narrow(cf) ? &*worths : nullptr,
+                                &out.patches[i]);
+  });
   return out;
 }
 

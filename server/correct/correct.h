@@ -26,7 +26,7 @@ class Correct {
   PatchWriterConfig config;
 
   Corrections run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
-                  const ScaleReport& scale, const ViewGraph& graph);
+                  const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
   // The answer to a frame that came too late to be used.
   MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);
 

@@ -187,6 +187,13 @@ bool was_in_its_map(const MapCamera& camera) {
 
 MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
                             DescriptorRequest descriptors, const PatchWorths* worths) {
+  MapPatch patch = begin(edit, camera, frame, descriptors);
+  fill(edit.map(), camera, frame, worths, &patch);
+  return patch;
+}
+
+MapPatch PatchWriter::begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
+                            DescriptorRequest descriptors) {
   const Map& map = edit.map();
   MapPatch patch = next_patch(map, camera, frame);
   // What was merged into another map is still known, only elsewhere.
@@ -215,10 +222,14 @@ MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackF
   const bool knows = frame.pose_state == PoseState::kTracked && !snapshot;
   if (f.valid() && (!knows || camera.corrected)) patch.placed = PlacedPose{f.frame, f.cam_from_world};
   if (snapshot) sent_.clear();
-  write_bindings(map, camera, frame.narrow_link, &patch);
-  write_requests(map, camera, worths, &patch);
   patch.descriptor_request = descriptors;
   return patch;
+}
+
+void PatchWriter::fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,
+                       MapPatch* patch) {
+  write_bindings(map, camera, frame.narrow_link, patch);
+  write_requests(map, camera, worths, patch);
 }
 
 }  // namespace coslam

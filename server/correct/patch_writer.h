@@ -43,6 +43,10 @@ class PatchWriter {
   // worths: where few image patches get through, which of them are asked for.
   MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors,
                  const PatchWorths* worths = nullptr);
+  // The same in two steps: of these the second only reads the map, and takes most of the time.
+  MapPatch begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
+  void fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,
+            MapPatch* patch);
   // After a frame that came too late to be used: its agent only learns that it may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 

@@ -107,11 +107,16 @@ void give_back_resting(MapEdit& edit, const FrameSet& set, const EvidenceConfig&
   }
 }
 
-void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, ClassifyReport* report) {
-  for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = edit.map().camera(cf.camera);
-    if (!camera.frames.back().valid()) continue;
-    for (const TrackJudgement& j : judge_tracks(edit.map(), camera, config)) {
+void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, Workers& workers,
+                       ClassifyReport* report) {
+  std::vector<std::vector<TrackJudgement>> judged(set.frames.size());
+  workers.each(judged.size(), [&](std::size_t i) {
+    const MapCamera& camera = edit.map().camera(set.frames[i].camera);
+    if (camera.frames.back().valid()) judged[i] = judge_tracks(edit.map(), camera, config);
+  });
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    const MapCamera& camera = edit.map().camera(set.frames[i].camera);
+    for (const TrackJudgement& j : judged[i]) {
       if (j.motion != j.track->motion) {
         edit.set_motion(camera.id, *j.track, j.motion,
                         {static_cast<double>(j.moving_neighbours), static_cast<double>(j.resting_neighbours)});
@@ -124,7 +129,7 @@ void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig&
 
 }  // namespace
 
-ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config) {
+ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, Workers& workers) {
   ClassifyReport report;
   judge_failures(edit, set, config.enabled, &report);
   if (!config.enabled) return report;
@@ -134,7 +139,7 @@ ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig
   report.rebound = followed.bound;
   settle(edit, set, config.evidence, &report);
   give_back_resting(edit, set, config.evidence);
-  judge_free_tracks(edit, set, config.evidence, &report);
+  judge_free_tracks(edit, set, config.evidence, workers, &report);
   return report;
 }
 

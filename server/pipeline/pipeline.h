@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/metrics.h"
+#include "common/base/workers.h"
 #include "server/pipeline/stage.h"
 
 namespace coslam {
@@ -25,8 +26,11 @@ class Pipeline {
 
   explicit Pipeline(const Configs& configs) : stages_{make<Stages>(std::get<typename Stages::Config>(configs))...} {}
 
+  // They outlive it, and share in the work of each stage that asks for Workers.
+  void work_with(Workers& workers) { workers_ = &workers; }
+
   void step(const FrameSet& set, MapEdit& edit, const ServerRun& server, PipelineReport* report) {
-    (run_if_due<Stages>({set, edit, server}, report), ...);
+    (run_if_due<Stages>({set, edit, server, *workers_}, report), ...);
   }
 
   template <class Stage>
@@ -46,7 +50,7 @@ class Pipeline {
   template <class Stage>
   const stage::ReportOf<Stage>& run(const FrameSet& set, MapEdit& edit, const ServerRun& server,
                                     PipelineReport* report) {
-    run_stage<Stage>({set, edit, server}, report);
+    run_stage<Stage>({set, edit, server, *workers_}, report);
     return std::get<position<Stage>()>(reports_);
   }
 
@@ -60,6 +64,7 @@ class Pipeline {
     const FrameSet& set;
     MapEdit& edit;
     const ServerRun& server;
+    Workers& workers;
   };
 
   template <class Stage>
@@ -92,6 +97,8 @@ class Pipeline {
       return given.edit.map();
     } else if constexpr (std::same_as<T, ServerRun>) {
       return given.server;
+    } else if constexpr (std::same_as<T, Workers>) {
+      return given.workers;
     } else if constexpr (stage::is_last<T>) {
       return {std::get<index<std::remove_cvref_t<decltype(std::declval<T>().of)>>()>(reports_)};
     } else if constexpr (stage::index_of<T, typename Stages::Config...>() < sizeof...(Stages)) {
@@ -128,6 +135,7 @@ class Pipeline {
     }
   }
 
+  Workers* workers_ = &Workers::alone();
   std::tuple<Stages...> stages_;
   std::tuple<stage::ReportOf<Stages>...> reports_;
 };

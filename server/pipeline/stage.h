@@ -25,6 +25,7 @@
 //
 // What it may read and write stands in the signature of run(): it is given, by type,
 //   const FrameSet&, MapEdit& or const Map&, const ServerRun&;
+//   Workers&, who share in what it does camera by camera;
 //   the report of a stage before it in the same set, `const ViewGraph&`, or that of any stage from the set before,
 //   `Last<ViewGraph>`;
 //   the configuration of another stage, `const LocaliseConfig&`.

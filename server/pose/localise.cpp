@@ -86,11 +86,12 @@ std::vector<Body> bodies_of(const Map& map, const FrameSet& set) {
   return out;
 }
 
-std::vector<PointObservation> observations_of(const Map& map, const Body& body, SetId set) {
+// sparse: of points that may move, too, as where there are few others.
+std::vector<PointObservation> observations_of(const Map& map, const Body& body, SetId set, bool sparse) {
   std::vector<PointObservation> all;
   for (std::size_t i = 0; i < body.frames.size(); ++i) {
     const MapCamera& camera = map.camera(body.frames[i]->camera);
-    auto observations = bound_observations(map, camera, set, camera.sparse);
+    auto observations = bound_observations(map, camera, set, camera.sparse || sparse);
     add_far(map, camera, set, &observations);
     for (PointObservation& o : observations) {
       o.camera = static_cast<int>(i);
@@ -154,19 +155,31 @@ int points_that_agree(const std::vector<PointObservation>& observations, const P
   return n;
 }
 
-void localise_body(MapEdit& edit, const FrameSet& set, const Body& body, const LocaliseConfig& config,
-                   LocaliseReport* report) {
-  const Map& map = edit.map();
-  auto observations = observations_of(map, body, set.id);
+struct Solved {
+  std::vector<PointObservation> observations;
+  PoseResult pose;
+  bool sparse = false;  // better on points that may move than not at all
+};
+
+Solved solve(const Map& map, SetId set, const Body& body, const LocaliseConfig& config) {
+  Solved out{observations_of(map, body, set, false), {}};
   const Rigid3 start = start_of(map, body);
   const PoseRefinementConfig refinement{.sigma_px = sigma_bound_px(map, body)};
-  PoseResult r = refine_rig_pose(body.views, observations, start, refinement);
+  out.pose = refine_rig_pose(body.views, out.observations, start, refinement);
   const auto sparse = [&](const CameraFrame* cf) { return map.camera(cf->camera).sparse; };
-  if (!good(r, config) && !std::ranges::all_of(body.frames, sparse)) {
-    // Better on points that may move than not at all.
+  if (good(out.pose, config) || std::ranges::all_of(body.frames, sparse)) return out;
+  out.sparse = true;
+  out.observations = observations_of(map, body, set, true);
+  out.pose = refine_rig_pose(body.views, out.observations, start, refinement);
+  return out;
+}
+
+void place(MapEdit& edit, const FrameSet& set, const Body& body, const Solved& solved, const LocaliseConfig& config,
+           LocaliseReport* report) {
+  const Map& map = edit.map();
+  const auto& [observations, r, sparse] = solved;
+  if (sparse) {
     for (const CameraFrame* cf : body.frames) edit.set_sparse(map.camera(cf->camera), true);
-    observations = observations_of(map, body, set.id);
-    r = refine_rig_pose(body.views, observations, start, refinement);
   }
   const bool firm = good(r, config) && points_that_agree(observations, r) >= kFirmPoints;
   for (std::size_t i = 0; i < body.frames.size(); ++i) {
@@ -209,9 +222,12 @@ void place_mates(MapEdit& edit, const FrameSet& set, LocaliseReport* report) {
 
 }  // namespace
 
-LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config) {
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config, Workers& workers) {
   LocaliseReport report;
-  for (const Body& body : bodies_of(edit.map(), set)) localise_body(edit, set, body, config, &report);
+  const std::vector<Body> bodies = bodies_of(edit.map(), set);
+  std::vector<Solved> solved(bodies.size());
+  workers.each(bodies.size(), [&](std::size_t i) { solved[i] = solve(edit.map(), set.id, bodies[i], config); });
+  for (std::size_t i = 0; i < bodies.size(); ++i) place(edit, set, bodies[i], solved[i], config, &report);
   place_mates(edit, set, &report);
   return report;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/base/workers.h"
 #include "server/map/edit.h"
 
 namespace coslam {
@@ -32,7 +33,8 @@ struct LocaliseReport {
 // Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
 // and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
 // was.
-LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config);
+LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config,
+                        Workers& workers = Workers::alone());
 
 // Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
 // now, else the motion so far.
@@ -49,7 +51,9 @@ struct Localise {
   static constexpr std::string_view kName = "localise";
   using Config = LocaliseConfig;
   Config config;
-  LocaliseReport run(MapEdit& edit, const FrameSet& set) const { return localise(edit, set, config); }
+  LocaliseReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+    return localise(edit, set, config, workers);
+  }
 };
 
 }  // namespace coslam

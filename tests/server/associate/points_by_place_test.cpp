@@ -81,18 +81,6 @@ TEST_F(PointsByPlaceTest, NotThoseOfAnotherMap) {
   EXPECT_FALSE(ids(places.near_tracks(camera(kCam0), all_tracks(camera(kCam0)), radius_)).contains(stranger));
 }
 
-TEST_F(PointsByPlaceTest, FindsAPointWhereItWasMovedTo) {
-  int seen = 0;
-  while (sim_.track_of(kCam0, seen) == nullptr) ++seen;
-  const MapPoint& point = sim_.create({0, 0, -10}, 0.01);
-  PointsByPlace places(points());
-  const TrackGrid grid = all_tracks(camera(kCam0));
-  EXPECT_FALSE(ids(places.near_tracks(camera(kCam0), grid, radius_)).contains(point.id));
-  sim_.shift(point, world_.position(seen) - point.position);
-  places.moved(point);
-  EXPECT_TRUE(ids(places.near_tracks(camera(kCam0), grid, radius_)).contains(point.id));
-}
-
 TEST_F(PointsByPlaceTest, OfNoPointsOrNoTracksThereAreNone) {
   const TrackGrid none(camera(kCam0), [](const ServerTrack&) { return false; });
   EXPECT_TRUE(PointsByPlace(points()).near_tracks(camera(kCam0), none, radius_).empty());
