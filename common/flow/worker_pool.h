@@ -22,6 +22,8 @@ class WorkerPool final : public Workers {
   // threads: with the caller's; 1: nobody but it.
   WorkerPool(const std::string& name, int threads);
   ~WorkerPool() override;
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
 
   void each(std::size_t n, const Part& part) override;
 

@@ -25,9 +25,9 @@ class PointsByPlace {
 
  private:
   struct Place {
-    Eigen::Vector3f position;
-    float variance;    // of all directions together
-    std::uint32_t of;  // points_
+    Eigen::Vector3f position = Eigen::Vector3f::Zero();
+    float variance = 0;    // of all directions together
+    std::uint32_t of = 0;  // points_
   };
   struct Box {
     MapId map;

@@ -19,7 +19,7 @@ namespace coslam {
 class TrackGrid {
  public:
   struct InGrid {
-    const ServerTrack* track;
+    const ServerTrack* track = nullptr;
     Eigen::Vector2d px;          // undistorted
     Eigen::Matrix2d covariance;  // in the image, of the point that it has
   };
@@ -78,9 +78,12 @@ class TrackGrid {
   void sort() {
     std::ranges::stable_sort(tracks_, {}, &InCell::cell);
     if (tracks_.empty()) return;
-    const auto [left, right] = std::ranges::minmax(tracks_, {}, [](const InCell& t) { return t.cell.x; });
-    low_ = {tracks_.front().cell.y, left.cell.x};
-    high_ = {tracks_.back().cell.y, right.cell.x};
+    low_ = high_ = tracks_.front().cell;
+    high_.y = tracks_.back().cell.y;
+    for (const InCell& t : tracks_) {
+      low_.x = std::min(low_.x, t.cell.x);
+      high_.x = std::max(high_.x, t.cell.x);
+    }
     std::size_t at = 0;
     for (int y = low_.y; y <= high_.y; ++y) {
       for (int x = low_.x; x <= high_.x + 1; ++x) {

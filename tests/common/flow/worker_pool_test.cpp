@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <barrier>
+#include <mutex>
 #include <numeric>
 #include <set>
 #include <stdexcept>
