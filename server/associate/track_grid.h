@@ -103,7 +103,7 @@ class TrackGrid {
       high = high.max(t.in.px.array() + most_px);
     }
     origin_px_ = low - kFinePx;
-    const auto size = ((high - origin_px_) / kFinePx).cast<int>() + 2;
+    const Eigen::Array2i size = ((high - origin_px_) / kFinePx).cast<int>() + 2;
     columns_ = size.x();
     rows_ = size.y();
     marked_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), false);

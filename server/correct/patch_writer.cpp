@@ -185,13 +185,6 @@ bool was_in_its_map(const MapCamera& camera) {
 }
 }  // namespace
 
-MapPatch PatchWriter::write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
-                            DescriptorRequest descriptors, const PatchWorths* worths) {
-  MapPatch patch = begin(edit, camera, frame, descriptors);
-  fill(edit.map(), camera, frame, worths, &patch);
-  return patch;
-}
-
 MapPatch PatchWriter::begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
                             DescriptorRequest descriptors) {
   const Map& map = edit.map();

@@ -40,11 +40,9 @@ class PatchWriter {
   PatchWriter(const ServerRun& server, const PatchWriterConfig& config) : server_(server), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
-  // worths: where few image patches get through, which of them are asked for.
-  MapPatch write(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors,
-                 const PatchWorths* worths = nullptr);
-  // The same in two steps: of these the second only reads the map, and takes most of the time.
   MapPatch begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
+  // Then what it is told of points and asked for. Only reads the map, and takes most of the time.
+  // worths: where few image patches get through, which of them are asked for.
   void fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,
             MapPatch* patch);
   // After a frame that came too late to be used: its agent only learns that it may go on.

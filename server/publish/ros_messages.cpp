@@ -26,10 +26,14 @@ ros::Header header_in(MapId map, const PublicInstant& instant) {
 }
 
 // Of base_link in a frame, from the camera's there.
-ros::PoseWithCovariance pose_of_base(const Rigid3& cam_from_frame, const std::optional<PoseCovariance>& covariance) {
-  return {ros::pose_of(cam_from_frame.inverse() * ros::base_from_optical().inverse()),
-          covariance ? ros::world_covariance(cam_from_frame, covariance->cast<double>())
-                     : diagonal(kUnknownVariance, kUnknownVariance)};
+ros::Pose pose_of_base(const Rigid3& cam_from_frame) {
+  return ros::pose_of(cam_from_frame.inverse() * ros::base_from_optical().inverse());
+}
+
+ros::PoseWithCovariance estimate_of_base(const Rigid3& cam_from_frame,
+                                         const std::optional<PoseCovariance>& covariance) {
+  return {pose_of_base(cam_from_frame), covariance ? ros::world_covariance(cam_from_frame, covariance->cast<double>())
+                                                   : diagonal(kUnknownVariance, kUnknownVariance)};
 }
 
 // Of base_link along its axes, from two poses: each with its variance, the errors taken for independent, which
@@ -81,13 +85,14 @@ ros::TFMessage tf_message(const PublicPoses& poses, RosNames& names) {
 }
 
 ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main) {
-  return {ros::header_of(pose.capture_ns, frame_of(pose.map, main)), pose_of_base(pose.cam_from_map, pose.covariance)};
+  return {ros::header_of(pose.capture_ns, frame_of(pose.map, main)),
+          estimate_of_base(pose.cam_from_map, pose.covariance)};
 }
 
 ros::Odometry odometry(const PublicPose& pose, RosNames& names) {
   const std::string& name = names.of(pose.agent);
   return {ros::header_of(pose.capture_ns, odom_frame(name)), base_frame(name),
-          pose_of_base(pose.cam_from_odom, pose.covariance), twist_of(pose)};
+          estimate_of_base(pose.cam_from_odom, pose.covariance), twist_of(pose)};
 }
 
 ros::Path path(const PublicPath& path, const PublicInstant& instant) {
@@ -95,7 +100,7 @@ ros::Path path(const PublicPath& path, const PublicInstant& instant) {
   ros::Path out;
   out.header = ros::header_of(instant.t_ns, frame);
   for (const auto& [t_ns, cam_from_map] : path.cam_from_map)
-    out.poses.push_back({ros::header_of(t_ns, frame), pose_of_base(cam_from_map, std::nullopt).pose});
+    out.poses.push_back({ros::header_of(t_ns, frame), pose_of_base(cam_from_map)});
   return out;
 }
 

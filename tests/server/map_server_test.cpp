@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "tests/support/map_checks.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_run.h"
@@ -18,6 +19,7 @@
 namespace coslam {
 namespace {
 
+using test::expect_same;
 using test::PoseNear;
 using test::SimRun;
 using test::SimWorld;
@@ -140,31 +142,6 @@ TEST(MapServer, CovariancesAreHonestAllAlong) {
     // not count on that. What it must be on real-looking images, `coslam eval` tells.
     EXPECT_GT(test::median(values), 0.1) << run.map().now().value;
     EXPECT_LT(test::median(values), 1.8) << run.map().now().value;
-  }
-}
-
-// Every bit of the state that the next step stands on.
-void expect_same(const Map& a, const Map& b) {
-  ASSERT_EQ(a.points().size(), b.points().size());
-  ASSERT_EQ(a.epoch(), b.epoch());
-  ASSERT_EQ(a.key_frames().size(), b.key_frames().size());
-  for (auto p = a.points().begin(), q = b.points().begin(); p != a.points().end(); ++p, ++q) {
-    ASSERT_EQ(p->first, q->first);
-    ASSERT_EQ(p->second.position, q->second.position);
-    ASSERT_EQ(p->second.covariance, q->second.covariance);
-    ASSERT_EQ(p->second.bound, q->second.bound);
-    ASSERT_EQ(p->second.views, q->second.views);
-    ASSERT_EQ(p->second.key_observations.size(), q->second.key_observations.size());
-  }
-  for (std::size_t c = 0; c < a.cameras().size(); ++c) {
-    const MapCamera &x = a.cameras()[c], &y = b.cameras()[c];
-    ASSERT_EQ(x.sigma_px, y.sigma_px);
-    ASSERT_EQ(x.frames.size(), y.frames.size());
-    for (std::size_t f = 0; f < x.frames.size(); ++f) {
-      ASSERT_EQ(x.frames[f].map, y.frames[f].map);
-      ASSERT_EQ(x.frames[f].cam_from_world.rotation.coeffs(), y.frames[f].cam_from_world.rotation.coeffs());
-      ASSERT_EQ(x.frames[f].cam_from_world.translation, y.frames[f].cam_from_world.translation);
-    }
   }
 }
 

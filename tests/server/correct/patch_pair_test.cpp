@@ -46,8 +46,9 @@ class PatchPair {
     frame.epoch = agent_->epoch();
     frame.pose_state = agent_world_ ? PoseState::kTracked : PoseState::kNone;
     if (chance() < channel_.loss) return;  // the server never sees the frame, and answers nothing
-    Sent sent{writer_->write(sim_.edit, sim_.map.camera(kCam), frame, DescriptorRequest::kNone), expected(),
-              map_from_world_};
+    MapPatch patch = writer_->begin(sim_.edit, sim_.map.camera(kCam), frame, DescriptorRequest::kNone);
+    writer_->fill(sim_.map, sim_.map.camera(kCam), frame, nullptr, &patch);
+    Sent sent{std::move(patch), expected(), map_from_world_};
     if (chance() < channel_.loss) return;
     under_way_.push_back(sent);
     if (chance() < channel_.loss) under_way_.push_back(sent);  // twice

@@ -46,7 +46,9 @@ class PatchWriterTest : public testing::Test {
     TrackFrame frame = sim_.set.frames[0].frame;
     frame.pose_state = PoseState::kTracked;
     change(frame);
-    return writer_.write(sim_.edit, camera(), frame, wants_descriptors, worths);
+    MapPatch patch = writer_.begin(sim_.edit, camera(), frame, wants_descriptors);
+    writer_.fill(sim_.map, camera(), frame, worths, &patch);
+    return patch;
   }
   MapPatch write() {
     return write([](TrackFrame&) {});

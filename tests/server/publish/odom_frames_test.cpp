@@ -31,6 +31,11 @@ struct Walk {
       cam_from_odom.push_back(odom.follow("a", i, now(i), known));
     }
   }
+  // at_20: the pose that was told of then.
+  void expect_as_in_map(std::size_t at_20) const {
+    const Rigid3 in_map = moved(cam_from_map(10), cam_from_map(20));
+    EXPECT_LT(local(moved(cam_from_odom.at(10), cam_from_odom.at(at_20)), in_map).norm(), 1e-12);
+  }
   Rigid3 now(int i) const { return cam_from_map(i) * map_from_old.inverse(); }
 };
 
@@ -43,9 +48,7 @@ TEST(OdomFrames, BeginsWhereTheBodyIs) {
 TEST(OdomFrames, MovesAsTheCameraDoesInItsMap) {
   Walk walk;
   walk.go(0, 30);
-  EXPECT_LT(
-      local(moved(walk.cam_from_odom[10], walk.cam_from_odom[20]), moved(cam_from_map(10), cam_from_map(20))).norm(),
-      1e-12);
+  walk.expect_as_in_map(20);
 }
 
 TEST(OdomFrames, ACorrectionDoesNotMoveIt) {
@@ -53,18 +56,14 @@ TEST(OdomFrames, ACorrectionDoesNotMoveIt) {
   walk.go(0, 15);
   walk.map_from_old = {Eigen::Quaterniond(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ())), {5, -3, 2}};
   walk.go(15, 30);
-  EXPECT_LT(
-      local(moved(walk.cam_from_odom[10], walk.cam_from_odom[20]), moved(cam_from_map(10), cam_from_map(20))).norm(),
-      1e-12);
+  walk.expect_as_in_map(20);
 }
 
 TEST(OdomFrames, AfterALossItIsWhereTheMapSays) {
   Walk walk;
   walk.go(0, 11);
   walk.go(20, 21);
-  EXPECT_LT(
-      local(moved(walk.cam_from_odom[10], walk.cam_from_odom[11]), moved(cam_from_map(10), cam_from_map(20))).norm(),
-      1e-12);
+  walk.expect_as_in_map(11);
 }
 
 TEST(OdomFrames, StandsStillWhereNothingIsKnown) {
