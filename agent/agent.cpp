@@ -15,6 +15,17 @@ constexpr double kAlone_s = 0.5;  // without a word of the server
 constexpr int kShedAfterFrames = 20;
 constexpr int kShedPerFrame = 15;
 
+// Of those that are observed (ascending).
+DescriptorReply reply_of(DescriptorReply reply, const DescribedTracks& described, const std::vector<TrackId>& observed) {
+  for (std::size_t i = 0; i < described.tracks.size(); ++i) {
+    if (!std::ranges::binary_search(observed, described.tracks[i])) continue;
+    reply.tracks.push_back(described.tracks[i]);
+    const auto begin = described.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
+    reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
+  }
+  return reply;
+}
+
 }  // namespace
 
 std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config) {
@@ -34,6 +45,7 @@ Agent::Agent(std::string name, RunId run, const CameraModel& camera, const Agent
       map_(run) {}
 
 void Agent::track(const Image& image) {
+  const auto begin = std::chrono::steady_clock::now();
   {
     const auto timer = times_.measure("track");
     frame_ = image.frame;
@@ -44,6 +56,7 @@ void Agent::track(const Image& image) {
     observe();
   }
   look_for_tags();
+  frame_took_ = std::chrono::steady_clock::now() - begin;
 }
 
 void Agent::look_for_tags() {
@@ -75,6 +88,7 @@ std::vector<TrackId> Agent::observed() const {
 }
 
 AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
+  const auto begin = std::chrono::steady_clock::now();
   AgentOutput out;
   {
     const auto timer = times_.measure("correct");
@@ -87,12 +101,17 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
     pose_.step(frame_, capture_ns_, observations_, map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
-  const auto timer = times_.measure("answer");
-  out.descriptors = describe_image(answers.described);  // may start tracks, so before the frame is made
-  out.patches = cut_patches(answers.patches);
-  out.frame = make_frame();
-  out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
-  out.frame.descriptors_sent = out.descriptors ? DescriptorsSent::kWithFrame : DescriptorsSent::kNone;
+  {
+    const auto timer = times_.measure("answer");
+    describe_image(answers, &out);  // may start tracks, so before the frame is made
+    out.patches = cut_patches(answers.patches);
+    out.frame = make_frame();
+    out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
+    out.frame.descriptors_sent = out.descriptors ? DescriptorsSent::kWithFrame
+                                 : out.describe  ? DescriptorsSent::kLater
+                                                 : DescriptorsSent::kNone;
+  }
+  times_.add(kFrame, frame_took_ + (std::chrono::steady_clock::now() - begin));
   return out;
 }
 
@@ -117,37 +136,38 @@ int Agent::room_for_described() const {
   return std::max(0, most - static_cast<int>(tracker_->live().size()));
 }
 
-std::optional<DescriptorReply> Agent::describe_image(int most) {
-  if (most == 0) return std::nullopt;
+void Agent::describe_image(const Answers& answers, AgentOutput* out) {
+  if (answers.described == 0) return;
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
-  if (wanted == DescriptorRequest::kNone) return std::nullopt;
-  const bool everywhere = wanted == DescriptorRequest::kEverywhere;
-  if (everywhere) since_described_ = 0;
-  const int room = room_for_described();
-  const DescribedTracks described =
-      everywhere ? tracker_->describe_strongest(std::min(most, config_.descriptor_features), room)
-                 : tracker_->describe_at(observed(), std::min(most, config_.place_features), room);
-  observe();
-  return reply_of(described);
+  if (wanted == DescriptorRequest::kNone) return;
+  described_ = frame_;
+  if (wanted == DescriptorRequest::kEverywhere) {
+    since_described_ = 0;
+    const DescribedTracks described = tracker_->describe_strongest(
+        std::min(answers.described, config_.descriptor_features), room_for_described());
+    observe();
+    out->descriptors = reply_of({.agent = name_, .agent_run = run_, .frame = frame_}, described, observed());
+    return;
+  }
+  auto describe = describe_tracks(std::min(answers.described, config_.place_features));
+  if (answers.later) {
+    out->describe = std::move(describe);
+  } else {
+    out->descriptors = describe();
+  }
+}
+
+std::function<DescriptorReply()> Agent::describe_tracks(int most) {
+  DescriptorReply empty{.agent = name_, .agent_run = run_, .frame = frame_};
+  return [empty = std::move(empty), ids = observed(), work = tracker_->describe_at(observed(), most)] {
+    return reply_of(empty, work(), ids);
+  };
 }
 
 std::optional<DescriptorReply> Agent::describe_last() {
   if (observations_.empty()) return std::nullopt;
-  return reply_of(tracker_->describe_at(observed(), config_.place_features, 0));
-}
-
-// Of those that are observed.
-DescriptorReply Agent::reply_of(const DescribedTracks& described) {
   described_ = frame_;
-  const std::vector<TrackId> ids = observed();
-  DescriptorReply reply{.agent = name_, .agent_run = run_, .frame = frame_};
-  for (std::size_t i = 0; i < described.tracks.size(); ++i) {
-    if (!std::ranges::binary_search(ids, described.tracks[i])) continue;
-    reply.tracks.push_back(described.tracks[i]);
-    const auto begin = described.descriptors.begin() + static_cast<std::ptrdiff_t>(i * kDescriptorBytes);
-    reply.descriptors.insert(reply.descriptors.end(), begin, begin + kDescriptorBytes);
-  }
-  return reply;
+  return describe_tracks(config_.place_features)();
 }
 
 std::optional<PatchReply> Agent::cut_patches(std::size_t most) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -36,9 +38,10 @@ struct AgentConfig {
 struct Answers {
   std::size_t patches = kMaxTracks;                 // most
   int described = std::numeric_limits<int>::max();  // most features; 0: none, the request waits
+  bool later = false;  // what is at tracks is described after the frame, see AgentOutput::describe
 
   static constexpr Answers all() { return {}; }
-  static constexpr Answers none() { return {0, 0}; }
+  static constexpr Answers none() { return {.patches = 0, .described = 0}; }
 };
 
 // What an agent sends for one image.
@@ -46,6 +49,8 @@ struct AgentOutput {
   TrackFrame frame;
   std::optional<PatchReply> patches;
   std::optional<DescriptorReply> descriptors;
+  // Instead of them: makes them, once, on any thread. To be sent with a later frame.
+  std::function<DescriptorReply()> describe;
 };
 
 // The tracker that agents use: the one place that says which.
@@ -56,6 +61,8 @@ std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, 
 // then finish(patches).
 class Agent {
  public:
+  static constexpr const char* kFrame = "frame";  // of times(): all that it does for an image
+
   Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,
         std::unique_ptr<FeatureTracker> tracker);
 
@@ -78,8 +85,8 @@ class Agent {
   void take(const MapPatch& patch);
   void observe();
   void look_for_tags();
-  std::optional<DescriptorReply> describe_image(int most);
-  DescriptorReply reply_of(const DescribedTracks& described);
+  void describe_image(const Answers& answers, AgentOutput* out);
+  std::function<DescriptorReply()> describe_tracks(int most);
   std::optional<PatchReply> cut_patches(std::size_t most);
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;
@@ -107,6 +114,7 @@ class Agent {
   int since_described_ = 0;  // images
   std::optional<FrameId> described_;
   StageTimes times_;
+  std::chrono::steady_clock::duration frame_took_{};
   std::uint32_t tracked_frames_ = 0;
 };
 

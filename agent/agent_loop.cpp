@@ -30,7 +30,9 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
       hello_(hello),
       agent_(hello.agent, hello.agent_run, hello.camera, config, std::move(tracker)),
       now_(std::move(now)),
-      send_rate_(hello.rate_hz) {}
+      send_rate_(hello.rate_hz) {
+  if (hello.pacing == Pacing::kLive) describer_.emplace("describe");
+}
 
 bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::optional<Image> image = feed_->next(stop);
@@ -41,6 +43,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   if (hello_.pacing == Pacing::kLockstep && (stop || server_stops())) return false;
   if (stamps_are_utc_ && !patches.empty()) exchange_ = {patches.back().sent_ns, patches.back().received_ns};
   if (adapts_) watch_link(patches);
+  take_described();
   const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   out.frame.narrow_link = narrow_link_;
@@ -50,6 +53,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     not_sent_.reset();
     last_sent_ = out.frame.frame;
     const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
+    if (out.describe) describe_beside(std::move(out.describe));
+    if (!out.descriptors) out.descriptors = std::exchange(described_, std::nullopt);
     link_.send(std::move(out.frame), out.patches, out.descriptors);
     sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
     if (sent_.size() > kSentKept) sent_.pop_front();
@@ -73,19 +78,38 @@ Answers AgentLoop::answers() const {
   constexpr int kLeastFeatures = 140, kFewFeatures = 200;
   constexpr double kFewPatches = 4, kManyPatches = 16;
   Answers out = Answers::all();
+  out.later = describer_.has_value();
+  if (describing()) out.described = 0;
   if (!adapts_) return out;
   const double a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz;
   const auto patches = static_cast<std::size_t>(std::clamp(a_frame / kBytesAPatch, kFewPatches, kManyPatches));
   if (reply_rate_.limited()) {
     const double most = kSeconds * reply_rate_.bytes_per_s() / kBytesAFeature;
-    out = {patches, std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)))};
+    out.patches = patches;
+    out.described = std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)));
   } else if (send_rate_.narrow()) {
-    out = {patches, kFewFeatures};
+    out.patches = patches;
+    out.described = kFewFeatures;
   }
   const RepliesWaiting waiting = link_.waiting();
   if (waiting.patches) out.patches = 0;
-  if (waiting.descriptors) out.described = 0;
+  if (waiting.descriptors || describing()) out.described = 0;
   return out;
+}
+
+void AgentLoop::describe_beside(std::function<DescriptorReply()> describe) {
+  describer_->start([describe = std::move(describe)] {
+    const auto begin = std::chrono::steady_clock::now();
+    DescriptorReply reply = describe();
+    return Described{std::move(reply), std::chrono::steady_clock::now() - begin};
+  });
+}
+
+void AgentLoop::take_described() {
+  std::optional<Described> done = describer_ ? describer_->take() : std::nullopt;
+  if (!done) return;
+  times_.add("describe", done->took);
+  described_ = std::move(done->reply);
 }
 
 // From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
@@ -145,9 +169,9 @@ void AgentLoop::say_state() {
 }
 
 double AgentLoop::mean_frame_ms() const {
-  double total_ms = 0;
-  for (const auto& [name, h] : agent_.times().stages()) total_ms += h.mean_ms() * static_cast<double>(h.count());
-  return frames_ == 0 ? 0 : total_ms / frames_;
+  const auto& stages = agent_.times().stages();
+  const auto frame = stages.find(Agent::kFrame);
+  return frame == stages.end() ? 0 : frame->second.mean_ms();
 }
 
 std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) {
@@ -200,8 +224,14 @@ AgentStatus AgentLoop::status(AgentState state) const {
 
 std::string AgentLoop::report() const {
   nlohmann::ordered_json ms = nlohmann::ordered_json::object();
-  for (const auto& [name, h] : agent_.times().stages()) {
-    ms[name] = {{"p50", h.percentile_ms(50)}, {"p95", h.percentile_ms(95)}, {"mean", h.mean_ms()}};
+  for (const StageTimes* times : {&agent_.times(), &times_}) {
+    for (const auto& [name, h] : times->stages()) {
+      ms[name] = {{"p50", h.percentile_ms(50)},
+                  {"p95", h.percentile_ms(95)},
+                  {"p99", h.percentile_ms(99)},
+                  {"mean", h.mean_ms()},
+                  {"count", h.count()}};
+    }
   }
   nlohmann::ordered_json out;
   out["frames"] = frames_ + feed_->dropped();
@@ -216,7 +246,7 @@ std::string AgentLoop::report() const {
 // Where a run ends, places are often seen again that it began with, and nobody can ask for this image any more.
 std::optional<DescriptorReply> AgentLoop::last_image() {
   const bool known = !sent_.empty() && agent_.described() == sent_.back().frame;
-  if (known && !link_.waiting().descriptors) return std::nullopt;
+  if (known && !describing() && !link_.waiting().descriptors) return std::nullopt;
   return agent_.describe_last();
 }
 

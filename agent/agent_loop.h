@@ -16,13 +16,14 @@
 #include "agent/link/reply_rate.h"
 #include "agent/link/send_rate.h"
 #include "agent/state_words.h"
+#include "common/flow/background_job.h"
 #include "common/model/session.h"
 
 namespace coslam {
 
 // One agent's step thread: images from the feed, patches from the link, frames to the link. Live it never waits for the
-// server; in lock-step the patch that answers frame n comes before frame n + 1 is finished (its tracking runs
-// meanwhile).
+// server, and describes images beside; in lock-step the patch that answers frame n comes before frame n + 1 is finished
+// (its tracking runs meanwhile), and its descriptors go with it.
 class AgentLoop {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
@@ -52,6 +53,9 @@ class AgentLoop {
   bool server_stops() const;
   Answers answers() const;
   void watch_link(const std::vector<MapPatch>& patches);
+  bool describing() const { return described_ || (describer_ && describer_->busy()); }
+  void describe_beside(std::function<DescriptorReply()> describe);
+  void take_described();
   void warn_when_slow();
   void say_state();
   double mean_frame_ms() const;
@@ -82,6 +86,13 @@ class AgentLoop {
   std::deque<Sent> sent_;  // the last frames
   bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
   StateWords words_;
+  struct Described {
+    DescriptorReply reply;
+    std::chrono::steady_clock::duration took{};
+  };
+  std::optional<BackgroundJob<Described>> describer_;  // live
+  std::optional<DescriptorReply> described_;           // to be sent with the next frame
+  StageTimes times_;                                   // beside the agent's own
   ClockExchange exchange_;  // begun by the newest patch
   std::uint32_t frames_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;

@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <csignal>
@@ -164,6 +168,10 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
+#ifdef __GLIBC__
+  // One heap for all threads: each of its own would grow by what an image is described with.
+  mallopt(M_ARENA_MAX, 1);
+#endif
   cv::setNumThreads(1);  // the other cores belong to the other processes of this machine
   return coslam::run_program("coslam-agent", [&] { return coslam::main_of(argc, argv); });
 }

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/flow/give_way.h"
 
 namespace coslam {
 namespace {
@@ -19,44 +18,23 @@ RefineSolution solve(RefineJob job) {
 }  // namespace
 
 Refiner::Refiner(bool threaded) {
-  if (!threaded) return;
-  worker_.emplace("refine", [this](const std::stop_token& stop) {
-    give_way();  // a map that follows its cameras late is worth less than one that is adjusted late
-    while (!stop.stop_requested()) {
-      std::optional<RefineJob> job = jobs_.take();
-      if (!job) return;
-      solutions_.put(solve(std::move(*job)));
-    }
-  });
-}
-
-Refiner::~Refiner() {
-  jobs_.close();
-  solutions_.close();
+  if (threaded) beside_.emplace("refine");
 }
 
 void Refiner::start(RefineJob job, SetId planned_at) {
-  COSLAM_CHECK(!busy_, "one bundle adjustment at a time");
-  busy_ = true;
+  COSLAM_CHECK(!busy(), "one bundle adjustment at a time");
   planned_at_ = planned_at;
-  if (worker_) {
-    jobs_.put(std::move(job));
+  if (beside_) {
+    beside_->start([job = std::move(job)]() mutable { return solve(std::move(job)); });
   } else {
     inline_job_ = std::move(job);
   }
 }
 
 std::optional<RefineSolution> Refiner::take(bool wait) {
-  if (!busy_) return std::nullopt;
-  std::optional<RefineSolution> solution;
-  if (inline_job_) {
-    solution = solve(std::move(*inline_job_));
-    inline_job_.reset();
-  } else {
-    solution = wait ? solutions_.take() : solutions_.try_take();
-  }
-  busy_ = !solution.has_value();
-  return solution;
+  if (beside_) return beside_->take(wait);
+  if (!inline_job_) return std::nullopt;
+  return solve(*std::exchange(inline_job_, std::nullopt));
 }
 
 std::optional<RefineSolution> Refiner::take_due(SetId now, bool lockstep) {

@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/flow/latest_slot.h"
-#include "common/flow/worker.h"
+#include "common/flow/background_job.h"
 #include "server/adjust/refine.h"
 
 namespace coslam {
@@ -29,13 +28,9 @@ class Refiner {
 
   // threaded: in a thread of its own; else in the caller's, when the solution is taken.
   explicit Refiner(bool threaded);
-  // Waits for the job in work; its solution is lost.
-  ~Refiner();
-  Refiner(const Refiner&) = delete;
-  Refiner& operator=(const Refiner&) = delete;
 
   // From start() until the solution is taken.
-  bool busy() const { return busy_; }
+  bool busy() const { return beside_ ? beside_->busy() : inline_job_.has_value(); }
   // planned_at: the frame set after which the job was cut. Not while busy.
   void start(RefineJob job, SetId planned_at);
 
@@ -46,12 +41,10 @@ class Refiner {
   std::optional<RefineSolution> take_due(SetId now, bool lockstep);
 
  private:
-  LatestSlot<RefineJob> jobs_;
-  LatestSlot<RefineSolution> solutions_;
+  // A map that follows its cameras late is worth less than one that is adjusted late.
+  std::optional<BackgroundJob<RefineSolution>> beside_;
   std::optional<RefineJob> inline_job_;
-  bool busy_ = false;
   SetId planned_at_;
-  std::optional<Worker> worker_;  // last: joins before what it uses goes
 };
 
 }  // namespace coslam

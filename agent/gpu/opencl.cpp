@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "agent/gpu/gpu_node.h"
 #include "agent/gpu/shared.h"
 
 namespace coslam {
@@ -142,6 +143,7 @@ class OpenClDevice final : public Device {
 }  // namespace
 
 std::unique_ptr<Device> opencl_device(bool gpu_only, const std::string& program) {
+  if (gpu_only && !has_gpu_node()) throw NoDevice("this machine has no GPU that OpenCL could use");
   cl_device_id device = first_device(CL_DEVICE_TYPE_GPU);
   if (device == nullptr && !gpu_only) device = first_device(CL_DEVICE_TYPE_ALL);
   if (device == nullptr) throw NoDevice(gpu_only ? "OpenCL finds no GPU" : "OpenCL finds no device");

@@ -36,8 +36,8 @@ class AgentLink {
  public:
   virtual ~AgentLink() = default;
 
-  // Sends one frame and the replies that belong to it; sets the frame's patches_sent and descriptors_sent from those
-  // that leave with it.
+  // Sends one frame and replies: its own, or descriptors of an earlier one. Sets the frame's patches_sent, and its
+  // descriptors_sent if it has any, from those that leave with it.
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
   virtual void send_status(const AgentStatus& status) = 0;

@@ -102,10 +102,10 @@ class DdsAgentLink : public AgentLink {
     // What waits rides with a later frame, so that this one does not wait for it.
     const bool patches_gone = ends_ && patches && patches_waiting_.empty();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
-    const bool descriptors_gone = ends_ && descriptors_waiting_.empty();
-    frame.descriptors_sent = !descriptors       ? DescriptorsSent::kNone
-                             : descriptors_gone ? DescriptorsSent::kWithFrame
-                                                : DescriptorsSent::kLater;
+    if (descriptors && descriptors->frame == frame.frame) {
+      const bool gone = ends_ && descriptors_waiting_.empty();
+      frame.descriptors_sent = gone ? DescriptorsSent::kWithFrame : DescriptorsSent::kLater;
+    }
     // Joining anew: lost, as on a link that is cut.
     if (ends_) ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
     last_.frame = std::move(frame);

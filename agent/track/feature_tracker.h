@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -52,8 +53,9 @@ class FeatureTracker {
   // fill up to if need be; the weaker ones are left out once `most_new` were started.
   virtual DescribedTracks describe_strongest(int most, int most_new) = 0;
 
-  // The same of those features alone that lie at these tracks (ascending).
-  virtual DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) = 0;
+  // The same of those features alone that lie at these tracks (ascending); starts none. What comes back does the work, and
+  // may be called once, from any thread and at any time: it has the image and needs nothing of the tracker.
+  virtual std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) = 0;
 
   // Printed tags, ascending, as they go over the wire. Empty when none are looked for.
   virtual std::vector<TagObservation> tags() = 0;

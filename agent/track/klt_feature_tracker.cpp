@@ -60,13 +60,26 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
   DescribedTracks describe_strongest(int most, int most_new) override {
-    return at_tracks(describe(work_, most, kSiftBorderPx), kSamePx, most_new);
+    const DescribedFeatures features = describe(work_, most, kSiftBorderPx);
+    const std::vector<TrackId> ids = tracker_.add(features.raw_px, kSamePx, most_new);
+    refresh();
+    return by_track(features, ids);
   }
 
-  DescribedTracks describe_at(const std::vector<TrackId>& tracks, int most, int most_new) override {
-    std::vector<Eigen::Vector2f> places;
-    for (const Track& t : live_among(tracker_.live(), tracks)) places.push_back(t.raw_px);
-    return at_tracks(describe_near(work_, places, kNearPx, most, kSiftBorderPx), kNearPx, most_new);
+  std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) override {
+    // work_ is a new image with each step.
+    return [image = work_, wanted = live_among(tracker_.live(), tracks), most] {
+      std::vector<Eigen::Vector2f> places;
+      for (const Track& t : wanted) places.push_back(t.raw_px);
+      const DescribedFeatures features = describe_near(image, places, kNearPx, most, kSiftBorderPx);
+      std::vector<TrackId> ids;
+      for (const Eigen::Vector2f& px : features.raw_px) {
+        const auto at = std::ranges::find_if(
+            wanted, [&](const Track& t) { return (t.raw_px - px).squaredNorm() < kNearPx * kNearPx; });
+        ids.push_back(at == wanted.end() ? TrackId() : at->id);
+      }
+      return by_track(features, ids);
+    };
   }
 
   std::vector<TagObservation> tags() override {
@@ -97,10 +110,8 @@ class KltFeatureTracker final : public FeatureTracker {
     return out;
   }
 
-  // Gives each feature its track: the live one closer than same_px, or a new one.
-  DescribedTracks at_tracks(const DescribedFeatures& features, float same_px, int most_new) {
-    const std::vector<TrackId> ids = tracker_.add(features.raw_px, same_px, most_new);
-    refresh();
+  // ids: of each feature's track, or none.
+  static DescribedTracks by_track(const DescribedFeatures& features, const std::vector<TrackId>& ids) {
     std::map<TrackId, std::size_t> feature_of;  // the first, and strongest, of several at one track
     for (std::size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] != TrackId()) feature_of.emplace(ids[i], i);

@@ -164,7 +164,7 @@ void InlineAgent::receive(const Message& message, std::uint64_t bytes) {
 void InlineAgent::send(TrackFrame frame, const std::optional<PatchReply>& patches,
                        const std::optional<DescriptorReply>& descriptors) {
   frame.patches_sent = patches ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
-  frame.descriptors_sent = descriptors ? DescriptorsSent::kWithFrame : DescriptorsSent::kNone;
+  if (descriptors) frame.descriptors_sent = DescriptorsSent::kWithFrame;
   if (patches) pass_up_parts(*patches);
   if (descriptors) pass_up_parts(*descriptors);
   pass_up(encoder_.encode(frame, inbox_.acknowledged()));

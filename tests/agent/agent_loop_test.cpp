@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "common/base/error.h"
@@ -38,8 +39,10 @@ class FakeLink final : public AgentLink {
  public:
   explicit FakeLink(Time& time) : time_(time) {}
 
-  void send(TrackFrame frame, const std::optional<PatchReply>&, const std::optional<DescriptorReply>&) override {
+  void send(TrackFrame frame, const std::optional<PatchReply>&,
+            const std::optional<DescriptorReply>& descriptors) override {
     sent.push_back(std::move(frame));
+    if (descriptors) described.push_back(*descriptors);
   }
   void send_status(const AgentStatus& status) override { statuses.push_back(status); }
   void limit_replies(const ReplyLimits& limits) override { found_narrow = limits.narrow_link; }
@@ -76,6 +79,7 @@ class FakeLink final : public AgentLink {
 
   bool found_narrow = false;
   std::vector<TrackFrame> sent;
+  std::vector<DescriptorReply> described;
   std::vector<AgentStatus> statuses;
   std::vector<FrameId> waited_for;
   std::deque<MapPatch> arrived;
@@ -276,7 +280,7 @@ TEST_F(AgentLoopOfFiveImages, ReportsToNobodyWithoutFailing) {
 
 class LiveAgentLoop : public AgentLoopTest {
  protected:
-  LiveAgentLoop() : AgentLoopTest(Pacing::kLive) {}
+  LiveAgentLoop() : AgentLoopTest(Pacing::kLive, 100'000) {}
   // How many of the images of the third second are sent; the first ones go slowly.
   template <class Answer>
   std::size_t sent_of_thirty(const Answer& answer) {
@@ -343,6 +347,30 @@ TEST_F(LiveAgentLoop, NeverWaitsForTheServer) {
   loop_->finish(stop_);
   EXPECT_THAT(link_.waited_for, IsEmpty());
   EXPECT_EQ(link_.statuses.back().state, AgentState::kFinished);
+}
+
+TEST_F(LiveAgentLoop, DescribesBesideItsFrames) {
+  const auto ask = [&] {
+    link_.answer(link_.sent.back().frame);
+    link_.arrived.back().descriptor_request = DescriptorRequest::kAtTracks;
+  };
+  ASSERT_TRUE(step());
+  link_.answer(FrameId(0));
+  ASSERT_TRUE(step());
+  link_.described.clear();
+  ask();
+  ASSERT_TRUE(step());
+  const TrackFrame asked = link_.sent.back();
+  EXPECT_EQ(asked.descriptors_sent, DescriptorsSent::kLater);
+  EXPECT_THAT(link_.described, IsEmpty());
+  ask();  // again, which waits
+  while (link_.described.empty() && step()) std::this_thread::yield();
+  ASSERT_THAT(link_.described, SizeIs(1));
+  EXPECT_EQ(link_.described[0].frame, asked.frame);
+  EXPECT_LT(link_.described[0].frame, link_.sent.back().frame);
+  while (link_.described.size() == 1 && step()) std::this_thread::yield();
+  ASSERT_THAT(link_.described, SizeIs(2));
+  EXPECT_GT(link_.described[1].frame, asked.frame);
 }
 
 TEST_F(LiveAgentLoop, SendsTheImageThatItDescribesAtTheEnd) {

@@ -48,10 +48,10 @@ class AgentTest : public testing::Test {
     agent_ = std::make_unique<Agent>("cam0", kRun, test::sim_camera(), config, std::move(tracker));
   }
 
-  AgentOutput step(const std::vector<MapPatch>& patches = {}) {
+  AgentOutput step(const std::vector<MapPatch>& patches = {}, Answers answers = {}) {
     agent_->track({FrameId(next_), time_of(next_), {}});
     ++next_;
-    newest_ = agent_->finish(patches);
+    newest_ = agent_->finish(patches, answers);
     return newest_;
   }
   // The server's next patch, about the newest frame.
@@ -151,6 +151,23 @@ TEST_F(AgentTest, TheFirstImageIsDescribedAndThenThoseAskedFor) {
   EXPECT_LE(out.descriptors->tracks.size(), static_cast<std::size_t>(AgentConfig().place_features));
   EXPECT_THAT(ids_of(out.frame), testing::IsSupersetOf(out.descriptors->tracks));
   EXPECT_FALSE(step({patch()}).descriptors);
+}
+
+TEST_F(AgentTest, WhatIsAtTracksMayBeDescribedAfterItsFrame) {
+  step();
+  step({patch()});
+  MapPatch asks = patch();
+  asks.descriptor_request = DescriptorRequest::kAtTracks;
+  const AgentOutput out = step({asks}, {.later = true});
+  EXPECT_FALSE(out.descriptors);
+  EXPECT_EQ(out.frame.descriptors_sent, DescriptorsSent::kLater);
+  ASSERT_TRUE(out.describe);
+  step();
+  const DescriptorReply reply = out.describe();
+  EXPECT_EQ(reply.frame, out.frame.frame);
+  EXPECT_EQ(reply.agent_run, kRun);
+  EXPECT_THAT(reply.tracks, testing::Not(testing::IsEmpty()));
+  EXPECT_THAT(ids_of(out.frame), testing::IsSupersetOf(reply.tracks));
 }
 
 TEST_F(AgentTest, IsTrackedOncePlacedAndLostWithoutPoints) {
@@ -291,17 +308,20 @@ class EndlessTracker final : public FeatureTracker {
   }
   DescribedTracks describe_strongest(int most, int most_new) override {
     start(static_cast<std::size_t>(std::max(0, std::min(most, most_new))));
+    return all();
+  }
+  std::function<DescribedTracks()> describe_at(const std::vector<TrackId>&, int) override {
+    return [described = all()] { return described; };
+  }
+  std::vector<TagObservation> tags() override { return {}; }
+
+ private:
+  DescribedTracks all() const {
     std::vector<TrackId> tracks;
     tracks.reserve(live_.size());
     for (const Track& t : live_) tracks.push_back(t.id);
     return {tracks, std::vector<std::uint8_t>(tracks.size() * kDescriptorBytes)};
   }
-  DescribedTracks describe_at(const std::vector<TrackId>&, int most, int most_new) override {
-    return describe_strongest(most, most_new);
-  }
-  std::vector<TagObservation> tags() override { return {}; }
-
- private:
   void start(std::size_t tracks) {
     for (std::size_t i = 0; i < tracks; ++i) live_.push_back({TrackId(next_++), {100, 100}, 0});
   }

@@ -129,13 +129,13 @@ DescribedTracks SimTracker::describe_strongest(int most, int most_new) {
   return described(std::move(tracks));
 }
 
-DescribedTracks SimTracker::describe_at(const std::vector<TrackId>& wanted, int most, int /*most_new*/) {
+std::function<DescribedTracks()> SimTracker::describe_at(const std::vector<TrackId>& wanted, int most) {
   std::vector<TrackId> tracks;
   for (const auto& [point, track] : track_of_) {
     if (static_cast<int>(tracks.size()) == most) break;
     if (std::ranges::binary_search(wanted, track)) tracks.push_back(track);
   }
-  return described(std::move(tracks));
+  return [all = described(std::move(tracks))] { return all; };
 }
 
 std::optional<TagObservation> SimTracker::see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners) {

@@ -38,7 +38,7 @@ class SimTracker final : public FeatureTracker {
   void thin(int at_most) override;
   std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override;
   DescribedTracks describe_strongest(int most, int most_new) override;
-  DescribedTracks describe_at(const std::vector<TrackId>& wanted, int most, int most_new) override;
+  std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& wanted, int most) override;
   std::vector<TagObservation> tags() override;
 
   // A printed tag, seen with the noise of the tracks when it is all in view. The same one may hang in several places.
