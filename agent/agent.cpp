@@ -103,13 +103,11 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   {
     const auto timer = times_.measure("answer");
-    describe_image(answers, &out);  // may start tracks, so before the frame is made
+    const DescriptorsSent sent = describe_image(answers, &out);  // may start tracks, so before the frame is made
     out.patches = cut_patches(answers.patches);
     out.frame = make_frame();
     out.frame.patches_sent = out.patches ? static_cast<std::uint16_t>(out.patches->patches.size()) : 0;
-    out.frame.descriptors_sent = out.descriptors ? DescriptorsSent::kWithFrame
-                                 : out.describe  ? DescriptorsSent::kLater
-                                                 : DescriptorsSent::kNone;
+    out.frame.descriptors_sent = sent;
   }
   times_.add(kFrame, frame_took_ + (std::chrono::steady_clock::now() - begin));
   return out;
@@ -136,38 +134,51 @@ int Agent::room_for_described() const {
   return std::max(0, most - static_cast<int>(tracker_->live().size()));
 }
 
-void Agent::describe_image(const Answers& answers, AgentOutput* out) {
-  if (answers.described == 0) return;
+DescriptorsSent Agent::describe_image(const Answers& answers, AgentOutput* out) {
+  if (answers.described == 0) return DescriptorsSent::kNone;
   const DescriptorRequest wanted = std::exchange(descriptors_wanted_, DescriptorRequest::kNone);
-  if (wanted == DescriptorRequest::kNone) return;
-  described_ = frame_;
-  if (wanted == DescriptorRequest::kEverywhere) {
-    since_described_ = 0;
-    const DescribedTracks described = tracker_->describe_strongest(
-        std::min(answers.described, config_.descriptor_features), room_for_described());
-    observe();
-    out->descriptors = reply_of({.agent = name_, .agent_run = run_, .frame = frame_}, described, observed());
-    return;
+  if (wanted == DescriptorRequest::kNone) return DescriptorsSent::kNone;
+  const bool everywhere = wanted == DescriptorRequest::kEverywhere;
+  DescribeWork work = everywhere ? describe_everywhere(std::min(answers.described, config_.descriptor_features))
+                                 : describe_tracks(std::min(answers.described, config_.place_features));
+  if (!answers.later) {
+    out->descriptors = work()();
+    return DescriptorsSent::kWithFrame;
   }
-  auto describe = describe_tracks(std::min(answers.described, config_.place_features));
-  if (answers.later) {
-    out->describe = std::move(describe);
-  } else {
-    out->descriptors = describe();
-  }
+  out->describe = std::move(work);
+  return everywhere ? DescriptorsSent::kNone : DescriptorsSent::kLater;  // those of another frame; of this one
 }
 
-std::function<DescriptorReply()> Agent::describe_tracks(int most) {
+DescribeWork Agent::describe_tracks(int most) {
+  described_ = frame_;
   DescriptorReply empty{.agent = name_, .agent_run = run_, .frame = frame_};
   return [empty = std::move(empty), ids = observed(), work = tracker_->describe_at(observed(), most)] {
-    return reply_of(empty, work(), ids);
+    return [reply = reply_of(empty, work(), ids)] { return reply; };
   };
+}
+
+DescribeWork Agent::describe_everywhere(int most) {
+  return [this, work = tracker_->describe_strongest(most)] {
+    return [this, start = work()] {
+      described_ = frame_;
+      since_described_ = 0;
+      const DescribedTracks described = start(room_for_described());
+      observe();
+      return reply_of({.agent = name_, .agent_run = run_, .frame = frame_}, described, observed());
+    };
+  };
+}
+
+DescriptorReply Agent::take(const DescribeEnd& end) {
+  const auto begin = std::chrono::steady_clock::now();
+  DescriptorReply reply = end();
+  frame_took_ += std::chrono::steady_clock::now() - begin;
+  return reply;
 }
 
 std::optional<DescriptorReply> Agent::describe_last() {
   if (observations_.empty()) return std::nullopt;
-  described_ = frame_;
-  return describe_tracks(config_.place_features)();
+  return describe_tracks(config_.place_features)()();
 }
 
 std::optional<PatchReply> Agent::cut_patches(std::size_t most) {

@@ -38,19 +38,22 @@ struct AgentConfig {
 struct Answers {
   std::size_t patches = kMaxTracks;                 // most
   int described = std::numeric_limits<int>::max();  // most features; 0: none, the request waits
-  bool later = false;  // what is at tracks is described after the frame, see AgentOutput::describe
+  bool later = false;  // images are described after their frame, see AgentOutput::describe
 
   static constexpr Answers all() { return {}; }
   static constexpr Answers none() { return {.patches = 0, .described = 0}; }
 };
+
+// Describing an image takes longer than all else: the work may be done in any thread.
+using DescribeEnd = std::function<DescriptorReply()>;
+using DescribeWork = std::function<DescribeEnd()>;
 
 // What an agent sends for one image.
 struct AgentOutput {
   TrackFrame frame;
   std::optional<PatchReply> patches;
   std::optional<DescriptorReply> descriptors;
-  // Instead of them: makes them, once, on any thread. To be sent with a later frame.
-  std::function<DescriptorReply()> describe;
+  DescribeWork describe;  // instead of them, if they come later
 };
 
 // The tracker that agents use: the one place that says which.
@@ -67,6 +70,8 @@ class Agent {
         std::unique_ptr<FeatureTracker> tracker);
 
   void track(const Image& image);
+  // Between the two: what is described. Its reply goes with this frame.
+  DescriptorReply take(const DescribeEnd& end);
   AgentOutput finish(std::span<const MapPatch> patches, Answers answers = {});
   // At the end: what the newest image shows at its tracks. Empty without one.
   std::optional<DescriptorReply> describe_last();
@@ -85,8 +90,9 @@ class Agent {
   void take(const MapPatch& patch);
   void observe();
   void look_for_tags();
-  void describe_image(const Answers& answers, AgentOutput* out);
-  std::function<DescriptorReply()> describe_tracks(int most);
+  DescriptorsSent describe_image(const Answers& answers, AgentOutput* out);
+  DescribeWork describe_tracks(int most);
+  DescribeWork describe_everywhere(int most);
   std::optional<PatchReply> cut_patches(std::size_t most);
   TrackFrame make_frame() const;
   std::vector<TrackId> observed() const;

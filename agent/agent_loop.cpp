@@ -43,8 +43,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   if (hello_.pacing == Pacing::kLockstep && (stop || server_stops())) return false;
   if (stamps_are_utc_ && !patches.empty()) exchange_ = {patches.back().sent_ns, patches.back().received_ns};
   if (adapts_) watch_link(patches);
-  take_described();
   const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
+  if (sends) take_described();
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   out.frame.narrow_link = narrow_link_;
   if (!sends) {
@@ -97,11 +97,11 @@ Answers AgentLoop::answers() const {
   return out;
 }
 
-void AgentLoop::describe_beside(std::function<DescriptorReply()> describe) {
-  describer_->start([describe = std::move(describe)] {
+void AgentLoop::describe_beside(DescribeWork work) {
+  describer_->start([work = std::move(work)] {
     const auto begin = std::chrono::steady_clock::now();
-    DescriptorReply reply = describe();
-    return Described{std::move(reply), std::chrono::steady_clock::now() - begin};
+    DescribeEnd end = work();
+    return Described{std::move(end), std::chrono::steady_clock::now() - begin};
   });
 }
 
@@ -109,7 +109,7 @@ void AgentLoop::take_described() {
   std::optional<Described> done = describer_ ? describer_->take() : std::nullopt;
   if (!done) return;
   times_.add("describe", done->took);
-  described_ = std::move(done->reply);
+  described_ = agent_.take(done->end);
 }
 
 // From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once

@@ -54,7 +54,7 @@ class AgentLoop {
   Answers answers() const;
   void watch_link(const std::vector<MapPatch>& patches);
   bool describing() const { return described_ || (describer_ && describer_->busy()); }
-  void describe_beside(std::function<DescriptorReply()> describe);
+  void describe_beside(DescribeWork work);
   void take_described();
   void warn_when_slow();
   void say_state();
@@ -87,7 +87,7 @@ class AgentLoop {
   bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
   StateWords words_;
   struct Described {
-    DescriptorReply reply;
+    DescribeEnd end;
     std::chrono::steady_clock::duration took{};
   };
   std::optional<BackgroundJob<Described>> describer_;  // live

@@ -49,13 +49,16 @@ class FeatureTracker {
   // What the image looks like around these tracks (ascending), for those of them that are live, in their order.
   virtual std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) = 0;
 
-  // Descriptors of the `most` strongest features of the image. One at no track starts a track, beyond what step() would
-  // fill up to if need be; the weaker ones are left out once `most_new` were started.
-  virtual DescribedTracks describe_strongest(int most, int most_new) = 0;
-
-  // The same of those features alone that lie at these tracks (ascending); starts none. What comes back does the work, and
-  // may be called once, from any thread and at any time: it has the image and needs nothing of the tracker.
+  // Descriptors of the features of the image that lie at these tracks (ascending), the `most` strongest. What comes back
+  // does the work, and may be called once, from any thread and at any time: it has the image and needs nothing of the
+  // tracker.
   virtual std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) = 0;
+
+  // The same wherever they lie. What the work gives is called once, as the tracker's other functions are: features are
+  // followed to the newest image, and one at no track there starts a track, beyond what step() would fill up to if need
+  // be; the weaker ones are left out once `most_new` were started.
+  using StartTracks = std::function<DescribedTracks(int most_new)>;
+  virtual std::function<StartTracks()> describe_strongest(int most) = 0;
 
   // Printed tags, ascending, as they go over the wire. Empty when none are looked for.
   virtual std::vector<TagObservation> tags() = 0;

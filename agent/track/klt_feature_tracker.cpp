@@ -31,6 +31,7 @@ class KltFeatureTracker final : public FeatureTracker {
                     std::unique_ptr<Matcher> matcher)
       : pixel_scale_(pixel_scale(camera)),
         work_scale_(working_scale(camera.width_px, config)),
+        config_(config),
         tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
   }
@@ -59,13 +60,6 @@ class KltFeatureTracker final : public FeatureTracker {
     return out;
   }
 
-  DescribedTracks describe_strongest(int most, int most_new) override {
-    const DescribedFeatures features = describe(work_, most, kSiftBorderPx);
-    const std::vector<TrackId> ids = tracker_.add(features.raw_px, kSamePx, most_new);
-    refresh();
-    return by_track(features, ids);
-  }
-
   std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) override {
     // work_ is a new image with each step.
     return [image = work_, wanted = live_among(tracker_.live(), tracks), most] {
@@ -79,6 +73,17 @@ class KltFeatureTracker final : public FeatureTracker {
         ids.push_back(at == wanted.end() ? TrackId() : at->id);
       }
       return by_track(features, ids);
+    };
+  }
+
+  std::function<StartTracks()> describe_strongest(int most) override {
+    return [this, image = work_, most] {
+      return [this, image, features = describe(image, most, kSiftBorderPx)](int most_new) {
+        const DescribedFeatures now = image.data == work_.data ? features : followed(features, image);
+        const std::vector<TrackId> ids = tracker_.add(now.raw_px, kSamePx, most_new);
+        refresh();
+        return by_track(now, ids);
+      };
     };
   }
 
@@ -110,6 +115,23 @@ class KltFeatureTracker final : public FeatureTracker {
     return out;
   }
 
+  // To the newest image from an earlier one; what is not found there is left out.
+  DescribedFeatures followed(const DescribedFeatures& features, const cv::Mat& from) const {
+    TrackerConfig config = config_;
+    config.max_tracks = 0;
+    Tracker tracker(config, cpu_matcher(config));
+    tracker.step(from);
+    const std::vector<TrackId> ids = tracker.add(features.raw_px, 0, static_cast<int>(features.raw_px.size()));
+    DescribedFeatures out;
+    for (const Track& t : tracker.step(work_)) {
+      out.raw_px.push_back(t.raw_px);
+      const auto at = std::ranges::lower_bound(ids, t.id) - ids.begin();
+      const auto begin = features.descriptors.begin() + at * static_cast<std::ptrdiff_t>(kDescriptorBytes);
+      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
+    }
+    return out;
+  }
+
   // ids: of each feature's track, or none.
   static DescribedTracks by_track(const DescribedFeatures& features, const std::vector<TrackId>& ids) {
     std::map<TrackId, std::size_t> feature_of;  // the first, and strongest, of several at one track
@@ -127,6 +149,7 @@ class KltFeatureTracker final : public FeatureTracker {
 
   double pixel_scale_;
   double work_scale_;  // of the image that is worked on, against the raw one
+  const TrackerConfig config_;
   Tracker tracker_;
   std::vector<Track> live_;  // raw pixels, where that is not the same
   std::optional<TagFinder> tag_finder_;

@@ -354,23 +354,28 @@ TEST_F(LiveAgentLoop, DescribesBesideItsFrames) {
     link_.answer(link_.sent.back().frame);
     link_.arrived.back().descriptor_request = DescriptorRequest::kAtTracks;
   };
+  const auto step_until_described = [&](std::size_t times) {
+    while (link_.described.size() < times && step()) std::this_thread::yield();
+  };
   ASSERT_TRUE(step());
-  link_.answer(FrameId(0));
+  EXPECT_THAT(link_.described, IsEmpty()) << "the first image, which is described wherever it may be";
+  step_until_described(1);
+  EXPECT_EQ(link_.described.back().frame, link_.sent.back().frame) << "its features start tracks in a later one";
+  link_.answer(link_.sent.back().frame);
   ASSERT_TRUE(step());
-  link_.described.clear();
+  step_until_described(2);  // for the server, which is new
   ask();
   ASSERT_TRUE(step());
   const TrackFrame asked = link_.sent.back();
   EXPECT_EQ(asked.descriptors_sent, DescriptorsSent::kLater);
-  EXPECT_THAT(link_.described, IsEmpty());
-  ask();  // again, which waits
-  while (link_.described.empty() && step()) std::this_thread::yield();
-  ASSERT_THAT(link_.described, SizeIs(1));
-  EXPECT_EQ(link_.described[0].frame, asked.frame);
-  EXPECT_LT(link_.described[0].frame, link_.sent.back().frame);
-  while (link_.described.size() == 1 && step()) std::this_thread::yield();
   ASSERT_THAT(link_.described, SizeIs(2));
-  EXPECT_GT(link_.described[1].frame, asked.frame);
+  ask();  // again, which waits
+  step_until_described(3);
+  EXPECT_EQ(link_.described.back().frame, asked.frame);
+  EXPECT_LT(link_.described.back().frame, link_.sent.back().frame);
+  step_until_described(4);
+  ASSERT_THAT(link_.described, SizeIs(4));
+  EXPECT_GT(link_.described.back().frame, asked.frame);
 }
 
 TEST_F(LiveAgentLoop, SendsTheImageThatItDescribesAtTheEnd) {

@@ -163,7 +163,7 @@ TEST_F(AgentTest, WhatIsAtTracksMayBeDescribedAfterItsFrame) {
   EXPECT_EQ(out.frame.descriptors_sent, DescriptorsSent::kLater);
   ASSERT_TRUE(out.describe);
   step();
-  const DescriptorReply reply = out.describe();
+  const DescriptorReply reply = out.describe()();
   EXPECT_EQ(reply.frame, out.frame.frame);
   EXPECT_EQ(reply.agent_run, kRun);
   EXPECT_THAT(reply.tracks, testing::Not(testing::IsEmpty()));
@@ -306,9 +306,13 @@ class EndlessTracker final : public FeatureTracker {
     for (const TrackId t : tracks) out.push_back({t, {}});
     return out;
   }
-  DescribedTracks describe_strongest(int most, int most_new) override {
-    start(static_cast<std::size_t>(std::max(0, std::min(most, most_new))));
-    return all();
+  std::function<StartTracks()> describe_strongest(int most) override {
+    return [this, most] {
+      return [this, most](int most_new) {
+        start(static_cast<std::size_t>(std::max(0, std::min(most, most_new))));
+        return all();
+      };
+    };
   }
   std::function<DescribedTracks()> describe_at(const std::vector<TrackId>&, int) override {
     return [described = all()] { return described; };

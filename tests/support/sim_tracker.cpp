@@ -115,7 +115,11 @@ DescribedTracks SimTracker::described(std::vector<TrackId> tracks) {
   return out;
 }
 
-DescribedTracks SimTracker::describe_strongest(int most, int most_new) {
+std::function<FeatureTracker::StartTracks()> SimTracker::describe_strongest(int most) {
+  return [this, most] { return [this, most](int most_new) { return start_strongest(most, most_new); }; };
+}
+
+DescribedTracks SimTracker::start_strongest(int most, int most_new) {
   std::vector<TrackId> tracks;
   for (int p = 0; p < world_.size() && static_cast<int>(tracks.size()) < most; ++p) {
     if (most_new > 0 && may_start(p)) {

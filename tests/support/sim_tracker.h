@@ -37,7 +37,7 @@ class SimTracker final : public FeatureTracker {
   const std::vector<Track>& live() const override { return tracks_; }
   void thin(int at_most) override;
   std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) override;
-  DescribedTracks describe_strongest(int most, int most_new) override;
+  std::function<StartTracks()> describe_strongest(int most) override;
   std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& wanted, int most) override;
   std::vector<TagObservation> tags() override;
 
@@ -74,6 +74,7 @@ class SimTracker final : public FeatureTracker {
   void follow();
   void start(int point, const Eigen::Vector2d& px);
   void end(TrackId track);
+  DescribedTracks start_strongest(int most, int most_new);
   DescribedTracks described(std::vector<TrackId> tracks);
   std::optional<TagObservation> see(TagId tag, const std::array<Eigen::Vector3d, 4>& corners);
   double gauss() { return normal_(random_); }

@@ -85,13 +85,45 @@ TEST_P(KltFeatureTrackerAtWidth, DescribedFeaturesStartTracksInRawPixels) {
   const auto tracker = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
   tracker->step(image(0));
   const std::size_t before = tracker->live().size();
-  const DescribedTracks described = tracker->describe_strongest(100, 100);
+  const DescribedTracks described = tracker->describe_strongest(100)()(100);
   EXPECT_GT(tracker->live().size(), before);
   EXPECT_GT(described.tracks.size(), 30U);
   float farthest = 0;
   for (const Track& t : tracker->live()) farthest = std::max(farthest, t.raw_px.x() / static_cast<float>(size_.width));
   EXPECT_GT(farthest, 0.8);
   EXPECT_LT(farthest, 1);
+}
+
+TEST_P(KltFeatureTrackerAtWidth, FeaturesOfAnEarlierImageStartTracksInTheNewest) {
+  const TrackerConfig config = {.max_tracks = 20, .most_width_px = 560};
+  const auto at_once = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
+  const auto late = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
+  using Descriptor = std::vector<std::uint8_t>;
+  const auto places = [](const FeatureTracker& tracker, const DescribedTracks& described) {
+    std::map<Descriptor, Eigen::Vector2f> out;
+    for (const Track& t : tracker.live()) {
+      const auto at = std::ranges::find(described.tracks, t.id) - described.tracks.begin();
+      if (at == std::ssize(described.tracks)) continue;
+      const auto begin = described.descriptors.begin() + at * static_cast<std::ptrdiff_t>(kDescriptorBytes);
+      out[Descriptor(begin, begin + kDescriptorBytes)] = t.raw_px;
+    }
+    return out;
+  };
+  at_once->step(image(0));
+  late->step(image(0));
+  const auto start = late->describe_strongest(100)();
+  const auto first = places(*at_once, at_once->describe_strongest(100)()(100));
+  late->step(image(1));
+  late->step(image(2));
+  const auto now = places(*late, start(100));
+  int right = 0;
+  for (const auto& [descriptor, px] : now) {
+    const auto before = first.find(descriptor);
+    if (before == first.end()) continue;  // at a corner's track instead
+    const Eigen::Vector2d moved = (px - before->second).cast<double>();
+    right += (moved + 2 * Eigen::Vector2d(kStepX, kStepY)).norm() < 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(right, 0.8 * static_cast<double>(first.size())) << "of " << first.size() << ", " << now.size() << " now";
 }
 
 }  // namespace
