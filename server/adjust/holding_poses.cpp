@@ -58,7 +58,7 @@ SharedPoints shared_with_window(const Map& map, MapId of, SetId first) {
 // Those that share enough to hold, most first.
 Poses by_shared_points(const SharedPoints& shared, const Counts& counts) {
   constexpr int kLeast = 8;
-  std::vector<std::pair<int, std::pair<SetId, CameraId>>> order;
+  std::vector<std::pair<int, ImageKey>> order;
   for (std::size_t pose = 0; pose < counts.size(); ++pose) {
     if (counts[pose] < kLeast) continue;
     const CameraId camera(static_cast<std::uint16_t>(pose % shared.cameras));

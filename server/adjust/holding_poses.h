@@ -10,7 +10,7 @@
 
 namespace coslam {
 
-using Poses = std::vector<std::pair<SetId, CameraId>>;
+using Poses = std::vector<ImageKey>;
 
 // Older poses that see the window's points: the most connected, and those that share most with each camera. Cameras
 // that are back at a place share more with who mapped it than others do with their own last poses, and a part of the

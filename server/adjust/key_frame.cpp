@@ -33,15 +33,15 @@ const FramePose* last_of(const Map& map, const MapCamera& camera) {
 std::vector<SinceLast> since_last(const Map& map) {
   std::vector<SinceLast> out(map.cameras().size());
   std::vector<std::vector<double>> turns(map.cameras().size());
-  std::vector<SetId> sets;
+  std::vector<ImageKey> images;
   for (const MapCamera& c : map.cameras()) {
     SinceLast& s = out[c.id.value];
     if (!c.frames.empty()) s.then = last_of(map, c);
-    if (s.then != nullptr) sets.push_back(s.then->set);
+    if (s.then != nullptr) images.emplace_back(s.then->set, c.id);
   }
-  if (sets.empty()) return out;
-  const SetId first = std::ranges::min(sets);
-  for (const MapPoint* point : map.points_observed_at(sets)) {
+  if (images.empty()) return out;
+  const SetId first = std::ranges::min(images).first;
+  for (const MapPoint* point : map.points_observed_in(images)) {
     const MapPoint& p = *point;
     for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= first;) {
       const KeyObservation& o = p.key_observations[i];

@@ -18,11 +18,11 @@ namespace coslam {
 namespace {
 
 struct PoseHash {
-  std::size_t operator()(const std::pair<SetId, CameraId>& pose) const {
+  std::size_t operator()(const ImageKey& pose) const {
     return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
   }
 };
-using PoseIndex = std::unordered_map<std::pair<SetId, CameraId>, int, PoseHash>;
+using PoseIndex = std::unordered_map<ImageKey, int, PoseHash>;
 
 // Ascending.
 std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {

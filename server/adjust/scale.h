@@ -47,7 +47,7 @@ class Scale {
   ScaleReport finish(MapEdit& edit);
   const TagScale& tags() const { return tags_; }
   // Frames that it looks at again, however old they are.
-  std::vector<std::pair<SetId, CameraId>> held_frames() const {
+  std::vector<ImageKey> held_frames() const {
     if (scaled_ == MapId()) return {};
     return {{scaled_at_, CameraId(0)}, {scaled_at_, CameraId(1)}};
   }

@@ -11,6 +11,7 @@
 #include "server/associate/points_by_place.h"
 #include "server/associate/recall.h"
 #include "server/associate/track_grid.h"
+#include "server/associate/turns.h"
 
 namespace coslam {
 namespace {
@@ -96,10 +97,11 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
 FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   FuseReport report;
-  const PointsByPlace points(static_points_around(map, set));
-  std::vector<std::vector<Candidate>> of_cameras(set.frames.size());
+  const std::vector<CameraId> cameras = cameras_in_turn(set, map.round(map.config().match_period_s));
+  const PointsByPlace points(static_points_around(map, cameras));
+  std::vector<std::vector<Candidate>> of_cameras(cameras.size());
   workers.each(of_cameras.size(), [&](std::size_t i) {
-    const MapCamera& camera = map.camera(set.frames[i].camera);
+    const MapCamera& camera = map.camera(cameras[i]);
     if (camera.frames.back().valid()) of_cameras[i] = candidates_of(map, camera, points);
   });
   std::vector<Candidate> candidates;

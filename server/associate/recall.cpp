@@ -40,11 +40,11 @@ std::vector<SetId> shared_key_frames(const Map& map, const MapCamera& camera) {
 
 }  // namespace
 
-std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const FrameSet& set) {
+std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const std::vector<CameraId>& cameras) {
   std::set<SetId> sets;
   const auto& keys = map.key_frames();
-  for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = map.camera(cf.camera);
+  for (const CameraId id : cameras) {
+    const MapCamera& camera = map.camera(id);
     if (!camera.frames.back().valid()) continue;
     for (const SetId s : shared_key_frames(map, camera)) {
       const auto at = static_cast<std::size_t>(std::ranges::lower_bound(keys, s, {}, &KeyFrame::set) - keys.begin());
@@ -58,10 +58,10 @@ std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const Fram
   return out;
 }
 
-std::vector<const MapPoint*> static_points_around(const Map& map, const FrameSet& set) {
+std::vector<const MapPoint*> static_points_around(const Map& map, const std::vector<CameraId>& cameras) {
   std::vector<const MapPoint*> out = recent_static_points(map);
   const auto recent = static_cast<std::ptrdiff_t>(out.size());
-  const std::vector<const MapPoint*> earlier = points_of_earlier_visits(map, set);
+  const std::vector<const MapPoint*> earlier = points_of_earlier_visits(map, cameras);
   out.insert(out.end(), earlier.begin(), earlier.end());
   std::ranges::inplace_merge(out, out.begin() + recent, {}, &MapPoint::id);
   return out;

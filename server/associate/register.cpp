@@ -12,6 +12,7 @@
 #include "server/associate/points_by_place.h"
 #include "server/associate/recall.h"
 #include "server/associate/track_grid.h"
+#include "server/associate/turns.h"
 
 namespace coslam {
 namespace {
@@ -89,14 +90,17 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& work
   const Map& map = edit.map();
   RegisterReport report;
   const bool look_back = map.every(map.config().match_period_s);
-  const PointsByPlace points(look_back ? static_points_around(map, set) : recent_static_points(map));
-  std::vector<Candidates> of_cameras(set.frames.size());
+  // Rounds of both kinds, each counted by itself.
+  const std::uint32_t round = map.round(map.config().match_period_s);
+  const std::vector<CameraId> cameras = cameras_in_turn(set, look_back ? round : map.now().value - round);
+  const PointsByPlace points(look_back ? static_points_around(map, cameras) : recent_static_points(map));
+  std::vector<Candidates> of_cameras(cameras.size());
   workers.each(of_cameras.size(),
-               [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(set.frames[i].camera), points); });
+               [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(cameras[i]), points); });
   std::set<PointId> moved;
   for (std::size_t i = 0; i < of_cameras.size(); ++i) {
     if (!of_cameras[i].grid) continue;
-    const MapCamera& camera = map.camera(set.frames[i].camera);
+    const MapCamera& camera = map.camera(cameras[i]);
     look_again(map, camera, moved, &of_cameras[i]);
     std::vector<Candidate>& candidates = of_cameras[i].by_point;
     std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });

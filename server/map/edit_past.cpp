@@ -32,17 +32,18 @@ void MapEdit::forget_view(SetId set, CameraId camera) {
   COSLAM_CHECK(set < map_.now_, "what is seen now is no past");
   map_.key_images_.erase({set, camera});
   map_.spared_images_.erase({set, camera});
-  const auto at = map_.observed_at_.find(set);
-  if (at != map_.observed_at_.end()) {
-    std::erase_if(at->second, [&](PointId id) {
+  if (const auto at = map_.observed_in_.find({set, camera}); at != map_.observed_in_.end()) {
+    for (const PointId id : at->second) {
       MapPoint* p = own(id);
-      if (p == nullptr) return true;
+      if (p == nullptr) continue;
       std::erase_if(p->key_observations, [&](const auto& o) { return o.set == set && o.camera == camera; });
-      return std::ranges::none_of(p->key_observations, [&](const auto& o) { return o.set == set; });
-    });
-    if (!at->second.empty()) return;
-    map_.observed_at_.erase(at);
+    }
+    map_.observed_in_.erase(at);
   }
+  const auto seen = map_.points_observed_at({set});
+  const auto still = [&](const KeyObservation& o) { return o.set == set; };
+  if (std::ranges::any_of(seen, [&](const MapPoint* p) { return std::ranges::any_of(p->key_observations, still); }))
+    return;
   std::erase_if(map_.key_frames_, [&](const KeyFrame& k) { return k.set == set; });
 }
 

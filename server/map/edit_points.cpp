@@ -32,7 +32,7 @@ void MapEdit::observe(MapPoint& point, const KeyObservation& seen) {
   const auto at = std::lower_bound(all.begin(), all.end(), seen,
                                    [](const auto& a, const auto& b) { return key_of(a) < key_of(b); });
   if (at == all.end() || key_of(*at) != key_of(seen)) all.insert(at, seen);
-  map_.observed_at_[seen.set].push_back(point.id);
+  map_.observed_in_[{seen.set, seen.camera}].push_back(point.id);
 }
 
 const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,

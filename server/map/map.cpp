@@ -173,7 +173,7 @@ Map::Map(const Map& o)
       key_images_(o.key_images_),
       spared_images_(o.spared_images_),
       loose_(o.loose_),
-      observed_at_(o.observed_at_),
+      observed_in_(o.observed_in_),
       repatched_(o.repatched_),
       next_point_(o.next_point_),
       next_map_(o.next_map_),
@@ -294,18 +294,29 @@ std::vector<const MapPoint*> Map::points_seen_since(SetId set) const {
   return out;
 }
 
+std::vector<const MapPoint*> Map::points_observed_in(const std::vector<ImageKey>& images) const {
+  std::vector<PointId> ids;
+  for (const ImageKey& image : images) {
+    const auto at = observed_in_.find(image);
+    if (at != observed_in_.end()) ids.insert(ids.end(), at->second.begin(), at->second.end());
+  }
+  return found(std::move(ids));
+}
+
 std::vector<const MapPoint*> Map::points_observed_at(const std::vector<SetId>& sets) const {
   std::vector<PointId> ids;
   for (const SetId set : sets) {
-    const auto at = observed_at_.find(set);
-    if (at != observed_at_.end()) ids.insert(ids.end(), at->second.begin(), at->second.end());
+    for (auto at = observed_in_.lower_bound({set, CameraId(0)}); at != observed_in_.end() && at->first.first == set;
+         ++at) {
+      ids.insert(ids.end(), at->second.begin(), at->second.end());
+    }
   }
   return found(std::move(ids));
 }
 
 std::vector<const MapPoint*> Map::points_observed_since(SetId set) const {
   std::vector<PointId> ids;
-  for (auto at = observed_at_.lower_bound(set); at != observed_at_.end(); ++at) {
+  for (auto at = observed_in_.lower_bound({set, CameraId(0)}); at != observed_in_.end(); ++at) {
     ids.insert(ids.end(), at->second.begin(), at->second.end());
   }
   return found(std::move(ids));

@@ -29,6 +29,9 @@
 // (server/map/edit.h) alone, which keeps its invariants.
 namespace coslam {
 
+// A camera's image.
+using ImageKey = std::pair<SetId, CameraId>;
+
 // Between frames, while there is only one.
 inline constexpr double kUsualInterval_s = 1.0 / 30;
 // Frames below which a window of time tells nothing.
@@ -264,7 +267,7 @@ class Map {
   const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
   bool is_key_frame(SetId set) const;
   // Cameras that took no part in a key frame, as they saw nothing new.
-  const std::set<std::pair<SetId, CameraId>>& spared_images() const { return spared_images_; }
+  const std::set<ImageKey>& spared_images() const { return spared_images_; }
 
   // Those that move now, ascending.
   std::vector<const MapPoint*> moving_points() const;
@@ -275,7 +278,8 @@ class Map {
   std::vector<const MapPoint*> recent_points() const;
   // Seen at this set or later.
   std::vector<const MapPoint*> points_seen_since(SetId set) const;
-  // With a key observation at one of these sets; at this set or later.
+  // With a key observation in one of these images; at one of these sets; at this set or later.
+  std::vector<const MapPoint*> points_observed_in(const std::vector<ImageKey>& images) const;
   std::vector<const MapPoint*> points_observed_at(const std::vector<SetId>& sets) const;
   std::vector<const MapPoint*> points_observed_since(SetId set) const;
   // That no track follows, since their last binding ended; cull() looks at these.
@@ -307,7 +311,7 @@ class Map {
   TimeNs shifted_ns() const { return shifted_ns_; }
   // Observations of that image are kept.
   bool keeps_observations_of(SetId set, CameraId camera) const;
-  const std::set<std::pair<SetId, CameraId>>& key_images() const { return key_images_; }
+  const std::set<ImageKey>& key_images() const { return key_images_; }
 
   // Lengths of that map are metres, so that cameras of a rig are where the rig has them.
   bool is_metric(MapId map) const { return metric_.contains(map); }
@@ -328,6 +332,8 @@ class Map {
   bool is_posed_by_rig(const MapCamera& camera) const { return !camera.rig.empty() && is_metric(camera.map); }
   // True at one set in that time.
   bool every(double period_s) const { return now_.value % sets_in(period_s) == 0; }
+  // How often it was.
+  std::uint32_t round(double period_s) const { return now_.value / sets_in(period_s); }
 
  private:
   friend class MapEdit;
@@ -342,12 +348,12 @@ class Map {
   std::unordered_map<PointId, MapPoint*> index_;  // of points_
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
-  std::set<std::pair<SetId, CameraId>> key_images_, spared_images_;
+  std::set<ImageKey> key_images_, spared_images_;
   // Parts of points_, so that nobody has to look at all of them.
   std::map<PointId, MapPoint*> moving_;
   FlatMap<PointId, MapPoint*> recent_;  // and some that were seen longer ago
   std::set<PointId> loose_;
-  std::map<SetId, std::vector<PointId>> observed_at_;  // and some whose observation is gone; in any order, some twice
+  std::map<ImageKey, std::vector<PointId>> observed_in_;  // and some whose observation is gone; in any order, some twice
   std::vector<PointId> repatched_;                     // that were given a patch since they were thinned
   std::uint32_t next_point_ = 1;
   std::uint32_t next_map_ = 1;

@@ -239,7 +239,7 @@ void MapRows::restore(const Tables& tables, Map* map) {
     map->index_[id] = &p;
     if (p.moves()) map->moving_.emplace(id, &p);
     if (map->is_recent(p.last_seen)) map->recent_.emplace(id, &p);
-    for (const KeyObservation& o : p.key_observations) map->observed_at_[o.set].push_back(id);
+    for (const KeyObservation& o : p.key_observations) map->observed_in_[{o.set, o.camera}].push_back(id);
   });
   if (!map->points_.empty() && map->points_.rbegin()->first.value >= map->next_point_)
     throw UserError("the map file has a point of no number");

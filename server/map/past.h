@@ -48,7 +48,7 @@ struct PastPlaces {
 struct PastPart {
   std::vector<PastFrames> frames;
   std::optional<PastPlaces> places;
-  std::vector<std::pair<SetId, CameraId>> views;  // images of which nothing is kept any more
+  std::vector<ImageKey> views;  // images of which nothing is kept any more
 };
 
 inline PutDown put_down_now(const Map& map) { return {map.moves().size(), map.shifted_ns()}; }

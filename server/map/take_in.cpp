@@ -93,7 +93,7 @@ void MapEdit::take_in_points(const Map& other, const Renumbered& as) {
     renumber(as, &p);
     map_.index_[id] = &p;
     if (map_.is_recent(p.last_seen)) map_.recent_.emplace(id, &p);
-    for (const KeyObservation& o : p.key_observations) map_.observed_at_[o.set].push_back(id);
+    for (const KeyObservation& o : p.key_observations) map_.observed_in_[{o.set, o.camera}].push_back(id);
   }
   for (const auto& [id, path] : other.motions_) {
     auto& own_path = map_.motions_[as.of(id)] = path;

@@ -18,7 +18,7 @@ constexpr std::size_t kMostAlike = 2;    // images of one place
 // Distances of the points that an image observes.
 std::vector<double> depths_of(const Map& map, const ImageKey& image, const FramePose& frame) {
   std::vector<double> depths;
-  for (const MapPoint* p : map.points_observed_at({image.first})) {
+  for (const MapPoint* p : map.points_observed_in({image})) {
     const bool seen = p->map == frame.map && std::ranges::any_of(p->key_observations, [&](const KeyObservation& o) {
                         return o.set == image.first && o.camera == image.second;
                       });

@@ -27,9 +27,6 @@ void describe(V& v, PastConfig& c) {
   v.field("near_rad", c.near_rad, {0, 4}, "of turn between images of one place");
 }
 
-// A camera's image.
-using ImageKey = std::pair<SetId, CameraId>;
-
 // Keeps the memory of a long run bounded by the place that it maps, not by its length. What is older than whole_s:
 // - of images with descriptors that show one place alike, those of the first and of the newest instant keep them and
 //   their observations; others keep their observations where fewer show the place;

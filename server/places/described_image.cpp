@@ -49,7 +49,7 @@ DescribedImage AwaitedDescriptors::take(const Map& map, const CameraFrame& frame
   const bool of_this_run = image.set >= camera.run_since;
   if (!of_this_run || f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
   DescribedImage out{camera, image.set, std::move(image.pixels), {}};
-  for (const MapPoint* p : map.points_observed_at({image.set})) {
+  for (const MapPoint* p : map.points_observed_in({{image.set, camera.id}})) {
     for (const KeyObservation& o : p->key_observations) {
       if (o.set == image.set && o.camera == camera.id && p->map == camera.map) out.points[o.track] = p->id;
     }

@@ -163,8 +163,8 @@ bool Meetings::remember_last(MapEdit& edit, CameraId id, const DescriptorReply& 
   return true;
 }
 
-std::vector<std::pair<SetId, CameraId>> Meetings::held_frames() const {
-  std::vector<std::pair<SetId, CameraId>> out;
+std::vector<ImageKey> Meetings::held_frames() const {
+  std::vector<ImageKey> out;
   for (const LoopConstraint& l : loops_) {
     out.emplace_back(l.set, l.camera);
     out.emplace_back(l.to_set, l.to_camera);

@@ -75,9 +75,9 @@ class Meetings {
   // What the last image of a run shows, from now on a known place. False: that image is still to come.
   bool remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply);
   // Frames that loops are closed by, of the newest loops: those hold the map together.
-  std::vector<std::pair<SetId, CameraId>> held_frames() const;
+  std::vector<ImageKey> held_frames() const;
   // Those images are remembered no more.
-  void forget(const std::vector<std::pair<SetId, CameraId>>& views) { places_.forget(views); }
+  void forget(const std::vector<ImageKey>& views) { places_.forget(views); }
   // What those of a map that was taken in remember and closed.
   void take_in(const Meetings& other, const Renumbered& as);
   const PlaceMemory& places() const { return places_; }

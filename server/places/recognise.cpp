@@ -29,10 +29,10 @@ struct KnownPoints {
 
 KnownPoints known_points(const Map& map, MapId of, std::span<const KeyImage* const> asked) {
   KnownPoints out;
-  std::vector<SetId> sets;
-  sets.reserve(asked.size());
-  for (const KeyImage* image : asked) sets.push_back(image->set);
-  for (const MapPoint* point : map.points_observed_at(sets)) {
+  std::vector<ImageKey> images;
+  images.reserve(asked.size());
+  for (const KeyImage* image : asked) images.emplace_back(image->set, image->camera);
+  for (const MapPoint* point : map.points_observed_in(images)) {
     const MapPoint& p = *point;
     if (p.map != of || !p.rests()) continue;
     for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -205,9 +205,9 @@ void PlaceMemory::add(MapEdit& edit, const DescribedImage& image, const Descript
   images_[index_.add(reply.descriptors)] = {image.set, image.camera.id, reply.tracks, reply.descriptors};
 }
 
-void PlaceMemory::forget(const std::vector<std::pair<SetId, CameraId>>& views) {
+void PlaceMemory::forget(const std::vector<ImageKey>& views) {
   if (views.empty()) return;
-  const std::set<std::pair<SetId, CameraId>> gone(views.begin(), views.end());
+  const std::set<ImageKey> gone(views.begin(), views.end());
   std::erase_if(images_, [&](const auto& entry) {
     const auto& [number, image] = entry;
     if (!gone.contains({image.set, image.camera})) return false;
@@ -307,7 +307,7 @@ std::optional<SeenAgain> PlaceMemory::find_again(const Map& map, const KeyImage&
   if (asked.images.empty()) return std::nullopt;
   FeaturesOfImage features{map.camera(image.camera), image.tracks, image.descriptors, {}};
   SeenAgain seen{.image = &image};
-  for (const MapPoint* p : map.points_observed_at({image.set})) {
+  for (const MapPoint* p : map.points_observed_in({{image.set, image.camera}})) {
     for (const KeyObservation& o : p->key_observations) {
       if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
       features.pixels[o.track] = o.undistorted_px.cast<double>();

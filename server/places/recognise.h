@@ -80,7 +80,7 @@ class PlaceMemory {
   // What another one remembers, as images of a map that was taken in.
   void take_in(const PlaceMemory& other, const Renumbered& as);
   // Those images are remembered no more.
-  void forget(const std::vector<std::pair<SetId, CameraId>>& views);
+  void forget(const std::vector<ImageKey>& views);
   // Of the key images and their index.
   std::size_t bytes() const;
   // The key images as rows, those that were not given out before; and back, in a memory without any.

@@ -54,7 +54,7 @@ class RecallTest : public ::testing::Test {
 
 TEST_F(RecallTest, WhoSeesSomeOfAPlaceIsToldOfAll) {
   go_on_with(10);
-  const auto recalled = points_of_earlier_visits(sim_.map, sim_.set);
+  const auto recalled = points_of_earlier_visits(sim_.map, {kCam0});
   for (std::size_t i = 0; i < all_.size(); ++i) {
     EXPECT_EQ(std::ranges::count(recalled, all_[i], &MapPoint::id), i < 10 ? 0 : 1) << "but for those that are seen";
   }
@@ -64,14 +64,14 @@ TEST_F(RecallTest, WhoSeesSomeOfAPlaceIsToldOfAll) {
 
 TEST_F(RecallTest, AFewPointsTellNoPlace) {
   go_on_with(3);
-  EXPECT_TRUE(points_of_earlier_visits(sim_.map, sim_.set).empty());
+  EXPECT_TRUE(points_of_earlier_visits(sim_.map, {kCam0}).empty());
 }
 
 TEST_F(RecallTest, WhatIsOnTrialOrMovesIsNoPlace) {
   go_on_with(10);
   const MapPoint& moving = *sim_.map.find(all_[10]);
   sim_.set_moving(moving);
-  for (const MapPoint* p : points_of_earlier_visits(sim_.map, sim_.set)) EXPECT_NE(p->id, moving.id);
+  for (const MapPoint* p : points_of_earlier_visits(sim_.map, {kCam0})) EXPECT_NE(p->id, moving.id);
 }
 
 TEST_F(RecallTest, WhatWasMadeASecondTimeBecomesOne) {

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/associate/turns.h"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+namespace coslam {
+namespace {
+
+FrameSet set_of(std::size_t cameras) {
+  FrameSet set;
+  for (std::size_t i = 0; i < cameras; ++i) set.frames.emplace_back().camera = CameraId(static_cast<std::uint16_t>(i));
+  return set;
+}
+
+TEST(Turns, FewCamerasLookAlways) {
+  for (std::uint32_t round = 0; round < 3; ++round) {
+    EXPECT_THAT(cameras_in_turn(set_of(4), round),
+                testing::ElementsAre(CameraId(0), CameraId(1), CameraId(2), CameraId(3)));
+  }
+  EXPECT_THAT(cameras_in_turn({}, 1), testing::IsEmpty());
+}
+
+TEST(Turns, OfManyAsManyLookAtOnceAndEachAsOften) {
+  for (const std::size_t cameras : {5U, 12U, 17U, 64U}) {
+    const std::uint32_t rounds = (static_cast<std::uint32_t>(cameras) + 3) / 4;
+    std::map<CameraId, int> looks;
+    for (std::uint32_t round = 100; round < 100 + rounds; ++round) {
+      const auto now = cameras_in_turn(set_of(cameras), round);
+      EXPECT_LE(now.size(), 4U);
+      for (const CameraId c : now) ++looks[c];
+    }
+    EXPECT_EQ(looks.size(), cameras);
+    for (const auto& [camera, n] : looks) EXPECT_EQ(n, 1) << camera.value;
+  }
+}
+
+}  // namespace
+}  // namespace coslam
