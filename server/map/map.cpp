@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 #include <utility>
 
 namespace coslam {
@@ -44,30 +45,44 @@ class Information {
 // The first and the last view of each track that ever showed the point.
 class TrackEnds {
  public:
-  struct Ends {
-    SetId first, last;
-  };
   TrackEnds(const Map& map, const MapPoint& point) : map_(map), of_(point.map) {
-    for (const KeyObservation& o : point.key_observations) extend(o.camera, o.track, o.set);
+    views_.reserve(point.key_observations.size() + point.bound.size());
+    for (const KeyObservation& o : point.key_observations) add(o.camera, o.track, o.set);
     for (const BoundTrack& b : point.bound) {
       const ServerTrack& t = map.track(b);
-      if (t.gate_failures == 0) extend(b.camera, b.track, t.seen.back().set);
+      if (t.gate_failures == 0) add(b.camera, b.track, t.seen.back().set);
+    }
+    std::ranges::sort(views_, {}, [](const SeenBy& v) { return std::tie(v.camera, v.track, v.frame->set); });
+    const auto twice = std::ranges::unique(views_, {}, [](const SeenBy& v) { return std::pair(v.track, v.frame); });
+    views_.erase(twice.begin(), twice.end());
+  }
+  // visit(camera, pose), by camera and track.
+  void each(auto&& visit) const {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const SeenBy& v = views_[i];
+      const auto same = [&](std::size_t k) {
+        return k < views_.size() && views_[k].camera == v.camera && views_[k].track == v.track;
+      };
+      const bool first = i == 0 || !same(i - 1), last = !same(i + 1);
+      if (first || last) visit(map_.camera(v.camera), v.frame->cam_from_world);
     }
   }
-  const std::map<std::pair<CameraId, TrackId>, Ends>& all() const { return tracks_; }
 
  private:
-  void extend(CameraId camera, TrackId track, SetId set) {
+  struct SeenBy {
+    CameraId camera;
+    TrackId track;
+    const FramePose* frame;
+  };
+  void add(CameraId camera, TrackId track, SetId set) {
     const FramePose* f = map_.camera(camera).frame_at(set);
     if (f == nullptr || f->map != of_) return;  // the newest frame may not have its pose yet
-    const auto [at, added] = tracks_.try_emplace({camera, track}, Ends{set, set});
-    at->second.first = std::min(at->second.first, set);
-    at->second.last = std::max(at->second.last, set);
+    views_.push_back({camera, track, f});
   }
 
   const Map& map_;
   MapId of_;
-  std::map<std::pair<CameraId, TrackId>, Ends> tracks_;
+  std::vector<SeenBy> views_;
 };
 
 }  // namespace
@@ -328,12 +343,8 @@ double Map::gate_sigma_px(const MapCamera& c) const {
 
 Eigen::Matrix3d Map::covariance_of(const MapPoint& point) const {
   Information information(point.position);
-  const TrackEnds tracks(*this, point);
-  for (const auto& [key, ends] : tracks.all()) {
-    const MapCamera& c = camera(key.first);
-    information.add(c, c.frame_at(ends.first)->cam_from_world, covariance_sigma_px(c));
-    if (ends.last != ends.first) information.add(c, c.frame_at(ends.last)->cam_from_world, covariance_sigma_px(c));
-  }
+  TrackEnds(*this, point).each(
+      [&](const MapCamera& c, const Rigid3& pose) { information.add(c, pose, covariance_sigma_px(c)); });
   return information.covariance();
 }
 
