@@ -8,14 +8,14 @@
 
 namespace coslam {
 
-TakenAdjustment TakeAdjustment::run(MapEdit& edit) {
+TakenAdjustment TakeAdjustment::run(MapEdit& edit, Workers& workers) {
   if (!solved_) return {};
   const auto& [job, result] = *solved_;
   const TakenAdjustment taken{.taken = true,
                               .usable = result.usable,
                               .extent = job.extent,
                               .map = job.map,
-                              .report = apply_refine(edit, job, result)};
+                              .report = apply_refine(edit, job, result, workers)};
   solved_.reset();
   return taken;
 }

@@ -39,7 +39,7 @@ class TakeAdjustment {
   RefineConfig config;
 
   void give(RefineJob job, BundleResult result) { solved_.emplace(std::move(job), std::move(result)); }
-  TakenAdjustment run(MapEdit& edit);
+  TakenAdjustment run(MapEdit& edit, Workers& workers);
 
  private:
   std::optional<std::pair<RefineJob, BundleResult>> solved_;

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "server/adjust/holding_poses.h"
 #include "server/adjust/outline.h"
@@ -203,28 +204,56 @@ double distance_of(const Map& map, const MapPoint& p) {
 }
 
 // Takes its solution; one that is not known to better than its distance goes.
-void move_point(MapEdit& edit, const MapPoint& p, const Eigen::Vector3d& position) {
+void move_point(MapEdit& edit, const MapPoint& p, const PointEstimate& to) {
   const Map& map = edit.map();
   if (p.key_observations.size() < 2) {
     edit.remove_point(p, Why::kTooFewViews, {static_cast<double>(p.key_observations.size()), 0});
     return;
   }
-  edit.move_point(p, position);
+  edit.move_point(p, to.position, to.covariance);
   const double sigma = std::sqrt(p.covariance.trace()), distance = distance_of(map, p);
   if (!(sigma < distance)) edit.remove_point(p, Why::kUndetermined, {sigma, distance});
 }
 
-void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
-  const Map& map = edit.map();
-  const std::set<PointId> solved(job.points.begin(), job.points.end());
-  const SetId first = first_that_moves(job);
-  for (const MapPoint* p : map.points_seen_since(first)) {
-    if (p->map == job.map && p->rests() && !solved.contains(p->id)) retriangulate(edit, *p);
+// What is to become of a point, if anything.
+struct PointMove {
+  const MapPoint* point = nullptr;
+  std::optional<Eigen::Vector3d> solution;  // else it is triangulated anew
+  std::optional<PointEstimate> to;
+};
+
+std::vector<PointMove> points_to_move(const Map& map, const RefineJob& job, const BundleResult& result) {
+  const std::unordered_set<PointId> solved(job.points.begin(), job.points.end());
+  // One that was found to move meanwhile is where its cameras see it now.
+  const auto may_move = [&](const MapPoint& p) { return p.map == job.map && p.rests(); };
+  std::vector<PointMove> out;
+  for (const MapPoint* p : map.points_seen_since(first_that_moves(job))) {
+    if (may_move(*p) && !solved.contains(p->id)) out.push_back({p, {}, {}});
   }
   for (std::size_t i = 0; i < job.points.size(); ++i) {
     const MapPoint* p = map.find(job.points[i]);
-    // One that was found to move meanwhile is where its cameras see it now.
-    if (p != nullptr && p->map == job.map && p->rests()) move_point(edit, *p, result.points[i]);
+    if (p != nullptr && may_move(*p)) out.push_back({p, result.points[i], {}});
+  }
+  return out;
+}
+
+void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
+  constexpr std::size_t kPart = 64;
+  const Map& map = edit.map();
+  std::vector<PointMove> moves = points_to_move(map, job, result);
+  workers.each((moves.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    for (std::size_t i = part * kPart; i < std::min(moves.size(), (part + 1) * kPart); ++i) {
+      PointMove& m = moves[i];
+      m.to = m.solution ? PointEstimate{*m.solution, map.covariance_of(*m.point, *m.solution)}
+                        : triangulated_anew(map, *m.point);
+    }
+  });
+  for (const PointMove& m : moves) {
+    if (m.solution) {
+      move_point(edit, *m.point, *m.to);
+    } else if (m.to) {
+      edit.move_point(*m.point, m.to->position, m.to->covariance);
+    }
   }
 }
 
@@ -354,7 +383,7 @@ std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, co
   return pose_share_of_points(solved, result.is_inlier, kMostPoses);
 }
 
-RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
   RefineReport report{.poses = static_cast<int>(job.poses.size()),
                       .points = static_cast<int>(job.points.size()),
                       .observations = static_cast<int>(job.observations.size()),
@@ -362,7 +391,7 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
   if (!result.usable || job.epoch != edit.map().epoch()) return report;
   drop_outliers(edit, job, result, &report);
   move_frames(edit, job, result);
-  move_points(edit, job, result);
+  move_points(edit, job, result, workers);
   edit.raise_epoch();
   edit.note_moved(job.map, Why::kAdjusted, {static_cast<double>(report.poses), static_cast<double>(report.points)});
   report.applied = true;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/workers.h"
 #include "server/map/edit.h"
 #include "server/solve/bundle.h"
 
@@ -83,6 +84,7 @@ BundleResult solve_refine(const RefineJob& job);
 std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.
-RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result,
+                          Workers& workers = Workers::alone());
 
 }  // namespace coslam

@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 
-#include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
 #include "server/associate/points_by_place.h"
 #include "server/associate/recall.h"
@@ -70,8 +69,7 @@ void look_again(const Map& map, const MapCamera& camera, const std::set<PointId>
 
 }  // namespace
 
-bool retriangulate(MapEdit& edit, const MapPoint& point) {
-  const Map& map = edit.map();
+std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& point) {
   std::vector<View> views = map.key_views_of(point);
   for (const BoundTrack& b : point.bound) {
     const MapCamera& c = map.camera(b.camera);
@@ -81,9 +79,14 @@ bool retriangulate(MapEdit& edit, const MapPoint& point) {
     views.push_back({&c.model, f->cam_from_world, t.seen.back().undistorted_px.cast<double>()});
   }
   const TriangulationResult t = triangulate(views, 1.0, 0.01);
-  if (t.status != TriangulationStatus::kOk) return false;
-  edit.move_point(point, t.position);
-  return true;
+  if (t.status != TriangulationStatus::kOk) return std::nullopt;
+  return PointEstimate{t.position, map.covariance_of(point, t.position)};
+}
+
+bool retriangulate(MapEdit& edit, const MapPoint& point) {
+  const auto anew = triangulated_anew(edit.map(), point);
+  if (anew) edit.move_point(point, anew->position, anew->covariance);
+  return anew.has_value();
 }
 
 RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers) {

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "common/base/workers.h"
+#include "server/associate/gate.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
 
@@ -23,7 +26,9 @@ struct RegisterReport {
 RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 // Position and covariance of a point from all its key views and the newest view of each bound track.
-// False when its views do not determine it (it then stays as it is).
+// Empty when its views do not determine it.
+std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& point);
+// The point is there then. False when it stays as it is.
 bool retriangulate(MapEdit& edit, const MapPoint& point);
 
 struct Register {

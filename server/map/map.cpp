@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 #include <utility>
 
 namespace coslam {
@@ -46,43 +45,44 @@ class Information {
 class TrackEnds {
  public:
   TrackEnds(const Map& map, const MapPoint& point) : map_(map), of_(point.map) {
-    views_.reserve(point.key_observations.size() + point.bound.size());
-    for (const KeyObservation& o : point.key_observations) add(o.camera, o.track, o.set);
+    for (const KeyObservation& o : point.key_observations) extend(o.camera, o.track, o.set);
     for (const BoundTrack& b : point.bound) {
       const ServerTrack& t = map.track(b);
-      if (t.gate_failures == 0) add(b.camera, b.track, t.seen.back().set);
+      if (t.gate_failures == 0) extend(b.camera, b.track, t.seen.back().set);
     }
-    std::ranges::sort(views_, {}, [](const SeenBy& v) { return std::tie(v.camera, v.track, v.frame->set); });
-    const auto twice = std::ranges::unique(views_, {}, [](const SeenBy& v) { return std::pair(v.track, v.frame); });
-    views_.erase(twice.begin(), twice.end());
+    std::ranges::sort(tracks_, {}, [](const Ends& e) { return std::pair(e.camera, e.track); });
   }
   // visit(camera, pose), by camera and track.
   void each(auto&& visit) const {
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const SeenBy& v = views_[i];
-      const auto same = [&](std::size_t k) {
-        return k < views_.size() && views_[k].camera == v.camera && views_[k].track == v.track;
-      };
-      const bool first = i == 0 || !same(i - 1), last = !same(i + 1);
-      if (first || last) visit(map_.camera(v.camera), v.frame->cam_from_world);
+    for (const Ends& e : tracks_) {
+      visit(map_.camera(e.camera), e.first->cam_from_world);
+      if (e.last != e.first) visit(map_.camera(e.camera), e.last->cam_from_world);
     }
   }
 
  private:
-  struct SeenBy {
+  struct Ends {
     CameraId camera;
     TrackId track;
-    const FramePose* frame;
+    const FramePose *first, *last;
   };
-  void add(CameraId camera, TrackId track, SetId set) {
+  void extend(CameraId camera, TrackId track, SetId set) {
     const FramePose* f = map_.camera(camera).frame_at(set);
     if (f == nullptr || f->map != of_) return;  // the newest frame may not have its pose yet
-    views_.push_back({camera, track, f});
+    // Mostly one of the newest: they come in the order of time.
+    const auto same = [&](const Ends& e) { return e.camera == camera && e.track == track; };
+    const auto at = std::find_if(tracks_.rbegin(), tracks_.rend(), same);
+    if (at == tracks_.rend()) {
+      tracks_.push_back({camera, track, f, f});
+      return;
+    }
+    if (f->set < at->first->set) at->first = f;
+    if (f->set > at->last->set) at->last = f;
   }
 
   const Map& map_;
   MapId of_;
-  std::vector<SeenBy> views_;
+  std::vector<Ends> tracks_;
 };
 
 }  // namespace
@@ -341,8 +341,8 @@ double Map::gate_sigma_px(const MapCamera& c) const {
   return std::min(std::max(2.5 * c.sigma_px, 1.0), sigma_bound_px(c));
 }
 
-Eigen::Matrix3d Map::covariance_of(const MapPoint& point) const {
-  Information information(point.position);
+Eigen::Matrix3d Map::covariance_of(const MapPoint& point, const Eigen::Vector3d& position) const {
+  Information information(position);
   TrackEnds(*this, point).each(
       [&](const MapCamera& c, const Rigid3& pose) { information.add(c, pose, covariance_sigma_px(c)); });
   return information.covariance();

@@ -292,7 +292,9 @@ class Map {
 
   // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
   // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
-  Eigen::Matrix3d covariance_of(const MapPoint& point) const;
+  Eigen::Matrix3d covariance_of(const MapPoint& point) const { return covariance_of(point, point.position); }
+  // The same were it there.
+  Eigen::Matrix3d covariance_of(const MapPoint& point, const Eigen::Vector3d& position) const;
   // The same for a point about to be made at this position from tracks of these cameras.
   Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position,
                                 const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
