@@ -192,10 +192,7 @@ class MapEdit {
   MapCamera& own(const MapCamera& camera) { return own(camera.id); }
   static ServerTrack& own(const ServerTrack& track) { return const_cast<ServerTrack&>(track); }  // NOLINT: ours
   static MapPoint& own(const MapPoint& point) { return const_cast<MapPoint&>(point); }           // NOLINT: ours
-  MapPoint* own(PointId id) {
-    const auto at = map_.index_.find(id);
-    return at == map_.index_.end() ? nullptr : at->second;
-  }
+  MapPoint* own(PointId id) { return map_.index_.find(id); }
   ServerTrack& own(const BoundTrack& b) { return own(b.camera).tracks.at(b.track); }
 
   Event event(EventKind kind, Why why, Figures figures = {}) const;

@@ -39,7 +39,7 @@ const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position
                                       PointPhase phase, Why why, Figures figures) {
   const PointId id(map_.next_point_++);
   MapPoint& p = map_.points_[id];
-  map_.index_[id] = &p;
+  map_.index_.put(id, p);
   p.id = id;
   p.map = map;
   p.phase = phase;

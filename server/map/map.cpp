@@ -201,7 +201,7 @@ Map::Map(const Map& o)
       shifted_ns_(o.shifted_ns_) {
   // What points to points, points to the copies.
   for (auto& [id, p] : points_) {
-    index_[id] = &p;
+    index_.put(id, p);
     if (o.moving_.contains(id)) moving_.emplace(id, &p);
     if (o.recent_.contains(id)) recent_.emplace(id, &p);
   }
@@ -218,11 +218,6 @@ std::vector<CameraId> Map::rig_mates(const MapCamera& camera) const {
     if (!camera.rig.empty() && c.rig == camera.rig && c.id != camera.id) out.push_back(c.id);
   }
   return out;
-}
-
-const MapPoint* Map::find(PointId id) const {
-  const auto at = index_.find(id);
-  return at == index_.end() ? nullptr : at->second;
 }
 
 bool Map::is_key_frame(SetId set) const {

@@ -10,11 +10,11 @@
 #include <set>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "common/base/flat_map.h"
+#include "common/base/id_table.h"
 #include "common/base/ids.h"
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
@@ -263,7 +263,7 @@ class Map {
   const MapCamera& camera(CameraId id) const { return cameras_[id.value]; }
   const ServerTrack& track(const BoundTrack& bound) const { return camera(bound.camera).tracks.at(bound.track); }
   const std::map<PointId, MapPoint>& points() const { return points_; }
-  const MapPoint* find(PointId id) const;
+  const MapPoint* find(PointId id) const { return index_.find(id); }
   const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
   bool is_key_frame(SetId set) const;
   // Cameras that took no part in a key frame, as they saw nothing new.
@@ -347,7 +347,7 @@ class Map {
   std::set<MapId> metric_;
   std::vector<MapCamera> cameras_;
   std::map<PointId, MapPoint> points_;
-  std::unordered_map<PointId, MapPoint*> index_;  // of points_
+  IdTable<PointId, MapPoint> index_;  // of points_
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
   std::set<ImageKey> key_images_, spared_images_;

@@ -236,7 +236,7 @@ void MapRows::restore(const Tables& tables, Map* map) {
   for_each_row<MapPoint>(tables, "point", [&](MapPoint point, std::int64_t) {
     const PointId id = point.id;
     MapPoint& p = map->points_[id] = std::move(point);
-    map->index_[id] = &p;
+    map->index_.put(id, p);
     if (p.moves()) map->moving_.emplace(id, &p);
     if (map->is_recent(p.last_seen)) map->recent_.emplace(id, &p);
     for (const KeyObservation& o : p.key_observations) map->observed_in_[{o.set, o.camera}].push_back(id);

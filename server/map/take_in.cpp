@@ -91,7 +91,7 @@ void MapEdit::take_in_points(const Map& other, const Renumbered& as) {
     const PointId id = as.of(other_id);
     MapPoint& p = map_.points_[id] = point;
     renumber(as, &p);
-    map_.index_[id] = &p;
+    map_.index_.put(id, p);
     if (map_.is_recent(p.last_seen)) map_.recent_.emplace(id, &p);
     for (const KeyObservation& o : p.key_observations) map_.observed_in_[{o.set, o.camera}].push_back(id);
   }

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace coslam {
+
+// Where what an id names is, for ids that were given one after the other, of which most that live are near each other:
+// two looks into arrays find one. What is left empty of those that are gone takes little.
+template <class Id, class T>
+class IdTable {
+ public:
+  T* find(Id id) const {
+    const std::size_t block = id.value / kInBlock;
+    if (block >= blocks_.size() || !blocks_[block]) return nullptr;
+    return blocks_[block]->of[id.value % kInBlock];
+  }
+
+  void put(Id id, T& value) {
+    const std::size_t block = id.value / kInBlock;
+    if (block >= blocks_.size()) blocks_.resize(block + 1);
+    if (!blocks_[block]) blocks_[block] = std::make_unique<Block>();
+    T*& at = blocks_[block]->of[id.value % kInBlock];
+    if (at == nullptr) ++blocks_[block]->size;
+    at = &value;
+  }
+
+  void erase(Id id) {
+    if (find(id) == nullptr) return;
+    std::unique_ptr<Block>& block = blocks_[id.value / kInBlock];
+    block->of[id.value % kInBlock] = nullptr;
+    if (--block->size == 0) block.reset();
+  }
+
+  std::size_t bytes() const {
+    std::size_t blocks = 0;
+    for (const auto& b : blocks_) blocks += b ? 1 : 0;
+    return blocks_.capacity() * sizeof blocks_[0] + blocks * sizeof(Block);
+  }
+
+ private:
+  static constexpr std::size_t kInBlock = 128;
+  struct Block {
+    std::array<T*, kInBlock> of{};
+    std::size_t size = 0;
+  };
+  std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+}  // namespace coslam
