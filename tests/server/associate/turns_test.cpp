@@ -17,19 +17,18 @@ FrameSet set_of(std::size_t cameras) {
 
 TEST(Turns, FewCamerasLookAlways) {
   for (std::uint32_t round = 0; round < 3; ++round) {
-    EXPECT_THAT(cameras_in_turn(set_of(4), round),
-                testing::ElementsAre(CameraId(0), CameraId(1), CameraId(2), CameraId(3)));
+    EXPECT_THAT(cameras_in_turn(set_of(8), round), testing::SizeIs(8));
   }
   EXPECT_THAT(cameras_in_turn({}, 1), testing::IsEmpty());
 }
 
 TEST(Turns, OfManyAsManyLookAtOnceAndEachAsOften) {
-  for (const std::size_t cameras : {5U, 12U, 17U, 64U}) {
-    const std::uint32_t rounds = (static_cast<std::uint32_t>(cameras) + 3) / 4;
+  for (const std::size_t cameras : {9U, 12U, 17U, 64U}) {
+    const std::uint32_t rounds = (static_cast<std::uint32_t>(cameras) + 7) / 8;
     std::map<CameraId, int> looks;
     for (std::uint32_t round = 100; round < 100 + rounds; ++round) {
       const auto now = cameras_in_turn(set_of(cameras), round);
-      EXPECT_LE(now.size(), 4U);
+      EXPECT_LE(now.size(), 8U);
       for (const CameraId c : now) ++looks[c];
     }
     EXPECT_EQ(looks.size(), cameras);
