@@ -16,7 +16,8 @@ constexpr int kShedAfterFrames = 20;
 constexpr int kShedPerFrame = 15;
 
 // Of those that are observed (ascending).
-DescriptorReply reply_of(DescriptorReply reply, const DescribedTracks& described, const std::vector<TrackId>& observed) {
+DescriptorReply reply_of(DescriptorReply reply, const DescribedTracks& described,
+                         const std::vector<TrackId>& observed) {
   for (std::size_t i = 0; i < described.tracks.size(); ++i) {
     if (!std::ranges::binary_search(observed, described.tracks[i])) continue;
     reply.tracks.push_back(described.tracks[i]);

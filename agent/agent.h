@@ -38,7 +38,7 @@ struct AgentConfig {
 struct Answers {
   std::size_t patches = kMaxTracks;                 // most
   int described = std::numeric_limits<int>::max();  // most features; 0: none, the request waits
-  bool later = false;  // images are described after their frame, see AgentOutput::describe
+  bool later = false;                               // images are described after their frame, see AgentOutput::describe
 
   static constexpr Answers all() { return {}; }
   static constexpr Answers none() { return {.patches = 0, .described = 0}; }

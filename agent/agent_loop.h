@@ -93,7 +93,7 @@ class AgentLoop {
   std::optional<BackgroundJob<Described>> describer_;  // live
   std::optional<DescriptorReply> described_;           // to be sent with the next frame
   StageTimes times_;                                   // beside the agent's own
-  ClockExchange exchange_;  // begun by the newest patch
+  ClockExchange exchange_;                             // begun by the newest patch
   std::uint32_t frames_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;
   PoseState last_pose_state_ = PoseState::kNone;

@@ -11,7 +11,7 @@ namespace coslam {
 namespace {
 
 // Desktop GPUs, Jetson, Mali, Adreno, PowerVR, Vivante, and Windows' subsystem.
-constexpr std::array<std::string_view, 9> kNodes{"kfd", "nvidia", "nvhost-gpu", "nvgpu", "mali",
+constexpr std::array<std::string_view, 9> kNodes{"kfd",  "nvidia", "nvhost-gpu", "nvgpu", "mali",
                                                  "kgsl", "pvr_",   "galcore",    "dxg"};
 
 template <class Is>

@@ -49,9 +49,9 @@ class FeatureTracker {
   // What the image looks like around these tracks (ascending), for those of them that are live, in their order.
   virtual std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) = 0;
 
-  // Descriptors of the features of the image that lie at these tracks (ascending), the `most` strongest. What comes back
-  // does the work, and may be called once, from any thread and at any time: it has the image and needs nothing of the
-  // tracker.
+  // Descriptors of the features of the image that lie at these tracks (ascending), the `most` strongest. What comes
+  // back does the work, and may be called once, from any thread and at any time: it has the image and needs nothing of
+  // the tracker.
   virtual std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) = 0;
 
   // The same wherever they lie. What the work gives is called once, as the tracker's other functions are: features are

@@ -98,8 +98,7 @@ RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& work
   const std::vector<CameraId> cameras = cameras_in_turn(set, look_back ? round : map.now().value - round);
   const PointsByPlace points(look_back ? static_points_around(map, cameras) : recent_static_points(map));
   std::vector<Candidates> of_cameras(cameras.size());
-  workers.each(of_cameras.size(),
-               [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(cameras[i]), points); });
+  workers.each(of_cameras.size(), [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(cameras[i]), points); });
   std::set<PointId> moved;
   for (std::size_t i = 0; i < of_cameras.size(); ++i) {
     if (!of_cameras[i].grid) continue;

@@ -338,8 +338,9 @@ double Map::gate_sigma_px(const MapCamera& c) const {
 
 Eigen::Matrix3d Map::covariance_of(const MapPoint& point, const Eigen::Vector3d& position) const {
   Information information(position);
-  TrackEnds(*this, point).each(
-      [&](const MapCamera& c, const Rigid3& pose) { information.add(c, pose, covariance_sigma_px(c)); });
+  TrackEnds(*this, point).each([&](const MapCamera& c, const Rigid3& pose) {
+    information.add(c, pose, covariance_sigma_px(c));
+  });
   return information.covariance();
 }
 

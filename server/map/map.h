@@ -355,8 +355,9 @@ class Map {
   std::map<PointId, MapPoint*> moving_;
   FlatMap<PointId, MapPoint*> recent_;  // and some that were seen longer ago
   std::set<PointId> loose_;
-  std::map<ImageKey, std::vector<PointId>> observed_in_;  // and some whose observation is gone; in any order, some twice
-  std::vector<PointId> repatched_;                     // that were given a patch since they were thinned
+  std::map<ImageKey, std::vector<PointId>>
+      observed_in_;                 // and some whose observation is gone; in any order, some twice
+  std::vector<PointId> repatched_;  // that were given a patch since they were thinned
   std::uint32_t next_point_ = 1;
   std::uint32_t next_map_ = 1;
   MapEpoch epoch_;
