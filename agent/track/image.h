@@ -13,7 +13,7 @@ namespace coslam {
 struct Image {
   FrameId frame;
   TimeNs capture_ns = 0;         // played time for files: source time minus start_s
-  cv::Mat grey;                  // CV_8UC1
+  cv::Mat grey;                  // CV_8UC1; nobody writes to it any more
   std::optional<Instant> since;  // when it was there, of feeds that keep time
   cv::Mat color;                 // CV_8UC3 as BGR; where it is asked for, and the source has it
 };
