@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#ifdef __GLIBC__
+#if __has_include(<malloc.h>)
 #include <malloc.h>
 #endif
 
@@ -168,7 +168,7 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
   std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
-#ifdef __GLIBC__
+#ifdef M_ARENA_MAX
   // One heap for all threads: each of its own would grow by what an image is described with.
   mallopt(M_ARENA_MAX, 1);
 #endif

@@ -64,6 +64,7 @@ class KltFeatureTracker final : public FeatureTracker {
     // work_ is a new image with each step.
     return [image = work_, wanted = live_among(tracker_.live(), tracks), most] {
       std::vector<Eigen::Vector2f> places;
+      places.reserve(wanted.size());
       for (const Track& t : wanted) places.push_back(t.raw_px);
       const DescribedFeatures features = describe_near(image, places, kNearPx, most, kSiftBorderPx);
       std::vector<TrackId> ids;
