@@ -1,16 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bundle adjustment against Ceres on the same problem, to the same tolerance, one thread: a window of so many cameras
-// (eight key frames that are free, and older poses that hold them), and whole runs of a dozen cameras.
+// Bundle adjustment against Ceres and COLMAP on the same problem, to the same tolerance, one thread: a window of so
+// many cameras (eight key frames that are free, and older poses that hold them), and whole runs of a dozen cameras.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <ctime>
 #include <random>
 #include <vector>
 
 #include "server/solve/bundle_lenses.h"
 #include "server/solve/bundle_schur.h"
+#include "tests/benchmark/colmap_adjuster.h"
 #include "tests/support/sim_world.h"
 
 namespace coslam {
@@ -90,6 +92,47 @@ BENCHMARK(BM_WindowOverCeres)->Arg(1)->Arg(3)->Arg(6)->Arg(12)->Unit(benchmark::
 
 void BM_WholeOverCeres(benchmark::State& state) { compare(state, flight(12, static_cast<int>(state.range(0)), 0)); }
 BENCHMARK(BM_WholeOverCeres)->Arg(25)->Arg(50)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+// Root of the mean squared distance of observations from where their points are, px.
+double rms_px(const BundleProblem& p) {
+  double sum = 0;
+  for (const auto& o : p.observations) {
+    const auto& pose = p.poses[static_cast<std::size_t>(o.pose)];
+    const Eigen::Vector3d x = pose.cam_from_world * p.points[static_cast<std::size_t>(o.point)];
+    sum += (p.cameras[static_cast<std::size_t>(pose.camera)].project(x) - o.undistorted_px).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(p.observations.size()));
+}
+
+BundleProblem with(BundleProblem problem, const BundleResult& result) {
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) problem.poses[i].cam_from_world = result.poses[i];
+  problem.points = result.points;
+  return problem;
+}
+
+// A whole run by squares, as COLMAP has it.
+void BM_WholeOverColmap(benchmark::State& state) {
+  const BundleProblem problem = flight(12, static_cast<int>(state.range(0)), 0);
+  const BundleConfig config{.max_iterations = 40, .loss_sigmas = 0};
+  double ours_s = 0, colmap_s = 0;
+  while (state.KeepRunning()) {
+    const double start = cpu_s();
+    const BundleResult ours = solve_by_schur(problem, config);
+    ours_s += cpu_s() - start;
+    const auto other = benchmarks::adjust_by_colmap(problem, config);
+    if (!other) return state.SkipWithError("COLMAP is not installed");
+    colmap_s += other->solver_s;
+    state.counters["ours_px"] = rms_px(with(problem, ours));
+    state.counters["colmap_px"] = rms_px(other->solved);
+  }
+  const auto n = static_cast<double>(state.iterations());
+  state.counters["poses"] = static_cast<double>(problem.poses.size());
+  state.counters["observations"] = static_cast<double>(problem.observations.size());
+  state.counters["ours_ms"] = 1e3 * ours_s / n;
+  state.counters["colmap_ms"] = 1e3 * colmap_s / n;
+  state.counters["ratio"] = ours_s / colmap_s;
+}
+BENCHMARK(BM_WholeOverColmap)->Arg(2)->Arg(10)->Arg(25)->Arg(50)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 }  // namespace coslam
