@@ -23,15 +23,34 @@ struct Residual {
   bool valid = false, far = false;
 };
 
+// What does not depend on the pose.
+struct Given {
+  Given(std::span<const RigView> of, std::span<const PointObservation> seen) : rig(of), observations(seen) {
+    cam_from_rig.reserve(rig.size());
+    for (const RigView& v : rig) cam_from_rig.emplace_back(v.cam_from_rig.rotation.toRotationMatrix());
+    raw_by_undistorted.reserve(observations.size());
+    for (const PointObservation& o : observations) {
+      const CameraModel& camera = *rig[static_cast<std::size_t>(o.camera)].camera;
+      raw_by_undistorted.emplace_back(camera.raw_by_undistorted(o.undistorted_px));
+    }
+  }
+  std::span<const RigView> rig;
+  std::span<const PointObservation> observations;
+  std::vector<Eigen::Matrix3d> cam_from_rig;        // of each view of the rig
+  std::vector<Eigen::Matrix2d> raw_by_undistorted;  // of each observation
+};
+
 // By the perturbation of retract(): x' = exp(w) x + t, so d x / d w = -[x]_x, d x / d t = I.
-Residual residual_of(const RigView& view, const PointObservation& o, const Rigid3& pose, const Eigen::Matrix3d& r) {
+Residual residual_of(const Given& given, std::size_t i, const Rigid3& pose, const Eigen::Matrix3d& r) {
+  const PointObservation& o = given.observations[i];
+  const RigView& view = given.rig[static_cast<std::size_t>(o.camera)];
+  const Eigen::Matrix3d& cam_from_rig = given.cam_from_rig[static_cast<std::size_t>(o.camera)];
+  const Eigen::Matrix2d& raw = given.raw_by_undistorted[i];
   Residual out;
   out.far = o.far;
   const Eigen::Vector3d x = r * o.point_in_world + pose.translation;
-  const Eigen::Matrix3d cam_from_rig = view.cam_from_rig.rotation.toRotationMatrix();
   const Eigen::Vector3d in_cam = cam_from_rig * x + view.cam_from_rig.translation;
   if (in_cam.z() < 1e-6) return out;
-  const Eigen::Matrix2d raw = view.camera->raw_by_undistorted(o.undistorted_px);
   const Eigen::Matrix<double, 2, 3> p = raw * view.camera->project_jacobian(in_cam) * cam_from_rig;
   out.r = raw * (o.undistorted_px - view.camera->project(in_cam));
   out.j.leftCols<3>() = -p * skew(x);
@@ -47,13 +66,13 @@ Residual residual_of(const RigView& view, const PointObservation& o, const Rigid
 
 // What is not known of a far point grows with the way of the camera since it was seen. Were that weighed anew at each
 // step, it would draw the camera back to where it grew from: the start says what a far point is worth.
-void evaluate(std::span<const RigView> rig, std::span<const PointObservation> observations, const Rigid3& pose,
-              const std::vector<Residual>& at_start, std::vector<Residual>* residuals) {
+void evaluate(const Given& given, const Rigid3& pose, const std::vector<Residual>& at_start,
+              std::vector<Residual>* residuals) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
-  residuals->resize(observations.size());
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    (*residuals)[i] = residual_of(rig[static_cast<std::size_t>(observations[i].camera)], observations[i], pose, r);
-    if (observations[i].far && !at_start.empty()) (*residuals)[i].point_part = at_start[i].point_part;
+  residuals->resize(given.observations.size());
+  for (std::size_t i = 0; i < given.observations.size(); ++i) {
+    (*residuals)[i] = residual_of(given, i, pose, r);
+    if (given.observations[i].far && !at_start.empty()) (*residuals)[i].point_part = at_start[i].point_part;
   }
 }
 
@@ -150,7 +169,8 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
   // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
   // end.
   double cap_px = 1e9;
-  evaluate(rig, observations, result.cam_from_world, {}, &residuals);
+  const Given given(rig, observations);
+  evaluate(given, result.cam_from_world, {}, &residuals);
   const std::vector<Residual> at_start = residuals;
   double sigma = measured_sigma(residuals, config, cap_px);
   System s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
@@ -162,7 +182,7 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
     if (!step.allFinite()) break;
     const Rigid3 candidate = retract(result.cam_from_world, step);
     std::vector<Residual> next;
-    evaluate(rig, observations, candidate, at_start, &next);
+    evaluate(given, candidate, at_start, &next);
     std::vector<bool> next_inlier(observations.size());
     const System t = build(next, sigma, config.prior, candidate, &next_inlier);
     if (t.cost > s.cost * (1 + 1e-9)) {

@@ -21,25 +21,25 @@ std::vector<Eigen::Vector3d> centers_of(std::span<const View> views) {
   return out;
 }
 
+// Angle between the first ray and each other, then between the two extremes: enough for tracks, and linear.
 double widest_angle(const std::vector<Eigen::Vector3d>& centers, const Eigen::Vector3d& point) {
-  // Angle between the first ray and each other, then between the two extremes: enough for tracks, and linear.
-  const auto direction = [&](const Eigen::Vector3d& center) -> Eigen::Vector3d {
-    return (point - center).normalized();
-  };
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(centers.size());
+  for (const Eigen::Vector3d& center : centers) directions.emplace_back((point - center).normalized());
   const auto farthest = [&](const Eigen::Vector3d& from) {
     double least = 1.0;
-    Eigen::Vector3d best = from;
-    for (const Eigen::Vector3d& center : centers) {
-      const Eigen::Vector3d d = direction(center);
-      if (d.dot(from) < least) {
-        least = d.dot(from);
-        best = d;
+    const Eigen::Vector3d* best = &from;
+    for (const Eigen::Vector3d& d : directions) {
+      const double cosine = d.dot(from);
+      if (cosine < least) {
+        least = cosine;
+        best = &d;
       }
     }
     return std::pair(best, std::acos(std::clamp(least, -1.0, 1.0)));
   };
-  const auto [one_end, unused] = farthest(direction(centers.front()));
-  return farthest(one_end).second;
+  const auto [one_end, unused] = farthest(directions.front());
+  return farthest(*one_end).second;
 }
 
 bool linear_start(std::span<const View> views, const std::vector<Eigen::Vector3d>& centers, Eigen::Vector3d* point) {
@@ -64,13 +64,28 @@ struct Normal {
   double max_error_px = 0;
 };
 
-bool accumulate(std::span<const View> views, const Eigen::Vector3d& point, Normal* n) {
+// A view with what does not depend on the point.
+struct Ready {
+  const View& view;
+  Eigen::Matrix2d raw_by_undistorted;
+  Eigen::Matrix3d rotation;
+};
+
+std::vector<Ready> ready(std::span<const View> views) {
+  std::vector<Ready> out;
+  out.reserve(views.size());
   for (const View& v : views) {
-    Eigen::Vector2d px;
-    Eigen::Matrix<double, 2, 3> j;
-    if (!project_world(*v.camera, v.cam_from_world, point, &px, &j)) return false;
-    const Eigen::Matrix2d raw = v.camera->raw_by_undistorted(v.undistorted_px);
-    const Eigen::Vector2d r = raw * (v.undistorted_px - px);
+    out.push_back({v, v.camera->raw_by_undistorted(v.undistorted_px), v.cam_from_world.rotation.toRotationMatrix()});
+  }
+  return out;
+}
+
+bool accumulate(const std::vector<Ready>& views, const Eigen::Vector3d& point, Normal* n) {
+  for (const auto& [v, raw, rotation] : views) {
+    const Eigen::Vector3d in_cam = v.cam_from_world * point;
+    if (in_cam.z() < kMinDepth) return false;
+    const Eigen::Vector2d r = raw * (v.undistorted_px - v.camera->project(in_cam));
+    Eigen::Matrix<double, 2, 3> j = v.camera->project_jacobian(in_cam) * rotation;
     j = (raw * j).eval();
     n->jtj += j.transpose() * j;
     n->jtr += j.transpose() * r;
@@ -101,7 +116,7 @@ bool project_world(const CameraModel& camera, const Rigid3& cam_from_world, cons
 Eigen::Matrix3d triangulation_covariance(std::span<const View> views, const Eigen::Vector3d& position,
                                          double sigma_px) {
   Normal n;
-  if (!accumulate(views, position, &n)) return Eigen::Matrix3d::Identity() * 1e12;
+  if (!accumulate(ready(views), position, &n)) return Eigen::Matrix3d::Identity() * 1e12;
   n.jtj.diagonal().array() += 1e-12 * n.jtj.trace();
   return n.jtj.inverse() * (sigma_px * sigma_px);
 }
@@ -118,9 +133,10 @@ TriangulationResult triangulate(std::span<const View> views, double sigma_px, do
 
   result.status = TriangulationStatus::kBehindCamera;
   double last_cost = -1;
+  const std::vector<Ready> ready_views = ready(views);
   for (int i = 0; i < 8; ++i) {
     Normal n;
-    if (!accumulate(views, point, &n)) return result;
+    if (!accumulate(ready_views, point, &n)) return result;
     result.position = point;
     result.max_error_px = n.max_error_px;
     result.covariance = n.jtj;
