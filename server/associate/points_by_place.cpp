@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <numeric>
 
 namespace coslam {
 namespace {
@@ -48,6 +48,68 @@ bool may_reach(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Fr
   });
 }
 
+// Bits with two zeros between each and the next.
+std::uint32_t spread(std::uint32_t bits) {
+  bits = (bits | bits << 16U) & 0x030000FFU;
+  bits = (bits | bits << 8U) & 0x0300F00FU;
+  bits = (bits | bits << 4U) & 0x030C30C3U;
+  return (bits | bits << 2U) & 0x09249249U;
+}
+
+// Cells of a box that most of the points are in; the few that lie far out count to the nearest of them.
+class Cells {
+ public:
+  static constexpr unsigned kBits = 7;  // an axis
+
+  // places: any that have a position, at least one.
+  explicit Cells(const auto& places) {
+    constexpr std::size_t kSample = 256, kLeftOut = 20;  // one in so many, at each end
+    const std::size_t step = std::max<std::size_t>(1, places.size() / kSample);
+    std::vector<float> values;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      values.clear();
+      for (std::size_t i = 0; i < places.size(); i += step) values.push_back(places[i].position[axis]);
+      std::ranges::sort(values);
+      const std::size_t out = values.size() / kLeftOut;
+      low_[axis] = values[out];
+      const float size = values[values.size() - 1 - out] - low_[axis];
+      per_unit_[axis] = static_cast<float>(1U << kBits) / std::max(size, std::numeric_limits<float>::min());
+    }
+  }
+  // Its number along a curve that goes through all cells of an eighth before those of the next (Morton).
+  std::uint32_t number_of(const Eigen::Vector3f& position) const {
+    constexpr float kLast = (1U << kBits) - 1U;
+    const Eigen::Array3f cell = ((position - low_).array() * per_unit_).max(0.0F).min(kLast);
+    std::uint32_t number = 0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      number = number << 1U | spread(static_cast<std::uint32_t>(cell[axis]));
+    return number;
+  }
+
+ private:
+  Eigen::Vector3f low_;
+  Eigen::Array3f per_unit_;
+};
+
+struct Numbered {
+  std::uint32_t number, index;
+};
+
+// Ascending by number, by counting.
+void sort_by_number(std::vector<Numbered>* numbered) {
+  constexpr unsigned kDigit = 11;  // bits
+  static_assert(2 * kDigit >= 3 * Cells::kBits);
+  std::vector<Numbered> other(numbered->size());
+  for (unsigned shift = 0; shift < 2 * kDigit; shift += kDigit) {
+    const auto digit = [&](const Numbered& n) { return n.number >> shift & ((1U << kDigit) - 1U); };
+    std::array<std::uint32_t, (1U << kDigit) + 1> begin{};
+    for (const Numbered& n : *numbered) ++begin[digit(n) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (const Numbered& n : *numbered) other[begin[digit(n)]++] = n;
+    numbered->swap(other);
+  }
+}
+
 }  // namespace
 
 PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) : points_(points) {
@@ -66,17 +128,16 @@ PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) : point
   }
   const auto map_of = [&](const Place& p) { return points_[p.of]->map; };
   if (!one_map) std::ranges::stable_sort(places, {}, map_of);
+  const auto n = static_cast<Eigen::Index>(places.size());
+  for (Eigen::ArrayXf* a : {&x_, &y_, &z_, &variance_}) a->resize(n);
+  of_.reserve(places.size());
   for (std::size_t first = 0; first < places.size();) {
     const MapId map = map_of(places[first]);
     std::size_t last = one_map ? places.size() : first;
     while (last < places.size() && map_of(places[last]) == map) ++last;
-    split(&places, map, first, last);
+    box(std::span(places).subspan(first, last - first), map);
     first = last;
   }
-  const auto n = static_cast<Eigen::Index>(places.size());
-  for (Eigen::ArrayXf* a : {&x_, &y_, &z_, &variance_}) a->resize(n);
-  of_.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) hold(i, places[i]);
 }
 
 PointsByPlace::Place PointsByPlace::place_of(const MapPoint& point, std::uint32_t of) {
@@ -90,28 +151,26 @@ void PointsByPlace::hold(std::size_t at, const Place& place) {
   y_[i] = p.y();
   z_[i] = p.z();
   variance_[i] = place.variance;
-  of_[at] = place.of;
+  of_.push_back(place.of);
   furthest_ = std::max(furthest_, p.cwiseAbs().maxCoeff());
 }
 
-void PointsByPlace::split(std::vector<Place>* places, MapId map, std::size_t first, std::size_t last) {
-  Eigen::Vector3f low = (*places)[first].position, high = low;
-  for (std::size_t i = first; i < last; ++i) {
-    low = low.cwiseMin((*places)[i].position);
-    high = high.cwiseMax((*places)[i].position);
+void PointsByPlace::box(std::span<const Place> places, MapId map) {
+  const Cells cells(places);
+  std::vector<Numbered> order(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    order[i] = {cells.number_of(places[i].position), static_cast<std::uint32_t>(i)};
   }
-  if (last - first <= kMostInBox) {
-    boxes_.push_back({map, low.cast<double>(), high.cast<double>(), first, last});
-    return;
+  sort_by_number(&order);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Place& place = places[order[i].index];
+    const Eigen::Vector3d position = place.position.cast<double>();
+    if (i % kMostInBox == 0) boxes_.push_back({map, position, position, of_.size(), of_.size()});
+    Box& box = boxes_.back();
+    box.low = box.low.cwiseMin(position);
+    box.high = box.high.cwiseMax(position);
+    hold(box.last++, place);
   }
-  Eigen::Index axis = 0;
-  (high - low).maxCoeff(&axis);
-  const std::size_t middle = first + (last - first) / 2;
-  const auto at = [&](std::size_t i) { return places->begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(first), at(middle), at(last),
-                   [&](const Place& a, const Place& b) { return a.position[axis] < b.position[axis]; });
-  split(places, map, first, middle);
-  split(places, map, middle, last);
 }
 
 std::vector<const MapPoint*> PointsByPlace::near_tracks(const MapCamera& camera, const TrackGrid& grid,

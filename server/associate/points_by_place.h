@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/associate/track_grid.h"
@@ -34,7 +35,7 @@ class PointsByPlace {
     Eigen::Vector3d low, high;
     std::size_t first, last;  // of the arrays below, one beyond the last
   };
-  void split(std::vector<Place>* places, MapId map, std::size_t first, std::size_t last);
+  void box(std::span<const Place> places, MapId map);
   static Place place_of(const MapPoint& point, std::uint32_t of);
   void hold(std::size_t at, const Place& place);
 

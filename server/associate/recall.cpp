@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <set>
-#include <unordered_map>
+#include <utility>
 
 #include "server/associate/track_grid.h"
 
@@ -15,38 +15,51 @@ constexpr int kLeast = 4;               // points that a key frame shares with w
 constexpr std::size_t kMostFrames = 4;  // of those that share most
 constexpr std::size_t kBeside = 2;      // key frames before and after each
 
-// Key frames long ago that saw what the camera follows, those that saw most of it first.
-std::vector<SetId> shared_key_frames(const Map& map, const MapCamera& camera) {
-  std::unordered_map<SetId, int> shared;
-  for (const auto& [id, track] : camera.tracks) {
-    const MapPoint* p = map.find(track.point);
-    if (p == nullptr || !p->proven()) continue;
-    SetId counted = map.now();  // once for all cameras that saw it then
-    for (const KeyObservation& o : p->key_observations) {
-      if (map.is_recent(o.set)) break;
-      if (o.set != counted) ++shared[o.set];
-      counted = o.set;
+// Key frames long ago that saw what a camera follows, those that saw most of it first.
+class SharedKeyFrames {
+ public:
+  explicit SharedKeyFrames(const Map& map)
+      : map_(map), recent_since_(map.set_ago(map.config().recent_s)), shared_(recent_since_.value, 0) {}
+
+  std::vector<SetId> with(const MapCamera& camera) {
+    std::vector<SetId> sets;
+    for (const auto& [id, track] : camera.tracks) {
+      const MapPoint* p = map_.find(track.point);
+      if (p == nullptr || !p->proven()) continue;
+      SetId counted = map_.now();  // once for all cameras that saw it then
+      for (const KeyObservation& o : p->key_observations) {
+        if (o.set >= recent_since_) break;
+        if (o.set != counted && shared_[o.set.value]++ == 0) sets.push_back(o.set);
+        counted = o.set;
+      }
     }
+    std::vector<std::pair<int, SetId>> order;
+    for (const SetId s : sets) {
+      const int n = std::exchange(shared_[s.value], 0);
+      if (n >= kLeast) order.emplace_back(-n, s);
+    }
+    std::ranges::sort(order);
+    std::vector<SetId> out;
+    for (std::size_t i = 0; i < std::min(kMostFrames, order.size()); ++i) out.push_back(order[i].second);
+    return out;
   }
-  std::vector<std::pair<int, SetId>> order;
-  for (const auto& [set, n] : shared) {
-    if (n >= kLeast) order.emplace_back(-n, set);
-  }
-  std::ranges::sort(order);
-  std::vector<SetId> out;
-  for (std::size_t i = 0; i < std::min(kMostFrames, order.size()); ++i) out.push_back(order[i].second);
-  return out;
-}
+
+ private:
+  const Map& map_;
+  SetId recent_since_;
+  std::vector<int> shared_;  // points, by set; 0 between calls
+};
 
 }  // namespace
 
 std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const std::vector<CameraId>& cameras) {
   std::set<SetId> sets;
+  SharedKeyFrames shared(map);
   const auto& keys = map.key_frames();
   for (const CameraId id : cameras) {
     const MapCamera& camera = map.camera(id);
     if (!camera.frames.back().valid()) continue;
-    for (const SetId s : shared_key_frames(map, camera)) {
+    for (const SetId s : shared.with(camera)) {
       const auto at = static_cast<std::size_t>(std::ranges::lower_bound(keys, s, {}, &KeyFrame::set) - keys.begin());
       for (std::size_t k = at - std::min(at, kBeside); k < std::min(keys.size(), at + kBeside + 1); ++k) {
         sets.insert(keys[k].set);
@@ -54,7 +67,8 @@ std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const std:
     }
   }
   std::vector<const MapPoint*> out = map.points_observed_at({sets.begin(), sets.end()});
-  std::erase_if(out, [&](const MapPoint* p) { return !p->proven() || map.is_recent(p->last_seen); });
+  const SetId recent_since = map.set_ago(map.config().recent_s);
+  std::erase_if(out, [&](const MapPoint* p) { return !p->proven() || p->last_seen >= recent_since; });
   return out;
 }
 

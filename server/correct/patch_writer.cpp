@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <set>
 #include <tuple>
+#include <vector>
 
 #include "server/map/sighting.h"
 
@@ -72,18 +72,18 @@ void keep_one_datagram(std::vector<News>& news) {
 
 void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch) {
   const bool poor = few_points(map, camera);
-  std::set<TrackId> known;
+  std::vector<TrackId> known;  // ascending
   std::vector<News> news;
   for (const auto& [id, track] : camera.tracks) {
     if (const MapPoint* p = map.find(track.point)) {
-      known.insert(id);
+      known.push_back(id);
       consider(id, {p->id, state_for(camera, *p), p->position, p->covariance.trace()}, p->covariance, camera, news);
       continue;
     }
     // Its agent takes what it was told once for as long as the track lives: later only what is far better.
     const auto far = poor ? far_point_of(map, camera, track) : std::nullopt;
     if (!far) continue;
-    known.insert(id);
+    known.push_back(id);
     const auto told = sent_.find(id);
     const Sent now{PointId(), PointState::kUncertain, far->position, far->covariance.trace()};
     if (told != sent_.end() && told->second.point == PointId() &&
@@ -97,7 +97,7 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool n
     patch->updated.push_back(n.told_as);
   }
   std::erase_if(sent_, [&](const auto& told) {
-    if (known.contains(told.first)) return false;
+    if (std::ranges::binary_search(known, told.first)) return false;
     if (camera.tracks.contains(told.first)) patch->unbound.push_back(told.first);
     return true;
   });

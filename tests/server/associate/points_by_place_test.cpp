@@ -74,6 +74,15 @@ TEST_F(PointsByPlaceTest, FindsAllThatAreNearATrackAndFewOthers) {
   }
 }
 
+TEST_F(PointsByPlaceTest, AFewFarOutHideNothing) {
+  const auto before = PointsByPlace(points()).near_tracks(camera(kCam0), all_tracks(camera(kCam0)), radius_).size();
+  for (const double far : {-1e7, 1e4, 1e9}) sim_.create(Eigen::Vector3d::Constant(far));
+  const TrackGrid grid = all_tracks(camera(kCam0));
+  const auto found = PointsByPlace(points()).near_tracks(camera(kCam0), grid, radius_);
+  EXPECT_TRUE(std::ranges::includes(ids(found), with_tracks(camera(kCam0), grid, radius_)));
+  EXPECT_GE(found.size(), before);
+}
+
 TEST_F(PointsByPlaceTest, NotThoseOfAnotherMap) {
   const MapId other = sim_.edit.new_map(Why::kStartedAlone, 0);
   const PointId stranger = sim_.create(other, world_.position(0), 0.01).id;
