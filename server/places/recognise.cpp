@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 #include <span>
@@ -27,30 +28,46 @@ struct KnownPoints {
   std::vector<std::uint8_t> descriptors;
 };
 
+// The first of these images that describes the point, and at which of its tracks; `in_order`: their indices, ascending
+// by set and camera.
+struct DescribedIn {
+  std::size_t image, track;
+};
+std::optional<DescribedIn> described_in(const MapPoint& p, std::span<const KeyImage* const> images,
+                                        const std::vector<std::size_t>& in_order) {
+  std::optional<DescribedIn> first;
+  const auto key = [](const auto& o) { return std::pair(o.set, o.camera); };
+  auto seen = p.key_observations.begin();
+  for (const std::size_t i : in_order) {
+    const KeyImage& image = *images[i];
+    seen = std::find_if(seen, p.key_observations.end(), [&](const auto& o) { return key(o) >= key(image); });
+    if (seen == p.key_observations.end()) break;
+    if (key(*seen) != key(image) || (first && first->image < i)) continue;
+    const auto track = std::ranges::lower_bound(image.tracks, seen->track);
+    if (track == image.tracks.end() || *track != seen->track) continue;
+    first = {i, static_cast<std::size_t>(track - image.tracks.begin())};
+  }
+  return first;
+}
+
 KnownPoints known_points(const Map& map, MapId of, std::span<const KeyImage* const> asked) {
   KnownPoints out;
   std::vector<ImageKey> images;
   images.reserve(asked.size());
   for (const KeyImage* image : asked) images.emplace_back(image->set, image->camera);
-  for (const MapPoint* point : map.points_observed_in(images)) {
-    const MapPoint& p = *point;
-    if (p.map != of || !p.rests()) continue;
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      const auto key = std::pair(asked[i]->set, asked[i]->camera);
-      const auto at =
-          std::lower_bound(p.key_observations.begin(), p.key_observations.end(), key,
-                           [](const KeyObservation& o, const auto& want) { return std::pair(o.set, o.camera) < want; });
-      if (at == p.key_observations.end() || std::pair(at->set, at->camera) != key) continue;
-      const auto& tracks = asked[i]->tracks;
-      const auto track = std::lower_bound(tracks.begin(), tracks.end(), at->track);
-      if (track == tracks.end() || *track != at->track) continue;
-      out.ids.push_back(p.id);
-      out.positions.push_back(p.position);
-      out.images.push_back(static_cast<int>(i));
-      const auto begin = asked[i]->descriptors.begin() + (track - tracks.begin()) * kDescriptorBytes;
-      out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
-      break;
-    }
+  std::vector<std::size_t> in_order(asked.size());
+  std::iota(in_order.begin(), in_order.end(), 0);
+  std::ranges::sort(in_order, {}, [&](std::size_t i) { return images[i]; });
+  for (const MapPoint* p : map.points_observed_in(images)) {
+    if (p->map != of || !p->rests()) continue;
+    const auto described = described_in(*p, asked, in_order);
+    if (!described) continue;
+    out.ids.push_back(p->id);
+    out.positions.push_back(p->position);
+    out.images.push_back(static_cast<int>(described->image));
+    const auto& bytes = asked[described->image]->descriptors;
+    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(described->track * kDescriptorBytes);
+    out.descriptors.insert(out.descriptors.end(), begin, begin + kDescriptorBytes);
   }
   return out;
 }

@@ -11,6 +11,11 @@
 
 #include "server/solve/root_sift.h"
 
+// The baseline of x86-64 has no instruction that counts bits; all processors since 2008 do.
+#if defined(__x86_64__) && !defined(__POPCNT__)
+#define COSLAM_ASK_FOR_POPCNT
+#endif
+
 namespace coslam {
 namespace {
 
@@ -100,28 +105,42 @@ std::size_t AppearanceIndex::bytes() const {
   return bytes;
 }
 
-std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descriptors) const {
-  std::vector<int> out(static_cast<std::size_t>(images_), 0);
-  if (mean_.empty() || descriptors.empty()) return out;
-  std::vector<int> voted(static_cast<std::size_t>(images_), -1);  // by which descriptor last
-  int descriptor = 0;
-  for (const Sketch& s : sketches(descriptors)) {
-    for (int t = 0; t < kTables; ++t) {
-      const auto& table = tables_[static_cast<std::size_t>(t)];
-      const auto at = table.find(key_of(s, t));
-      if (at == table.end()) continue;
-      for (const Slot slot : at->second) {
-        const Entry& e = entries_[slot];
-        const auto image = static_cast<std::size_t>(e.image);
-        if (voted[image] == descriptor) continue;
-        if (std::popcount(s[0] ^ e.sketch[0]) + std::popcount(s[1] ^ e.sketch[1]) > kMostApart) continue;
-        voted[image] = descriptor;
-        ++out[image];
-      }
+// Always inlined: what counts the bits is up to who calls it.
+[[gnu::always_inline]] inline void AppearanceIndex::vote(const Sketch& s, int descriptor, Votes* votes) const {
+  for (int t = 0; t < kTables; ++t) {
+    const auto& table = tables_[static_cast<std::size_t>(t)];
+    const auto at = table.find(key_of(s, t));
+    if (at == table.end()) continue;
+    for (const Slot slot : at->second) {
+      const Entry& e = entries_[slot];
+      const auto image = static_cast<std::size_t>(e.image);
+      if (votes->last_of[image] == descriptor) continue;
+      if (std::popcount(s[0] ^ e.sketch[0]) + std::popcount(s[1] ^ e.sketch[1]) > kMostApart) continue;
+      votes->last_of[image] = descriptor;
+      ++votes->of[image];
     }
-    ++descriptor;
   }
-  return out;
+}
+
+void AppearanceIndex::vote_by_any(const Sketch& s, int descriptor, Votes* votes) const { vote(s, descriptor, votes); }
+
+#ifdef COSLAM_ASK_FOR_POPCNT
+[[gnu::target("popcnt")]] void AppearanceIndex::vote_by_popcnt(const Sketch& s, int descriptor, Votes* votes) const {
+  vote(s, descriptor, votes);
+}
+#endif
+
+std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descriptors) const {
+  const auto images = static_cast<std::size_t>(images_);
+  Votes votes{std::vector<int>(images, 0), std::vector<int>(images, -1)};
+  if (mean_.empty() || descriptors.empty()) return votes.of;
+  auto vote_by = &AppearanceIndex::vote_by_any;
+#ifdef COSLAM_ASK_FOR_POPCNT
+  if (__builtin_cpu_supports("popcnt")) vote_by = &AppearanceIndex::vote_by_popcnt;
+#endif
+  int descriptor = 0;
+  for (const Sketch& s : sketches(descriptors)) (this->*vote_by)(s, descriptor++, &votes);
+  return votes.of;
 }
 
 }  // namespace coslam

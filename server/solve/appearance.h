@@ -35,6 +35,14 @@ class AppearanceIndex {
   };
   using Slot = std::uint32_t;  // of entries_
 
+  struct Votes {
+    std::vector<int> of;       // each image
+    std::vector<int> last_of;  // the descriptor that voted for it last
+  };
+
+  void vote(const Sketch& s, int descriptor, Votes* votes) const;
+  void vote_by_any(const Sketch& s, int descriptor, Votes* votes) const;
+  void vote_by_popcnt(const Sketch& s, int descriptor, Votes* votes) const;
   std::vector<Sketch> sketches(const std::vector<std::uint8_t>& descriptors) const;
 
   std::vector<float> mean_;  // of the first image's descriptors: most of what all descriptors share
