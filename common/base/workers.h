@@ -18,6 +18,8 @@ class Workers {
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
+  // Parts that are done at the same time, at most.
+  virtual std::size_t at_once() const { return 1; }
   // Does the parts 0 to n - 1, each once. What a part throws is thrown when none is at work any more.
   virtual void each(std::size_t n, const Part& part) {
     for (std::size_t i = 0; i < n; ++i) part(i);

@@ -25,6 +25,7 @@ class WorkerPool final : public Workers {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
+  std::size_t at_once() const override { return helpers_.size() + 1; }
   void each(std::size_t n, const Part& part) override;
 
  private:

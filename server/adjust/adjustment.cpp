@@ -21,7 +21,7 @@ TakenAdjustment TakeAdjustment::run(MapEdit& edit, Workers& workers) {
 }
 
 PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const TakenAdjustment& taken,
-                                      const MeetReport& met, const RefineConfig& refine) {
+                                      const MeetReport& met, const RefineConfig& refine, Workers& workers) {
   if (taken.taken) in_flight_ = false;
   // One that a change of the map overtook is planned again.
   const bool done = taken.taken && taken.extent == RefineExtent::kOutline && (taken.report.applied || !taken.usable);
@@ -31,10 +31,10 @@ PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const 
     outline_ = met.to_adjust;
   }
   const bool key_frame = decide_key_frame(edit, set, config);
-  return {key_frame, plan_job(edit.map(), key_frame, refine)};
+  return {key_frame, plan_job(edit.map(), key_frame, refine, workers)};
 }
 
-bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig& refine) {
+bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig& refine, Workers& workers) {
   const bool outline = outline_ != MapId();
   if (!refine.enabled || in_flight_ || !(key_frame || outline)) return false;
   std::vector<MapId> maps;
@@ -43,8 +43,8 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   }
   if (maps.empty()) return false;
   const MapId of = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
-  planned_ = outline ? plan_outline_since(map, of, outline_since_, refine)
-                     : plan_refine(map, of, RefineExtent::kWindow, refine);
+  planned_ = outline ? plan_outline_since(map, of, outline_since_, refine, workers)
+                     : plan_refine(map, of, RefineExtent::kWindow, refine, workers);
   if (planned_) {
     ++plans_;
   } else if (outline) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/workers.h"
 #include "server/adjust/key_frame.h"
 #include "server/adjust/refine.h"
 #include "server/places/meet.h"
@@ -60,12 +61,12 @@ class PlanAdjustment {
   KeyFrameConfig config;
 
   PlannedAdjustment run(MapEdit& edit, const FrameSet& set, const TakenAdjustment& taken, const MeetReport& met,
-                        const RefineConfig& refine);
+                        const RefineConfig& refine, Workers& workers);
   // The job that the last set planned; it is in flight until its solution was taken in.
   std::optional<RefineJob> take_job();
 
  private:
-  bool plan_job(const Map& map, bool key_frame, const RefineConfig& refine);
+  bool plan_job(const Map& map, bool key_frame, const RefineConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;

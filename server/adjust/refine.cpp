@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <unordered_set>
@@ -54,10 +54,19 @@ std::vector<bool> sets_of(const PoseIndex& index, SetId newest) {
   return out;
 }
 
-void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, RefineJob* job) {
-  const std::vector<bool> in_job = sets_of(index, map.now());
+// Of some points, numbered from 0.
+struct PointsOfJob {
+  std::vector<PointId> points;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<BundleProblem::Observation> observations;
+  std::vector<RefineJob::ObservationKey> keys;
+};
+
+PointsOfJob points_of_job(const Map& map, MapId of, SetId first, const PoseIndex& index,
+                          const std::vector<bool>& in_job, std::span<const MapPoint* const> candidates) {
+  PointsOfJob out;
   std::vector<std::pair<const KeyObservation*, int>> seen;  // with the pose
-  for (const MapPoint* candidate : map.points_observed_since(first)) {
+  for (const MapPoint* candidate : candidates) {
     const MapPoint& p = *candidate;
     if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
@@ -67,13 +76,37 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, R
       if (const auto at = index.find({o.set, o.camera}); at != index.end()) seen.emplace_back(&o, at->second);
     }
     if (seen.size() < 2) continue;
-    const int point = static_cast<int>(job->points.size());
-    job->points.push_back(p.id);
-    job->problem.points.push_back(p.position);
+    const int point = static_cast<int>(out.points.size());
+    out.points.push_back(p.id);
+    out.positions.push_back(p.position);
     for (const auto& [o, pose] : seen) {
-      job->problem.observations.push_back(
+      out.observations.push_back(
           {pose, point, o->undistorted_px.cast<double>(), std::max(0.5, map.camera(o->camera).sigma_px)});
-      job->observations.push_back({o->set, o->track});
+      out.keys.push_back({o->set, o->track});
+    }
+  }
+  return out;
+}
+
+void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, Workers& workers, RefineJob* job) {
+  const std::vector<bool> in_job = sets_of(index, map.now());
+  const std::vector<const MapPoint*> candidates = map.points_observed_since(first);
+  std::vector<PointsOfJob> parts(workers.at_once());
+  const std::size_t part_size = (candidates.size() + parts.size() - 1) / parts.size();
+  workers.each(parts.size(), [&](std::size_t i) {
+    const std::size_t begin = std::min(candidates.size(), i * part_size);
+    const std::size_t end = std::min(candidates.size(), begin + part_size);
+    parts[i] = points_of_job(map, of, first, index, in_job, std::span(candidates).subspan(begin, end - begin));
+  });
+  const auto append = [](auto* to, const auto& part) { to->insert(to->end(), part.begin(), part.end()); };
+  for (const PointsOfJob& part : parts) {
+    const int points_before = static_cast<int>(job->points.size());
+    append(&job->points, part.points);
+    append(&job->problem.points, part.positions);
+    append(&job->observations, part.keys);
+    for (const auto& o : part.observations) {
+      job->problem.observations.push_back(o);
+      job->problem.observations.back().point += points_before;
     }
   }
 }
@@ -282,7 +315,7 @@ namespace {
 
 // Of these key frames, held by so many older poses, or more where a camera needs them; empty when there is too little.
 std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, std::size_t holding,
-                                  RefineExtent extent) {
+                                  RefineExtent extent, Workers& workers) {
   if (keys.empty()) return std::nullopt;
   RefineJob job;
   job.epoch = map.epoch();
@@ -300,7 +333,7 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
       add_pose(map, of, set, camera, true, &job, &index);
     }
   }
-  add_points(map, of, keys.front(), index, &job);
+  add_points(map, of, keys.front(), index, workers, &job);
   add_ties(map, &job);
   if (job.points.size() < 20) return std::nullopt;
   if (extent != RefineExtent::kWindow) weigh_observations(&job);
@@ -310,16 +343,18 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
 
 }  // namespace
 
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config,
+                                     Workers& workers) {
   const bool window = extent == RefineExtent::kWindow;
   auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
-                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent);
+                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent, workers);
   if (!job) return job;
   job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
   return job;
 }
 
-std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config) {
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config,
+                                            Workers& workers) {
   const int most_poses = kMostApart * config.outline_poses;
   const KeyPoses all = key_poses(map, of);
   const bool short_run = all.sum() <= most_poses;
@@ -327,7 +362,7 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
   if (some.sets.size() < 2) return std::nullopt;
   const int holding = short_run ? 0 : config.outline_poses;
   auto job = plan_job(map, of, outline_of(some, config.outline_poses), static_cast<std::size_t>(holding),
-                      RefineExtent::kOutline);
+                      RefineExtent::kOutline, workers);
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
@@ -337,7 +372,7 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
   const std::size_t all = keys.size();
   std::erase_if(keys, [&](SetId key) { return key <= since; });
   const std::size_t older = (all - keys.size()) * map.cameras().size();
-  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole);
+  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole, Workers::alone());
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
@@ -354,7 +389,7 @@ std::optional<RefineJob> plan_lens_check(const Map& map, MapId of) {
     for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
   }
   if (job.poses.size() < kLeastPoses) return std::nullopt;
-  add_points(map, of, keys.front(), index, &job);
+  add_points(map, of, keys.front(), index, Workers::alone(), &job);
   weigh_observations(&job);
   float_free(&job);
   job.config.max_iterations = 30;

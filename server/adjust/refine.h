@@ -69,10 +69,12 @@ struct RefineReport {
 };
 
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config);
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config,
+                                     Workers& workers = Workers::alone());
 // The outline of a map that changed since a set: of all of it where that takes no more than it may; else of its key
 // frames since then, of the newest that may be; those before hold them and stay.
-std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config,
+                                            Workers& workers = Workers::alone());
 // For all key frames after a set; those before it hold them and stay.
 std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
 // What solves for the lenses over the first key frames of a map, to be looked at and not applied; empty when there is

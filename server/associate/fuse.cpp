@@ -4,7 +4,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <optional>
 #include <tuple>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include "server/associate/gate.h"
 #include "server/associate/patch_match.h"
@@ -92,6 +96,37 @@ std::optional<Eigen::Vector3d> joint_position(const Map& map, const MapPoint& p,
   return t.position;
 }
 
+// What a candidate's two points are as one.
+struct Joint {
+  Eigen::Vector3d position;
+  double zncc;
+};
+
+// Empty when they are two, as far as that can be told.
+std::optional<Joint> as_one(const Map& map, const Candidate& c) {
+  const MapPoint *p = map.find(c.first), *q = map.find(c.second);
+  if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) return std::nullopt;
+  const MapCamera& camera = map.camera(c.camera);
+  const auto cut_at = camera.frame_at(c.track->patch_set);
+  if (cut_at == nullptr || cut_at->map != p->map) return std::nullopt;
+  const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
+  if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) return std::nullopt;
+  const auto position = joint_position(map, *p, *q, map.gate_sigma_px(camera), map.config().check_back_s);
+  if (!position) return std::nullopt;
+  return Joint{*position, fit->zncc};
+}
+
+// Of each, as the map is now.
+std::vector<std::optional<Joint>> as_one(const Map& map, const std::vector<Candidate>& candidates, Workers& workers) {
+  constexpr std::size_t kPart = 16;
+  std::vector<std::optional<Joint>> out(candidates.size());
+  workers.each((candidates.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::size_t end = std::min(candidates.size(), (part + 1) * kPart);
+    for (std::size_t i = part * kPart; i < end; ++i) out[i] = as_one(map, candidates[i]);
+  });
+  return out;
+}
+
 }  // namespace
 
 FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
@@ -108,19 +143,17 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
   for (const auto& of_camera : of_cameras) candidates.insert(candidates.end(), of_camera.begin(), of_camera.end());
   report.candidates = static_cast<int>(candidates.size());
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
-  for (const Candidate& c : candidates) {
-    const MapPoint *p = map.find(c.first), *q = map.find(c.second);
-    if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) continue;
-    const MapCamera& camera = map.camera(c.camera);
-    const auto cut_at = camera.frame_at(c.track->patch_set);
-    if (cut_at == nullptr || cut_at->map != p->map) continue;
-    const auto fit = fit_patch(map, *p, camera, cut_at->cam_from_world, *c.track->patch);
-    if (!fit || fit->zncc < map.config().zncc_min || !fit->same_centre) continue;
-    const auto position = joint_position(map, *p, *q, map.gate_sigma_px(camera), map.config().check_back_s);
-    if (!position) continue;
-    if (p->id > q->id) std::swap(p, q);
-    edit.fuse(p->id, q->id, Why::kOneCorner, {std::sqrt(c.d2), fit->zncc});
-    edit.move_point(*p, *position);
+  const std::vector<std::optional<Joint>> joints = as_one(map, candidates, workers);
+  std::unordered_set<PointId> changed;  // since then
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = candidates[i];
+    const bool anew = changed.contains(c.first) || changed.contains(c.second);
+    const std::optional<Joint> joint = anew ? as_one(map, c) : joints[i];
+    if (!joint) continue;
+    const auto [kept, gone] = std::minmax(c.first, c.second);
+    edit.fuse(kept, gone, Why::kOneCorner, {std::sqrt(c.d2), joint->zncc});
+    edit.move_point(*map.find(kept), joint->position);
+    changed.insert({kept, gone});
     ++report.fused;
   }
   return report;

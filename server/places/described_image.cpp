@@ -38,23 +38,26 @@ void AwaitedDescriptors::await(MapEdit& edit, const CameraFrame& frame) {
   awaited.push_back({frame.frame.frame, image.set, std::move(image.pixels)});
 }
 
-DescribedImage AwaitedDescriptors::take(const Map& map, const CameraFrame& frame) {
+DescribedImage AwaitedDescriptors::image_of(const Map& map, const CameraFrame& frame) const {
   const MapCamera& camera = map.camera(frame.camera);
-  auto& awaited = awaited_[frame.camera];
-  const auto at = std::ranges::find(awaited, frame.descriptors->frame, &Awaited::frame);
-  if (at == awaited.end()) return newest_image(camera);
-  Awaited image = std::move(*at);
-  awaited.erase(at);
-  const FramePose* f = camera.frame_at(image.set);
-  const bool of_this_run = image.set >= camera.run_since;
+  const auto of_camera = awaited_.find(frame.camera);
+  if (of_camera == awaited_.end()) return newest_image(camera);
+  const auto image = std::ranges::find(of_camera->second, frame.descriptors->frame, &Awaited::frame);
+  if (image == of_camera->second.end()) return newest_image(camera);
+  const FramePose* f = camera.frame_at(image->set);
+  const bool of_this_run = image->set >= camera.run_since;
   if (!of_this_run || f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
-  DescribedImage out{camera, image.set, std::move(image.pixels), {}};
-  for (const MapPoint* p : map.points_observed_in({{image.set, camera.id}})) {
+  DescribedImage out{camera, image->set, image->pixels, {}};
+  for (const MapPoint* p : map.points_observed_in({{image->set, camera.id}})) {
     for (const KeyObservation& o : p->key_observations) {
-      if (o.set == image.set && o.camera == camera.id && p->map == camera.map) out.points[o.track] = p->id;
+      if (o.set == image->set && o.camera == camera.id && p->map == camera.map) out.points[o.track] = p->id;
     }
   }
   return out;
+}
+
+void AwaitedDescriptors::came(const CameraFrame& frame) {
+  std::erase_if(awaited_[frame.camera], [&](const Awaited& a) { return a.frame == frame.descriptors->frame; });
 }
 
 }  // namespace coslam

@@ -32,7 +32,9 @@ class AwaitedDescriptors {
   void await(MapEdit& edit, const CameraFrame& frame);
   // The image that these are of; the newest, when it is not known, of another run of the agent or not placed in the
   // camera's map.
-  DescribedImage take(const Map& map, const CameraFrame& frame);
+  DescribedImage image_of(const Map& map, const CameraFrame& frame) const;
+  // They came: it is kept no longer.
+  void came(const CameraFrame& frame);
 
  private:
   struct Awaited {

@@ -32,20 +32,29 @@ std::set<MapId> living_maps(const Map& map) {
 }  // namespace
 
 MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
-                         const GroupConfig& group) {
+                         const GroupConfig& group, Workers& workers) {
   const Map& map = edit.map();
   const ViewGraph& graph = last.of;
   MeetReport report;
   expect(map, set, graph, group);
-  std::vector<std::pair<DescribedImage, const DescriptorReply*>> described;
+  std::vector<const CameraFrame*> described;
   for (const CameraFrame& cf : set.frames) {
-    if (!cf.descriptors) continue;
-    described.emplace_back(awaited_.take(map, cf), &*cf.descriptors);
-    act(edit, described.back().first, *cf.descriptors, graph, localise, &report);
+    if (cf.descriptors) described.push_back(&cf);
   }
+  std::vector<std::optional<Look>> looks(described.size());
+  std::size_t looked = 0;  // with the map as it is
+  for (std::size_t i = 0; i < described.size(); ++i) {
+    if (i == looked) {
+      looked = std::min(described.size(), i + workers.at_once());
+      workers.each(looked - i, [&](std::size_t j) { looks[i + j].emplace(look(map, *described[i + j], graph)); });
+    }
+    if (act(edit, *looks[i], graph, localise, &report)) looked = i + 1;
+  }
+  for (const CameraFrame* cf : described) awaited_.came(*cf);
   for (const CameraFrame& cf : set.frames) awaited_.await(edit, cf);
-  for (const auto& [image, reply] : described) {
-    places_.add(edit, image, *reply);
+  for (std::size_t i = 0; i < described.size(); ++i) {
+    const DescribedImage& image = looks[i]->image;
+    places_.add(edit, image, *described[i]->descriptors);
     ++report.described;
     asking_.came(image.camera.id, image.set);
   }
@@ -100,59 +109,60 @@ bool Meetings::may_ask(const Map& map, const MapCamera& camera, const ViewGraph&
          (expected != expected_.end() && std::ranges::find(expected->second, image.camera) != expected->second.end());
 }
 
-PlaceDecision Meetings::decide(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
-                               const ViewGraph& graph) {
-  const MapCamera& camera = image.camera;
-  if (camera.map != MapId() && !image.frame().valid()) return {};
-  ExpectedPlace expected = find_expected(map, image, reply);
-  std::optional<Recognition> seen;
-  if (expected.there.empty()) {
-    seen = places_.find(map, image, reply,
-                        [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
-  }
-  return judge_.decide(map, image, std::move(seen), std::move(expected), graph);
+Meetings::Look Meetings::look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const {
+  const DescriptorReply& reply = *frame.descriptors;
+  Look out{awaited_.image_of(map, frame), {}, {}};
+  const MapCamera& camera = out.image.camera;
+  if (camera.map != MapId() && !out.image.frame().valid()) return out;
+  out.expected = find_expected(map, out.image, reply);
+  if (!out.expected.there.empty()) return out;
+  out.seen = places_.find(map, out.image, reply,
+                          [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
+  return out;
 }
 
-void Meetings::act(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply, const ViewGraph& graph,
-                   const LocaliseConfig& localise, MeetReport* report) {
+bool Meetings::act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
+                   MeetReport* report) {
   using enum PlaceDecision::What;
+  const DescribedImage& image = look.image;
   const MapCamera& camera = image.camera;
-  const auto [what, seen, in_from_own] = decide(edit.map(), image, reply, graph);
+  const auto [what, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, graph);
   report->sightings += what != kUnknown && what != kSeenAsExpected;
   switch (what) {
     case kUnknown:
-      break;
+      return false;
     case kSeenAsExpected:
       bind_matches(edit, image, seen.matches);
       ++report->expected;
-      break;
+      return true;
     case kTooFew:
       asking_.hint(camera.id, edit.map().now());
-      break;
+      return false;
     case kDoubtful:
       ++report->doubted;
-      break;
+      return false;
     case kPlace:
       place(edit, image, seen, localise);
       ++report->placed;
-      break;
+      return true;
     case kLink:
       bind_matches(edit, image, seen.matches);
       ++report->linked;
-      break;
+      return true;
     case kJoin:
       report->adjust_since = join(edit, image, seen, in_from_own);
       ++report->merged;
       moved(camera, report);
-      break;
+      return true;
     case kClose:
-      if (!close(edit, image, seen, in_from_own, graph, &loops_)) break;
+      if (!close(edit, image, seen, in_from_own, graph, &loops_)) return false;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       report->adjust_since = SetId();
       moved(camera, report);
-      break;
+      return true;
   }
+  return false;
 }
 
 bool Meetings::remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/workers.h"
 #include "server/covisibility/group.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
@@ -71,7 +72,7 @@ class Meetings {
 
   // After the set's poses are known.
   MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
-                 const GroupConfig& group);
+                 const GroupConfig& group, Workers& workers = Workers::alone());
   // What the last image of a run shows, from now on a known place. False: that image is still to come.
   bool remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply);
   // Frames that loops are closed by, of the newest loops: those hold the map together.
@@ -93,10 +94,15 @@ class Meetings {
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group);
   ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
-  PlaceDecision decide(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
-                       const ViewGraph& graph);
-  void act(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply, const ViewGraph& graph,
-           const LocaliseConfig& localise, MeetReport* report);
+  // What an image shows of places that the map knows, as that is now.
+  struct Look {
+    DescribedImage image;
+    ExpectedPlace expected;
+    std::optional<Recognition> seen;
+  };
+  Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
+  // Whether that changed the map.
+  bool act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise, MeetReport* report);
   void moved(const MapCamera& camera, MeetReport* report);
 
   AwaitedDescriptors awaited_;

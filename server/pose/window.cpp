@@ -140,15 +140,21 @@ bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) co
   return true;
 }
 
-WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set) {
+WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set, Workers& workers) {
   WindowPoseReport report;
   const Map& map = edit.map();
   if (!config.enabled) return report;
-  for (const CameraFrame& cf : set.frames) {
-    const MapCamera& camera = map.camera(cf.camera);
-    OfCamera& own = cameras_[camera.id];
+  std::vector<OfCamera*> of_cameras;
+  for (const CameraFrame& cf : set.frames) of_cameras.push_back(&cameras_[cf.camera]);
+  workers.each(of_cameras.size(), [&](std::size_t i) {
+    const MapCamera& camera = map.camera(set.frames[i].camera);
+    OfCamera& own = *of_cameras[i];
     remember(map, camera, &own);
     own.in_need = points_seen(map, camera) < map.config().few_points / (own.in_need ? 1 : 2);
+  });
+  for (std::size_t i = 0; i < of_cameras.size(); ++i) {
+    const MapCamera& camera = map.camera(set.frames[i].camera);
+    OfCamera& own = *of_cameras[i];
     if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid() || map.is_posed_by_rig(camera)) continue;
     if (solve(edit, camera, &own)) report.solved.push_back(camera.id);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/flat_map.h"
+#include "common/base/workers.h"
 #include "server/map/edit.h"
 #include "server/pipeline/stage.h"
 #include "server/solve/window.h"
@@ -47,7 +48,7 @@ class WindowPose {
   Config config;
 
   explicit WindowPose(const Config& c) : config(c) {}
-  WindowPoseReport run(MapEdit& edit, const FrameSet& set);
+  WindowPoseReport run(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
  private:
   // A track as far as it is of use, also when it has ended.

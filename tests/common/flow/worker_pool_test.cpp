@@ -54,6 +54,7 @@ TEST(WorkerPool, HasSoManyThreadsWithTheCallers) {
     threads.insert(std::this_thread::get_id());
   });
   EXPECT_EQ(threads.size(), 3U);
+  EXPECT_EQ(pool.at_once(), 3U);
   EXPECT_TRUE(threads.contains(std::this_thread::get_id()));
 }
 

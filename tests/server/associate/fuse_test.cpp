@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "common/geometry/triangulation.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {
@@ -54,6 +55,37 @@ TEST_F(FuseTest, MakesOneOfTwoAndNothingElse) {
   EXPECT_LT(test::median(errors), 0.02);
   EXPECT_LT(test::median(values), 6);
   EXPECT_EQ(fuse().fused, 0) << "done is done";
+}
+
+TEST(FuseOfThreeTest, WhatBecameOneIsJudgedAnewWithTheThird) {
+  const test::SimWorld world{{}};
+  test::SimMap sim(world, test::paths_side_by_side(3));
+  sim.advance(10, true);
+  int thrice = 0;
+  for (int p = 0; p < world.size(); ++p) {
+    if (world.moves(p) || !sim.all_follow(p)) continue;
+    ++thrice;
+    for (std::uint16_t c = 0; c < 3; ++c) {
+      const Eigen::Vector3d off_m(0.004 * (c - 1), 0, 0.01 * (c - 1));
+      sim.bind(sim.create(world.position(p) + off_m), CameraId(c), *sim.track_of(CameraId(c), p));
+    }
+  }
+  ASSERT_GT(thrice, 40);
+  fuse_points(sim.edit, sim.set);
+  int ones = 0;
+  for (const auto& [id, p] : sim.map.points()) {
+    if (p.bound.size() < 3) continue;
+    ++ones;
+    std::vector<View> views;
+    for (const BoundTrack& b : p.bound) {
+      const MapCamera& c = sim.map.camera(b.camera);
+      const auto frames = static_cast<std::size_t>(c.frames_in(sim.map.config().check_back_s, 2));
+      const std::vector<View> of_track = sim.map.views_of(c, sim.map.track(b), frames);
+      views.insert(views.end(), of_track.begin(), of_track.end());
+    }
+    EXPECT_LT((p.position - triangulate(views, 1.0, 0.0).position).norm(), 1e-9) << "by the views of all three";
+  }
+  EXPECT_GE(ones, 0.8 * thrice);
 }
 
 TEST_F(FuseTest, WhatACameraSawAtOnceStaysTwo) {

@@ -35,7 +35,9 @@ class DescribedImageTest : public testing::Test {
   DescribedImage take() {
     CameraFrame cf = sim_.set.frames[0];
     cf.descriptors = reply_;
-    return awaited_.take(sim_.map, cf);
+    DescribedImage image = awaited_.image_of(sim_.map, cf);
+    awaited_.came(cf);
+    return image;
   }
 
   const test::SimWorld world_{{}};

@@ -88,6 +88,43 @@ TEST_F(MeetTest, ALateCameraIsPlaced) {
   EXPECT_GE(bound, config_.recognise.min_inliers);
 }
 
+// Three without a map come at once. What the first of them moves, the next see moved, however many look at a time.
+TEST_F(MeetTest, TheMapIsTheSameHoweverManyLookAtATime) {
+  struct AtATime : Workers {
+    explicit AtATime(std::size_t n) : many(n) {}
+    std::size_t at_once() const override { return many; }
+    std::size_t many;
+  };
+  struct Outcome {
+    std::vector<Rigid3> poses;
+    std::vector<std::pair<PointId, Eigen::Vector3d>> points;
+    int placed = 0;
+  };
+  const auto outcome = [&](Workers& workers) {
+    test::SimMap sim(world_, test::paths_side_by_side(4));
+    Meetings meetings(config_);
+    Outcome out;
+    for (int i = 0; i < 10; ++i) {
+      sim.ingest(false, i == 0 || i == 9);
+      sim.place_truly(cam(0));
+      if (i == 0) sim.add_points(0.03);
+      out.placed += meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {}, workers).placed;
+    }
+    for (const MapCamera& c : sim.map.cameras()) out.poses.push_back(c.frames.back().cam_from_world);
+    for (const auto& [id, p] : sim.map.points()) out.points.emplace_back(id, p.position);
+    return out;
+  };
+  AtATime one(1), all(8);
+  const Outcome alone = outcome(one), together = outcome(all);
+  EXPECT_EQ(alone.placed, 3);
+  EXPECT_EQ(together.placed, 3);
+  EXPECT_EQ(alone.points, together.points);
+  for (std::size_t c = 0; c < alone.poses.size(); ++c) {
+    EXPECT_EQ(alone.poses[c].translation, together.poses[c].translation) << c;
+    EXPECT_EQ(alone.poses[c].rotation.coeffs(), together.poses[c].rotation.coeffs()) << c;
+  }
+}
+
 TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
   constexpr int kSeconds = 20;
   test::SimMap whirling(world_, {[](double t_s) { return test::looking({0, 0, 4}, 2 * t_s); }});
