@@ -87,12 +87,12 @@ double way_since(const MapCamera& camera, SetId then) {
 // These cameras, none of which has a map, at once.
 void start_together(MapEdit& edit, const FrameSet& set, const std::vector<CameraId>& cameras,
                     const std::vector<TrackFeatures>& features, const StartStageConfig& config,
-                    const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
+                    const LocaliseConfig& localise, const RefineConfig& refine, Workers& workers, StartReport* report) {
   const Map& map = edit.map();
   std::vector<FeatureImage> images;
   images.reserve(features.size());
   for (const TrackFeatures& f : features) images.push_back(f.image);
-  const StartResult result = start_map(images, config.pair);
+  const StartResult result = start_map(images, config.pair, workers);
   if (!result.ok) {
     report->reason = result.reason;
     return;
@@ -234,7 +234,8 @@ bool Start::together_now(const Map& map, const Unplaced& cameras) {
   return cameras.described.size() >= 2;
 }
 
-StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine) {
+StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
+                       Workers& workers) {
   constexpr double kTry_s = 0.1;
   constexpr double kTogetherFirst = 8;  // times as long
   StartReport report;
@@ -244,7 +245,7 @@ StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig&
   if (together_now(map, cameras)) {
     std::vector<TrackFeatures> features;
     for (const CameraId c : cameras.described) features.push_back(features_of(map.camera(c), described_.at(c)));
-    start_together(edit, set, cameras.described, features, config, localise, refine, &report);
+    start_together(edit, set, cameras.described, features, config, localise, refine, workers, &report);
     const auto answers = std::ranges::count_if(set.frames, [&](const CameraFrame& cf) {
       return cf.descriptors && std::ranges::find(cameras.described, cf.camera) != cameras.described.end();
     });

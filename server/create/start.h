@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/workers.h"
 #include "server/adjust/refine.h"
 #include "server/map/edit.h"
 #include "server/pose/localise.h"
@@ -48,7 +49,8 @@ class Start {
   explicit Start(const Config& of) : config(of) {}
   Config config;
 
-  StartReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine);
+  StartReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
+                  Workers& workers = Workers::alone());
 
  private:
   void remember(const Map& map, const FrameSet& set);

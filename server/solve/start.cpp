@@ -13,6 +13,7 @@
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
 #include "common/geometry/triangulation.h"
+#include "server/solve/appearance.h"
 #include "server/solve/bundle.h"
 #include "server/solve/root_sift.h"
 #include "server/solve/two_view.h"
@@ -108,6 +109,47 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
   return pair;
 }
 
+// Which images are compared: all; of many, those that look most like each other, or their pairs would be the square.
+class Partners {
+ public:
+  explicit Partners(const std::vector<FeatureImage>& images) : n_(images.size()), are_(n_ * n_, n_ <= kFew) {
+    if (n_ <= kFew) return;
+    AppearanceIndex index;
+    for (const FeatureImage& image : images) index.add(image.descriptors);
+    for (std::size_t i = 0; i < n_; ++i) {
+      const std::vector<int> votes = index.votes(images[i].descriptors);
+      std::vector<std::pair<int, std::size_t>> order;
+      for (std::size_t j = 0; j < n_; ++j) {
+        if (j == i) continue;
+        if (votes[j] > 0) order.emplace_back(-votes[j], j);
+        if (by_rig(images[i], images[j])) set(i, j);
+      }
+      std::ranges::sort(order);
+      for (std::size_t k = 0; k < std::min(kMost, order.size()); ++k) set(i, order[k].second);
+    }
+  }
+  bool are(int a, int b) const { return are_[static_cast<std::size_t>(a) * n_ + static_cast<std::size_t>(b)]; }
+  // Each once, ascending.
+  std::vector<std::pair<int, int>> pairs() const {
+    std::vector<std::pair<int, int>> out;
+    for (int a = 0; a < static_cast<int>(n_); ++a) {
+      for (int b = a + 1; b < static_cast<int>(n_); ++b) {
+        if (are(a, b)) out.emplace_back(a, b);
+      }
+    }
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kFew = 12;  // images
+  static constexpr std::size_t kMost = 6;  // others, for each of more
+
+  void set(std::size_t a, std::size_t b) { are_[a * n_ + b] = are_[b * n_ + a] = true; }
+
+  std::size_t n_;
+  std::vector<bool> are_;
+};
+
 // Points under construction: features that are the same thing, over all images.
 class Correspondences {
  public:
@@ -142,13 +184,13 @@ void triangulate_pair(const std::vector<FeatureImage>& images, int a, int b, con
 }
 
 // Adds image c: its matches with placed images that have points give 2D-3D pairs.
-bool add_image(const std::vector<FeatureImage>& images, int c, const StartConfig& config, StartResult* result,
-               Correspondences* links) {
+bool add_image(const std::vector<FeatureImage>& images, int c, const Partners& partners, const StartConfig& config,
+               StartResult* result, Correspondences* links) {
   const FeatureImage& image = images[static_cast<std::size_t>(c)];
   std::map<int, int> point_of_feature;
   std::vector<std::pair<int, std::vector<FeatureMatch>>> all_matches;
   for (std::size_t p = 0; p < images.size(); ++p) {
-    if (!result->cam_from_world[p]) continue;
+    if (!result->cam_from_world[p] || !partners.are(static_cast<int>(p), c)) continue;
     all_matches.emplace_back(static_cast<int>(p), match_descriptors(images[p].descriptors, image.descriptors));
     for (const FeatureMatch& m : all_matches.back().second) {
       const int point = links->point_of(static_cast<int>(p), m.first);
@@ -256,17 +298,22 @@ std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& fir
   return matches;
 }
 
-StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config) {
+StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config, Workers& workers) {
   StartResult result;
   result.cam_from_world.resize(images.size());
+  const Partners partners(images);
+  const std::vector<std::pair<int, int>> compared = partners.pairs();
+  std::vector<std::optional<Pair>> pairs(compared.size());
+  workers.each(compared.size(), [&](std::size_t i) {
+    const auto [a, b] = compared[i];
+    const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors,
+                                           images[static_cast<std::size_t>(b)].descriptors);
+    pairs[i] = relative_pose(images, a, b, matches, config);
+  });
   std::optional<Pair> best;
-  for (int a = 0; a < static_cast<int>(images.size()); ++a) {
-    for (int b = a + 1; b < static_cast<int>(images.size()); ++b) {
-      const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors,
-                                             images[static_cast<std::size_t>(b)].descriptors);
-      const std::optional<Pair> pair = relative_pose(images, a, b, matches, config);
-      if (pair && (!best || std::pair(pair->metric, pair->score) > std::pair(best->metric, best->score))) best = pair;
-    }
+  for (std::optional<Pair>& pair : pairs) {
+    if (!pair) continue;
+    if (!best || std::pair(pair->metric, pair->score) > std::pair(best->metric, best->score)) best = std::move(pair);
   }
   if (!best) {
     result.reason = "no two cameras share enough view with enough parallax";
@@ -287,7 +334,8 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
   for (bool added = true; added;) {
     added = false;
     for (int c = 0; c < static_cast<int>(images.size()); ++c) {
-      if (!result.cam_from_world[static_cast<std::size_t>(c)]) added |= add_image(images, c, config, &result, &links);
+      if (result.cam_from_world[static_cast<std::size_t>(c)]) continue;
+      added |= add_image(images, c, partners, config, &result, &links);
     }
   }
   adjust(images, config, &result);

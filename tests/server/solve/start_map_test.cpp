@@ -147,6 +147,29 @@ TEST(StartMap, OnePartOfTheImagesSharesView) {
   EXPECT_THAT(*r.cam_from_world[2], PoseNear(expected(in, r, 2), 0.006, 0.03));
 }
 
+// A row of cameras along a long room: each is compared with some of the others, and all come into one map.
+TEST(StartMap, ManyImagesAreNotAllComparedWithEachOther) {
+  const test::SimWorld world({.points = 1500});
+  std::vector<Rigid3> poses;
+  for (int i = 0; i < 24; ++i) poses.push_back(looking({-2.4 + 0.2 * i, 0.1 * (i % 3), 0}));
+  const Images in = images_of(world, poses);
+  struct Counted : Workers {
+    void each(std::size_t n, const Part& part) override {
+      most = std::max(most, n);
+      Workers::each(n, part);
+    }
+    std::size_t most = 0;
+  } workers;
+  const StartResult r = start_map(in.images, {}, workers);
+  EXPECT_LT(workers.most, std::size_t{24 * 23 / 2 / 2});
+  ASSERT_TRUE(r.ok) << r.reason;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_TRUE(r.cam_from_world[i]) << i;
+    EXPECT_THAT(*r.cam_from_world[i], PoseNear(expected(in, r, i), 0.01, 0.05)) << i;
+  }
+  expect_points(world, in, r, 0.03);
+}
+
 void expect_reason(const std::vector<FeatureImage>& images) {
   const StartResult r = start_map(images, {});
   EXPECT_FALSE(r.ok);
