@@ -64,6 +64,7 @@ class Cells {
   // places: any that have a position, at least one.
   explicit Cells(const auto& places) {
     constexpr std::size_t kSample = 256, kLeftOut = 20;  // one in so many, at each end
+    constexpr float kNone = 1e-30F;
     const std::size_t step = std::max<std::size_t>(1, places.size() / kSample);
     std::vector<float> values;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -73,7 +74,7 @@ class Cells {
       const std::size_t out = values.size() / kLeftOut;
       low_[axis] = values[out];
       const float size = values[values.size() - 1 - out] - low_[axis];
-      per_unit_[axis] = static_cast<float>(1U << kBits) / std::max(size, std::numeric_limits<float>::min());
+      per_unit_[axis] = size > kNone ? static_cast<float>(1U << kBits) / size : 0;
     }
   }
   // Its number along a curve that goes through all cells of an eighth before those of the next (Morton).

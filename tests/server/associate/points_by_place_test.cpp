@@ -83,6 +83,14 @@ TEST_F(PointsByPlaceTest, AFewFarOutHideNothing) {
   EXPECT_GE(found.size(), before);
 }
 
+TEST_F(PointsByPlaceTest, OnePointIsAPlace) {
+  const TrackGrid grid = all_tracks(camera(kCam0));
+  const std::set<PointId> expected = with_tracks(camera(kCam0), grid, radius_);
+  ASSERT_FALSE(expected.empty());
+  const MapPoint* one = sim_.map.find(*expected.begin());
+  EXPECT_EQ(PointsByPlace({one}).near_tracks(camera(kCam0), grid, radius_), std::vector{one});
+}
+
 TEST_F(PointsByPlaceTest, NotThoseOfAnotherMap) {
   const MapId other = sim_.edit.new_map(Why::kStartedAlone, 0);
   const PointId stranger = sim_.create(other, world_.position(0), 0.01).id;
