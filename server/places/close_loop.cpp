@@ -3,9 +3,10 @@
 #include "server/places/close_loop.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
-#include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -21,23 +22,51 @@ constexpr double kLoopWeight = 10;  // of an earlier one, in steps of one frame
 // The frames of one map as nodes, camera by camera in order of time.
 class Nodes {
  public:
-  Nodes(const Map& map, MapId of) {
+  Nodes(const Map& map, MapId of) : map_(map), of_frames_(map.cameras().size()) {
     for (const MapCamera& c : map.cameras()) {
-      for (const FramePose& f : c.frames) {
-        if (f.map != of) continue;
-        index_[{c.id, f.set}] = static_cast<int>(keys.size());
-        keys.emplace_back(c.id, f.set);
+      std::vector<int>& of_frames = of_frames_[c.id.value];
+      of_frames.assign(c.frames.size(), -1);
+      for (std::size_t i = 0; i < c.frames.size(); ++i) {
+        if (c.frames[i].map != of) continue;
+        of_frames[i] = static_cast<int>(keys.size());
+        keys.emplace_back(c.id, c.frames[i].set);
       }
     }
   }
   std::optional<int> find(CameraId camera, SetId set) const {
-    const auto at = index_.find({camera, set});
-    return at == index_.end() ? std::nullopt : std::optional(at->second);
+    const MapCamera& c = map_.camera(camera);
+    const FramePose* f = c.frame_at(set);
+    if (f == nullptr) return std::nullopt;
+    const int node = of_frames_[camera.value][static_cast<std::size_t>(f - c.frames.data())];
+    return node < 0 ? std::nullopt : std::optional(node);
   }
   std::vector<std::pair<CameraId, SetId>> keys;
 
  private:
-  std::map<std::pair<CameraId, SetId>, int> index_;
+  const Map& map_;
+  std::vector<std::vector<int>> of_frames_;  // of each camera; -1: of another map
+};
+
+// Points that two nodes share, counted. The first node counts more for the order.
+class SharedByNodes {
+ public:
+  void count(int first, int second) {
+    ++n_[static_cast<std::uint64_t>(first) << 32U | static_cast<std::uint32_t>(second)];
+  }
+  struct Pair {
+    int first, second, shared;
+  };
+  // Ascending.
+  std::vector<Pair> pairs() const {
+    std::vector<Pair> out;
+    out.reserve(n_.size());
+    for (const auto& [nodes, n] : n_) out.push_back({static_cast<int>(nodes >> 32U), static_cast<int>(nodes), n});
+    std::ranges::sort(out, {}, [](const Pair& p) { return std::pair(p.first, p.second); });
+    return out;
+  }
+
+ private:
+  std::unordered_map<std::uint64_t, int> n_;
 };
 
 void add_nodes(const Map& map, const Nodes& nodes, PathGraph* graph) {
@@ -70,20 +99,26 @@ void link_successive_frames(const Map& map, const Nodes& nodes, PathGraph* graph
 
 // Cameras that saw the same points at a key frame.
 void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
-  std::map<std::tuple<SetId, CameraId, CameraId>, int> shared;
+  SharedByNodes shared;
+  std::vector<int> together;  // of one set
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
-    for (std::size_t i = 0; i < p.key_observations.size(); ++i) {
-      const KeyObservation& a = p.key_observations[i];
-      for (std::size_t j = i + 1; j < p.key_observations.size() && p.key_observations[j].set == a.set; ++j) {
-        if (p.key_observations[j].camera != a.camera) ++shared[{a.set, a.camera, p.key_observations[j].camera}];
-      }
+    SetId set;
+    for (const KeyObservation& o : p.key_observations) {
+      if (o.set != set) together.clear();
+      set = o.set;
+      const auto node = nodes.find(o.camera, o.set);
+      if (!node || (!together.empty() && together.back() == *node)) continue;
+      for (const int before : together) shared.count(before, *node);
+      together.push_back(*node);
     }
+    together.clear();
   }
-  for (const auto& [key, n] : shared) {
-    const auto& [set, first, second] = key;
-    const auto a = nodes.find(first, set), b = nodes.find(second, set);
-    if (n >= kMinShared && a && b) graph->links.push_back({*a, *b, 1.0});
+  std::vector<SharedByNodes::Pair> pairs = shared.pairs();
+  std::ranges::stable_sort(pairs, {},
+                           [&](const auto& p) { return nodes.keys[static_cast<std::size_t>(p.first)].second; });
+  for (const auto& [first, second, n] : pairs) {
+    if (n >= kMinShared) graph->links.push_back({first, second, 1.0});
   }
 }
 
@@ -91,7 +126,7 @@ void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* gr
 // the visit before that shares most points with it. Without that a loop closed elsewhere would tear the two apart.
 void link_visits(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
   const std::uint32_t gap = map.sets_in(map.config().recent_s);
-  std::map<std::pair<int, int>, int> shared;  // node, node of the visit before
+  SharedByNodes shared;  // node, node of the visit before
   for (const auto& [id, p] : map.points()) {
     if (p.map != of || p.key_observations.empty()) continue;
     const auto& seen = p.key_observations;
@@ -101,17 +136,16 @@ void link_visits(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph)
       if (i > 0 && seen[i].set.value - seen[i - 1].set.value > gap) before = std::exchange(now, {});
       const auto node = nodes.find(seen[i].camera, seen[i].set);
       if (!node) continue;
-      for (const int b : before) ++shared[{*node, b}];
+      for (const int b : before) shared.count(*node, b);
       now.push_back(*node);
     }
   }
-  for (auto at = shared.begin(); at != shared.end();) {
-    const int node = at->first.first;
-    auto most = at;
-    for (; at != shared.end() && at->first.first == node; ++at) {
-      if (at->second > most->second) most = at;
-    }
-    if (most->second >= kMinShared) graph->links.push_back({most->first.second, node, 1.0});
+  const std::vector<SharedByNodes::Pair> pairs = shared.pairs();
+  for (auto at = pairs.begin(); at != pairs.end();) {
+    const auto end = std::find_if(at, pairs.end(), [&](const auto& p) { return p.first != at->first; });
+    const auto most = std::max_element(at, end, [](const auto& a, const auto& b) { return a.shared < b.shared; });
+    if (most->shared >= kMinShared) graph->links.push_back({most->second, most->first, 1.0});
+    at = end;
   }
 }
 
