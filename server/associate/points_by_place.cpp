@@ -145,8 +145,8 @@ PointsByPlace::Place PointsByPlace::place_of(const MapPoint& point, std::uint32_
   return {point.position.cast<float>(), static_cast<float>(point.covariance.trace()), of};
 }
 
-void PointsByPlace::hold(std::size_t at, const Place& place) {
-  const auto i = static_cast<Eigen::Index>(at);
+void PointsByPlace::hold(const Place& place) {
+  const auto i = static_cast<Eigen::Index>(of_.size());
   const Eigen::Vector3f& p = place.position;
   x_[i] = p.x();
   y_[i] = p.y();
@@ -170,7 +170,8 @@ void PointsByPlace::box(std::span<const Place> places, MapId map) {
     Box& box = boxes_.back();
     box.low = box.low.cwiseMin(position);
     box.high = box.high.cwiseMax(position);
-    hold(box.last++, place);
+    ++box.last;
+    hold(place);
   }
 }
 

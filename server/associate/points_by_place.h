@@ -37,7 +37,7 @@ class PointsByPlace {
   };
   void box(std::span<const Place> places, MapId map);
   static Place place_of(const MapPoint& point, std::uint32_t of);
-  void hold(std::size_t at, const Place& place);
+  void hold(const Place& place);
 
   std::vector<const MapPoint*> points_;  // ascending ids
   std::vector<Box> boxes_;

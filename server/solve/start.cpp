@@ -13,8 +13,8 @@
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
 #include "common/geometry/triangulation.h"
-#include "server/solve/appearance.h"
 #include "server/solve/bundle.h"
+#include "server/solve/partners.h"
 #include "server/solve/root_sift.h"
 #include "server/solve/two_view.h"
 
@@ -108,47 +108,6 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
                std::min(pair.median_parallax_rad, 0.14);
   return pair;
 }
-
-// Which images are compared: all; of many, those that look most like each other, or their pairs would be the square.
-class Partners {
- public:
-  explicit Partners(const std::vector<FeatureImage>& images) : n_(images.size()), are_(n_ * n_, n_ <= kFew) {
-    if (n_ <= kFew) return;
-    AppearanceIndex index;
-    for (const FeatureImage& image : images) index.add(image.descriptors);
-    for (std::size_t i = 0; i < n_; ++i) {
-      const std::vector<int> votes = index.votes(images[i].descriptors);
-      std::vector<std::pair<int, std::size_t>> order;
-      for (std::size_t j = 0; j < n_; ++j) {
-        if (j == i) continue;
-        if (votes[j] > 0) order.emplace_back(-votes[j], j);
-        if (by_rig(images[i], images[j])) set(i, j);
-      }
-      std::ranges::sort(order);
-      for (std::size_t k = 0; k < std::min(kMost, order.size()); ++k) set(i, order[k].second);
-    }
-  }
-  bool are(int a, int b) const { return are_[static_cast<std::size_t>(a) * n_ + static_cast<std::size_t>(b)]; }
-  // Each once, ascending.
-  std::vector<std::pair<int, int>> pairs() const {
-    std::vector<std::pair<int, int>> out;
-    for (int a = 0; a < static_cast<int>(n_); ++a) {
-      for (int b = a + 1; b < static_cast<int>(n_); ++b) {
-        if (are(a, b)) out.emplace_back(a, b);
-      }
-    }
-    return out;
-  }
-
- private:
-  static constexpr std::size_t kFew = 12;  // images
-  static constexpr std::size_t kMost = 6;  // others, for each of more
-
-  void set(std::size_t a, std::size_t b) { are_[a * n_ + b] = are_[b * n_ + a] = true; }
-
-  std::size_t n_;
-  std::vector<bool> are_;
-};
 
 // Points under construction: features that are the same thing, over all images.
 class Correspondences {
