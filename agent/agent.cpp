@@ -88,6 +88,17 @@ std::vector<TrackId> Agent::observed() const {
   return ids;
 }
 
+// Where its own pose has them; nobody else gets these, so they need no grid.
+std::vector<TrackObservation> Agent::seen_by_lens() const {
+  std::vector<TrackObservation> out;
+  out.reserve(observations_.size());
+  for (const TrackObservation& o : observations_) {
+    const auto px = lens_.undistorted_from_calibrated(camera_, o.undistorted_px.cast<double>());
+    if (px) out.push_back({o.track, px->cast<float>()});
+  }
+  return out;
+}
+
 AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   const auto begin = std::chrono::steady_clock::now();
   AgentOutput out;
@@ -99,7 +110,7 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   {
     const auto timer = times_.measure("pose");
     if (!patches.empty()) heard_ns_ = capture_ns_;
-    pose_.step(frame_, capture_ns_, observations_, map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
+    pose_.step(frame_, capture_ns_, lens_.none() ? observations_ : seen_by_lens(), map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   {
@@ -122,6 +133,10 @@ void Agent::take(const MapPatch& patch) {
     patch_requests_.clear();
   }
   if (!effect.accepted) return;
+  if (effect.lens && !(*effect.lens == lens_)) {
+    lens_ = *effect.lens;
+    pose_.change_lens();
+  }
   if (effect.rebase) pose_.rebase(*effect.rebase);
   if (effect.placed) pose_.place(*effect.placed);
   patch_requests_.insert(effect.patch_requests.begin(), effect.patch_requests.end());

@@ -20,6 +20,7 @@
 #include "agent/track/tags.h"
 #include "agent/track/tracker.h"
 #include "common/base/metrics.h"
+#include "common/geometry/lens_correction.h"
 #include "common/model/map_patch.h"
 #include "common/model/track_frame.h"
 
@@ -89,6 +90,7 @@ class Agent {
  private:
   void take(const MapPatch& patch);
   void observe();
+  std::vector<TrackObservation> seen_by_lens() const;
   void look_for_tags();
   DescriptorsSent describe_image(const Answers& answers, AgentOutput* out);
   DescribeWork describe_tracks(int most);
@@ -111,7 +113,8 @@ class Agent {
   FrameId frame_;
   TimeNs capture_ns_ = 0;
   TimeNs heard_ns_ = 0;                         // capture time of the newest image when a patch came last
-  std::vector<TrackObservation> observations_;  // live tracks that have an undistorted place
+  LensCorrection lens_;                         // what the server found to be wrong about the calibration
+  std::vector<TrackObservation> observations_;  // live tracks that have an undistorted place, by the calibration
   std::vector<TagObservation> tags_;
   std::optional<TimeNs> tags_sought_ns_;
   std::set<TrackId> patch_requests_;

@@ -3,6 +3,8 @@
 #include "server/map_server.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "server/adjust/settle.h"
@@ -53,13 +55,44 @@ CameraId MapServer::admit(const Hello& hello) {
   return edit_.add_camera(hello.agent, hello.agent_run, hello.camera);
 }
 
-std::vector<MapPatch> MapServer::step(const FrameSet& set) {
+// Agents undistort by their calibrations. Where more is known of the lens, all stages see tracks where that has them;
+// one that it has no place for is not seen.
+FrameSet MapServer::by_lenses(const FrameSet& set) const {
+  FrameSet out = set;
+  for (CameraFrame& cf : out.frames) {
+    const MapCamera& c = map().camera(cf.camera);
+    if (c.lens.none()) continue;
+    std::erase_if(cf.frame.tracks, [&](TrackObservation& o) {
+      const auto px = c.lens.undistorted_from_calibrated(c.model, o.undistorted_px.cast<double>());
+      if (px) o.undistorted_px = px->cast<float>();
+      return !px;
+    });
+  }
+  return out;
+}
+
+// Once for each camera, when its calibration is far off.
+void MapServer::tell_of_lenses() {
+  constexpr double kFar = 0.03;
+  for (const MapCamera& c : map().cameras()) {
+    const double scale = std::exp(c.lens.log_focal());
+    if (std::abs(scale - 1) < kFar || !lenses_told_.insert(c.id).second) continue;
+    warnings_.push_back("the images of agent " + c.name + " fit a focal length of about " +
+                        std::to_string(std::lround(scale * c.model.focal_px())) + " px, not the " +
+                        std::to_string(std::lround(c.model.focal_px())) +
+                        " of its calibration; the map goes by the images");
+  }
+}
+
+std::vector<MapPatch> MapServer::step(const FrameSet& seen) {
   const auto whole = report_.times.measure("frame_set");
   ++frame_sets_;
   edit_.journal().begin_set();
+  const FrameSet set = by_lenses(seen);
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());
+  if (pipeline_.report<TakenAdjustment>().report.lenses > 0) tell_of_lenses();
   note_adjusted();
   remember_last_images();
   forget();
@@ -136,7 +169,7 @@ void MapServer::finish(const TellProgress& tell) {
   if (refine.at_end == "nothing") return;
   look_back();
   const auto adjusted = adjusted_.find(largest_map());
-  const bool all = refine.at_end == "whole" || refine.intrinsics || adjusted == adjusted_.end();
+  const bool all = refine.at_end == "whole" || adjusted == adjusted_.end();
   adjust(all ? std::nullopt : std::optional(adjusted->second), tell);
 }
 
@@ -149,11 +182,10 @@ void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
-  const std::vector<std::string> doubts = lens_doubts(map(), largest_map());
-  warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
-  lenses_ = adjust_whole(edit_, largest_map(), refine, since, tell);
+  adjust_whole(edit_, largest_map(), refine, since, tell);
+  tell_of_lenses();
   adjusted_[largest_map()] = map().now();
-  const SettleReport settled = settle_frames(edit_, largest_map(), lenses_);
+  const SettleReport settled = settle_frames(edit_, largest_map());
   report_.counts["frames_settled"] += settled.changed;
   report_.counts["frames_placed_late"] += settled.placed;
   take(pipeline_.stage<Scale>().finish(edit_));

@@ -46,7 +46,7 @@ class MapServer {
   CameraId admit(const Hello& hello);
   void set_alive(CameraId camera, bool alive) { edit_.set_alive(camera, alive); }
 
-  std::vector<MapPatch> step(const FrameSet& set);
+  std::vector<MapPatch> step(const FrameSet& seen);
   // What the last image of an agent's run shows; its frame may come later.
   void take_last_image(CameraId camera, DescriptorReply reply);
   // The answer to a frame that is older than the last set and cannot be used any more.
@@ -106,9 +106,6 @@ class MapServer {
   MapId largest_map() const;
   // Maps that hold a frame of some camera, the largest first: one, if all could be brought together.
   std::vector<MapFrames> maps() const;
-  // How lenses were found to differ from their calibrations, by camera; empty when it was not asked for or is not
-  // known.
-  const std::vector<LensChange>& lenses() const { return lenses_; }
   // Whether the lengths of a map are metres.
   bool scale_known(MapId map) const { return in_metres_.contains(map); }
   bool scale_known() const { return scale_known(largest_map()); }
@@ -120,6 +117,8 @@ class MapServer {
 
  private:
   void take(const ScaleReport& scale);
+  FrameSet by_lenses(const FrameSet& set) const;
+  void tell_of_lenses();
   void forget();
   void note_adjusted();
   void look_back();
@@ -136,8 +135,8 @@ class MapServer {
   std::map<CameraId, DescriptorReply> last_images_;  // that are not remembered yet
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
-  std::vector<LensChange> lenses_;
   std::vector<std::string> warnings_;
+  std::set<CameraId> lenses_told_;
   MapRows rows_;
   std::optional<SetId> restored_until_;
   std::size_t restored_cameras_ = 0;

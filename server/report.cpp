@@ -8,6 +8,7 @@
 
 #include "common/base/version.h"
 #include "common/dataset/result.h"
+#include "server/solve/corrected_calibration.h"
 
 namespace coslam {
 namespace {
@@ -57,15 +58,20 @@ Json intrinsics_report(const CameraModel& camera) {
           {"cy", camera.cy}};
 }
 
-// The intrinsics that the end of the run found, on the undistorted image (lens.h).
-Json refined_report(const CameraModel& camera, const LensChange& lens) {
-  const double scale = std::exp(lens.log_focal());
-  return {{"fx", scale * camera.fx},
-          {"fy", scale * camera.fy},
-          {"cx", camera.cx + lens.centre_px().x()},
-          {"cy", camera.cy + lens.centre_px().y()},
-          {"k1", lens.values[3]},
-          {"k2", lens.values[4]}};
+// What was found to be wrong about a calibration, and what comes of it.
+Json lens_report(const MapCamera& camera) {
+  const auto [model, worst_px] = corrected_calibration(camera.model, camera.lens);
+  return {{"corrected", !camera.lens.none()},
+          {"focal_ratio", std::exp(camera.lens.log_focal())},
+          {"centre_shift_px", {camera.lens.centre_px().x(), camera.lens.centre_px().y()}},
+          {"k1", camera.lens.k1()},
+          {"k2", camera.lens.k2()},
+          {"aspect_ratio", std::exp(camera.lens.log_aspect())},
+          {"fx", model.fx},
+          {"fy", model.fy},
+          {"cx", model.cx},
+          {"cy", model.cy},
+          {"file_differs_px", worst_px}};
 }
 
 // An agent as the server saw it. Tracked: in the common map, where the others are.
@@ -99,9 +105,7 @@ Json own_report(const std::string& text) {
 Json agent_report(const MapServer& server, const ServerLink& link, const ReportedAgent& agent) {
   Json out = camera_report(server, agent.camera);
   out["dropped"] = agent.last_status.dropped;
-  if (const auto& lenses = server.lenses(); agent.camera.value < lenses.size()) {
-    out["refined_intrinsics"] = refined_report(server.map().camera(agent.camera).model, lenses[agent.camera.value]);
-  }
+  out["lens"] = lens_report(server.map().camera(agent.camera));
   out.update(own_report(agent.last_status.report_json));
   const LinkBytes bytes = link.bytes(agent.name);
   out["bytes_up"] = bytes.up;

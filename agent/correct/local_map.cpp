@@ -48,6 +48,8 @@ PatchEffect LocalMap::apply(const MapPatch& patch) {
   for (const BoundPoint& b : patch.updated) {
     entries_[b.track] = {b.point, b.state, b.position.cast<double>(), unpack_covariance(b.covariance)};
   }
+  effect.lens = patch.lens;
+  if (patch.snapshot && !effect.lens) effect.lens.emplace();
   effect.placed = patch.placed;
   effect.patch_requests = patch.patch_requests;
   effect.descriptor_request = patch.descriptor_request;

@@ -35,6 +35,8 @@ class PoseTracker {
   void rebase(const Similarity3& new_from_old);
   // The server's pose for an earlier frame; the motion since then is kept when it is known.
   void place(const PlacedPose& placed);
+  // Tracks come through another lens from now on: what they were seen at before is forgotten.
+  void change_lens() { own_.clear(); }
   // Another server: start from nothing.
   void reset();
 

@@ -177,7 +177,9 @@ Eigen::Matrix<double, 2, 3> CameraModel::project_jacobian(const Eigen::Vector3d&
   return j;
 }
 
-Eigen::Vector2d CameraModel::distort_normalized(const Eigen::Vector2d& n) const { return distort(*this, n, nullptr); }
+Eigen::Vector2d CameraModel::distort_normalized(const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian) const {
+  return distort(*this, n, jacobian);
+}
 
 Eigen::Vector2d CameraModel::raw_from_undistorted(const Eigen::Vector2d& undistorted_px) const {
   return pixel_from_normalized(distort_normalized(normalized_from_pixel(undistorted_px)));

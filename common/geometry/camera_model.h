@@ -41,7 +41,8 @@ struct CameraModel {
   // 2x3 Jacobian of project() by the point in the camera frame.
   Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d& in_cam) const;
 
-  Eigen::Vector2d distort_normalized(const Eigen::Vector2d& n) const;
+  // jacobian: by n, where asked for.
+  Eigen::Vector2d distort_normalized(const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian = nullptr) const;
   Eigen::Vector2d raw_from_undistorted(const Eigen::Vector2d& undistorted_px) const;
   // 2x2 Jacobian of the above. Noise is even in the raw image only: towards the edge of a wide lens an undistorted
   // pixel is a small part of a raw one, outwards more than across. Multiplied by this a residual in undistorted px is
@@ -49,6 +50,8 @@ struct CameraModel {
   Eigen::Matrix2d raw_by_undistorted(const Eigen::Vector2d& undistorted_px) const;
   // Inverse of the above; empty where the model cannot be inverted (outside its valid field).
   std::optional<Eigen::Vector2d> undistorted_from_raw(const Eigen::Vector2d& raw_px) const;
+
+  friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
 // One sentence that names what is wrong (non-positive focal length, principal point outside, not finite), or empty.

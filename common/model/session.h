@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 12;
+constexpr std::uint16_t kProtocolVersion = 13;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {

@@ -41,6 +41,17 @@ Problem unpack_placed(const idl::MapPatch& m, std::optional<PlacedPose>& placed)
   return check_pose(placed->cam_from_world);
 }
 
+Problem unpack_lens(const std::vector<float>& packed, std::optional<LensCorrection>& lens) {
+  constexpr double kMostLog = 3, kMostShift_px = 1e5, kMostTerm = 10;
+  if (packed.empty()) return std::nullopt;
+  if (packed.size() != 6) return Rejection::kSizeMismatch;
+  lens.emplace().values = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(packed.data()).cast<double>();
+  const Vector6d& v = lens->values;
+  return first_of({check_number(v[0], -kMostLog, kMostLog), check_number(v[1], -kMostShift_px, kMostShift_px),
+                   check_number(v[2], -kMostShift_px, kMostShift_px), check_number(v[3], -kMostTerm, kMostTerm),
+                   check_number(v[4], -kMostTerm, kMostTerm), check_number(v[5], -kMostLog, kMostLog)});
+}
+
 // Lower triangle by rows of L, where the covariance is L L^T: of half the precision, and still exact across the ray of
 // a point whose distance is badly known.
 using Factor = std::array<Eigen::half, 6>;
@@ -168,6 +179,9 @@ idl::MapPatch encode(const MapPatch& p) {
     m.placed_frame(p.placed->frame.value);
     append(m.placed(), p.placed->cam_from_world.rotation, p.placed->cam_from_world.translation);
   }
+  if (p.lens) {
+    for (const double v : p.lens->values) m.lens().push_back(static_cast<float>(v));
+  }
   m.updated().reserve(kUsualPointBytes * p.updated.size());
   Packer packer(m.updated());
   TrackId before;
@@ -200,6 +214,7 @@ Decoded<MapPatch> decode(const idl::MapPatch& m) {
   const Problem problem =
       first_of({check_sender(p.agent, p.agent_run), check_id(p.server_run), check_number(p.uplink_wait_s, 0, 1e9),
                 unpack_similarity(m.new_from_old(), p.new_from_old), unpack_placed(m, p.placed),
+                unpack_lens(m.lens(), p.lens),
                 unpack_points(m.updated(), p.updated), unpack_ids(m.unbound(), p.unbound),
                 unpack_ids(m.patch_requests(), p.patch_requests)});
   if (problem) return *problem;

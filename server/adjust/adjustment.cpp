@@ -43,8 +43,13 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   }
   if (maps.empty()) return false;
   const MapId of = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
-  planned_ = outline ? plan_outline_since(map, of, outline_since_, refine, workers)
-                     : plan_refine(map, of, RefineExtent::kWindow, refine, workers);
+  if (outline) {
+    planned_ = plan_outline_since(map, of, outline_since_, refine, workers);
+  } else if (lenses_are_due(map, of, refine)) {
+    planned_ = plan_outline_since(map, of, SetId(), refine, workers);
+  } else {
+    planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
+  }
   if (planned_) {
     ++plans_;
   } else if (outline) {
@@ -53,27 +58,20 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   return planned_.has_value();
 }
 
+// What is known of a lens grows with what was seen of a map: each time that has grown by half it is looked at again.
+bool PlanAdjustment::lenses_are_due(const Map& map, MapId of, const RefineConfig& refine) {
+  constexpr std::size_t kFirst = 8, kMost = 400;
+  const std::size_t keys = map.key_frames().size();
+  std::size_t& due = lens_due_.try_emplace(of, kFirst).first->second;
+  if (!refine.finds_lenses() || keys < due || keys > kMost) return false;
+  due = keys + (keys + 1) / 2;
+  return true;
+}
+
 std::optional<RefineJob> PlanAdjustment::take_job() {
   if (!planned_) return std::nullopt;
   in_flight_ = true;
   return std::exchange(planned_, std::nullopt);
-}
-
-std::vector<std::string> lens_doubts(const Map& map, MapId of) {
-  constexpr double kWrong = 0.1;  // no calibration is so far off
-  const auto job = plan_lens_check(map, of);
-  if (!job) return {};
-  const BundleResult result = solve_refine(*job);
-  if (!result.usable) return {};
-  std::vector<std::string> out;
-  for (const MapCamera& c : map.cameras()) {
-    const double scale = std::exp(result.lenses[c.id.value].log_focal());
-    if (std::abs(scale - 1) < kWrong) continue;
-    out.push_back("the images of agent " + c.name + " fit a focal length of about " +
-                  std::to_string(std::lround(scale * c.model.focal_px())) + " px, not the " +
-                  std::to_string(std::lround(c.model.focal_px())) + " of its calibration: is that the right one?");
-  }
-  return out;
 }
 
 namespace {
@@ -100,23 +98,19 @@ void add_pose_share(MapEdit& edit, const RefineJob& job, const BundleResult& res
 
 }  // namespace
 
-std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
-                                     const TellProgress& tell) {
-  std::vector<LensChange> lenses(config.intrinsics ? edit.map().cameras().size() : 0);
+void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
+                  const TellProgress& tell) {
   for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
     const bool whole = extent == RefineExtent::kWhole;
     if (since && !whole) continue;
     auto job = since ? plan_refine_since(edit.map(), of, *since, config) : plan_refine(edit.map(), of, extent, config);
     if (!job) break;
-    job->problem.lenses = lenses;
     tell_of(&*job, whole && !since ? kOutlineShare_percent : 0, whole ? 100 : kOutlineShare_percent, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
-    if (result.usable) lenses = result.lenses;
     if (whole && result.usable) add_pose_share(edit, *job, result);
   }
   if (tell) tell(100);
-  return lenses;
 }
 
 }  // namespace coslam

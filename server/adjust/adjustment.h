@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,6 +29,7 @@ struct TakenAdjustment {
     add("refine_applied", report.applied);
     add("refine_outliers", report.outliers);
     add("refine_observations", taken ? report.observations : 0);
+    add("lenses_corrected", report.lenses);
   }
 };
 
@@ -66,6 +68,7 @@ class PlanAdjustment {
   std::optional<RefineJob> take_job();
 
  private:
+  bool lenses_are_due(const Map& map, MapId of, const RefineConfig& refine);
   bool plan_job(const Map& map, bool key_frame, const RefineConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;
@@ -73,17 +76,14 @@ class PlanAdjustment {
   MapId outline_;  // whose outline is to be adjusted; 0 = none
   SetId outline_since_;
   int plans_ = 0;
+  std::map<MapId, std::size_t> lens_due_;  // key frames that a map's lenses are looked at again with
 };
-
-// A sentence for each camera whose images fit a focal length better that is far from its calibration's.
-std::vector<std::string> lens_doubts(const Map& map, MapId of);
 
 // How far it is, percent.
 using TellProgress = std::function<void(int percent)>;
 
-// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already. How
-// each camera's lens was found to differ from its calibration, when that is asked for.
-std::vector<LensChange> adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config,
+// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already.
+void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config,
                                      std::optional<SetId> since = std::nullopt, const TellProgress& tell = {});
 
 }  // namespace coslam

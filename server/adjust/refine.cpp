@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "server/adjust/holding_poses.h"
+#include "server/adjust/lens.h"
 #include "server/adjust/outline.h"
 #include "server/associate/register.h"
 #include "server/solve/point_uncertainty.h"
@@ -315,7 +316,7 @@ namespace {
 
 // Of these key frames, held by so many older poses, or more where a camera needs them; empty when there is too little.
 std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, std::size_t holding,
-                                  RefineExtent extent, Workers& workers) {
+                                  RefineExtent extent, bool lenses, Workers& workers) {
   if (keys.empty()) return std::nullopt;
   RefineJob job;
   job.epoch = map.epoch();
@@ -338,6 +339,7 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
   if (job.points.size() < 20) return std::nullopt;
   if (extent != RefineExtent::kWindow) weigh_observations(&job);
   if (job.poses.size() < free_poses + 2) float_free(&job);
+  if (lenses) free_lenses(map, &job);
   return job;
 }
 
@@ -347,7 +349,8 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
                                      Workers& workers) {
   const bool window = extent == RefineExtent::kWindow;
   auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
-                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent, workers);
+                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent,
+                      !window && config.finds_lenses(), workers);
   if (!job) return job;
   job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
   return job;
@@ -362,7 +365,7 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
   if (some.sets.size() < 2) return std::nullopt;
   const int holding = short_run ? 0 : config.outline_poses;
   auto job = plan_job(map, of, outline_of(some, config.outline_poses), static_cast<std::size_t>(holding),
-                      RefineExtent::kOutline, workers);
+                      RefineExtent::kOutline, config.finds_lenses(), workers);
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
@@ -372,32 +375,14 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
   const std::size_t all = keys.size();
   std::erase_if(keys, [&](SetId key) { return key <= since; });
   const std::size_t older = (all - keys.size()) * map.cameras().size();
-  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole, Workers::alone());
+  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole, config.finds_lenses(), Workers::alone());
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
 
-std::optional<RefineJob> plan_lens_check(const Map& map, MapId of) {
-  constexpr std::size_t kKeyFrames = 40, kLeastPoses = 12;
-  std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, {});
-  keys.resize(std::min(keys.size(), kKeyFrames));
-  RefineJob job;
-  for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
-  job.problem.lenses.resize(job.problem.cameras.size());
-  PoseIndex index;
-  for (const SetId key : keys) {
-    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
-  }
-  if (job.poses.size() < kLeastPoses) return std::nullopt;
-  add_points(map, of, keys.front(), index, Workers::alone(), &job);
-  weigh_observations(&job);
-  float_free(&job);
-  job.config.max_iterations = 30;
-  return job;
-}
-
 BundleResult solve_refine(const RefineJob& job) {
-  BundleResult result = solve_bundle(job.problem, job.config);
+  BundleResult result =
+      job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
   return result;
 }
@@ -425,6 +410,7 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
                       .sigma_px = result.sigma_px};
   if (!result.usable || job.epoch != edit.map().epoch()) return report;
   drop_outliers(edit, job, result, &report);
+  report.lenses = take_lenses(edit, job, result);
   move_frames(edit, job, result);
   move_points(edit, job, result, workers);
   edit.raise_epoch();

@@ -23,18 +23,18 @@ struct RefineConfig {
   int outline_poses = 400;  // of an outline; of all that is known more where every third key frame has more
   int max_iterations = 10;
   int final_iterations = 40;  // over the whole run, at its end
-  bool intrinsics = false;    // solve for the lenses too, then
+  std::string lens = "auto";  // what is wrong about calibrations is found out; or "given"
   // What is adjusted at the end: what changed since the map was last adjusted as a whole, which in a run on no older
   // map is the whole; the whole in any case; or nothing.
   std::string at_end = "changed";
+
+  bool finds_lenses() const { return lens == "auto"; }
 };
 
 template <class V>
 void describe(V& v, RefineConfig& c) {
   v.field("enabled", c.enabled, "bundle adjustment");
   v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
-  v.field("intrinsics", c.intrinsics,
-          "at the end of a run, solve for focal lengths, principal points and two distortion terms too");
   v.field(
       "at_end", c.at_end, {"changed", "whole", "nothing"},
       "what is adjusted at the end of a run: what changed since the map of --map was adjusted, all of it, or nothing");
@@ -57,6 +57,7 @@ struct RefineJob {
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
+  double lens_noise = 1;  // by which observations' errors are larger than their sigma, where lenses are solved for
   bool floating = false;  // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;
@@ -64,7 +65,7 @@ struct RefineJob {
 
 struct RefineReport {
   bool applied = false;
-  int poses = 0, points = 0, observations = 0, outliers = 0;
+  int poses = 0, points = 0, observations = 0, outliers = 0, lenses = 0;
   double sigma_px = 0;
 };
 
@@ -77,9 +78,6 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
                                             Workers& workers = Workers::alone());
 // For all key frames after a set; those before it hold them and stay.
 std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
-// What solves for the lenses over the first key frames of a map, to be looked at and not applied; empty when there is
-// too little.
-std::optional<RefineJob> plan_lens_check(const Map& map, MapId of);
 BundleResult solve_refine(const RefineJob& job);
 // What the uncertain poses of a solution add to the covariances of its points (point_uncertainty.h), in the order of
 // job.points. Each track counts for two views, as in Map::covariance_of().

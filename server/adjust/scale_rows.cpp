@@ -22,7 +22,7 @@ void TagScale::serialize(A& a) {
 }
 template <class A>
 void TagScale::TagSighting::serialize(A& a) {
-  a(camera, set, undistorted_px);
+  a(camera, set, calibrated_px);
 }
 template <class A>
 void TagScale::State::serialize(A& a) {

@@ -68,13 +68,12 @@ TrackedPoints tracked_points(const Map& map, MapId of, CameraId camera, SetId fr
 }
 
 std::optional<PoseResult> solve(const Map& map, const MapCamera& camera, const PointOfTrack& points,
-                                const LensChange& lens, const FramePose& frame, const Rigid3& initial) {
+                                const FramePose& frame, const Rigid3& initial) {
   std::vector<PointObservation> seen;
   for (const HeldTrack& held : frame.held) {
     const auto at = points.find(held.track);
     if (at == points.end()) continue;
-    seen.push_back(
-        {at->second->position, at->second->covariance, lens.undone(camera.model, held.undistorted_px.cast<double>())});
+    seen.push_back({at->second->position, at->second->covariance, held.undistorted_px.cast<double>()});
   }
   if (std::ssize(seen) < kLeastPoints) return std::nullopt;
   PoseResult result = refine_pose(camera.model, seen, initial, {.sigma_px = map.sigma_bound_px(camera)});
@@ -93,11 +92,9 @@ Rigid3 predicted(const FramePose& beside, const FramePose* behind) {
 class Settling {
  public:
   // first, last: index of its frames, one beyond the last.
-  Settling(MapEdit& edit, const MapCamera& camera, const LensChange& lens, std::size_t first, std::size_t last,
-           SettleReport* report)
+  Settling(MapEdit& edit, const MapCamera& camera, std::size_t first, std::size_t last, SettleReport* report)
       : edit_(edit),
         camera_(camera),
-        lens_(lens),
         first_(static_cast<int>(first)),
         last_(static_cast<int>(last)),
         report_(*report) {}
@@ -106,7 +103,7 @@ class Settling {
     for (int i = first_; i < last_; ++i) {
       const FramePose& frame = *at(i);
       if (frame.map != of) continue;
-      const auto result = solve(edit_.map(), camera_, points, lens_, frame, frame.cam_from_world);
+      const auto result = solve(edit_.map(), camera_, points, frame, frame.cam_from_world);
       if (!result) continue;
       ++report_.solved;
       const Vector6d off = local(frame.cam_from_world, result->cam_from_world);
@@ -128,7 +125,7 @@ class Settling {
       const int i = step > 0 ? k : first_ + last_ - 1 - k;
       const FramePose *here = at(i), *beside = at(i - step);
       if (here->valid() || beside == nullptr || beside->map != of) continue;
-      const auto result = solve(edit_.map(), camera_, points, lens_, *here, predicted(*beside, at(i - 2 * step)));
+      const auto result = solve(edit_.map(), camera_, points, *here, predicted(*beside, at(i - 2 * step)));
       if (!result) continue;
       edit_.place_past(camera_, *here, of, result->cam_from_world);
       ++report_.placed;
@@ -137,19 +134,17 @@ class Settling {
 
   MapEdit& edit_;
   const MapCamera& camera_;
-  LensChange lens_;
   int first_, last_;
   SettleReport& report_;
 };
 
 }  // namespace
 
-SettleReport settle_frames(MapEdit& edit, MapId of, const std::vector<LensChange>& lenses) {
+SettleReport settle_frames(MapEdit& edit, MapId of) {
   SettleReport report;
   const TrackedPoints points = tracked_points(edit.map(), of);
   for (const MapCamera& camera : edit.map().cameras()) {
-    const LensChange lens = camera.id.value < lenses.size() ? lenses[camera.id.value] : LensChange();
-    Settling(edit, camera, lens, 0, camera.frames.size(), &report).run(points.of(camera.id), of);
+    Settling(edit, camera, 0, camera.frames.size(), &report).run(points.of(camera.id), of);
   }
   return report;
 }
@@ -167,7 +162,7 @@ SettleReport settle_frames(MapEdit& edit, const MapCamera& camera, SetId from, S
   }
   for (const MapId of : maps) {
     const TrackedPoints points = tracked_points(edit.map(), of, camera.id, from, before);
-    Settling(edit, camera, {}, first, last, &report).run(points.of(camera.id), of);
+    Settling(edit, camera, first, last, &report).run(points.of(camera.id), of);
   }
   return report;
 }

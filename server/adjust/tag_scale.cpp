@@ -50,8 +50,14 @@ std::map<MapId, std::vector<MeasuredTag>> TagScale::measure(const Map& map) cons
       const MapCamera& c = map.camera(s.camera);
       const FramePose* f = c.frame_at(s.set);
       if (f == nullptr || !f->valid()) continue;
-      TagView& v = views[f->map].emplace_back(TagView{c.id, &c.model, f->cam_from_world, {}, map.gate_sigma_px(c)});
-      for (std::size_t k = 0; k < 4; ++k) v.undistorted_px[k] = s.undistorted_px[k].cast<double>();
+      TagView v{c.id, &c.model, f->cam_from_world, {}, map.gate_sigma_px(c)};
+      bool whole = true;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto px = c.lens.undistorted_from_calibrated(c.model, s.calibrated_px[k].cast<double>());
+        whole &= px.has_value();
+        v.undistorted_px[k] = px.value_or(Eigen::Vector2d::Zero());
+      }
+      if (whole) views[f->map].push_back(v);
     }
     for (const auto& [in, all] : views) out[in].push_back({tag, measure_tag(spread(all, kMostViews), config_.size)});
   }

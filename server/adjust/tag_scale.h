@@ -61,7 +61,7 @@ class TagScale {
   struct TagSighting {
     CameraId camera;
     SetId set;
-    std::array<Eigen::Vector2f, 4> undistorted_px;
+    std::array<Eigen::Vector2f, 4> calibrated_px;  // undistorted by the calibration alone
     template <class Archive>
     void serialize(Archive& archive);
   };

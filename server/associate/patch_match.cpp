@@ -121,7 +121,7 @@ Eigen::Matrix2d raw_by_plane(const Look& look, const Eigen::Vector3d& position,
   Eigen::Vector2d px;
   Eigen::Matrix<double, 2, 3> j;
   if (!project_world(model, look.pose, position, &px, &j)) return Eigen::Matrix2d::Zero();
-  return model.raw_by_undistorted(px) * j * tangents;
+  return std::exp(look.camera->lens.log_focal()) * model.raw_by_undistorted(px) * j * tangents;
 }
 
 Eigen::Matrix2d image_from_other(const Look& image, const Look& other, const Eigen::Vector3d& position) {

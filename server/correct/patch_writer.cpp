@@ -169,9 +169,16 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
   return patch;
 }
 
+void PatchWriter::write_lens(const MapCamera& camera, MapPatch* patch) {
+  const bool news = patch->snapshot ? !camera.lens.none() : !(camera.lens == lens_);
+  if (news) patch->lens = camera.lens;
+  lens_ = camera.lens;
+}
+
 MapPatch PatchWriter::acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
   MapPatch patch = next_patch(map, camera, frame);
   patch.snapshot = true;
+  write_lens(camera, &patch);
   sent_.clear();
   map_ = MapId();
   return patch;
@@ -193,6 +200,7 @@ MapPatch PatchWriter::begin(MapEdit& edit, const MapCamera& camera, const TrackF
   const bool other_map = camera.map != map_ && (map_ == MapId() || camera.merged_from != map_);
   const bool snapshot = patch.sequence == 1 || frame.wants_snapshot || other_map;
   patch.snapshot = snapshot;
+  write_lens(camera, &patch);
   if (epoch_ != map.epoch() && !other_map) {
     patch.new_from_old = camera.moved;
     const double s = camera.moved.scale;

@@ -49,6 +49,7 @@ class PatchWriter {
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
  private:
+  void write_lens(const MapCamera& camera, MapPatch* patch);
   MapPatch next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
   struct Sent {
@@ -74,6 +75,7 @@ class PatchWriter {
   std::uint32_t sequence_ = 0;
   MapEpoch epoch_;
   MapId map_;
+  LensCorrection lens_;  // as told
   std::map<TrackId, Sent> sent_;
   std::map<TrackId, SetId> asked_;  // for patches, lately
 };

@@ -69,7 +69,9 @@ void settle_between(MapEdit& edit, MapId id, SetId first, SetId last, const Refi
   for (std::uint32_t i = 0; i <= steps; ++i) {
     edit.add_key_frame(SetId(first.value + i * (last.value - first.value) / steps));
   }
-  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, refine)) {
+  RefineConfig by_known_lenses = refine;
+  by_known_lenses.lens = "given";
+  if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, by_known_lenses)) {
     apply_refine(edit, *job, solve_refine(*job));
   }
 }

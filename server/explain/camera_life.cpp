@@ -84,6 +84,9 @@ class CameraLife {
       case EventKind::kCameraMisdated:
         add(at, "Its images are dated wrongly, " + reason(e));
         break;
+      case EventKind::kCameraLens:
+        add(at, "Its lens was corrected " + reason(e));
+        break;
       default:
         break;
     }

@@ -34,7 +34,7 @@ std::vector<HeldTrack> held_tracks(const MapCamera& camera) {
   constexpr int kAcross = 8, kDown = 6;
   std::array<const ServerTrack*, std::size_t{kAcross} * kDown> longest{};
   for (const auto& [id, track] : camera.tracks) {
-    const Eigen::Vector2d raw = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
+    const Eigen::Vector2d raw = camera.raw_px(track.seen.back().undistorted_px.cast<double>());
     const int x = std::clamp(static_cast<int>(raw.x() * kAcross / camera.model.width_px), 0, kAcross - 1);
     const int y = std::clamp(static_cast<int>(raw.y() * kDown / camera.model.height_px), 0, kDown - 1);
     const ServerTrack*& best = longest[static_cast<std::size_t>(y * kAcross + x)];
@@ -114,6 +114,7 @@ void MapEdit::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   c.tracks.clear();
   c.run = run;
   c.run_since = SetId(map_.now_.value + 1);
+  if (!(c.model == model)) c.lens = {};
   c.model = model;
   c.map = MapId();
   c.clock_offset_ns = 0;

@@ -10,7 +10,8 @@ namespace {
 constexpr std::array<std::string_view, kEventKinds> kKinds{
     "point_made",   "point_became", "point_fused", "point_removed", "track_bound",   "track_unbound",
     "track_missed", "track_became", "track_ended", "camera_joined", "camera_placed", "camera_lost",
-    "camera_found", "camera_left",  "map_started", "map_merged",    "map_moved",     "camera_misdated"};
+    "camera_found", "camera_left",  "map_started", "map_merged",    "map_moved",     "camera_misdated",
+    "camera_lens"};
 constexpr std::array<std::string_view, 3> kPhases{"trial", "static", "moving"};
 constexpr std::array<std::string_view, 3> kMotions{"resting", "doubtful", "moving"};
 
@@ -64,6 +65,7 @@ constexpr std::array<WhyText, kWhys> kTexts{{
     {"scale_known", "because its scale became known: {a} metres a unit of length"},
     {"adjusted", "by a bundle adjustment of {a} poses and {b} points"},
     {"moves_at_other_times", "because what moves in them moves {a} s earlier than in those of camera number {b}"},
+    {"lens_found", "because its images fit a focal length {a} times that of its calibration, and a further k1 of {b}"},
 }};
 
 template <class Enum, std::size_t N>

@@ -36,8 +36,9 @@ enum class EventKind : std::uint8_t {
   kMapMerged,  // `from` became part of it
   kMapMoved,
   kCameraMisdated,
+  kCameraLens,  // another one than was calibrated, or than was known until now
 };
-inline constexpr std::size_t kEventKinds = static_cast<std::size_t>(EventKind::kCameraMisdated) + 1;
+inline constexpr std::size_t kEventKinds = static_cast<std::size_t>(EventKind::kCameraLens) + 1;
 
 // The reason of a change; each stage gives the ones that are its own. Up to two figures go with each, see text_of().
 enum class Why : std::uint8_t {
@@ -92,8 +93,9 @@ enum class Why : std::uint8_t {
   kScaleKnown,
   kAdjusted,
   kMovesAtOtherTimes,
+  kLensFound,
 };
-inline constexpr std::size_t kWhys = static_cast<std::size_t>(Why::kMovesAtOtherTimes) + 1;
+inline constexpr std::size_t kWhys = static_cast<std::size_t>(Why::kLensFound) + 1;
 
 // A reason's name in files, and a clause for people in which {a} and {b} stand for the figures: it goes on after what
 // happened, as in "it was removed" + " " + clause.

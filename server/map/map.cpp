@@ -198,7 +198,8 @@ Map::Map(const Map& o)
       set_interval_s_(o.set_interval_s_),
       set_times_ns_(o.set_times_ns_),
       moves_(o.moves_),
-      shifted_ns_(o.shifted_ns_) {
+      shifted_ns_(o.shifted_ns_),
+      lens_changes_(o.lens_changes_) {
   // What points to points, points to the copies.
   for (auto& [id, p] : points_) {
     index_.put(id, p);

@@ -18,6 +18,7 @@
 #include "common/base/ids.h"
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
+#include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
 #include "common/geometry/triangulation.h"
 #include "common/model/map_patch.h"
@@ -112,7 +113,8 @@ struct MapCamera {
   CameraId id;
   std::string name;
   RunId run;
-  CameraModel model;
+  CameraModel model;           // as calibrated
+  LensCorrection lens;         // what is wrong about that; all that was observed is undistorted with it
   double sigma_px = 1.0;       // measured standard deviation of its observations
   int sigma_frames = 0;        // that it was measured in
   std::string rig;             // name of the first camera of the rig that it is fixed to; empty: it is free
@@ -133,6 +135,9 @@ struct MapCamera {
   PastFramesCount past;
   FlatMap<TrackId, ServerTrack> tracks;  // live ones; pointers hold until the next frame set
 
+  Eigen::Vector2d raw_px(const Eigen::Vector2d& undistorted_px) const {
+    return lens.raw_from_undistorted(model, undistorted_px);
+  }
   const FramePose* frame_at(SetId set) const;
   // How its world was moved since an epoch that its agent speaks of; empty when that is too long ago, or of another
   // map.
@@ -367,6 +372,7 @@ class Map {
   std::vector<TimeNs> set_times_ns_;  // the newest few
   std::vector<MapMove> moves_;
   TimeNs shifted_ns_ = 0;
+  std::uint32_t lens_changes_ = 0;
 };
 
 // A live track of the camera shows the point.

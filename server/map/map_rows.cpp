@@ -19,6 +19,10 @@ void serialize(A& a, CameraModel& v) {
   a(v.width_px, v.height_px, v.fx, v.fy, v.cx, v.cy, v.distortion, v.coefficients);
 }
 template <class A>
+void serialize(A& a, LensCorrection& v) {
+  a(v.values);
+}
+template <class A>
 void serialize(A& a, TrackPoint& v) {
   a(v.set, v.undistorted_px);
 }
@@ -193,6 +197,15 @@ void MapRows::keep(const char* table, const std::map<PointId, Value>& values, Kn
 
 std::vector<Row> MapRows::changes(const Map& map) {
   std::vector<Row> rows;
+  if (std::exchange(lens_changes_, map.lens_changes_) != map.lens_changes_) {
+    // All that was observed through those lenses lies elsewhere by now.
+    for (auto* known : {&points_, &motions_}) {
+      for (auto& [id, likeness_before] : *known) ++likeness_before;
+    }
+    for (auto& known : frames_) {
+      for (auto& [set, likeness_before] : known) ++likeness_before;
+    }
+  }
   frames(map, &rows);
   keep("point", map.points(), &points_, &rows);
   keep("motion", map.motions(), &motions_, &rows);
@@ -204,6 +217,9 @@ std::vector<Row> MapRows::changes(const Map& map) {
   for (const MapCamera& c : map.cameras()) past.push_back(c.past);
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kPast), octets_of(map.moves_, map.shifted_ns_, past)});
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kSpared), octets_of(map.spared_images_)});
+  std::vector<LensCorrection> lenses;
+  for (const MapCamera& c : map.cameras()) lenses.push_back(c.lens);
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kLenses), octets_of(lenses)});
   return rows;
 }
 
@@ -223,6 +239,10 @@ void MapRows::restore(const Tables& tables, Map* map) {
   read_state(tables, StateRow::kPast, map->moves_, map->shifted_ns_, past);
   read_state(tables, StateRow::kSpared, map->spared_images_);  // none in older files
   if (past.size() > map->cameras_.size()) throw UserError("the map file has a past of no camera");
+  std::vector<LensCorrection> lenses;  // none in older files
+  read_state(tables, StateRow::kLenses, lenses);
+  if (lenses.size() > map->cameras_.size()) throw UserError("the map file has a lens of no camera");
+  for (std::size_t i = 0; i < lenses.size(); ++i) map->cameras_[i].lens = lenses[i];
   for (std::size_t i = 0; i < past.size(); ++i) map->cameras_[i].past = std::move(past[i]);
   for_each_row<FramePose>(tables, "frame", [&](FramePose frame, std::int64_t key) {
     const auto camera = static_cast<std::size_t>(key >> kFrameKeyBits);

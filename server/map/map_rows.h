@@ -32,6 +32,7 @@ class MapRows {
   // What each was like: one number that tells two states from each other.
   std::vector<std::vector<std::pair<SetId, std::uint64_t>>> frames_;  // by camera, ascending
   Known points_, motions_;
+  std::uint32_t lens_changes_ = 0;  // of the map, at the last call
 };
 
 }  // namespace coslam

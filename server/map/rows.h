@@ -18,6 +18,6 @@ struct Row {
 using Tables = std::map<std::string, std::map<std::int64_t, std::string>>;
 
 // Rows of the table "state", one for each who keeps something beside the map.
-enum class StateRow : std::int64_t { kMap, kMeetings, kScale, kObjects, kPast, kAdjusted, kRun, kSpared };
+enum class StateRow : std::int64_t { kMap, kMeetings, kScale, kObjects, kPast, kAdjusted, kRun, kSpared, kLenses };
 
 }  // namespace coslam

@@ -9,7 +9,7 @@ namespace coslam {
 void TrackStore::record(const TrackFrame& frame, const MapCamera& camera, const Map& map) {
   for (const auto& [id, track] : camera.tracks) {
     ResultTrackRow row{.frame = frame.frame, .t_ns = frame.capture_ns, .track = id, .point = track.point};
-    row.raw_px = camera.model.raw_from_undistorted(track.seen.back().undistorted_px.cast<double>());
+    row.raw_px = camera.raw_px(track.seen.back().undistorted_px.cast<double>());
     if (const MapPoint* p = map.find(track.point)) row.state = told_state(p->phase);
     if (!track.bound() && track.moves()) row.state = PointState::kDynamic;
     file_.write(row);

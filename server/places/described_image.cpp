@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/map/lens_step.h"
+
 namespace coslam {
 namespace {
 
@@ -35,7 +37,7 @@ void AwaitedDescriptors::await(MapEdit& edit, const CameraFrame& frame) {
   const MapCamera& camera = map.camera(frame.camera);
   DescribedImage image = newest_image(camera);
   edit.add_key_image(image.set, camera.id);
-  awaited.push_back({frame.frame.frame, image.set, std::move(image.pixels)});
+  awaited.push_back({frame.frame.frame, image.set, camera.lens, std::move(image.pixels)});
 }
 
 DescribedImage AwaitedDescriptors::image_of(const Map& map, const CameraFrame& frame) const {
@@ -48,6 +50,8 @@ DescribedImage AwaitedDescriptors::image_of(const Map& map, const CameraFrame& f
   const bool of_this_run = image->set >= camera.run_since;
   if (!of_this_run || f == nullptr || !f->valid() || f->map != camera.map) return newest_image(camera);
   DescribedImage out{camera, image->set, image->pixels, {}};
+  const LensStep step(camera.model, image->lens, camera.lens);
+  for (auto& [track, px] : out.pixels) step.move(&px);
   for (const MapPoint* p : map.points_observed_in({{image->set, camera.id}})) {
     for (const KeyObservation& o : p->key_observations) {
       if (o.set == image->set && o.camera == camera.id && p->map == camera.map) out.points[o.track] = p->id;

@@ -40,6 +40,7 @@ class AwaitedDescriptors {
   struct Awaited {
     FrameId frame;
     SetId set;
+    LensCorrection lens;  // that they were seen through
     std::map<TrackId, Eigen::Vector2f> pixels;
   };
   std::map<CameraId, std::deque<Awaited>> awaited_;

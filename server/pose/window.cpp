@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/geometry/far_point.h"
+#include "server/map/lens_step.h"
 
 namespace coslam {
 namespace {
@@ -72,7 +73,12 @@ class WindowPose::Poses {
 };
 
 void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* own) const {
-  if (own->run != camera.run) *own = {.run = camera.run};
+  if (own->run != camera.run) *own = {.run = camera.run, .lens = camera.lens};
+  if (const LensStep step(camera.model, std::exchange(own->lens, camera.lens), camera.lens); !step.none()) {
+    for (auto& [id, f] : own->tracks) {
+      for (TrackPoint& p : f.seen) step.move(&p.undistorted_px);
+    }
+  }
   const SetId ended_before = map.set_ago(config.free_s), seen_before = map.set_ago(config.seen_s);
   for (const auto& [id, track] : camera.tracks) {
     Followed& f = own->tracks[id];

@@ -60,6 +60,7 @@ class WindowPose {
   };
   struct OfCamera {
     RunId run;
+    LensCorrection lens;  // that all of it is seen through
     bool in_need = false;
     FlatMap<TrackId, Followed> tracks;
   };

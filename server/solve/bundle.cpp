@@ -3,7 +3,6 @@
 #include "server/solve/bundle.h"
 
 #include "common/geometry/robust.h"
-#include "server/solve/bundle_lenses.h"
 #include "server/solve/bundle_schur.h"
 
 namespace coslam {
@@ -18,10 +17,12 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
         result->poses[static_cast<std::size_t>(o.pose)] * result->points[static_cast<std::size_t>(o.point)];
     if (x.z() < 1e-4) continue;
     const auto camera = static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera);
-    const LensChange lens = result->lenses.empty() ? LensChange() : result->lenses[camera];
     const CameraModel& model = problem.cameras[camera];
     const double error_px =
-        (model.raw_by_undistorted(o.undistorted_px) * (lens.project(model, x) - o.undistorted_px)).norm();
+        result->lenses.empty()
+            ? (model.raw_by_undistorted(o.undistorted_px) * (model.project(x) - o.undistorted_px)).norm()
+            : (result->lenses[camera].raw_from_normalized(model, x.hnormalized()) -
+               model.raw_from_undistorted(o.undistorted_px)).norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
   }
@@ -31,7 +32,7 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
 }  // namespace
 
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config) {
-  BundleResult result = problem.lenses.empty() ? solve_by_schur(problem, config) : solve_with_lenses(problem, config);
+  BundleResult result = solve_by_schur(problem, config);
   judge_observations(problem, config, &result);
   return result;
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/geometry/camera_model.h"
+#include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
-#include "server/solve/lens.h"
 
 namespace coslam {
 
@@ -23,7 +23,7 @@ struct BundleProblem {
   struct Observation {
     int pose = 0;
     int point = 0;
-    Eigen::Vector2d undistorted_px;
+    Eigen::Vector2d undistorted_px;  // where there are lenses: by the calibration alone
     double sigma_px = 1.0;
     double weight = 1.0;  // less for one of several that repeat an error
   };
@@ -32,8 +32,15 @@ struct BundleProblem {
     int first = 0, second = 0;  // poses
     Rigid3 second_from_first;
   };
+  // What is right about a camera's lens, and how well its calibration is known beside the observations: zero, with
+  // these standard deviations and Cauchy's tails, as a calibration may be of another camera altogether.
+  struct Lens {
+    LensCorrection start;
+    Vector6d prior_sigma = Vector6d::Ones();
+    bool free = true;  // solved for
+  };
   std::vector<CameraModel> cameras;
-  std::vector<LensChange> lenses;  // one a camera that are solved for too, or none: the calibrations are right
+  std::vector<Lens> lenses;  // one a camera; or none: observations are undistorted by the right lens
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<Observation> observations;
@@ -52,7 +59,8 @@ struct BundleResult {
   bool usable = false;  // false: the input poses and points stand
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
-  std::vector<LensChange> lenses;
+  std::vector<LensCorrection> lenses;      // one a camera, where there were any
+  std::vector<Matrix6d> lens_covariances;  // of their values, zero of those that are given; empty: not known
   std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;

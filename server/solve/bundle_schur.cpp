@@ -24,20 +24,24 @@ struct Estimate {
   std::vector<Rigid3> poses;
   std::vector<Eigen::Matrix3d> rotations;  // of the poses
   std::vector<Eigen::Vector3d> points;
+  std::vector<LensCorrection> lenses;  // by camera, or none
 };
 
-// One pose that is free and one point that it sees.
+// One pose or lens that is free and one point that is seen from or through it.
 struct Link {
-  int column;  // of the pose among the free ones
+  int column;  // among those that are free: poses, then lenses
   int point;
 };
 
 // What does not change while it is solved: who sees what.
 struct Structure {
   std::vector<int> column_of;              // of each pose among the free ones; -1: fixed
-  int columns = 0;                         // free poses
+  std::vector<int> lens_column_of;         // of each camera; -1: its lens is given
+  int columns = 0;                         // free poses and lenses
   std::vector<Eigen::Matrix2d> whiten;     // of each observation, from undistorted px to standard deviations
+  std::vector<Eigen::Vector2d> raw_px;     // the same observation in the raw image, where there are lenses
   std::vector<int> link_of;                // of each observation; -1: its pose is fixed
+  std::vector<int> lens_link_of;           // the same of its camera's lens
   std::vector<Link> links;                 // ascending points, then columns
   std::vector<int> links_end;              // one beyond the last link of each point
   std::vector<std::vector<int>> links_at;  // of each column
@@ -46,26 +50,43 @@ struct Structure {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+// Which links there are, and which of them each observation is part of.
+void link_observations(const BundleProblem& problem, Structure* s) {
+  const std::size_t n = problem.observations.size();
+  struct Part {
+    int point, column;
+    std::size_t observation;
+    std::vector<int>* link_of;
+  };
+  std::vector<Part> parts;
+  parts.reserve(problem.lenses.empty() ? n : 2 * n);
+  s->link_of.resize(n, -1);
+  s->lens_link_of.resize(n, -1);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& o = problem.observations[i];
+    const int column = s->column_of[at(o.pose)];
+    const int lens = s->lens_column_of[at(problem.poses[at(o.pose)].camera)];
+    if (column >= 0) parts.push_back({o.point, column, i, &s->link_of});
+    if (lens >= 0) parts.push_back({o.point, lens, i, &s->lens_link_of});
+  }
+  std::ranges::stable_sort(parts, {}, [](const Part& p) { return std::pair(p.point, p.column); });
+  s->links_end.resize(problem.points.size());
+  for (const Part& p : parts) {
+    const bool again = !s->links.empty() && s->links.back().point == p.point && s->links.back().column == p.column;
+    if (!again) s->links.push_back({p.column, p.point});
+    (*p.link_of)[p.observation] = static_cast<int>(s->links.size()) - 1;
+    s->links_end[at(p.point)] = static_cast<int>(s->links.size());
+  }
+}
+
 Structure structure_of(const BundleProblem& problem) {
   Structure s;
   for (const auto& p : problem.poses) s.column_of.push_back(p.fixed ? -1 : s.columns++);
-  const auto link_at = [&](std::size_t i) {
-    const auto& o = problem.observations[i];
-    return std::pair(o.point, s.column_of[at(o.pose)]);
-  };
-  std::vector<std::size_t> order(problem.observations.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, link_at);
-  s.link_of.resize(order.size(), -1);
-  s.links_end.resize(problem.points.size());
-  for (const std::size_t i : order) {
-    const auto [point, column] = link_at(i);
-    if (column < 0) continue;
-    const bool again = !s.links.empty() && s.links.back().point == point && s.links.back().column == column;
-    if (!again) s.links.push_back({column, point});
-    s.link_of[i] = static_cast<int>(s.links.size()) - 1;
-    s.links_end[at(point)] = static_cast<int>(s.links.size());
+  s.lens_column_of.resize(problem.cameras.size(), -1);
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
+    if (problem.lenses[i].free) s.lens_column_of[i] = s.columns++;
   }
+  link_observations(problem, &s);
   for (std::size_t p = 1; p < s.links_end.size(); ++p) s.links_end[p] = std::max(s.links_end[p], s.links_end[p - 1]);
   s.links_at.resize(at(s.columns));
   for (std::size_t l = 0; l < s.links.size(); ++l) s.links_at[at(s.links[l].column)].push_back(static_cast<int>(l));
@@ -91,7 +112,11 @@ Structure structure_of(const BundleProblem& problem) {
   }
   for (const auto& o : problem.observations) {
     const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
-    s.whiten.emplace_back(camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px);
+    if (problem.lenses.empty()) {
+      s.whiten.emplace_back(camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px);
+    } else {
+      s.raw_px.push_back(camera.raw_from_undistorted(o.undistorted_px));
+    }
   }
   return s;
 }
@@ -107,13 +132,40 @@ class Loss {
   double c2_;
 };
 
+// What the calibration says of a lens: its part of the cost (twice), of the diagonal and of the gradient.
+struct LensPriorTerm {
+  double cost = 0;
+  Vector6d weights, gradient;
+};
+
+LensPriorTerm lens_prior(const BundleProblem::Lens& lens, const LensCorrection& now) {
+  constexpr double kTailSigmas = 3;
+  const Loss loss(kTailSigmas);
+  LensPriorTerm out;
+  for (int i = 0; i < 6; ++i) {
+    const double weight = 1 / (lens.prior_sigma[i] * lens.prior_sigma[i]), d2 = weight * now.values[i] * now.values[i];
+    out.cost += loss.value(d2);
+    out.weights[i] = loss.slope(d2) * weight;
+    out.gradient[i] = out.weights[i] * now.values[i];
+  }
+  return out;
+}
+
 double cost_of(const BundleProblem& problem, const Structure& s, const Loss& loss, const Estimate& e) {
   double cost = 0;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
     const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
     const Eigen::Vector3d x = e.rotations[at(o.pose)] * e.points[at(o.point)] + e.poses[at(o.pose)].translation;
-    cost += o.weight * loss.value(reprojection_residual(camera, s.whiten[i], o.undistorted_px, x).squaredNorm());
+    const Eigen::Vector2d residual =
+        problem.lenses.empty()
+            ? reprojection_residual(camera, s.whiten[i], o.undistorted_px, x)
+            : lens_reprojection_residual(camera, e.lenses[at(problem.poses[at(o.pose)].camera)], s.raw_px[i],
+                                         o.sigma_px, x);
+    cost += o.weight * loss.value(residual.squaredNorm());
+  }
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
+    if (problem.lenses[i].free) cost += lens_prior(problem.lenses[i], e.lenses[i]).cost;
   }
   for (const auto& t : problem.ties) {
     cost += tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]).residual.squaredNorm();
@@ -123,8 +175,8 @@ double cost_of(const BundleProblem& problem, const Structure& s, const Loss& los
 
 // Normal equations around an estimate, without damping.
 struct System {
-  std::vector<Matrix6d> poses;           // diagonal blocks
-  std::vector<Vector6d> pose_gradients;  // by free pose
+  std::vector<Matrix6d> columns;           // diagonal blocks, of free poses and lenses
+  std::vector<Vector6d> column_gradients;
   std::vector<Eigen::Matrix3d> points;
   std::vector<Eigen::Vector3d> point_gradients;
   std::vector<Matrix63> links;
@@ -138,29 +190,53 @@ System build(const BundleProblem& problem, const Structure& s, const Loss& loss,
              std::vector<Eigen::Vector3d>(e.points.size(), Eigen::Vector3d::Zero()),
              std::vector<Matrix63>(s.links.size(), Matrix63::Zero()),
              {}};
+  // What each free pose and the lens of its camera have in common.
+  std::vector<Matrix6d> shared(problem.lenses.empty() ? 0 : problem.poses.size(), Matrix6d::Zero());
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
     const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
-    const Reprojection r = reprojection(camera, s.whiten[i], o.undistorted_px, e.rotations[at(o.pose)],
-                                        e.poses[at(o.pose)].translation, e.points[at(o.point)]);
+    const auto of = at(problem.poses[at(o.pose)].camera);
+    Eigen::Matrix<double, 2, 6> by_lens;
+    const Reprojection r =
+        problem.lenses.empty()
+            ? reprojection(camera, s.whiten[i], o.undistorted_px, e.rotations[at(o.pose)],
+                           e.poses[at(o.pose)].translation, e.points[at(o.point)])
+            : lens_reprojection(camera, e.lenses[of], s.raw_px[i], o.sigma_px, e.rotations[at(o.pose)],
+                                e.poses[at(o.pose)].translation, e.points[at(o.point)], &by_lens);
     const double weight = o.weight * loss.slope(r.residual.squaredNorm());
     const Eigen::Matrix<double, 3, 2> by_point = weight * r.by_point.transpose();
     out.points[at(o.point)].noalias() += by_point.lazyProduct(r.by_point);
     out.point_gradients[at(o.point)].noalias() += by_point.lazyProduct(r.residual);
-    if (s.link_of[i] < 0) continue;
-    const auto column = at(s.column_of[at(o.pose)]);
-    const Eigen::Matrix<double, 6, 2> by_pose = weight * r.by_pose.transpose();
-    out.poses[column].noalias() += by_pose.lazyProduct(r.by_pose);
-    out.pose_gradients[column].noalias() += by_pose.lazyProduct(r.residual);
-    out.links[at(s.link_of[i])].noalias() += by_pose.lazyProduct(r.by_point);
+    const auto add = [&](int column, int link, const Eigen::Matrix<double, 2, 6>& by) {
+      const Eigen::Matrix<double, 6, 2> weighted = weight * by.transpose();
+      out.columns[at(column)].noalias() += weighted.lazyProduct(by);
+      out.column_gradients[at(column)].noalias() += weighted.lazyProduct(r.residual);
+      out.links[at(link)].noalias() += weighted.lazyProduct(r.by_point);
+    };
+    if (s.link_of[i] >= 0) add(s.column_of[at(o.pose)], s.link_of[i], r.by_pose);
+    if (s.lens_link_of[i] < 0) continue;
+    add(s.lens_column_of[of], s.lens_link_of[i], by_lens);
+    if (s.link_of[i] >= 0) shared[at(o.pose)].noalias() += weight * by_lens.transpose() * r.by_pose;
+  }
+  for (std::size_t pose = 0; pose < shared.size(); ++pose) {
+    const int column = s.column_of[pose], lens = s.lens_column_of[at(problem.poses[pose].camera)];
+    const bool sees = column >= 0 && !s.links_at[at(column)].empty();
+    if (sees && lens >= 0) out.ties.emplace_back(std::pair(lens, column), shared[pose]);
+  }
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
+    const int column = s.lens_column_of[i];
+    if (column < 0) continue;
+    const LensPriorTerm prior = lens_prior(problem.lenses[i], e.lenses[i]);
+    out.columns[at(column)].diagonal() += prior.weights;
+    out.column_gradients[at(column)] += prior.gradient;
   }
   for (const auto& t : problem.ties) {
     const Tie is = tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]);
     const int first = s.column_of[at(t.first)], second = s.column_of[at(t.second)];
     const auto add = [&](int column, const Matrix6d& by) {
       if (column < 0) return;
-      out.poses[at(column)] += by.transpose() * by;
-      out.pose_gradients[at(column)] += by.transpose() * is.residual;
+      out.columns[at(column)] += by.transpose() * by;
+      out.column_gradients[at(column)] += by.transpose() * is.residual;
     };
     add(first, is.by_first);
     add(second, is.by_second);
@@ -179,7 +255,7 @@ auto damping(const Block& block, double radius) {
   return (block.diagonal().array().max(kLeast) / radius).matrix().eval();
 }
 
-// The lower half of the reduced system of the poses, by its blocks.
+// The lower half of the reduced system of the poses and lenses, by its blocks.
 class Reduced {
  public:
   explicit Reduced(const Structure& s) : s_(s), slot_(at(s.columns)) {
@@ -202,8 +278,8 @@ class Reduced {
         blocks[k].setZero();
         slot_[at(rows[k])] = k;
       }
-      blocks[0] = system.poses[at(c)];
-      blocks[0].diagonal() += damping(system.poses[at(c)], radius);
+      blocks[0] = system.columns[at(c)];
+      blocks[0].diagonal() += damping(system.columns[at(c)], radius);
       for (const int l : s_.links_at[at(c)]) {
         const Eigen::Matrix<double, 3, 6> here = system.links[at(l)].transpose();
         for (int k = l; k < s_.links_end[at(s_.links[at(l)].point)]; ++k) {
@@ -290,53 +366,66 @@ class Reduced {
 };
 
 struct Step {
-  Eigen::VectorXd poses;
+  Eigen::VectorXd columns;
   std::vector<Eigen::Vector3d> points;
   double decrease = 0;  // of the cost that the system promises
 };
 
-std::optional<Step> solve(const Structure& s, const System& system, double radius, Reduced* reduced) {
-  std::vector<Eigen::Matrix3d> inverse;
+// The points, damped, so that they can be left out of the system.
+struct Eliminated {
   std::vector<Eigen::Vector3d> dampings;
-  inverse.reserve(system.points.size());
-  dampings.reserve(system.points.size());
+  std::vector<Eigen::Matrix3d> inverse;
+  std::vector<Matrix63> by_points;  // H_cp H_pp^-1 of each link
+};
+
+Eliminated eliminate(const Structure& s, const System& system, double radius) {
+  Eliminated out;
+  out.inverse.reserve(system.points.size());
+  out.dampings.reserve(system.points.size());
   for (const Eigen::Matrix3d& own : system.points) {
-    dampings.emplace_back(damping(own, radius));
+    out.dampings.emplace_back(damping(own, radius));
     Eigen::Matrix3d damped = own;
-    damped.diagonal() += dampings.back();
-    inverse.emplace_back(damped.inverse());
+    damped.diagonal() += out.dampings.back();
+    out.inverse.emplace_back(damped.inverse());
   }
-  std::vector<Matrix63> by_points(s.links.size());
+  out.by_points.resize(s.links.size());
+  for (std::size_t l = 0; l < s.links.size(); ++l) {
+    out.by_points[l].noalias() = system.links[l].lazyProduct(out.inverse[at(s.links[l].point)]);
+  }
+  return out;
+}
+
+std::optional<Step> solve(const Structure& s, const System& system, double radius, Reduced* reduced) {
+  const auto [dampings, inverse, by_points] = eliminate(s, system, radius);
   Eigen::VectorXd right(6 * s.columns);
-  for (int c = 0; c < s.columns; ++c) right.segment<6>(6 * c) = -system.pose_gradients[at(c)];
+  for (int c = 0; c < s.columns; ++c) right.segment<6>(6 * c) = -system.column_gradients[at(c)];
   for (std::size_t l = 0; l < s.links.size(); ++l) {
     const auto point = at(s.links[l].point);
-    by_points[l].noalias() = system.links[l].lazyProduct(inverse[point]);
     right.segment<6>(6 * s.links[l].column).noalias() += by_points[l].lazyProduct(system.point_gradients[point]);
   }
   Step step;
   if (s.columns > 0) {
     reduced->fill(system, radius, by_points);
-    auto poses = reduced->solve(right);
-    if (!poses) return std::nullopt;
-    step.poses = std::move(*poses);
+    auto columns = reduced->solve(right);
+    if (!columns) return std::nullopt;
+    step.columns = std::move(*columns);
   }
   step.points.resize(system.points.size());
   for (std::size_t p = 0; p < step.points.size(); ++p) step.points[p] = -inverse[p] * system.point_gradients[p];
   for (std::size_t l = 0; l < s.links.size(); ++l) {
     step.points[at(s.links[l].point)].noalias() -=
-        by_points[l].transpose().lazyProduct(step.poses.segment<6>(6 * s.links[l].column));
+        by_points[l].transpose().lazyProduct(step.columns.segment<6>(6 * s.links[l].column));
   }
   // -g d - d H d / 2, where (H + D) d = -g.
   for (int c = 0; c < s.columns; ++c) {
-    const Vector6d d = step.poses.segment<6>(6 * c);
-    step.decrease += 0.5 * d.dot(damping(system.poses[at(c)], radius).cwiseProduct(d) - system.pose_gradients[at(c)]);
+    const Vector6d d = step.columns.segment<6>(6 * c);
+    step.decrease += 0.5 * d.dot(damping(system.columns[at(c)], radius).cwiseProduct(d) - system.column_gradients[at(c)]);
   }
   for (std::size_t p = 0; p < step.points.size(); ++p) {
     const Eigen::Vector3d& d = step.points[p];
     step.decrease += 0.5 * d.dot(dampings[p].cwiseProduct(d) - system.point_gradients[p]);
   }
-  const bool finite = std::isfinite(step.decrease) && step.poses.allFinite();
+  const bool finite = std::isfinite(step.decrease) && step.columns.allFinite();
   return finite ? std::optional(std::move(step)) : std::nullopt;
 }
 
@@ -345,11 +434,15 @@ Estimate moved(const Structure& s, const Estimate& from, const Step& step) {
   for (std::size_t i = 0; i < e.poses.size(); ++i) {
     const int column = s.column_of[i];
     if (column < 0) continue;
-    e.poses[i] = retract(e.poses[i], step.poses.segment<6>(6 * column));
+    e.poses[i] = retract(e.poses[i], step.columns.segment<6>(6 * column));
     e.poses[i].rotation.normalize();
     e.rotations[i] = e.poses[i].rotation.toRotationMatrix();
   }
   for (std::size_t p = 0; p < e.points.size(); ++p) e.points[p] += step.points[p];
+  for (std::size_t i = 0; i < e.lenses.size(); ++i) {
+    const int column = s.lens_column_of[i];
+    if (column >= 0) e.lenses[i].values += step.columns.segment<6>(6 * column);
+  }
   return e;
 }
 
@@ -361,7 +454,25 @@ Estimate start_of(const BundleProblem& problem) {
     e.rotations.emplace_back(e.poses.back().rotation.toRotationMatrix());
   }
   e.points = problem.points;
+  for (const auto& lens : problem.lenses) e.lenses.push_back(lens.start);
   return e;
+}
+
+// Of each free lens, by what all observations say together; empty where it cannot be told.
+std::vector<Matrix6d> lens_covariances(const Structure& s, const System& system, Reduced* reduced) {
+  constexpr double kHardlyDamped = 1e9;  // what nothing holds, as the scale, has no part in a lens
+  const Eliminated points = eliminate(s, system, kHardlyDamped);
+  reduced->fill(system, kHardlyDamped, points.by_points);
+  std::vector<Matrix6d> out;
+  for (const int column : s.lens_column_of) {
+    out.emplace_back(Matrix6d::Zero());
+    for (int k = 0; column >= 0 && k < 6; ++k) {
+      const auto solution = reduced->solve(Eigen::VectorXd::Unit(6 * s.columns, 6 * column + k));
+      if (!solution) return {};
+      out.back().col(k) = solution->segment<6>(6 * column);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -401,8 +512,12 @@ BundleResult solve_by_schur(const BundleProblem& problem, const BundleConfig& co
   }
   result.usable = std::isfinite(cost);
   result.final_cost = cost;
+  if (!problem.lenses.empty() && s.columns > 0) {
+    result.lens_covariances = lens_covariances(s, build(problem, s, loss, estimate), &reduced);
+  }
   result.poses = std::move(estimate.poses);
   result.points = std::move(estimate.points);
+  result.lenses = std::move(estimate.lenses);
   return result;
 }
 

@@ -2,17 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <ceres/cost_function.h>
-#include <ceres/manifold.h>
-
 #include <Eigen/Core>
-#include <memory>
 
 #include "common/geometry/camera_model.h"
+#include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
 
-// What bundle adjustment minimises; and as Ceres wants it, whose pose blocks hold a quaternion (x y z w) and a
-// translation of cam_from_world.
+// What bundle adjustment minimises.
 namespace coslam {
 
 // (projection - observation), in raw px, over sigma_px, and its derivatives by the pose (retract()) and by the point.
@@ -38,17 +34,12 @@ struct Tie {
 };
 Tie tie(const Rigid3& second_from_first, const Rigid3& first, const Rigid3& second);
 
-// Moves a pose block by retract().
-std::unique_ptr<ceres::Manifold> make_pose_manifold();
-
-// reprojection() of a pose block (7), a point block (3) and one of five: how the lens differs from the calibration
-// (lens.h). Its Jacobian by the pose is by the six local coordinates of the manifold above and stands in the first six
-// columns; it is of use with that manifold only. Holds a reference to the camera.
-std::unique_ptr<ceres::CostFunction> make_lens_reprojection_cost(const CameraModel& camera,
-                                                                 const Eigen::Vector2d& undistorted_px,
-                                                                 double sigma_px);
-
-// tie() of two pose blocks. The Jacobians are by local coordinates as above.
-std::unique_ptr<ceres::CostFunction> make_tie_cost(const Rigid3& second_from_first);
+// The same where the lens is not as calibrated: of an observation in the raw image. by_lens: by LensCorrection::values.
+Reprojection lens_reprojection(const CameraModel& camera, const LensCorrection& lens, const Eigen::Vector2d& raw_px,
+                               double sigma_px, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
+                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 6>* by_lens);
+Eigen::Vector2d lens_reprojection_residual(const CameraModel& camera, const LensCorrection& lens,
+                                           const Eigen::Vector2d& raw_px, double sigma_px,
+                                           const Eigen::Vector3d& in_cam);
 
 }  // namespace coslam

@@ -10,7 +10,6 @@
 #include <random>
 #include <vector>
 
-#include "server/solve/bundle_lenses.h"
 #include "server/solve/bundle_schur.h"
 #include "tests/benchmark/colmap_adjuster.h"
 #include "tests/support/sim_world.h"
@@ -74,7 +73,7 @@ void compare(benchmark::State& state, const BundleProblem& problem) {
     const double start = cpu_s();
     ours = solve_by_schur(problem, config);
     const double middle = cpu_s();
-    other = solve_with_lenses(problem, config);
+    other = test::solve_by_ceres(problem, config);
     ceres_s += cpu_s() - middle;
     ours_s += middle - start;
   }

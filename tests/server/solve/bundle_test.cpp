@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/geometry/triangulation.h"
-#include "server/solve/bundle_lenses.h"
 #include "server/solve/bundle_schur.h"
+#include "tests/support/ceres_bundle.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_world.h"
@@ -224,20 +224,27 @@ TEST_F(BundleTest, TiesHoldRelativePosesAndTheScale) {
 // Calibrations that are 3 % off in focal length, some pixels in the centre, and lack a distortion.
 TEST_F(BundleTest, LensesAreFound) {
   BundleProblem p = make({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002});
-  const LensChange truth{{std::log(1.03), 4, -3, -0.04, 0}};
+  LensCorrection truth;
+  truth.values << std::log(1.03), 4, -3, -0.04, 0, 0;
   for (auto& o : p.observations) {
     const Eigen::Vector3d x = poses_[static_cast<std::size_t>(o.pose)] * points_[static_cast<std::size_t>(o.point)];
-    o.undistorted_px += truth.project(p.cameras[0], x) - p.cameras[0].project(x);
+    o.undistorted_px += truth.raw_from_normalized(p.cameras[0], x.hnormalized()) - p.cameras[0].project(x);
   }
   const BundleResult by_calibration = solve_bundle(p, {.max_iterations = 50});
-  p.lenses.resize(2);
+  BundleProblem::Lens unknown;
+  unknown.prior_sigma << 0.05, 12, 12, 0.05, 0.05, 0.01;
+  p.lenses.assign(2, unknown);
   const BundleResult r = solve_bundle(p, {.max_iterations = 50});
   ASSERT_TRUE(r.usable);
   ASSERT_EQ(r.lenses.size(), 2U);
-  for (const LensChange& lens : r.lenses) {
+  ASSERT_EQ(r.lens_covariances.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const LensCorrection& lens = r.lenses[i];
     EXPECT_NEAR(std::exp(lens.log_focal()), 1.03, 0.004);
     EXPECT_THAT(lens.centre_px(), VectorNear(truth.centre_px(), 2));
-    EXPECT_NEAR(lens.values[3] + 0.3 * lens.values[4], truth.values[3], 0.02) << "the two terms are alike";
+    EXPECT_NEAR(lens.k1() + 0.3 * lens.k2(), truth.k1(), 0.02) << "the two terms are alike";
+    const Vector6d off = lens.values - truth.values;
+    EXPECT_LT(off.dot(r.lens_covariances[i].ldlt().solve(off)), 25) << "it is known how well";
   }
   EXPECT_LT(worst_pose_m(r), 0.3 * worst_pose_m(by_calibration));
   EXPECT_LT(r.sigma_px, 0.5);
@@ -259,16 +266,22 @@ TEST_F(BundleTest, TiesPullASolutionToTheirScale) {
   EXPECT_NEAR(length / truth, 1, 0.003);
 }
 
-// By another solver: lenses that are not free to change are none.
 TEST_F(BundleTest, IsTheLeastCostThatAnotherSolverFinds) {
   BundleProblem p = make({.outliers = 0.05, .fixed = 1});
   p.ties.push_back({2, 3, poses_[3] * poses_[2].inverse()});
   const BundleConfig to_the_end{.max_iterations = 100, .function_tolerance = 1e-12};
-  const BundleResult ours = solve_by_schur(p, to_the_end), other = solve_with_lenses(p, to_the_end);
-  ASSERT_TRUE(ours.usable && other.usable);
-  EXPECT_NEAR(ours.initial_cost, other.initial_cost, 1e-9 * other.initial_cost);
-  EXPECT_NEAR(ours.final_cost, other.final_cost, 1e-6 * other.final_cost);
-  for (std::size_t i = 0; i < poses_.size(); ++i) EXPECT_THAT(ours.poses[i], PoseNear(other.poses[i], 1e-4, 1e-4));
+  for (const bool lenses : {false, true}) {
+    BundleProblem::Lens unknown;
+    unknown.prior_sigma << 0.005, 3, 3, 0.02, 0.02, 0.002;
+    if (lenses) p.lenses.assign(2, unknown);
+    const BundleResult ours = solve_by_schur(p, to_the_end), other = test::solve_by_ceres(p, to_the_end);
+    ASSERT_TRUE(ours.usable && other.usable);
+    EXPECT_NEAR(ours.initial_cost, other.initial_cost, 1e-9 * other.initial_cost);
+    EXPECT_NEAR(ours.final_cost, other.final_cost, 1e-6 * other.final_cost);
+    for (std::size_t i = 0; i < poses_.size(); ++i) EXPECT_THAT(ours.poses[i], PoseNear(other.poses[i], 2e-4, 2e-4));
+    for (std::size_t i = 0; i < ours.lenses.size(); ++i)
+      EXPECT_THAT(ours.lenses[i].values, VectorNear(other.lenses[i].values, 1e-3));
+  }
 }
 
 // Many poses, of which each sees few points: most blocks of their system are empty.
