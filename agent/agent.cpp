@@ -92,8 +92,9 @@ std::vector<TrackId> Agent::observed() const {
 std::vector<TrackObservation> Agent::seen_by_lens() const {
   std::vector<TrackObservation> out;
   out.reserve(observations_.size());
+  const CorrectedLens lens(camera_, lens_);
   for (const TrackObservation& o : observations_) {
-    const auto px = lens_.undistorted_from_calibrated(camera_, o.undistorted_px.cast<double>());
+    const auto px = lens.undistorted_from_calibrated(o.undistorted_px.cast<double>());
     if (px) out.push_back({o.track, px->cast<float>()});
   }
   return out;

@@ -13,13 +13,13 @@
 
 #include "agent/agent_loop.h"
 #include "agent/agent_options.h"
+#include "agent/capture/camera_of.h"
 #include "agent/link/dds_agent_link.h"
 #include "agent/play_start.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/replay_rate.h"
 #include "common/config/program.h"
-#include "common/dataset/calibration.h"
 #include "common/flow/clock.h"
 #include "common/wire/run_id.h"
 
@@ -67,12 +67,12 @@ std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate
 
 void run(AgentOptions& o) {
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
-  if (o.calibration.empty()) throw UsageError("--calibration is missing (see --help)");
   const double rate = parse_replay_rate(o.rate);
   Hello hello;
   hello.agent = o.id;
   hello.agent_run = draw_run_id();
-  hello.camera = load_calibration(o.calibration);
+  hello.camera = camera_of(o.source, o.calibration, o.play);
+  if (o.calibration.empty()) log_warn("no calibration is given: the lens is guessed, and found out from the images");
   hello.rate_hz = o.play.rate_hz;
   o.play.width_px = hello.camera.width_px;
   o.play.height_px = hello.camera.height_px;

@@ -62,8 +62,9 @@ FrameSet MapServer::by_lenses(const FrameSet& set) const {
   for (CameraFrame& cf : out.frames) {
     const MapCamera& c = map().camera(cf.camera);
     if (c.lens.none()) continue;
+    const CorrectedLens lens(c.model, c.lens);
     std::erase_if(cf.frame.tracks, [&](TrackObservation& o) {
-      const auto px = c.lens.undistorted_from_calibrated(c.model, o.undistorted_px.cast<double>());
+      const auto px = lens.undistorted_from_calibrated(o.undistorted_px.cast<double>());
       if (px) o.undistorted_px = px->cast<float>();
       return !px;
     });

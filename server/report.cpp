@@ -63,10 +63,11 @@ Json lens_report(const MapCamera& camera) {
   const auto [model, worst_px] = corrected_calibration(camera.model, camera.lens);
   return {{"corrected", !camera.lens.none()},
           {"focal_ratio", std::exp(camera.lens.log_focal())},
+          {"focal_sigma", camera.lens_sigma[0]},
           {"centre_shift_px", {camera.lens.centre_px().x(), camera.lens.centre_px().y()}},
-          {"k1", camera.lens.k1()},
-          {"k2", camera.lens.k2()},
           {"aspect_ratio", std::exp(camera.lens.log_aspect())},
+          {"tangential", {camera.lens.tangential().x(), camera.lens.tangential().y()}},
+          {"radial", std::vector<double>(camera.lens.radial().begin(), camera.lens.radial().end())},
           {"fx", model.fx},
           {"fy", model.fy},
           {"cx", model.cx},

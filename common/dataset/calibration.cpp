@@ -62,6 +62,8 @@ const char* name_of(DistortionModel model) {
       return "double_sphere";
     case DistortionModel::kOmni:
       return "omni";
+    case DistortionModel::kUnknown:
+      return "unknown";
     case DistortionModel::kNone:
       break;
   }
@@ -81,6 +83,7 @@ std::size_t coefficient_count(const CameraModel& camera) {
     case DistortionModel::kOmni:
       return 5;
     case DistortionModel::kNone:
+    case DistortionModel::kUnknown:
       break;
   }
   return 0;

@@ -125,17 +125,20 @@ void set_distortion(CameraModel& camera, const YamlValue& place, const std::stri
       {"ds", DistortionModel::kDoubleSphere},
       {"omni", DistortionModel::kOmni},
       {"mei", DistortionModel::kOmni},
+      {"unknown", DistortionModel::kUnknown},
   };
   const auto found = kModels.find(model);
   if (found == kModels.end()) {
     place.fail("the distortion model '" + model +
-               "' is not supported, only none, radtan, equidistant, double_sphere and omni are");
+               "' is not supported, only none, radtan, equidistant, double_sphere, omni and unknown are");
   }
   camera.distortion = DistortionModel::kNone;
   camera.coefficients.fill(0);
   switch (found->second) {
     case DistortionModel::kNone:
-      if (!coefficients.empty()) place.fail("the distortion model 'none' has no coefficients");
+    case DistortionModel::kUnknown:
+      if (!coefficients.empty()) place.fail("the distortion model '" + model + "' has no coefficients");
+      camera.distortion = found->second;
       return;
     case DistortionModel::kRadTan:
       return set_radtan(camera, place, coefficients);

@@ -35,6 +35,8 @@ class ResultFolder {
 
   // Of the run.
   std::filesystem::path tracks(const std::string& agent) const { return run_ / "tracks" / (agent + ".csv"); }
+  // The lens as it was found, where the calibration had it wrong or there was none.
+  std::filesystem::path calibration(const std::string& agent) const { return run_ / "calibration" / (agent + ".yaml"); }
   std::filesystem::path groups() const { return run_ / "groups.csv"; }
   std::filesystem::path events() const { return run_ / "events.csv"; }
   std::filesystem::path report() const { return run_ / "report.json"; }

@@ -76,7 +76,7 @@ SequenceAgent read_agent(const YamlValue& value) {
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
   agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
-  agent.calibration = existing_path_or_topic(value.at("calibration"));
+  if (const auto calibration = value.find("calibration")) agent.calibration = existing_path_or_topic(*calibration);
   if (const auto start = value.find("start_s")) agent.start_s = start->number(0, kMaxSeconds);
   if (const auto duration = value.find("duration_s")) {
     agent.duration_s = duration->number(0, kMaxSeconds);

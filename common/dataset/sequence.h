@@ -16,7 +16,7 @@ namespace coslam {
 struct SequenceAgent {
   std::string name;
   std::string source;  // URI or absolute path, see agent/capture/source.h
-  std::filesystem::path calibration;
+  std::filesystem::path calibration;  // empty: none, the lens is found out
   double start_s = 0;
   std::optional<double> duration_s;
   std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time

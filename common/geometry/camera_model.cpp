@@ -141,6 +141,7 @@ Eigen::Vector2d distort(const CameraModel& camera, const Eigen::Vector2d& n, Eig
     case DistortionModel::kOmni:
       return distort_omni(camera.coefficients, n, jacobian);
     case DistortionModel::kNone:
+    case DistortionModel::kUnknown:
       break;
   }
   if (jacobian != nullptr) jacobian->setIdentity();
@@ -158,6 +159,7 @@ std::optional<Eigen::Vector2d> undistort(const CameraModel& camera, const Eigen:
     case DistortionModel::kOmni:
       return undistort_omni(camera.coefficients, d);
     case DistortionModel::kNone:
+    case DistortionModel::kUnknown:
       break;
   }
   return d;

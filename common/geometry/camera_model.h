@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubleSphere, kOmni };
+enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubleSphere, kOmni, kUnknown };
 
 // Pinhole camera. Three spaces, each named in identifiers:
 //   raw px          the image as captured (distorted)
@@ -18,7 +18,7 @@ enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubl
 // radtan coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 (4, 5 or 8 used, the rest 0);
 // equidistant k1..k4 (Kannala-Brandt, as Kalibr and OpenCV fisheye); double sphere xi, alpha; omni (Mei's unified
 // sphere) xi, then radtan k1 k2 p1 p2. For the last two fx and fy are the focal lengths in the middle of the image, as
-// for every other lens: what Kalibr calls fx, fy divided by 1 + xi.
+// for every other lens: what Kalibr calls fx, fy divided by 1 + xi. Unknown: a pinhole whose focal length is a guess.
 struct CameraModel {
   int width_px = 0;
   int height_px = 0;

@@ -2,61 +2,138 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/lens_correction.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace coslam {
 namespace {
+
+using Radial = Eigen::Matrix<double, LensCorrection::kRadial, 1>;
 
 Eigen::Vector2d focal_of(const CameraModel& camera, const LensCorrection& lens) {
   const double half = 0.5 * lens.log_aspect();
   return {camera.fx * std::exp(lens.log_focal() - half), camera.fy * std::exp(lens.log_focal() + half)};
 }
 
-// r of r (1 + k1 r^2 + k2 r^4) = seen; empty beyond the fold.
-std::optional<double> radius_of(const LensCorrection& lens, double seen) {
-  constexpr int kRounds = 20;
-  constexpr double kLeastSlope = 0.05;
-  const double k1 = lens.k1(), k2 = lens.k2();
-  double r = seen;
-  for (int i = 0; i < kRounds; ++i) {
-    const double r2 = r * r, slope = 1 + r2 * (3 * k1 + r2 * 5 * k2);
-    if (!(slope > kLeastSlope)) return std::nullopt;
-    const double step = (r * (1 + r2 * (k1 + r2 * k2)) - seen) / slope;
-    r -= step;
-    if (std::abs(step) < 1e-13) return r;
+// P_j(2u - 1) - P_j(-1) for j = 1 ..., and their derivatives by u. Beyond the corners they go on as they are there.
+struct RadialTerms {
+  Radial value, slope;
+  explicit RadialTerms(double u) {
+    constexpr double kMost = 1.1;
+    const double x = 2 * std::min(u, kMost) - 1, inside = u < kMost ? 2 : 0;
+    double before = 1, now = x, slope_before = 0, slope_now = 1, at_centre = -1;
+    for (int j = 1; j <= LensCorrection::kRadial; ++j) {
+      value[j - 1] = now - at_centre;
+      slope[j - 1] = inside * slope_now;
+      const double next = ((2 * j + 1) * x * now - j * before) / (j + 1);
+      const double slope_next = ((2 * j + 1) * (now + x * slope_now) - j * slope_before) / (j + 1);
+      before = now;
+      now = next;
+      slope_before = slope_now;
+      slope_now = slope_next;
+      at_centre = -at_centre;
+    }
   }
-  return std::nullopt;
+};
+
+// One over R^2.
+double per_corner2(const CameraModel& camera) {
+  return 4 / (std::pow(camera.width_px / camera.fx, 2) + std::pow(camera.height_px / camera.fy, 2));
+}
+
+// g(u) d + t(d), and its derivative by d.
+Eigen::Vector2d bent(const LensCorrection& lens, double per_r2, const Eigen::Vector2d& d, Eigen::Matrix2d* by_d,
+                     RadialTerms* terms_out = nullptr) {
+  const double r2 = d.squaredNorm(), x = d.x(), y = d.y(), p1 = lens.values[4], p2 = lens.values[5];
+  const RadialTerms terms(r2 * per_r2);
+  const Radial a = lens.radial();
+  const double g = 1 + a.dot(terms.value);
+  if (by_d != nullptr) {
+    const double g_by_r2 = a.dot(terms.slope) * per_r2, cross = 2 * (p1 * x + p2 * y);
+    *by_d = g * Eigen::Matrix2d::Identity() + 2 * g_by_r2 * d * d.transpose();
+    (*by_d)(0, 0) += 2 * p1 * y + 6 * p2 * x;
+    (*by_d)(0, 1) += cross;
+    (*by_d)(1, 0) += cross;
+    (*by_d)(1, 1) += 6 * p1 * y + 2 * p2 * x;
+  }
+  if (terms_out != nullptr) *terms_out = terms;
+  return g * d + Eigen::Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
 }
 
 }  // namespace
 
 Eigen::Vector2d LensCorrection::raw_from_normalized(const CameraModel& camera, const Eigen::Vector2d& n,
                                                     Jacobians* jacobians) const {
-  Eigen::Matrix2d d_by_n;
-  const Eigen::Vector2d d = camera.distort_normalized(n, jacobians != nullptr ? &d_by_n : nullptr);
-  const Eigen::Vector2d focal = focal_of(camera, *this);
-  const double r2 = d.squaredNorm(), g = 1 + r2 * (k1() + r2 * k2());
-  const Eigen::Vector2d fd = focal.cwiseProduct(d);
-  if (jacobians != nullptr) {
-    const Eigen::Matrix2d by_d = g * Eigen::Matrix2d::Identity() + 2 * (k1() + 2 * k2() * r2) * d * d.transpose();
-    jacobians->by_normalized = focal.asDiagonal() * by_d * d_by_n;
-    jacobians->by_values << g * fd, Eigen::Matrix2d::Identity(), r2 * fd, r2 * r2 * fd,
-        0.5 * g * Eigen::Vector2d(-fd.x(), fd.y());
+  const Eigen::Vector2d focal = focal_of(camera, *this), c(camera.cx, camera.cy);
+  if (jacobians == nullptr) {
+    return c + centre_px() +
+           focal.cwiseProduct(bent(*this, per_corner2(camera), camera.distort_normalized(n), nullptr));
   }
-  return Eigen::Vector2d(camera.cx, camera.cy) + centre_px() + g * fd;
+  Eigen::Matrix2d d_by_n, by_d;
+  RadialTerms terms(0);
+  const Eigen::Vector2d d = camera.distort_normalized(n, &d_by_n);
+  const Eigen::Vector2d at = focal.cwiseProduct(bent(*this, per_corner2(camera), d, &by_d, &terms));
+  const double r2 = d.squaredNorm(), x = d.x(), y = d.y();
+  jacobians->by_normalized = focal.asDiagonal() * by_d * d_by_n;
+  auto& j = jacobians->by_values;
+  j.col(0) = at;
+  j.middleCols<2>(1).setIdentity();
+  j.col(3) << -0.5 * at.x(), 0.5 * at.y();
+  j.col(4) = focal.cwiseProduct(Eigen::Vector2d(2 * x * y, r2 + 2 * y * y));
+  j.col(5) = focal.cwiseProduct(Eigen::Vector2d(r2 + 2 * x * x, 2 * x * y));
+  j.rightCols<kRadial>() = focal.cwiseProduct(d) * terms.value.transpose();
+  return c + centre_px() + at;
 }
 
 std::optional<Eigen::Vector2d> LensCorrection::normalized_from_raw(const CameraModel& camera,
                                                                    const Eigen::Vector2d& raw_px) const {
-  const Eigen::Vector2d m =
-      (raw_px - Eigen::Vector2d(camera.cx, camera.cy) - centre_px()).cwiseQuotient(focal_of(camera, *this));
-  const double seen = m.norm();
-  const auto r = radius_of(*this, seen);
-  if (!r) return std::nullopt;
-  const Eigen::Vector2d d = seen > 0 ? Eigen::Vector2d(m * (*r / seen)) : m;
-  const auto undistorted_px = camera.undistorted_from_raw(camera.pixel_from_normalized(d));
-  if (!undistorted_px) return std::nullopt;
-  return camera.normalized_from_pixel(*undistorted_px);
+  const auto near_px = camera.undistorted_from_raw(raw_px);
+  if (!near_px) return std::nullopt;
+  return CorrectedLens(camera, *this).normalized_from_raw(raw_px, camera.normalized_from_pixel(*near_px));
+}
+
+CorrectedLens::CorrectedLens(const CameraModel& camera, const LensCorrection& lens)
+    : camera_(camera),
+      lens_(lens),
+      focal_(focal_of(camera, lens)),
+      centre_(Eigen::Vector2d(camera.cx, camera.cy) + lens.centre_px()),
+      per_corner2_(per_corner2(camera)) {}
+
+Eigen::Vector2d CorrectedLens::raw_from_normalized(const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian) const {
+  if (jacobian == nullptr) {
+    return centre_ + focal_.cwiseProduct(bent(lens_, per_corner2_, camera_.distort_normalized(n), nullptr));
+  }
+  Eigen::Matrix2d d_by_n, by_d;
+  const Eigen::Vector2d d = camera_.distort_normalized(n, &d_by_n);
+  const Eigen::Vector2d out = centre_ + focal_.cwiseProduct(bent(lens_, per_corner2_, d, &by_d));
+  *jacobian = focal_.asDiagonal() * by_d * d_by_n;
+  return out;
+}
+
+std::optional<Eigen::Vector2d> CorrectedLens::normalized_from_raw(const Eigen::Vector2d& raw_px,
+                                                                  const Eigen::Vector2d& near) const {
+  constexpr int kRounds = 20;
+  constexpr double kLeastShare = 1e-3;  // of the area that a pixel has in the middle
+  constexpr double kLast2 = 4e-8;       // a step so small leaves its square
+  Eigen::Vector2d n = near;
+  for (int i = 0; i < kRounds; ++i) {
+    Eigen::Matrix2d by_n;
+    const Eigen::Vector2d off = raw_from_normalized(n, &by_n) - raw_px;
+    const double area = by_n.determinant();
+    if (!(area > kLeastShare * focal_.prod())) return std::nullopt;
+    const Eigen::Vector2d step = by_n.inverse() * off;
+    n -= step;
+    if (step.squaredNorm() < kLast2) return n;
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> CorrectedLens::undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const {
+  const Eigen::Vector2d near = camera_.normalized_from_pixel(calibrated_px);
+  const auto n = normalized_from_raw(camera_.pixel_from_normalized(camera_.distort_normalized(near)), near);
+  if (!n) return std::nullopt;
+  return camera_.pixel_from_normalized(*n);
 }
 
 Eigen::Vector2d LensCorrection::raw_from_undistorted(const CameraModel& camera,
@@ -68,9 +145,7 @@ Eigen::Vector2d LensCorrection::raw_from_undistorted(const CameraModel& camera,
 std::optional<Eigen::Vector2d> LensCorrection::undistorted_from_calibrated(const CameraModel& camera,
                                                                            const Eigen::Vector2d& calibrated_px) const {
   if (none()) return calibrated_px;
-  const auto n = normalized_from_raw(camera, camera.raw_from_undistorted(calibrated_px));
-  if (!n) return std::nullopt;
-  return camera.pixel_from_normalized(*n);
+  return CorrectedLens(camera, *this).undistorted_from_calibrated(calibrated_px);
 }
 
 std::optional<Eigen::Vector2d> LensCorrection::calibrated_from_undistorted(
@@ -80,12 +155,12 @@ std::optional<Eigen::Vector2d> LensCorrection::calibrated_from_undistorted(
 }
 
 bool is_invertible(const CameraModel& camera, const LensCorrection& lens) {
-  const double right = camera.width_px - 1, bottom = camera.height_px - 1;
-  for (const double x : {0.0, 0.5 * right, right}) {
-    for (const double y : {0.0, 0.5 * bottom, bottom}) {
-      // Where the calibration itself has no answer the correction need not have one.
-      const bool calibrated = camera.undistorted_from_raw({x, y}).has_value();
-      if (calibrated && !lens.normalized_from_raw(camera, {x, y})) return false;
+  constexpr int kAcross = 16, kDown = 12;
+  for (int i = 0; i <= kAcross; ++i) {
+    for (int j = 0; j <= kDown; ++j) {
+      const Eigen::Vector2d raw_px(i * (camera.width_px - 1.0) / kAcross, j * (camera.height_px - 1.0) / kDown);
+      const bool calibrated = camera.undistorted_from_raw(raw_px).has_value();
+      if (calibrated && !lens.normalized_from_raw(camera, raw_px)) return false;
     }
   }
   return true;

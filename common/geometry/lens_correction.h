@@ -6,28 +6,33 @@
 #include <optional>
 
 #include "common/geometry/camera_model.h"
-#include "common/geometry/rigid3.h"
 
 namespace coslam {
 
 // What a calibration gets wrong of its lens. A point at n = (x/z, y/z), which the distortion of the calibration takes
 // to d, is seen in the raw image at
-//   c + centre + F e^log_focal d (1 + k1 |d|^2 + k2 |d|^4),  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
-// With it, as without, an undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the correction
-// says where in the raw image that is. What an agent sends is undistorted by its calibration alone.
+//   c + centre + F e^log_focal (g(u) d + t(d)),  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
+//   g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = |d|^2 / R^2, R: d at the corners of the image
+// with Legendre's polynomials P_j and t, the tangential terms, as in radtan. Real lenses leave tenths of a pixel to what
+// calibrations can say of them, up and down along the radius; without terms for that focal lengths follow it.
+// With the correction, as without, an undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the
+// correction says where in the raw image that is. What an agent sends is undistorted by its calibration alone.
 struct LensCorrection {
-  Vector6d values = Vector6d::Zero();  // log_focal, centre x, centre y (pixels), k1, k2, log_aspect
+  static constexpr int kRadial = 6, kTerms = 6 + kRadial;
+  using Values = Eigen::Matrix<double, kTerms, 1>;
+  // log_focal, centre x, centre y (pixels), log_aspect, p1, p2, radial
+  Values values = Values::Zero();
 
   bool none() const { return values.isZero(0); }
   double log_focal() const { return values[0]; }
   Eigen::Vector2d centre_px() const { return values.segment<2>(1); }
-  double k1() const { return values[3]; }
-  double k2() const { return values[4]; }
-  double log_aspect() const { return values[5]; }
+  double log_aspect() const { return values[3]; }
+  Eigen::Vector2d tangential() const { return values.segment<2>(4); }
+  Eigen::Matrix<double, kRadial, 1> radial() const { return values.tail<kRadial>(); }
 
   struct Jacobians {
     Eigen::Matrix2d by_normalized;
-    Eigen::Matrix<double, 2, 6> by_values;
+    Eigen::Matrix<double, 2, kTerms> by_values;
   };
   Eigen::Vector2d raw_from_normalized(const CameraModel& camera, const Eigen::Vector2d& n,
                                       Jacobians* jacobians = nullptr) const;
@@ -44,7 +49,25 @@ struct LensCorrection {
   friend bool operator==(const LensCorrection& a, const LensCorrection& b) { return a.values == b.values; }
 };
 
-// Every pixel of the image has a place in the undistorted one, and those farther out lie farther out there.
+// A camera with what is wrong about its lens, worked out once for many pixels. Refers to the camera.
+class CorrectedLens {
+ public:
+  CorrectedLens(const CameraModel& camera, const LensCorrection& lens);
+
+  // jacobian: by n, where asked for.
+  Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian = nullptr) const;
+  // Found from a place near it, to 1e-4 px; empty where it cannot be inverted.
+  std::optional<Eigen::Vector2d> normalized_from_raw(const Eigen::Vector2d& raw_px, const Eigen::Vector2d& near) const;
+  std::optional<Eigen::Vector2d> undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const;
+
+ private:
+  const CameraModel& camera_;
+  LensCorrection lens_;
+  Eigen::Vector2d focal_, centre_;
+  double per_corner2_;
+};
+
+// Every pixel of the image that the calibration has a place for has one with the correction, too.
 bool is_invertible(const CameraModel& camera, const LensCorrection& lens);
 
 }  // namespace coslam

@@ -42,14 +42,17 @@ Problem unpack_placed(const idl::MapPatch& m, std::optional<PlacedPose>& placed)
 }
 
 Problem unpack_lens(const std::vector<float>& packed, std::optional<LensCorrection>& lens) {
-  constexpr double kMostLog = 3, kMostShift_px = 1e5, kMostTerm = 10;
+  constexpr double kMost = 3, kMostShift_px = 1e5;
+  constexpr auto kSize = static_cast<std::size_t>(LensCorrection::kTerms);
   if (packed.empty()) return std::nullopt;
-  if (packed.size() != 6) return Rejection::kSizeMismatch;
-  lens.emplace().values = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(packed.data()).cast<double>();
-  const Vector6d& v = lens->values;
-  return first_of({check_number(v[0], -kMostLog, kMostLog), check_number(v[1], -kMostShift_px, kMostShift_px),
-                   check_number(v[2], -kMostShift_px, kMostShift_px), check_number(v[3], -kMostTerm, kMostTerm),
-                   check_number(v[4], -kMostTerm, kMostTerm), check_number(v[5], -kMostLog, kMostLog)});
+  if (packed.size() != kSize) return Rejection::kSizeMismatch;
+  lens.emplace();
+  for (std::size_t i = 0; i < kSize; ++i) {
+    const double most = i == 1 || i == 2 ? kMostShift_px : kMost;
+    if (const Problem problem = check_number(packed[i], -most, most)) return problem;
+    lens->values[static_cast<Eigen::Index>(i)] = packed[i];
+  }
+  return std::nullopt;
 }
 
 // Lower triangle by rows of L, where the covariance is L L^T: of half the precision, and still exact across the ray of

@@ -5,13 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "agent/capture/camera_of.h"
 #include "agent/capture/source.h"
 #include "agent/gpu/matcher_for.h"
 #include "common/base/error.h"
 #include "common/base/replay_rate.h"
 #include "common/base/text.h"
 #include "common/config/config.h"
-#include "common/dataset/calibration.h"
 #include "common/dataset/result.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/run/outcome.h"
@@ -23,7 +23,7 @@ namespace coslam {
 namespace {
 
 struct RunArguments {
-  std::string sequence;
+  std::vector<std::string> sequence;
   std::string out = "result";
   std::vector<std::string> agents;
   CoverArguments covered;
@@ -81,9 +81,12 @@ void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
 int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
-    const CameraModel camera = load_calibration(a.calibration);
-    const auto source = open_source(a.source, {a.start_s, a.duration_s, sequence.rate_hz, camera.width_px,
-                                               camera.height_px, a.calibration.string()});
+    SourceOptions play{a.start_s, a.duration_s, sequence.rate_hz};
+    const CameraModel camera = camera_of(a.source, a.calibration, play);
+    play.width_px = camera.width_px;
+    play.height_px = camera.height_px;
+    play.calibration = a.calibration;
+    const auto source = open_source(a.source, play);
     int frames = 0;
     while (!source->live() && source->skip()) ++frames;
     most = std::max(most, frames);
@@ -118,7 +121,7 @@ void add_run_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   RunOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand("run", "Build one map from all cameras of a sequence");
-  command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, or sim:NAME")
+  command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, sim:NAME, or one video or folder of images a camera")
       ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
   command->add_flag("--force", arguments->force, "replace the run that the folder holds");

@@ -3,6 +3,8 @@
 #include "deploy/tools/sequence_argument.h"
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <functional>
 #include <string_view>
 
@@ -19,6 +21,48 @@ Sequence sequence_argument(const std::string& text) {
   options.scene = text.substr(kSimulated.size());
   Progress progress("rendering " + options.scene);
   return load_sequence(cached_sequence(options, std::ref(progress)));
+}
+
+namespace {
+
+bool names_sequence(const std::string& text) {
+  const std::filesystem::path path(text);
+  return text.starts_with("sim:") || path.extension() == ".yaml" || path.extension() == ".yml" ||
+         std::filesystem::exists(path / "sequence.yaml") || !std::filesystem::exists(path);
+}
+
+// The name of an agent may hold no other letters; two of one name are told apart by a number.
+std::string agent_name(const std::filesystem::path& source, const std::vector<SequenceAgent>& others) {
+  constexpr std::size_t kMost = 28;
+  std::string name = source.stem().string().substr(0, kMost);
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
+  }
+  if (name.empty() || name.front() == '.') name = "cam";
+  const auto taken = [&](const std::string& n) {
+    return std::ranges::any_of(others, [&](const SequenceAgent& a) { return a.name == n; });
+  };
+  std::string own = name;
+  for (int i = 2; taken(own); ++i) own = name + "-" + std::to_string(i);
+  return own;
+}
+
+}  // namespace
+
+Sequence sequence_argument(const std::vector<std::string>& texts) {
+  if (texts.size() == 1 && names_sequence(texts.front())) return sequence_argument(texts.front());
+  Sequence sequence;
+  for (const std::string& text : texts) {
+    const std::filesystem::path source(text);
+    if (!std::filesystem::exists(source)) throw UserError(text + ": there is no such file or folder");
+    if (names_sequence(text)) throw UserError(text + ": a sequence is given alone, or else videos and folders of images");
+    SequenceAgent agent;
+    agent.name = agent_name(source, sequence.agents);
+    agent.source = std::filesystem::absolute(source).lexically_normal().string();
+    sequence.agents.push_back(std::move(agent));
+  }
+  sequence.name = sequence.agents.front().name;
+  return sequence;
 }
 
 void add_cover_option(CLI::App& command, CoverArguments& covered) {

@@ -14,6 +14,8 @@ namespace coslam {
 // The SEQUENCE of a command line: a YAML file, a folder with sequence.yaml, or sim:NAME, rendered when it is not yet in
 // the cache. Throws UserError.
 Sequence sequence_argument(const std::string& text);
+// The same, or one source or more, as videos: an agent each, named for it, without calibrations.
+Sequence sequence_argument(const std::vector<std::string>& texts);
 
 // Lenses that are covered for a trial: agent, from and to in seconds of played time.
 using CoverArguments = std::vector<std::tuple<std::string, double, double>>;

@@ -58,13 +58,13 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   return planned_.has_value();
 }
 
-// What is known of a lens grows with what was seen of a map: each time that has grown by half it is looked at again.
+// What is known of a lens grows with what was seen of a map: each time that has grown by a quarter it is looked at again.
 bool PlanAdjustment::lenses_are_due(const Map& map, MapId of, const RefineConfig& refine) {
-  constexpr std::size_t kFirst = 8, kMost = 400;
+  constexpr std::size_t kFirst = 8, kMost = 400, kPart = 4;
   const std::size_t keys = map.key_frames().size();
   std::size_t& due = lens_due_.try_emplace(of, kFirst).first->second;
   if (!refine.finds_lenses() || keys < due || keys > kMost) return false;
-  due = keys + (keys + 1) / 2;
+  due = keys + std::max<std::size_t>(1, keys / kPart);
   return true;
 }
 

@@ -57,7 +57,6 @@ struct RefineJob {
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
-  double lens_noise = 1;  // by which observations' errors are larger than their sigma, where lenses are solved for
   bool floating = false;  // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;

@@ -43,7 +43,7 @@ class MapEdit {
   // An agent that restarted: its old tracks are gone, its poses stay.
   void restart_camera(CameraId id, RunId run, const CameraModel& model);
   // What is wrong about its calibration, as far as it is known now: all that it saw is where the new lens has it.
-  void correct_lens(const MapCamera& camera, const LensCorrection& lens);
+  void correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma);
   void set_alive(CameraId id, bool alive) { own(id).alive = alive; }
   // Standard deviation of its observations in one more frame: a running mean, faster at the beginning.
   void measure_sigma(const MapCamera& camera, double sigma_px);

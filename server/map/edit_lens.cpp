@@ -9,10 +9,11 @@
 
 namespace coslam {
 
-void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens) {
+void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma) {
   MapCamera& c = own(camera);
   const LensCorrection before = c.lens;
   c.lens.values = lens.values.cast<float>().cast<double>();  // as its agent is told
+  c.lens_sigma = sigma;
   const LensStep step(c.model, before, c.lens);
   ++map_.lens_changes_;
   for (auto& [id, track] : c.tracks) {
@@ -37,7 +38,7 @@ void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens) 
       }
     }
   }
-  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.k1()});
+  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.centre_px().norm()});
 }
 
 }  // namespace coslam

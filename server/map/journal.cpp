@@ -65,7 +65,7 @@ constexpr std::array<WhyText, kWhys> kTexts{{
     {"scale_known", "because its scale became known: {a} metres a unit of length"},
     {"adjusted", "by a bundle adjustment of {a} poses and {b} points"},
     {"moves_at_other_times", "because what moves in them moves {a} s earlier than in those of camera number {b}"},
-    {"lens_found", "because its images fit a focal length {a} times that of its calibration, and a further k1 of {b}"},
+    {"lens_found", "because its images fit a focal length {a} times that of its calibration, and a centre {b} px off"},
 }};
 
 template <class Enum, std::size_t N>

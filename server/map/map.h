@@ -115,6 +115,7 @@ struct MapCamera {
   RunId run;
   CameraModel model;           // as calibrated
   LensCorrection lens;         // what is wrong about that; all that was observed is undistorted with it
+  LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // of its values; 0: as calibrated
   double sigma_px = 1.0;       // measured standard deviation of its observations
   int sigma_frames = 0;        // that it was measured in
   std::string rig;             // name of the first camera of the rig that it is fixed to; empty: it is free

@@ -10,6 +10,8 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/dataset/calibration.h"
+#include "server/solve/corrected_calibration.h"
 
 namespace coslam {
 namespace {
@@ -334,6 +336,14 @@ void ResultStore::write_maps(const MapServer& server, const nlohmann::ordered_js
   write_map(server, common, folder_, attempts);
   for (const MapFrames& m : server.maps()) {
     if (m.map != common) write_map(server, m.map, folder_.of_map(m.map), attempts);
+  }
+  for (const MapCamera& c : server.map().cameras()) {
+    if (c.lens.none() || !server.met_since(c.id)) continue;
+    attempts([&] {
+      const std::filesystem::path file = folder_.calibration(c.name);
+      std::filesystem::create_directories(file.parent_path());
+      save_calibration(file, corrected_calibration(c.model, c.lens).camera);
+    });
   }
   attempts([&] { write_json(folder_.report(), report); });
 }

@@ -12,6 +12,8 @@
 
 namespace coslam {
 
+using LensMatrix = Eigen::Matrix<double, LensCorrection::kTerms, LensCorrection::kTerms>;
+
 // Bundle adjustment: poses and points that minimise the robust reprojection error. Plain arrays, so that the solver
 // runs on a copy in a thread of its own.
 struct BundleProblem {
@@ -36,7 +38,7 @@ struct BundleProblem {
   // these standard deviations and Cauchy's tails, as a calibration may be of another camera altogether.
   struct Lens {
     LensCorrection start;
-    Vector6d prior_sigma = Vector6d::Ones();
+    LensCorrection::Values prior_sigma = LensCorrection::Values::Ones();
     bool free = true;  // solved for
   };
   std::vector<CameraModel> cameras;
@@ -60,7 +62,8 @@ struct BundleResult {
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<LensCorrection> lenses;      // one a camera, where there were any
-  std::vector<Matrix6d> lens_covariances;  // of their values, zero of those that are given; empty: not known
+  // Of their values, zero of those that are given; empty: not known.
+  std::vector<LensMatrix> lens_covariances;
   std::vector<bool> is_inlier;  // one per observation
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -27,21 +28,22 @@ struct Estimate {
   std::vector<LensCorrection> lenses;  // by camera, or none
 };
 
-// One pose or lens that is free and one point that is seen from or through it.
+// One pose or half of a lens that is free and one point that is seen from or through it.
 struct Link {
-  int column;  // among those that are free: poses, then lenses
+  int column;  // among those that are free: poses, then lenses, two each
   int point;
 };
+constexpr int kHalves = LensCorrection::kTerms / 6;  // of a lens, each as large as a pose
 
 // What does not change while it is solved: who sees what.
 struct Structure {
   std::vector<int> column_of;              // of each pose among the free ones; -1: fixed
-  std::vector<int> lens_column_of;         // of each camera; -1: its lens is given
-  int columns = 0;                         // free poses and lenses
+  std::vector<int> lens_column_of;         // first one of each camera; -1: its lens is given
+  int columns = 0;                         // of free poses and lenses
   std::vector<Eigen::Matrix2d> whiten;     // of each observation, from undistorted px to standard deviations
   std::vector<Eigen::Vector2d> raw_px;     // the same observation in the raw image, where there are lenses
   std::vector<int> link_of;                // of each observation; -1: its pose is fixed
-  std::vector<int> lens_link_of;           // the same of its camera's lens
+  std::array<std::vector<int>, kHalves> lens_link_of;  // the same of its camera's lens
   std::vector<Link> links;                 // ascending points, then columns
   std::vector<int> links_end;              // one beyond the last link of each point
   std::vector<std::vector<int>> links_at;  // of each column
@@ -59,15 +61,17 @@ void link_observations(const BundleProblem& problem, Structure* s) {
     std::vector<int>* link_of;
   };
   std::vector<Part> parts;
-  parts.reserve(problem.lenses.empty() ? n : 2 * n);
+  parts.reserve(problem.lenses.empty() ? n : (1 + kHalves) * n);
   s->link_of.resize(n, -1);
-  s->lens_link_of.resize(n, -1);
+  for (auto& of_half : s->lens_link_of) of_half.resize(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
     const auto& o = problem.observations[i];
     const int column = s->column_of[at(o.pose)];
     const int lens = s->lens_column_of[at(problem.poses[at(o.pose)].camera)];
     if (column >= 0) parts.push_back({o.point, column, i, &s->link_of});
-    if (lens >= 0) parts.push_back({o.point, lens, i, &s->lens_link_of});
+    for (int half = 0; lens >= 0 && half < kHalves; ++half) {
+      parts.push_back({o.point, lens + half, i, &s->lens_link_of[at(half)]});
+    }
   }
   std::ranges::stable_sort(parts, {}, [](const Part& p) { return std::pair(p.point, p.column); });
   s->links_end.resize(problem.points.size());
@@ -84,7 +88,7 @@ Structure structure_of(const BundleProblem& problem) {
   for (const auto& p : problem.poses) s.column_of.push_back(p.fixed ? -1 : s.columns++);
   s.lens_column_of.resize(problem.cameras.size(), -1);
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
-    if (problem.lenses[i].free) s.lens_column_of[i] = s.columns++;
+    if (problem.lenses[i].free) s.lens_column_of[i] = std::exchange(s.columns, s.columns + kHalves);
   }
   link_observations(problem, &s);
   for (std::size_t p = 1; p < s.links_end.size(); ++p) s.links_end[p] = std::max(s.links_end[p], s.links_end[p - 1]);
@@ -135,14 +139,14 @@ class Loss {
 // What the calibration says of a lens: its part of the cost (twice), of the diagonal and of the gradient.
 struct LensPriorTerm {
   double cost = 0;
-  Vector6d weights, gradient;
+  LensCorrection::Values weights, gradient;
 };
 
 LensPriorTerm lens_prior(const BundleProblem::Lens& lens, const LensCorrection& now) {
   constexpr double kTailSigmas = 3;
   const Loss loss(kTailSigmas);
   LensPriorTerm out;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < LensCorrection::kTerms; ++i) {
     const double weight = 1 / (lens.prior_sigma[i] * lens.prior_sigma[i]), d2 = weight * now.values[i] * now.values[i];
     out.cost += loss.value(d2);
     out.weights[i] = loss.slope(d2) * weight;
@@ -190,13 +194,15 @@ System build(const BundleProblem& problem, const Structure& s, const Loss& loss,
              std::vector<Eigen::Vector3d>(e.points.size(), Eigen::Vector3d::Zero()),
              std::vector<Matrix63>(s.links.size(), Matrix63::Zero()),
              {}};
-  // What each free pose and the lens of its camera have in common.
-  std::vector<Matrix6d> shared(problem.lenses.empty() ? 0 : problem.poses.size(), Matrix6d::Zero());
+  // What each free pose and the lens of its camera have in common, and the two halves of a lens.
+  using Halves = std::array<Matrix6d, kHalves>;
+  std::vector<Halves> shared(problem.lenses.empty() ? 0 : problem.poses.size(), {Matrix6d::Zero(), Matrix6d::Zero()});
+  std::vector<Matrix6d> between(problem.lenses.size(), Matrix6d::Zero());
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
     const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
     const auto of = at(problem.poses[at(o.pose)].camera);
-    Eigen::Matrix<double, 2, 6> by_lens;
+    Eigen::Matrix<double, 2, LensCorrection::kTerms> by_lens;
     const Reprojection r =
         problem.lenses.empty()
             ? reprojection(camera, s.whiten[i], o.undistorted_px, e.rotations[at(o.pose)],
@@ -214,21 +220,30 @@ System build(const BundleProblem& problem, const Structure& s, const Loss& loss,
       out.links[at(link)].noalias() += weighted.lazyProduct(r.by_point);
     };
     if (s.link_of[i] >= 0) add(s.column_of[at(o.pose)], s.link_of[i], r.by_pose);
-    if (s.lens_link_of[i] < 0) continue;
-    add(s.lens_column_of[of], s.lens_link_of[i], by_lens);
-    if (s.link_of[i] >= 0) shared[at(o.pose)].noalias() += weight * by_lens.transpose() * r.by_pose;
+    if (s.lens_column_of[of] < 0) continue;
+    for (int half = 0; half < kHalves; ++half) {
+      const Eigen::Matrix<double, 2, 6> by_half = by_lens.middleCols<6>(6 * half);
+      add(s.lens_column_of[of] + half, s.lens_link_of[at(half)][i], by_half);
+      if (s.link_of[i] >= 0) shared[at(o.pose)][at(half)].noalias() += weight * by_half.transpose() * r.by_pose;
+    }
+    between[of].noalias() += weight * by_lens.rightCols<6>().transpose() * by_lens.leftCols<6>();
   }
   for (std::size_t pose = 0; pose < shared.size(); ++pose) {
     const int column = s.column_of[pose], lens = s.lens_column_of[at(problem.poses[pose].camera)];
-    const bool sees = column >= 0 && !s.links_at[at(column)].empty();
-    if (sees && lens >= 0) out.ties.emplace_back(std::pair(lens, column), shared[pose]);
+    if (column < 0 || lens < 0 || s.links_at[at(column)].empty()) continue;
+    for (int half = 0; half < kHalves; ++half) {
+      out.ties.emplace_back(std::pair(lens + half, column), shared[pose][at(half)]);
+    }
   }
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     const int column = s.lens_column_of[i];
     if (column < 0) continue;
     const LensPriorTerm prior = lens_prior(problem.lenses[i], e.lenses[i]);
-    out.columns[at(column)].diagonal() += prior.weights;
-    out.column_gradients[at(column)] += prior.gradient;
+    for (int half = 0; half < kHalves; ++half) {
+      out.columns[at(column + half)].diagonal() += prior.weights.segment<6>(6 * half);
+      out.column_gradients[at(column + half)] += prior.gradient.segment<6>(6 * half);
+    }
+    if (!s.links_at[at(column)].empty()) out.ties.emplace_back(std::pair(column + 1, column), between[i]);
   }
   for (const auto& t : problem.ties) {
     const Tie is = tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]);
@@ -441,7 +456,7 @@ Estimate moved(const Structure& s, const Estimate& from, const Step& step) {
   for (std::size_t p = 0; p < e.points.size(); ++p) e.points[p] += step.points[p];
   for (std::size_t i = 0; i < e.lenses.size(); ++i) {
     const int column = s.lens_column_of[i];
-    if (column >= 0) e.lenses[i].values += step.columns.segment<6>(6 * column);
+    if (column >= 0) e.lenses[i].values += step.columns.segment<LensCorrection::kTerms>(6 * column);
   }
   return e;
 }
@@ -459,17 +474,17 @@ Estimate start_of(const BundleProblem& problem) {
 }
 
 // Of each free lens, by what all observations say together; empty where it cannot be told.
-std::vector<Matrix6d> lens_covariances(const Structure& s, const System& system, Reduced* reduced) {
+std::vector<LensMatrix> lens_covariances(const Structure& s, const System& system, Reduced* reduced) {
   constexpr double kHardlyDamped = 1e9;  // what nothing holds, as the scale, has no part in a lens
   const Eliminated points = eliminate(s, system, kHardlyDamped);
   reduced->fill(system, kHardlyDamped, points.by_points);
-  std::vector<Matrix6d> out;
+  std::vector<LensMatrix> out;
   for (const int column : s.lens_column_of) {
-    out.emplace_back(Matrix6d::Zero());
-    for (int k = 0; column >= 0 && k < 6; ++k) {
+    out.emplace_back(LensMatrix::Zero());
+    for (int k = 0; column >= 0 && k < LensCorrection::kTerms; ++k) {
       const auto solution = reduced->solve(Eigen::VectorXd::Unit(6 * s.columns, 6 * column + k));
       if (!solution) return {};
-      out.back().col(k) = solution->segment<6>(6 * column);
+      out.back().col(k) = solution->segment<LensCorrection::kTerms>(6 * column);
     }
   }
   return out;

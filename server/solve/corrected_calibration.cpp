@@ -26,6 +26,7 @@ std::vector<std::size_t> free_coefficients(DistortionModel distortion) {
     case DistortionModel::kOmni:
       return {1, 2, 3, 4};
     case DistortionModel::kNone:
+    case DistortionModel::kUnknown:
       break;
   }
   return {};
@@ -76,7 +77,8 @@ CorrectedCalibration corrected_calibration(const CameraModel& camera, const Lens
   if (lens.none()) return {camera, 0};
   const Seen seen = all_over_the_image(camera, lens);
   CameraModel start = camera;
-  if (camera.distortion == DistortionModel::kNone) start.distortion = DistortionModel::kRadTan;
+  const bool pinhole = free_coefficients(camera.distortion).empty();
+  if (pinhole) start.distortion = DistortionModel::kRadTan;
   std::vector<double> terms{camera.fx, camera.fy, camera.cx, camera.cy};
   for (const std::size_t i : free_coefficients(start.distortion)) terms.push_back(start.coefficients[i]);
   auto* cost = new ceres::DynamicNumericDiffCostFunction<Misses, ceres::CENTRAL>(new Misses{start, seen});

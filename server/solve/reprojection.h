@@ -37,7 +37,7 @@ Tie tie(const Rigid3& second_from_first, const Rigid3& first, const Rigid3& seco
 // The same where the lens is not as calibrated: of an observation in the raw image. by_lens: by LensCorrection::values.
 Reprojection lens_reprojection(const CameraModel& camera, const LensCorrection& lens, const Eigen::Vector2d& raw_px,
                                double sigma_px, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, 6>* by_lens);
+                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens);
 Eigen::Vector2d lens_reprojection_residual(const CameraModel& camera, const LensCorrection& lens,
                                            const Eigen::Vector2d& raw_px, double sigma_px,
                                            const Eigen::Vector3d& in_cam);

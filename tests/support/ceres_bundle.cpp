@@ -65,9 +65,9 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-// Of a pose block (7), a point block (3) and a lens block (6). Its Jacobian by the pose is by the six local coordinates
+// Of a pose block (7), a point block (3) and a lens block (12). Its Jacobian by the pose is by the six local coordinates
 // of the manifold above and stands in the first six columns.
-class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 6> {
+class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, LensCorrection::kTerms> {
  public:
   LensReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& calibrated_px, double sigma_px)
       : camera_(camera), raw_px_(camera.raw_from_undistorted(calibrated_px)), sigma_px_(sigma_px) {}
@@ -75,8 +75,8 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 6> {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::Map<const Eigen::Quaterniond> q(parameters[0]);
     const Eigen::Map<const Eigen::Vector3d> t(parameters[0] + 4), point(parameters[1]);
-    const LensCorrection lens{Eigen::Map<const Vector6d>(parameters[2])};
-    Eigen::Matrix<double, 2, 6> by_lens;
+    const LensCorrection lens{Eigen::Map<const LensCorrection::Values>(parameters[2])};
+    Eigen::Matrix<double, 2, LensCorrection::kTerms> by_lens;
     const Reprojection r =
         lens_reprojection(camera_, lens, raw_px_, sigma_px_, q.toRotationMatrix(), t, point, &by_lens);
     Eigen::Map<Eigen::Vector2d>{residuals} = r.residual;
@@ -86,7 +86,9 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 6> {
       j << r.by_pose, Eigen::Vector2d::Zero();
     }
     if (jacobians[1] != nullptr) Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = r.by_point;
-    if (jacobians[2] != nullptr) Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>>{jacobians[2]} = by_lens;
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, LensCorrection::kTerms, Eigen::RowMajor>>{jacobians[2]} = by_lens;
+    }
     return true;
   }
 
@@ -97,13 +99,13 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, 6> {
 };
 
 // How sure a calibration is of one of a lens's values.
-class LensPriorCost final : public ceres::SizedCostFunction<1, 6> {
+class LensPriorCost final : public ceres::SizedCostFunction<1, LensCorrection::kTerms> {
  public:
   LensPriorCost(int which, double sigma) : which_(which), sigma_(sigma) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     residuals[0] = parameters[0][which_] / sigma_;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    std::fill_n(jacobians[0], 6, 0.0);
+    std::fill_n(jacobians[0], LensCorrection::kTerms, 0.0);
     jacobians[0][which_] = 1 / sigma_;
     return true;
   }
@@ -202,13 +204,13 @@ BundleResult solve_by_ceres(const BundleProblem& problem, const BundleConfig& co
   for (std::size_t i = 0; i < lenses.size(); ++i) {
     if (!problem.lenses.empty()) lenses[i] = problem.lenses[i].start;
     double* const values = lenses[i].values.data();
-    ceres_problem.AddParameterBlock(values, 6);
+    ceres_problem.AddParameterBlock(values, LensCorrection::kTerms);
     ordering->AddElementToGroup(values, 1);
     if (problem.lenses.empty() || !problem.lenses[i].free) {
       ceres_problem.SetParameterBlockConstant(values);
       continue;
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < LensCorrection::kTerms; ++k) {
       ceres_problem.AddResidualBlock(new LensPriorCost(k, problem.lenses[i].prior_sigma[k]), &tails, values);
     }
   }

@@ -22,12 +22,13 @@ AgentConfig agent_config(const TrackingConfig& tracking) {
 
 SimAgent::SimAgent(const SimWorld& world, CameraPath path, const TrackingConfig& tracking, const std::string& name,
                    RunId run, TimeNs clock_behind_ns)
-    : SimAgent(std::make_unique<SimTracker>(world, std::move(path), tracking, name, run), agent_config(tracking)) {
+    : SimAgent(std::make_unique<SimTracker>(world, std::move(path), tracking, name, run), tracking.calibration(),
+               agent_config(tracking)) {
   tracker_->set_clock_behind(clock_behind_ns);
 }
 
-SimAgent::SimAgent(std::unique_ptr<SimTracker> tracker, const AgentConfig& config)
-    : tracker_(tracker.get()), agent_(tracker_->name(), tracker_->run(), sim_camera(), config, std::move(tracker)) {}
+SimAgent::SimAgent(std::unique_ptr<SimTracker> tracker, const CameraModel& calibration, const AgentConfig& config)
+    : tracker_(tracker.get()), agent_(tracker_->name(), tracker_->run(), calibration, config, std::move(tracker)) {}
 
 CameraFrame SimAgent::step(CameraId camera, TimeNs t_ns) {
   agent_.track({FrameId(next_frame_++), t_ns, {}});

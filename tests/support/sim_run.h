@@ -35,7 +35,7 @@ class SimAgent {
   const PoseResult& pose() const { return agent_.pose(); }
 
  private:
-  SimAgent(std::unique_ptr<SimTracker> tracker, const AgentConfig& config);
+  SimAgent(std::unique_ptr<SimTracker> tracker, const CameraModel& calibration, const AgentConfig& config);
 
   SimTracker* tracker_;  // the agent's
   Agent agent_;

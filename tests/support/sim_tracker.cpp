@@ -184,7 +184,14 @@ DescriptorReply SimTracker::describe(const TrackFrame& frame) {
   return {name_, run_, frame.frame, std::move(d.tracks), std::move(d.descriptors)};
 }
 
-Hello SimTracker::hello() const { return {name_, run_, kProtocolVersion, Pacing::kLockstep, 30, camera_}; }
+CameraModel TrackingConfig::calibration() const {
+  CameraModel camera = sim_camera();
+  camera.fx *= 1 + focal_error;
+  camera.fy *= 1 + focal_error;
+  return camera;
+}
+
+Hello SimTracker::hello() const { return {name_, run_, kProtocolVersion, Pacing::kLockstep, 30, config_.calibration()}; }
 
 int SimTracker::point_of(TrackId track) const {
   const auto at = point_of_.find(track);

@@ -24,6 +24,9 @@ struct TrackingConfig {
   int max_tracks = 250;     // at once
   double border_px = 4;     // tracks end so close to the border
   double max_depth_m = 30;  // nothing is seen beyond
+  double focal_error = 0;   // share by which the calibration has it too long
+
+  CameraModel calibration() const;
 };
 
 // The tracker of one agent run: of an image its number and time count, what it shows is in the world. Points of low

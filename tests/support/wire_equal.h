@@ -122,6 +122,7 @@ inline void expect_same(const MapPatch& a, const MapPatch& b) {
     EXPECT_EQ(a.placed->frame, b.placed->frame);
     expect_same(a.placed->cam_from_world, b.placed->cam_from_world);
   }
+  EXPECT_EQ(a.lens, b.lens);
   ASSERT_EQ(a.updated.size(), b.updated.size());
   for (std::size_t i = 0; i < a.updated.size(); ++i) {
     EXPECT_EQ(a.updated[i].track, b.updated[i].track);

@@ -22,7 +22,7 @@ SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::v
   auto eyes = std::make_shared<std::map<std::string, Eye>>();
   for (const AgentPaths& agent : agents) {
     for (const SequenceAgent& listed : sequence.agents) {
-      if (listed.name == agent.name)
+      if (listed.name == agent.name && !listed.calibration.empty())
         eyes->emplace(agent.name, Eye{load_calibration(listed.calibration), agent.truth, listed.start_s});
     }
   }

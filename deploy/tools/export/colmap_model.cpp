@@ -39,7 +39,9 @@ void read_agent(const ResultFolder& result, const SequenceAgent& agent, ColmapMo
   const Trajectory trajectory = load_tum(result.trajectory(agent.name));
   const std::vector<ResultTrackRow> rows = track_rows(result, agent.name);
   const std::vector<PointId> shown = shown_points(*model, rows);
-  model->cameras.push_back({agent, load_calibration(agent.calibration)});
+  // As it was found, else as it was given.
+  const std::filesystem::path found = result.calibration(agent.name);
+  model->cameras.push_back({agent, load_calibration(std::filesystem::exists(found) ? found : agent.calibration)});
   struct Taken {
     std::size_t image;
     TimeNs t_ns;

@@ -4,8 +4,8 @@
 #include <opencv2/core/utility.hpp>
 
 #include "agent/agent_loop.h"
+#include "agent/capture/camera_of.h"
 #include "common/config/config.h"
-#include "common/dataset/calibration.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/run.h"
 #include "server/link/inline_link.h"
@@ -32,10 +32,13 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.agent_run = run;
   hello.pacing = Pacing::kLockstep;
   hello.rate_hz = options.sequence.rate_hz;
-  hello.camera = load_calibration(agent.calibration);
-  auto source =
-      open_source(agent.source, {agent.start_s, agent.duration_s, options.sequence.rate_hz, hello.camera.width_px,
-                                 hello.camera.height_px, agent.calibration.string(), agent.covered});
+  SourceOptions play{agent.start_s, agent.duration_s, options.sequence.rate_hz};
+  hello.camera = camera_of(agent.source, agent.calibration, play);
+  play.width_px = hello.camera.width_px;
+  play.height_px = hello.camera.height_px;
+  play.calibration = agent.calibration;
+  play.covered = agent.covered;
+  auto source = open_source(agent.source, play);
   InlineAgent out;
   out.link = link.connect(hello);
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(source)), hello, config);

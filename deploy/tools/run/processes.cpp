@@ -62,14 +62,13 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
                                    agent.name,
                                    "--source",
                                    agent.source,
-                                   "--calibration",
-                                   agent.calibration.string(),
                                    "--rate",
                                    options.rate,
                                    "--fps",
                                    format_double(options.sequence.rate_hz),
                                    "--start",
                                    format_double(agent.start_s)};
+  if (!agent.calibration.empty()) command.insert(command.end(), {"--calibration", agent.calibration.string()});
   if (agent.duration_s) command.insert(command.end(), {"--duration", format_double(*agent.duration_s)});
   for (const TimeSpan& span : agent.covered) {
     command.insert(command.end(), {"--covered", format_double(span.from_s), format_double(span.to_s)});

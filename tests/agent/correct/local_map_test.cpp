@@ -225,6 +225,16 @@ TEST_F(LocalMapTest, ASimilarityAcrossAGapIsNotApplied) {
   EXPECT_EQ(map_.epoch(), MapEpoch(3));
 }
 
+TEST_F(LocalMapTest, ALensHoldsUntilAnotherOrASnapshotWithoutOne) {
+  LensCorrection lens;
+  lens.values[0] = 0.03;
+  MapPatch patch = patch_of(2);
+  patch.lens = lens;
+  EXPECT_EQ(map_.apply(patch).lens, lens);
+  EXPECT_FALSE(map_.apply(patch_of(3)).lens.has_value()) << "as before";
+  EXPECT_EQ(map_.apply(patch_of(4, true)).lens, LensCorrection()) << "as calibrated";
+}
+
 TEST_F(LocalMapTest, KeepsOnlyLiveTracks) {
   const Eigen::Vector2f px(10, 20);
   map_.keep_only({{TrackId(2), px}, {TrackId(5), px}});

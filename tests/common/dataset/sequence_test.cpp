@@ -117,8 +117,8 @@ TEST_F(SequenceFile, ErrorsNameFileLineKeyAndReason) {
               HasSubstr("sequence.yaml:2: agnets: unknown key, did you mean 'agents'?"));
   EXPECT_THAT(error("agents:\n  - name: a\n    sorce: cam0.csv\n"),
               HasSubstr("sequence.yaml:3: agents[0].sorce: unknown key, did you mean 'source'?"));
-  EXPECT_THAT(error("agents:\n  - name: a\n    source: cam0.csv\n"),
-              HasSubstr("agents[0]: the key 'calibration' is missing"));
+  EXPECT_THAT(error("agents:\n  - name: a\n    calibration: calib.yaml\n"),
+              HasSubstr("agents[0]: the key 'source' is missing"));
   EXPECT_THAT(error("agents: [{name: a, source: nothing, calibration: calib.yaml}]"),
               HasSubstr("agents[0].source: there is no " + (folder_ / "nothing").string()));
   EXPECT_THAT(error("rate_hz: fast\n" + agent_), HasSubstr("rate_hz: 'fast' is not a number"));

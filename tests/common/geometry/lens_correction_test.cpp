@@ -15,7 +15,7 @@ using test::VectorNear;
 
 LensCorrection correction() {
   LensCorrection lens;
-  lens.values << std::log(0.96), 5, -4, 0.05, -0.03, 0.004;
+  lens.values << std::log(0.96), 5, -4, 0.004, 0.001, -0.0015, 0.02, -0.01, 0.004, 0.002, -0.001, 0.0005;
   return lens;
 }
 
@@ -36,6 +36,7 @@ CameraModel camera_with(DistortionModel distortion) {
       c.coefficients = {0.8, -0.1, 0.02, 0.0001, -0.0002};
       break;
     case DistortionModel::kNone:
+    case DistortionModel::kUnknown:
       break;
   }
   return c;
@@ -54,7 +55,7 @@ TEST_P(LensCorrectionTest, ThereAndBack) {
       const Eigen::Vector2d raw_px = lens.raw_from_normalized(camera_, n);
       const auto back = lens.normalized_from_raw(camera_, raw_px);
       ASSERT_TRUE(back.has_value());
-      EXPECT_THAT(*back, VectorNear(n, 1e-7));
+      EXPECT_THAT(*back, VectorNear(n, 2e-7));
       const Eigen::Vector2d px = camera_.pixel_from_normalized(n);
       EXPECT_THAT(lens.raw_from_undistorted(camera_, px), VectorNear(raw_px, 1e-9));
       const auto calibrated_px = lens.calibrated_from_undistorted(camera_, px);
@@ -62,7 +63,7 @@ TEST_P(LensCorrectionTest, ThereAndBack) {
       EXPECT_THAT(camera_.raw_from_undistorted(*calibrated_px), VectorNear(raw_px, 1e-5));
       const auto undistorted_px = lens.undistorted_from_calibrated(camera_, *calibrated_px);
       ASSERT_TRUE(undistorted_px.has_value());
-      EXPECT_THAT(*undistorted_px, VectorNear(px, 1e-4));
+      EXPECT_THAT(*undistorted_px, VectorNear(px, 2e-4));
     }
   }
 }
@@ -87,8 +88,8 @@ TEST_P(LensCorrectionTest, JacobiansNumerically) {
                   VectorNear((lens.raw_from_normalized(camera_, n + d) - lens.raw_from_normalized(camera_, n - d)) / (2 * h),
                              1e-3));
     }
-    for (int i = 0; i < 6; ++i) {
-      const Vector6d d = h * Vector6d::Unit(i);
+    for (int i = 0; i < LensCorrection::kTerms; ++i) {
+      const LensCorrection::Values d = h * LensCorrection::Values::Unit(i);
       const LensCorrection above{lens.values + d}, below{lens.values - d};
       EXPECT_THAT(j.by_values.col(i),
                   VectorNear((above.raw_from_normalized(camera_, n) - below.raw_from_normalized(camera_, n)) / (2 * h), 1e-3))
@@ -105,7 +106,7 @@ TEST(LensCorrectionTest, OneThatFoldsTheImageIsNotInvertible) {
   const CameraModel camera = camera_with(DistortionModel::kNone);
   EXPECT_TRUE(is_invertible(camera, correction()));
   LensCorrection folds;
-  folds.values[3] = -0.9;
+  folds.values[6] = -0.6;
   EXPECT_FALSE(is_invertible(camera, folds));
 }
 

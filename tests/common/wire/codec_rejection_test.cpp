@@ -227,6 +227,9 @@ TEST(CodecRejects, MapPatches) {
   expect_rejected<M>(small, Rejection::kOutOfRange, [&](M& m) { put_float(m, 3, 2e9f); });
   expect_rejected<M>(small, Rejection::kNotFinite, [](M& m) { m.updated()[16] = 0x7c; });  // infinity
   expect_rejected<M>(good_patch(), Rejection::kSizeMismatch, [](M& m) { m.placed({1, 0, 0}); });
+  expect_rejected<M>(good_patch(), Rejection::kSizeMismatch, [](M& m) { m.lens({0, 1, 2}); });
+  expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.lens(std::vector<float>(12, 4)); });
+  expect_rejected<M>(good_patch(), Rejection::kNotFinite, [](M& m) { m.lens(std::vector<float>(12, NAN)); });
   expect_rejected<M>(good_patch(), Rejection::kBadRotation, [](M& m) { m.placed({1, 1, 1, 1, 0, 0, 0}); });
   expect_rejected<M>(good_patch(), Rejection::kOutOfRange, [](M& m) { m.new_from_old({0, 1, 0, 0, 0, 0, 0, 0}); });
   expect_rejected<M>(good_patch(), Rejection::kNotFinite, [](M& m) { m.new_from_old({1, 1, 0, 0, 0, kNan, 0, 0}); });

@@ -126,6 +126,7 @@ TEST(CodecRoundTrip, MapPatches) {
     patch.placed = PlacedPose{FrameId(12), values.pose()};
     const Rigid3 moved = values.pose();
     patch.new_from_old = {1.25, moved.rotation, moved.translation};
+    patch.lens.emplace().values << 0.03125, -4.5, 2.25, 0, 0.001953125, 0, -0.015625, 0.5, 0, 0, 0, 0.25;
     expect_unharmed(patch);
   }
 }

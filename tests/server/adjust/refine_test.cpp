@@ -378,26 +378,28 @@ TEST_F(RefineWithOutliers, TheyAreTakenOut) {
   EXPECT_LT(worst_m(18, 60), 0.02);
 }
 
-TEST_F(RefineTest, AWrongFocalLengthIsSeenInTheImages) {
-  EXPECT_TRUE(lens_doubts(sim_.map, sim_.id).empty()) << "all are right";
-  auto job = plan_lens_check(sim_.map, sim_.id);
-  ASSERT_TRUE(job.has_value());
-  job->problem.cameras[1].fx *= 1.25;
-  job->problem.cameras[1].fy *= 1.25;
-  const BundleResult result = solve_refine(*job);
-  ASSERT_TRUE(result.usable);
-  EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 0.8, 0.02);
-  for (const std::size_t other : {0, 2}) EXPECT_NEAR(std::exp(result.lenses[other].log_focal()), 1, 0.02);
+TEST_F(RefineTest, LensesThatAreAsCalibratedStaySo) {
+  adjust_whole(sim_.edit, sim_.id, config_);
+  for (const MapCamera& c : sim_.map.cameras()) EXPECT_TRUE(c.lens.none());
 }
 
-TEST_F(RefineTest, LensesAreSolvedForAtTheEndWhenAsked) {
-  config_.intrinsics = true;
-  MapEdit edit = sim_.edit;
-  const std::vector<LensChange> lenses = adjust_whole(edit, sim_.id, config_);
-  ASSERT_EQ(lenses.size(), 3U);
-  for (const LensChange& lens : lenses) EXPECT_NEAR(lens.log_focal(), 0, 0.01);
-  config_.intrinsics = false;
-  EXPECT_TRUE(adjust_whole(edit, sim_.id, config_).empty());
+// As if the second camera had been calibrated with a focal length 4 % too long.
+TEST_F(RefineTest, ALensThatIsNotAsCalibratedIsFoundAndOthersStay) {
+  RefineJob job = plan(RefineExtent::kWhole);
+  job.problem.cameras[1].fx *= 1.04;
+  job.problem.cameras[1].fy *= 1.04;
+  const BundleResult result = solve_refine(job);
+  ASSERT_TRUE(result.usable);
+  EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 1 / 1.04, 0.01);
+  for (const std::size_t other : {0, 2}) EXPECT_TRUE(result.lenses[other].none());
+}
+
+TEST_F(RefineTest, LensesThatAreGivenAreNotSolvedFor) {
+  config_.lens = "given";
+  EXPECT_TRUE(plan(RefineExtent::kWhole).problem.lenses.empty());
+  config_.lens = "auto";
+  EXPECT_FALSE(plan(RefineExtent::kOutline).problem.lenses.empty());
+  EXPECT_TRUE(plan().problem.lenses.empty()) << "a window is too little";
 }
 
 TEST_F(RefineTest, TooLittleIsNoJob) {

@@ -102,13 +102,16 @@ TEST_F(SettleTest, LooksThroughTheLensThatTheAdjustmentFound) {
   calibrated.fx /= 1.03;
   calibrated.fy /= 1.03;
   sim_.edit.restart_camera(camera(0).id, camera(0).run, calibrated);
-  std::vector<LensChange> lenses(2);
-  lenses[0].values[0] = std::log(1.03);
-  EXPECT_EQ(settle_frames(sim_.edit, sim_.id, lenses).changed, 0);
+  LensCorrection lens;
+  lens.values[0] = std::log(1.03);
+  // Of the same places in the raw image.
+  sim_.edit.correct_lens(camera(0), lens, LensCorrection::Values::Zero());
+  EXPECT_EQ(settle_frames(sim_.edit, sim_.id).changed, 0);
   expect_others_stay(0, {});
   spoil(0, 13, Rigid3(so3_exp({0, 0.01, 0}), {0.15, 0, -0.05}));
-  EXPECT_EQ(settle_frames(sim_.edit, sim_.id, lenses).changed, 1);
+  EXPECT_EQ(settle_frames(sim_.edit, sim_.id).changed, 1);
   EXPECT_THAT(frame(0, 13).cam_from_world, PoseNear(truth(0, 13), 0.004, 0.03));
+  sim_.edit.correct_lens(camera(0), {}, LensCorrection::Values::Zero());
   EXPECT_GT(settle_frames(sim_.edit, sim_.id).changed, kSets / 2) << "with the calibration they are elsewhere";
 }
 

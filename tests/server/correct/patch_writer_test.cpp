@@ -268,6 +268,17 @@ TEST_F(PatchWriterTest, AMoveOfTheMapIsToldOnce) {
   EXPECT_EQ(next.epoch, patch.epoch);
 }
 
+TEST_F(PatchWriterTest, ALensIsToldOnceAndWithEachSnapshot) {
+  EXPECT_FALSE(write().lens.has_value());
+  LensCorrection lens;
+  lens.values[0] = 0.03;
+  sim_.edit.correct_lens(camera(), lens, LensCorrection::Values::Zero());
+  EXPECT_EQ(write().lens, camera().lens);
+  EXPECT_FALSE(write().lens.has_value());
+  sim_.set.frames[0].frame.wants_snapshot = true;
+  EXPECT_EQ(write().lens, camera().lens);
+}
+
 TEST_F(PatchWriterTest, AsksForPatchesOfTracksThatLasted) {
   EXPECT_THAT(write().patch_requests, IsEmpty()) << "all tracks are new";
   for (int i = 0; i < 3; ++i) next();

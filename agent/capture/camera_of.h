@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "agent/capture/source.h"
+#include "common/geometry/camera_model.h"
+
+namespace coslam {
+
+// A lens of which nothing is known but the size of its images: a pinhole with the focal length of a usual wide lens, to
+// be found out from the images.
+CameraModel guessed_camera(int width_px, int height_px);
+
+// The camera of a source: as its calibration file says, or without one guessed from its first image. Throws UserError.
+CameraModel camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
+
+}  // namespace coslam
