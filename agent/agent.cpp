@@ -111,7 +111,8 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   {
     const auto timer = times_.measure("pose");
     if (!patches.empty()) heard_ns_ = capture_ns_;
-    pose_.step(frame_, capture_ns_, lens_.none() ? observations_ : seen_by_lens(), map_, capture_ns_ - heard_ns_ > to_ns(kAlone_s));
+    pose_.step(frame_, capture_ns_, lens_.none() ? observations_ : seen_by_lens(), map_,
+               capture_ns_ - heard_ns_ > to_ns(kAlone_s));
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   {

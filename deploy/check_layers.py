@@ -95,7 +95,7 @@ LIBRARIES = {
     "containers": (r"boost/container/", ["common/base"]),
     "database": (r"(sqlite3\.h|SQLiteCpp/)", ["server/store", "tests/server/store"]),
     "solver": (r"ceres/|suitesparse/|(cholmod|amd|camd|colamd|ccolamd|umfpack|klu|SuiteSparse).*\.h(pp)?$",
-               ["server/solve", "tests/server/solve", "tests/benchmark"]),
+               ["server/solve", "tests/server/solve", "tests/support", "tests/benchmark"]),
     "ray caster": (r"embree\d?/", ["deploy/scene"]),
     "window": (r"opencv2?/highgui|gtk/|Qt|GL/|GLFW/|X11/", []),
 }

@@ -61,13 +61,14 @@ Json intrinsics_report(const CameraModel& camera) {
 // What was found to be wrong about a calibration, and what comes of it.
 Json lens_report(const MapCamera& camera) {
   const auto [model, worst_px] = corrected_calibration(camera.model, camera.lens);
+  const Eigen::VectorXd radial = camera.lens.radial();
   return {{"corrected", !camera.lens.none()},
           {"focal_ratio", std::exp(camera.lens.log_focal())},
           {"focal_sigma", camera.lens_sigma[0]},
           {"centre_shift_px", {camera.lens.centre_px().x(), camera.lens.centre_px().y()}},
           {"aspect_ratio", std::exp(camera.lens.log_aspect())},
           {"tangential", {camera.lens.tangential().x(), camera.lens.tangential().y()}},
-          {"radial", std::vector<double>(camera.lens.radial().begin(), camera.lens.radial().end())},
+          {"radial", std::vector<double>(radial.begin(), radial.end())},
           {"fx", model.fx},
           {"fy", model.fy},
           {"cx", model.cx},

@@ -18,11 +18,11 @@ namespace coslam {
 // What the agent must do to its own pose after a patch.
 struct PatchEffect {
   bool accepted = false;
-  bool new_server = false;            // another server run
-  bool goes_on = false;               // with the map of the one before; otherwise every earlier pose is meaningless
-  std::optional<Similarity3> rebase;  // the map moved: re-express poses
+  bool new_server = false;             // another server run
+  bool goes_on = false;                // with the map of the one before; otherwise every earlier pose is meaningless
+  std::optional<Similarity3> rebase;   // the map moved: re-express poses
   std::optional<LensCorrection> lens;  // its own lens is that from now on
-  std::optional<PlacedPose> placed;   // the server says where this agent was at a frame
+  std::optional<PlacedPose> placed;    // the server says where this agent was at a frame
   std::vector<TrackId> patch_requests;
   DescriptorRequest descriptor_request = DescriptorRequest::kNone;
 };

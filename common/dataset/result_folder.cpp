@@ -13,8 +13,8 @@
 namespace coslam {
 namespace {
 
-constexpr std::array<const char*, 13> kOfARun{"trajectory",  "live",        "tracks",     "calibration", "points.csv",
-                                              "dynamic.csv", "objects.csv", "groups.csv", "events.csv",  "map.ply",
+constexpr std::array<const char*, 13> kOfARun{"trajectory",  "live",        "tracks",      "calibration", "points.csv",
+                                              "dynamic.csv", "objects.csv", "groups.csv",  "events.csv",  "map.ply",
                                               "report.json", "eval.json",   "top_view.png"};
 
 // Names of the files with this extension in a folder, without it.

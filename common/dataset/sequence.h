@@ -15,7 +15,7 @@ namespace coslam {
 
 struct SequenceAgent {
   std::string name;
-  std::string source;  // URI or absolute path, see agent/capture/source.h
+  std::string source;                 // URI or absolute path, see agent/capture/source.h
   std::filesystem::path calibration;  // empty: none, the lens is found out
   double start_s = 0;
   std::optional<double> duration_s;

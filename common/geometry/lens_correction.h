@@ -9,14 +9,15 @@
 
 namespace coslam {
 
-// What a calibration gets wrong of its lens. A point at n = (x/z, y/z), which the distortion of the calibration takes
-// to d, is seen in the raw image at
-//   c + centre + F e^log_focal (g(u) d + t(d)),  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
-//   g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = |d|^2 / R^2, R: d at the corners of the image
-// with Legendre's polynomials P_j and t, the tangential terms, as in radtan. Real lenses leave tenths of a pixel to what
-// calibrations can say of them, up and down along the radius; without terms for that focal lengths follow it.
-// With the correction, as without, an undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the
-// correction says where in the raw image that is. What an agent sends is undistorted by its calibration alone.
+// What a calibration gets wrong of its lens. A raw pixel
+//   c + centre + F e^log_focal m,  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
+// shows what the distortion of the calibration takes to
+//   d = g(u) m + t(m),  g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = |m|^2 / R^2
+// with R, |m| at the corners of the image, Legendre's polynomials P_j, and t, tangential terms as radtan has them. It
+// is bounded by the image whatever the lens. Real lenses leave tenths of a pixel to what calibrations can say of them,
+// up and down along the radius; without terms for that focal lengths follow it. With the correction, as without, an
+// undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the correction says where in the raw
+// image that is. What an agent sends is undistorted by its calibration alone.
 struct LensCorrection {
   static constexpr int kRadial = 6, kTerms = 6 + kRadial;
   using Values = Eigen::Matrix<double, kTerms, 1>;
@@ -54,8 +55,7 @@ class CorrectedLens {
  public:
   CorrectedLens(const CameraModel& camera, const LensCorrection& lens);
 
-  // jacobian: by n, where asked for.
-  Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian = nullptr) const;
+  Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n) const;
   // Found from a place near it, to 1e-4 px; empty where it cannot be inverted.
   std::optional<Eigen::Vector2d> normalized_from_raw(const Eigen::Vector2d& raw_px, const Eigen::Vector2d& near) const;
   std::optional<Eigen::Vector2d> undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const;

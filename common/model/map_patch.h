@@ -66,10 +66,10 @@ struct MapPatch {
   Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
   std::optional<ContinuedMap> continues;  // while the agent speaks of the map of a server before this one
   std::optional<PlacedPose> placed;
-  std::optional<LensCorrection> lens;  // float; nothing: as before, in a snapshot: as calibrated
-  std::vector<BoundPoint> updated;                                  // new bindings and new positions
-  std::vector<TrackId> unbound;                                     // tracks that no longer have a point
-  std::vector<TrackId> patch_requests;                              // answer with PatchReply at the next frame
+  std::optional<LensCorrection> lens;   // float; nothing: as before, in a snapshot: as calibrated
+  std::vector<BoundPoint> updated;      // new bindings and new positions
+  std::vector<TrackId> unbound;         // tracks that no longer have a point
+  std::vector<TrackId> patch_requests;  // answer with PatchReply at the next frame
   DescriptorRequest descriptor_request = DescriptorRequest::kNone;  // answer with DescriptorReply at the next frame
   GroupId group;
   bool scale_known = false;

@@ -217,9 +217,8 @@ Decoded<MapPatch> decode(const idl::MapPatch& m) {
   const Problem problem =
       first_of({check_sender(p.agent, p.agent_run), check_id(p.server_run), check_number(p.uplink_wait_s, 0, 1e9),
                 unpack_similarity(m.new_from_old(), p.new_from_old), unpack_placed(m, p.placed),
-                unpack_lens(m.lens(), p.lens),
-                unpack_points(m.updated(), p.updated), unpack_ids(m.unbound(), p.unbound),
-                unpack_ids(m.patch_requests(), p.patch_requests)});
+                unpack_lens(m.lens(), p.lens), unpack_points(m.updated(), p.updated),
+                unpack_ids(m.unbound(), p.unbound), unpack_ids(m.patch_requests(), p.patch_requests)});
   if (problem) return *problem;
   return p;
 }

@@ -121,7 +121,9 @@ void add_run_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   RunOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand("run", "Build one map from all cameras of a sequence");
-  command->add_option("SEQUENCE", arguments->sequence, "a YAML file, a folder with sequence.yaml, sim:NAME, or one video or folder of images a camera")
+  command
+      ->add_option("SEQUENCE", arguments->sequence,
+                   "a YAML file, a folder with sequence.yaml, sim:NAME, or one video or folder of images a camera")
       ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
   command->add_flag("--force", arguments->force, "replace the run that the folder holds");

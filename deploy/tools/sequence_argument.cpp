@@ -55,7 +55,8 @@ Sequence sequence_argument(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const std::filesystem::path source(text);
     if (!std::filesystem::exists(source)) throw UserError(text + ": there is no such file or folder");
-    if (names_sequence(text)) throw UserError(text + ": a sequence is given alone, or else videos and folders of images");
+    if (names_sequence(text))
+      throw UserError(text + ": a sequence is given alone, or else videos and folders of images");
     SequenceAgent agent;
     agent.name = agent_name(source, sequence.agents);
     agent.source = std::filesystem::absolute(source).lexically_normal().string();

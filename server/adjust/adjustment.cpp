@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "server/adjust/lens.h"
+
 namespace coslam {
 
 TakenAdjustment TakeAdjustment::run(MapEdit& edit, Workers& workers) {
@@ -26,6 +28,7 @@ PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const 
   // One that a change of the map overtook is planned again.
   const bool done = taken.taken && taken.extent == RefineExtent::kOutline && (taken.report.applied || !taken.usable);
   if (done && taken.map == outline_) outline_ = MapId();
+  if (taken.report.lens_step2 > kOnItsWay2) lens_due_[taken.map] = 0;
   if (met.to_adjust != MapId()) {
     outline_since_ = met.to_adjust == outline_ ? std::min(outline_since_, met.adjust_since) : met.adjust_since;
     outline_ = met.to_adjust;
@@ -47,6 +50,7 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
     planned_ = plan_outline_since(map, of, outline_since_, refine, workers);
   } else if (lenses_are_due(map, of, refine)) {
     planned_ = plan_outline_since(map, of, SetId(), refine, workers);
+    if (planned_) planned_->for_lenses = true;
   } else {
     planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
   }
@@ -58,7 +62,8 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   return planned_.has_value();
 }
 
-// What is known of a lens grows with what was seen of a map: each time that has grown by a quarter it is looked at again.
+// What is known of a lens grows with what was seen of a map: each time that has grown by a quarter it is looked at
+// again.
 bool PlanAdjustment::lenses_are_due(const Map& map, MapId of, const RefineConfig& refine) {
   constexpr std::size_t kFirst = 8, kMost = 400, kPart = 4;
   const std::size_t keys = map.key_frames().size();
@@ -100,15 +105,21 @@ void add_pose_share(MapEdit& edit, const RefineJob& job, const BundleResult& res
 
 void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
                   const TellProgress& tell) {
-  for (const RefineExtent extent : {RefineExtent::kOutline, RefineExtent::kWhole}) {
-    const bool whole = extent == RefineExtent::kWhole;
-    if (since && !whole) continue;
-    auto job = since ? plan_refine_since(edit.map(), of, *since, config) : plan_refine(edit.map(), of, extent, config);
+  constexpr int kMostOutlines = 4;  // while a lens is on its way
+  for (int round = 0; !since && round < kMostOutlines; ++round) {
+    auto job = plan_refine(edit.map(), of, RefineExtent::kOutline, config);
     if (!job) break;
-    tell_of(&*job, whole && !since ? kOutlineShare_percent : 0, whole ? 100 : kOutlineShare_percent, tell);
+    tell_of(&*job, kOutlineShare_percent * round / kMostOutlines, kOutlineShare_percent * (round + 1) / kMostOutlines,
+            tell);
+    if (apply_refine(edit, *job, solve_refine(*job)).lens_step2 < kOnItsWay2) break;
+  }
+  auto job = since ? plan_refine_since(edit.map(), of, *since, config)
+                   : plan_refine(edit.map(), of, RefineExtent::kWhole, config);
+  if (job) {
+    tell_of(&*job, since ? 0 : kOutlineShare_percent, 100, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
-    if (whole && result.usable) add_pose_share(edit, *job, result);
+    if (result.usable) add_pose_share(edit, *job, result);
   }
   if (tell) tell(100);
 }

@@ -83,7 +83,7 @@ class PlanAdjustment {
 using TellProgress = std::function<void(int percent)>;
 
 // The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already.
-void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config,
-                                     std::optional<SetId> since = std::nullopt, const TellProgress& tell = {});
+void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since = std::nullopt,
+                  const TellProgress& tell = {});
 
 }  // namespace coslam

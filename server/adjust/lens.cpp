@@ -3,13 +3,14 @@
 #include "server/adjust/lens.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace coslam {
 namespace {
 
-// Squared distance from the calibration in standard deviations. Simulated rooms, whose calibrations are right, come to 8
-// at most; what recordings get wrong, to 40 and more.
+// Squared distance from the calibration in standard deviations. Simulated rooms, whose calibrations are right, come to
+// 8 at most; what recordings get wrong, to 40 and more.
 constexpr double kFound2 = 12;
 
 // Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
@@ -75,13 +76,35 @@ BundleResult solve_with_lenses(const RefineJob& job) {
   return solve_bundle(again, job.config);
 }
 
+namespace {
+
+// Another lens than the camera has now, and one that can be used. The agent may have come back with another
+// calibration.
+bool is_new(const MapCamera& c, const RefineJob& job, const BundleResult& result) {
+  const std::size_t i = c.id.value;
+  const bool same = c.model == job.problem.cameras[i] && c.lens == job.problem.lenses[i].start;
+  return same && !(result.lenses[i] == c.lens) && is_invertible(c.model, result.lenses[i]);
+}
+
+}  // namespace
+
+double lens_step2(const Map& map, const RefineJob& job, const BundleResult& result) {
+  double most2 = 0;
+  for (std::size_t i = 0; i < result.lenses.size(); ++i) {
+    const MapCamera& c = map.camera(CameraId(static_cast<std::uint16_t>(i)));
+    if (!is_new(c, job, result)) continue;
+    if (result.lens_covariances.empty()) return kOnItsWay2;
+    const LensCorrection::Values step = result.lenses[i].values - c.lens.values;
+    most2 = std::max(most2, step.dot(result.lens_covariances[i].ldlt().solve(step)));
+  }
+  return most2;
+}
+
 int take_lenses(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   int changed = 0;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     const MapCamera& c = edit.map().camera(CameraId(static_cast<std::uint16_t>(i)));
-    // Its agent may have come back with another calibration.
-    const bool same = c.model == job.problem.cameras[i] && c.lens == job.problem.lenses[i].start;
-    if (!same || result.lenses[i] == c.lens || !is_invertible(c.model, result.lenses[i])) continue;
+    if (!is_new(c, job, result)) continue;
     LensCorrection::Values sigma = LensCorrection::Values::Zero();
     if (!result.lens_covariances.empty()) sigma = result.lens_covariances[i].diagonal().cwiseMax(0).cwiseSqrt();
     edit.correct_lens(c, result.lenses[i], sigma);

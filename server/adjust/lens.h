@@ -18,6 +18,11 @@ void free_lenses(const Map& map, RefineJob* job);
 // all else is solved for once more.
 BundleResult solve_with_lenses(const RefineJob& job);
 
+// How far the lens that moved most is from where it was: squared, in standard deviations of where it is.
+double lens_step2(const Map& map, const RefineJob& job, const BundleResult& result);
+// From where on that is worth taking in, and from where on it tells that the next solution will move it again.
+inline constexpr double kWorthTaking2 = 4, kOnItsWay2 = 100;
+
 // What was found becomes the lenses of the cameras. How many changed.
 int take_lenses(MapEdit& edit, const RefineJob& job, const BundleResult& result);
 

@@ -381,8 +381,7 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
 }
 
 BundleResult solve_refine(const RefineJob& job) {
-  BundleResult result =
-      job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
+  BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
   if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
   return result;
 }
@@ -409,6 +408,8 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
                       .observations = static_cast<int>(job.observations.size()),
                       .sigma_px = result.sigma_px};
   if (!result.usable || job.epoch != edit.map().epoch()) return report;
+  report.lens_step2 = lens_step2(edit.map(), job, result);
+  if (job.for_lenses && report.lens_step2 < kWorthTaking2) return report;
   drop_outliers(edit, job, result, &report);
   report.lenses = take_lenses(edit, job, result);
   move_frames(edit, job, result);

@@ -57,7 +57,8 @@ struct RefineJob {
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
-  bool floating = false;  // no pose was fixed but one: restore the scale after solving
+  bool for_lenses = false;  // nothing but a lens is asked for: a solution that has none to say is left
+  bool floating = false;    // no pose was fixed but one: restore the scale after solving
   int anchor = 0, baseline_end = 0;
   BundleConfig config;
 };
@@ -65,6 +66,7 @@ struct RefineJob {
 struct RefineReport {
   bool applied = false;
   int poses = 0, points = 0, observations = 0, outliers = 0, lenses = 0;
+  double lens_step2 = 0;  // see lens_step2()
   double sigma_px = 0;
 };
 

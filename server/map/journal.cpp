@@ -8,10 +8,9 @@ namespace coslam {
 namespace {
 
 constexpr std::array<std::string_view, kEventKinds> kKinds{
-    "point_made",   "point_became", "point_fused", "point_removed", "track_bound",   "track_unbound",
-    "track_missed", "track_became", "track_ended", "camera_joined", "camera_placed", "camera_lost",
-    "camera_found", "camera_left",  "map_started", "map_merged",    "map_moved",     "camera_misdated",
-    "camera_lens"};
+    "point_made",   "point_became", "point_fused",   "point_removed",   "track_bound", "track_unbound", "track_missed",
+    "track_became", "track_ended",  "camera_joined", "camera_placed",   "camera_lost", "camera_found",  "camera_left",
+    "map_started",  "map_merged",   "map_moved",     "camera_misdated", "camera_lens"};
 constexpr std::array<std::string_view, 3> kPhases{"trial", "static", "moving"};
 constexpr std::array<std::string_view, 3> kMotions{"resting", "doubtful", "moving"};
 

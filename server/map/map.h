@@ -113,8 +113,8 @@ struct MapCamera {
   CameraId id;
   std::string name;
   RunId run;
-  CameraModel model;           // as calibrated
-  LensCorrection lens;         // what is wrong about that; all that was observed is undistorted with it
+  CameraModel model;    // as calibrated
+  LensCorrection lens;  // what is wrong about that; all that was observed is undistorted with it
   LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // of its values; 0: as calibrated
   double sigma_px = 1.0;       // measured standard deviation of its observations
   int sigma_frames = 0;        // that it was measured in
@@ -238,8 +238,8 @@ struct MapConfig {
   double sigma_px = 3.0;  // largest believed noise of detection and tracking, at 640 px image width
   double theta = 2.0;     // Mahalanobis gate
   // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its
-  // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see docs/results.md
-  // (NEES).
+  // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see
+  // docs/lab/results.md (NEES).
   double covariance_sigma_factor = 2.6;
   double recent_s = 6.67;  // N_rec: a point is active when it was seen so lately
   // One meaning everywhere: when two patches show one place, and what makes a point worth having.

@@ -22,7 +22,8 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
         result->lenses.empty()
             ? (model.raw_by_undistorted(o.undistorted_px) * (model.project(x) - o.undistorted_px)).norm()
             : (result->lenses[camera].raw_from_normalized(model, x.hnormalized()) -
-               model.raw_from_undistorted(o.undistorted_px)).norm();
+               model.raw_from_undistorted(o.undistorted_px))
+                  .norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
   }

@@ -61,7 +61,7 @@ struct BundleResult {
   bool usable = false;  // false: the input poses and points stand
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
-  std::vector<LensCorrection> lenses;      // one a camera, where there were any
+  std::vector<LensCorrection> lenses;  // one a camera, where there were any
   // Of their values, zero of those that are given; empty: not known.
   std::vector<LensMatrix> lens_covariances;
   std::vector<bool> is_inlier;  // one per observation

@@ -37,17 +37,17 @@ constexpr int kHalves = LensCorrection::kTerms / 6;  // of a lens, each as large
 
 // What does not change while it is solved: who sees what.
 struct Structure {
-  std::vector<int> column_of;              // of each pose among the free ones; -1: fixed
-  std::vector<int> lens_column_of;         // first one of each camera; -1: its lens is given
-  int columns = 0;                         // of free poses and lenses
-  std::vector<Eigen::Matrix2d> whiten;     // of each observation, from undistorted px to standard deviations
-  std::vector<Eigen::Vector2d> raw_px;     // the same observation in the raw image, where there are lenses
-  std::vector<int> link_of;                // of each observation; -1: its pose is fixed
+  std::vector<int> column_of;           // of each pose among the free ones; -1: fixed
+  std::vector<int> lens_column_of;      // first one of each camera; -1: its lens is given
+  int columns = 0;                      // of free poses and lenses
+  std::vector<Eigen::Matrix2d> whiten;  // of each observation, from undistorted px to standard deviations
+  std::vector<Eigen::Vector2d> raw_px;  // the same observation in the raw image, where there are lenses
+  std::vector<int> link_of;             // of each observation; -1: its pose is fixed
   std::array<std::vector<int>, kHalves> lens_link_of;  // the same of its camera's lens
-  std::vector<Link> links;                 // ascending points, then columns
-  std::vector<int> links_end;              // one beyond the last link of each point
-  std::vector<std::vector<int>> links_at;  // of each column
-  std::vector<std::vector<int>> rows_at;   // of each column: those of its blocks that are not empty, the diagonal first
+  std::vector<Link> links;                             // ascending points, then columns
+  std::vector<int> links_end;                          // one beyond the last link of each point
+  std::vector<std::vector<int>> links_at;              // of each column
+  std::vector<std::vector<int>> rows_at;  // of each column: those of its blocks that are not empty, the diagonal first
 };
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -162,10 +162,9 @@ double cost_of(const BundleProblem& problem, const Structure& s, const Loss& los
     const CameraModel& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
     const Eigen::Vector3d x = e.rotations[at(o.pose)] * e.points[at(o.point)] + e.poses[at(o.pose)].translation;
     const Eigen::Vector2d residual =
-        problem.lenses.empty()
-            ? reprojection_residual(camera, s.whiten[i], o.undistorted_px, x)
-            : lens_reprojection_residual(camera, e.lenses[at(problem.poses[at(o.pose)].camera)], s.raw_px[i],
-                                         o.sigma_px, x);
+        problem.lenses.empty() ? reprojection_residual(camera, s.whiten[i], o.undistorted_px, x)
+                               : lens_reprojection_residual(camera, e.lenses[at(problem.poses[at(o.pose)].camera)],
+                                                            s.raw_px[i], o.sigma_px, x);
     cost += o.weight * loss.value(residual.squaredNorm());
   }
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
@@ -179,7 +178,7 @@ double cost_of(const BundleProblem& problem, const Structure& s, const Loss& los
 
 // Normal equations around an estimate, without damping.
 struct System {
-  std::vector<Matrix6d> columns;           // diagonal blocks, of free poses and lenses
+  std::vector<Matrix6d> columns;  // diagonal blocks, of free poses and lenses
   std::vector<Vector6d> column_gradients;
   std::vector<Eigen::Matrix3d> points;
   std::vector<Eigen::Vector3d> point_gradients;
@@ -434,7 +433,8 @@ std::optional<Step> solve(const Structure& s, const System& system, double radiu
   // -g d - d H d / 2, where (H + D) d = -g.
   for (int c = 0; c < s.columns; ++c) {
     const Vector6d d = step.columns.segment<6>(6 * c);
-    step.decrease += 0.5 * d.dot(damping(system.columns[at(c)], radius).cwiseProduct(d) - system.column_gradients[at(c)]);
+    step.decrease +=
+        0.5 * d.dot(damping(system.columns[at(c)], radius).cwiseProduct(d) - system.column_gradients[at(c)]);
   }
   for (std::size_t p = 0; p < step.points.size(); ++p) {
     const Eigen::Vector3d& d = step.points[p];

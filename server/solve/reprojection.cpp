@@ -62,7 +62,8 @@ Eigen::Vector2d lens_reprojection_residual(const CameraModel& camera, const Lens
 
 Reprojection lens_reprojection(const CameraModel& camera, const LensCorrection& lens, const Eigen::Vector2d& raw_px,
                                double sigma_px, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens) {
+                               const Eigen::Vector3d& point,
+                               Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens) {
   const Eigen::Vector3d x = rotation * point + translation;
   Reprojection out;
   if (x.z() < kNearest) {

@@ -65,8 +65,8 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-// Of a pose block (7), a point block (3) and a lens block (12). Its Jacobian by the pose is by the six local coordinates
-// of the manifold above and stands in the first six columns.
+// Of a pose block (7), a point block (3) and a lens block (12). Its Jacobian by the pose is by the six local
+// coordinates of the manifold above and stands in the first six columns.
 class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, LensCorrection::kTerms> {
  public:
   LensReprojectionCost(const CameraModel& camera, const Eigen::Vector2d& calibrated_px, double sigma_px)
@@ -219,8 +219,8 @@ BundleResult solve_by_ceres(const BundleProblem& problem, const BundleConfig& co
     const auto of = static_cast<std::size_t>(problem.poses[pose].camera);
     const CameraModel& camera = problem.cameras[of];
     double* const point = result.points[static_cast<std::size_t>(o.point)].data();
-    ceres_problem.AddResidualBlock(new LensReprojectionCost(camera, o.undistorted_px, o.sigma_px),
-                                   weighted(o.weight), poses[pose].data(), point, lenses[of].values.data());
+    ceres_problem.AddResidualBlock(new LensReprojectionCost(camera, o.undistorted_px, o.sigma_px), weighted(o.weight),
+                                   poses[pose].data(), point, lenses[of].values.data());
   }
   add_ties(problem, &poses, &ceres_problem);
   for (std::size_t i = 0; i < poses.size(); ++i) {

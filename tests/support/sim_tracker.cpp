@@ -191,7 +191,9 @@ CameraModel TrackingConfig::calibration() const {
   return camera;
 }
 
-Hello SimTracker::hello() const { return {name_, run_, kProtocolVersion, Pacing::kLockstep, 30, config_.calibration()}; }
+Hello SimTracker::hello() const {
+  return {name_, run_, kProtocolVersion, Pacing::kLockstep, 30, config_.calibration()};
+}
 
 int SimTracker::point_of(TrackId track) const {
   const auto at = point_of_.find(track);

@@ -69,6 +69,19 @@ TEST_F(Run, WritesTheResult) {
   for (const char* agent : {"cam0", "cam1"}) EXPECT_EQ(evaluation["agents"][agent]["tracked_percent"], 100.0) << agent;
 }
 
+// No sequence file and no calibrations: what is there to be seen.
+TEST_F(Run, MapsSourcesOfWhichNothingIsKnown) {
+  const std::string out = (scene_.folder() / "result").string();
+  Program run("coslam", {"run", scene_.source(0), scene_.source(1), "--inline", "--out", out});
+  ASSERT_EQ(run.exit_code(), 0) << run.err();
+  EXPECT_THAT(run.err(), ::testing::HasSubstr("agent cam1 has no calibration"));
+  const ResultFolder r = result("result");
+  for (const char* agent : {"cam0", "cam1"}) EXPECT_FALSE(load_tum(r.trajectory(agent)).empty()) << agent;
+  Program mixed("coslam", {"run", scene_.source(0), scene_.sequence(), "--inline", "--out", out + "2"});
+  EXPECT_EQ(mixed.exit_code(), 1);
+  EXPECT_THAT(mixed.err(), ::testing::HasSubstr("a sequence is given alone"));
+}
+
 TEST_F(Run, AFolderHoldsOneRun) {
   const std::vector<std::string> inline_run = arguments("result", {"--inline", "--agents", "cam0,cam1"});
   ASSERT_EQ(Program("coslam", inline_run).exit_code(), 0);

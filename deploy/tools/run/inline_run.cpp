@@ -5,6 +5,7 @@
 
 #include "agent/agent_loop.h"
 #include "agent/capture/camera_of.h"
+#include "common/base/log.h"
 #include "common/config/config.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/run.h"
@@ -34,6 +35,8 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.rate_hz = options.sequence.rate_hz;
   SourceOptions play{agent.start_s, agent.duration_s, options.sequence.rate_hz};
   hello.camera = camera_of(agent.source, agent.calibration, play);
+  if (agent.calibration.empty())
+    log_warn("agent " + agent.name + " has no calibration: its lens is guessed, and found out from the images");
   play.width_px = hello.camera.width_px;
   play.height_px = hello.camera.height_px;
   play.calibration = agent.calibration;

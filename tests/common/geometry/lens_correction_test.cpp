@@ -21,7 +21,8 @@ LensCorrection correction() {
 
 // One camera of each kind of lens.
 CameraModel camera_with(DistortionModel distortion) {
-  CameraModel c{.width_px = 640, .height_px = 480, .fx = 460, .fy = 458, .cx = 322, .cy = 238, .distortion = distortion};
+  CameraModel c{
+      .width_px = 640, .height_px = 480, .fx = 460, .fy = 458, .cx = 322, .cy = 238, .distortion = distortion};
   switch (distortion) {
     case DistortionModel::kRadTan:
       c.coefficients = {-0.28, 0.07, 0.0002, 0.00002};
@@ -84,23 +85,26 @@ TEST_P(LensCorrectionTest, JacobiansNumerically) {
     lens.raw_from_normalized(camera_, n, &j);
     for (int i = 0; i < 2; ++i) {
       const Eigen::Vector2d d = h * Eigen::Vector2d::Unit(i);
-      EXPECT_THAT(j.by_normalized.col(i),
-                  VectorNear((lens.raw_from_normalized(camera_, n + d) - lens.raw_from_normalized(camera_, n - d)) / (2 * h),
-                             1e-3));
+      EXPECT_THAT(
+          j.by_normalized.col(i),
+          VectorNear((lens.raw_from_normalized(camera_, n + d) - lens.raw_from_normalized(camera_, n - d)) / (2 * h),
+                     1e-3));
     }
     for (int i = 0; i < LensCorrection::kTerms; ++i) {
       const LensCorrection::Values d = h * LensCorrection::Values::Unit(i);
       const LensCorrection above{lens.values + d}, below{lens.values - d};
-      EXPECT_THAT(j.by_values.col(i),
-                  VectorNear((above.raw_from_normalized(camera_, n) - below.raw_from_normalized(camera_, n)) / (2 * h), 1e-3))
+      EXPECT_THAT(
+          j.by_values.col(i),
+          VectorNear((above.raw_from_normalized(camera_, n) - below.raw_from_normalized(camera_, n)) / (2 * h), 1e-3))
           << i;
     }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, LensCorrectionTest,
-                         testing::Values(DistortionModel::kNone, DistortionModel::kRadTan, DistortionModel::kEquidistant,
-                                         DistortionModel::kDoubleSphere, DistortionModel::kOmni));
+                         testing::Values(DistortionModel::kNone, DistortionModel::kRadTan,
+                                         DistortionModel::kEquidistant, DistortionModel::kDoubleSphere,
+                                         DistortionModel::kOmni));
 
 TEST(LensCorrectionTest, OneThatFoldsTheImageIsNotInvertible) {
   const CameraModel camera = camera_with(DistortionModel::kNone);

@@ -27,8 +27,14 @@ TEST(CorrectedCalibrationTest, APinholeBecomesTheSameLensAsRadtan) {
 }
 
 TEST(CorrectedCalibrationTest, OtherLensesStayOfTheirKind) {
-  CameraModel camera{.width_px = 640, .height_px = 480, .fx = 360, .fy = 358, .cx = 322, .cy = 238,
-                     .distortion = DistortionModel::kEquidistant, .coefficients = {0.01, -0.005, 0.002, -0.001}};
+  CameraModel camera{.width_px = 640,
+                     .height_px = 480,
+                     .fx = 360,
+                     .fy = 358,
+                     .cx = 322,
+                     .cy = 238,
+                     .distortion = DistortionModel::kEquidistant,
+                     .coefficients = {0.01, -0.005, 0.002, -0.001}};
   EXPECT_LT(corrected_calibration(camera, correction()).worst_px, 0.3);
   camera.distortion = DistortionModel::kRadTan;
   camera.coefficients = {-0.28, 0.07, 0.0002, 0.00002};

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/camera_of.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/base/error.h"
+#include "common/dataset/calibration.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+class CameraOf : public ::testing::Test {
+ protected:
+  CameraOf() {
+    for (const char* name : {"000000.png", "000001.png"}) {
+      cv::imwrite(folder_ / name, cv::Mat(48, 64, CV_8UC1, cv::Scalar(7)));
+    }
+  }
+  std::string source() const { return folder_.path().string(); }
+  test::TempFolder folder_;
+};
+
+TEST_F(CameraOf, IsTheCalibrationWhereThereIsOne) {
+  const CameraModel given{64, 48, 50, 51, 31, 23, DistortionModel::kNone, {}};
+  save_calibration(folder_ / "calib.yaml", given);
+  EXPECT_EQ(camera_of(source(), folder_ / "calib.yaml", {}), given);
+}
+
+TEST_F(CameraOf, IsElseGuessedFromTheSizeOfTheFirstImage) {
+  const CameraModel guess = camera_of(source(), "", {});
+  EXPECT_EQ(guess.width_px, 64);
+  EXPECT_EQ(guess.height_px, 48);
+  EXPECT_EQ(guess.distortion, DistortionModel::kUnknown);
+  EXPECT_FALSE(problem_of(guess));
+  save_calibration(folder_ / "guess.yaml", guess);
+  EXPECT_EQ(load_calibration(folder_ / "guess.yaml"), guess) << "it may be written down";
+}
+
+TEST_F(CameraOf, NamesASourceThatIsNotThere) {
+  EXPECT_THAT(test::error_of<UserError>([&] { camera_of((folder_ / "nowhere").string(), "", {}); }),
+              ::testing::HasSubstr("nowhere"));
+}
+
+}  // namespace
+}  // namespace coslam
