@@ -12,6 +12,7 @@ namespace {
 // Squared distance from the calibration in standard deviations. Simulated rooms, whose calibrations are right, come to
 // 8 at most; what recordings get wrong, to 40 and more.
 constexpr double kFound2 = 12;
+constexpr double kLensTolerance = 1e-5;  // relative change of the cost that ends a solution
 
 // Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
 bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
@@ -31,11 +32,11 @@ bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
 
 // Of a camera that has no calibration.
 LensCorrection::Values guess_sigma(const CameraModel& camera) {
-  constexpr double kFocal = 0.3, kCentre = 0.015, kAspect = 0.005, kTangential = 0.002, kRadial = 0.08;
+  constexpr double kFocal = 0.3, kCentre = 0.015, kAspect = 0.005, kTangential = 0.002, kRadial = 0.2;
   const double centre_px = kCentre * camera.width_px;
   LensCorrection::Values out;
   out.head<6>() << kFocal, centre_px, centre_px, kAspect, kTangential, kTangential;
-  for (int j = 0; j < LensCorrection::kRadial; ++j) out[6 + j] = kRadial / std::pow(2.5, j);
+  for (int j = 0; j < LensCorrection::kRadial; ++j) out[6 + j] = kRadial / std::pow(2.0, j);
   return out;
 }
 
@@ -52,6 +53,8 @@ LensCorrection::Values calibration_sigma(const CameraModel& camera) {
 }
 
 void free_lenses(const Map& map, RefineJob* job) {
+  // Lenses lie in long valleys of the cost: where poses and points are done, they are still on their way.
+  job->config.function_tolerance = kLensTolerance;
   for (const MapCamera& c : map.cameras()) job->problem.lenses.push_back({c.lens, calibration_sigma(c.model), true});
   for (auto& o : job->problem.observations) {
     const MapCamera& c = map.camera(job->poses[static_cast<std::size_t>(o.pose)].camera);
