@@ -12,6 +12,7 @@
 
 #include "server/solve/bundle_schur.h"
 #include "tests/benchmark/colmap_adjuster.h"
+#include "tests/support/ceres_bundle.h"
 #include "tests/support/sim_world.h"
 
 namespace coslam {

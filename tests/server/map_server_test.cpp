@@ -58,7 +58,8 @@ TEST(MapServer, FindsLensesThatAreNotAsCalibrated) {
   run.step(180);
   for (int i = 0; i < 3; ++i) {
     const MapCamera& c = run.map().camera(cam(i));
-    EXPECT_NEAR(std::exp(c.lens.log_focal()) * c.model.fx, test::sim_camera().fx, 0.01 * c.model.fx) << i;
+    EXPECT_NEAR(std::exp(c.lens.log_focal()) * c.model.fx, test::sim_camera().fx, 0.015 * c.model.fx)
+        << i << ": a calibration that is ten times as wrong as they are still has a say";
     EXPECT_GT(c.lens_sigma[0], 0) << i;
     const FramePose& newest = c.frames.back();
     EXPECT_THAT(run.agent(cam(i)).pose().cam_from_world, PoseNear(newest.cam_from_world, 0.002, 0.005))
