@@ -34,7 +34,8 @@ bool names_sequence(const std::string& text) {
 // The name of an agent may hold no other letters; two of one name are told apart by a number.
 std::string agent_name(const std::filesystem::path& source, const std::vector<SequenceAgent>& others) {
   constexpr std::size_t kMost = 28;
-  std::string name = source.stem().string().substr(0, kMost);
+  const std::filesystem::path named = source.filename().empty() ? source.parent_path() : source;
+  std::string name = named.stem().string().substr(0, kMost);
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
   }

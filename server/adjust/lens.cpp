@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace coslam {
 namespace {
@@ -14,6 +15,14 @@ namespace {
 constexpr double kFound2 = 12;
 constexpr double kLensTolerance = 1e-5;  // relative change of the cost that ends a solution
 
+// As the wire carries it, and of use all over the image.
+bool may_be(const CameraModel& camera, const LensCorrection& lens) {
+  constexpr double kMost = 3;
+  LensCorrection::Values sizes = lens.values.cwiseAbs();
+  sizes.segment<2>(1) /= camera.width_px;
+  return sizes.allFinite() && sizes.maxCoeff() < kMost && is_invertible(camera, lens);
+}
+
 // Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
 bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
   bool any = false;
@@ -21,9 +30,9 @@ bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
     BundleProblem::Lens& lens = problem->lenses[i];
     if (!lens.free || !lens.start.none()) continue;
     const LensCorrection::Values& off = found.lenses[i].values;
-    const double off2 = off.dot(found.lens_covariances[i].ldlt().solve(off));
-    const bool wrong = off2 > kFound2 && is_invertible(problem->cameras[i], found.lenses[i]);
-    if (wrong) continue;
+    const bool known = !found.lens_covariances.empty();
+    const bool wrong = known && off.dot(found.lens_covariances[i].ldlt().solve(off)) > kFound2;
+    if (wrong && may_be(problem->cameras[i], found.lenses[i])) continue;
     lens.free = false;
     any = true;
   }
@@ -55,7 +64,13 @@ LensCorrection::Values calibration_sigma(const CameraModel& camera) {
 void free_lenses(const Map& map, RefineJob* job) {
   // Lenses lie in long valleys of the cost: where poses and points are done, they are still on their way.
   job->config.function_tolerance = kLensTolerance;
-  for (const MapCamera& c : map.cameras()) job->problem.lenses.push_back({c.lens, calibration_sigma(c.model), true});
+  constexpr int kFewest =
+      200;  // observations: with next to none a lens that was found would go back to its calibration
+  std::vector<int> seen(map.cameras().size());
+  for (const auto& o : job->problem.observations) ++seen[job->poses[static_cast<std::size_t>(o.pose)].camera.value];
+  for (const MapCamera& c : map.cameras()) {
+    job->problem.lenses.push_back({c.lens, calibration_sigma(c.model), seen[c.id.value] >= kFewest});
+  }
   for (auto& o : job->problem.observations) {
     const MapCamera& c = map.camera(job->poses[static_cast<std::size_t>(o.pose)].camera);
     if (const auto px = c.lens.calibrated_from_undistorted(c.model, o.undistorted_px)) {
@@ -68,7 +83,7 @@ void free_lenses(const Map& map, RefineJob* job) {
 
 BundleResult solve_with_lenses(const RefineJob& job) {
   BundleResult result = solve_bundle(job.problem, job.config);
-  if (!result.usable || result.lens_covariances.empty()) return result;
+  if (!result.usable) return result;
   BundleProblem again = job.problem;
   if (!give_what_is_right(result, &again)) return result;
   for (std::size_t i = 0; i < again.poses.size(); ++i) again.poses[i].cam_from_world = result.poses[i];
@@ -86,7 +101,7 @@ namespace {
 bool is_new(const MapCamera& c, const RefineJob& job, const BundleResult& result) {
   const std::size_t i = c.id.value;
   const bool same = c.model == job.problem.cameras[i] && c.lens == job.problem.lenses[i].start;
-  return same && !(result.lenses[i] == c.lens) && is_invertible(c.model, result.lenses[i]);
+  return same && !(result.lenses[i] == c.lens) && may_be(c.model, result.lenses[i]);
 }
 
 }  // namespace
@@ -96,11 +111,18 @@ double lens_step2(const Map& map, const RefineJob& job, const BundleResult& resu
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     const MapCamera& c = map.camera(CameraId(static_cast<std::uint16_t>(i)));
     if (!is_new(c, job, result)) continue;
-    if (result.lens_covariances.empty()) return kOnItsWay2;
+    if (result.lens_covariances.empty()) continue;
     const LensCorrection::Values step = result.lenses[i].values - c.lens.values;
     most2 = std::max(most2, step.dot(result.lens_covariances[i].ldlt().solve(step)));
   }
   return most2;
+}
+
+bool lenses_may_be_taken(const Map& map, const RefineJob& job, const BundleResult& result) {
+  return std::ranges::all_of(map.cameras(), [&](const MapCamera& c) {
+    const std::size_t i = c.id.value;
+    return i >= result.lenses.size() || result.lenses[i] == c.lens || is_new(c, job, result);
+  });
 }
 
 int take_lenses(MapEdit& edit, const RefineJob& job, const BundleResult& result) {

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "server/adjust/adjustment.h"
+#include "server/adjust/lens.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -392,6 +393,25 @@ TEST_F(RefineTest, ALensThatIsNotAsCalibratedIsFoundAndOthersStay) {
   ASSERT_TRUE(result.usable);
   EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 1 / 1.04, 0.01);
   for (const std::size_t other : {0, 2}) EXPECT_TRUE(result.lenses[other].none());
+}
+
+// As of a camera that is in another map: the prior alone would take its lens back to the calibration.
+TEST_F(RefineTest, ALensThatAJobSeesNothingOfStays) {
+  LensCorrection lens;
+  lens.values[0] = 0.02;
+  sim_.edit.correct_lens(sim_.map.camera(cam(1)), lens, LensCorrection::Values::Zero());
+  RefineJob job = plan(RefineExtent::kWhole);
+  for (std::size_t i = job.observations.size(); i-- > 0;) {
+    const auto pose = static_cast<std::size_t>(job.problem.observations[i].pose);
+    if (job.poses[pose].camera != cam(1)) continue;
+    job.observations.erase(job.observations.begin() + static_cast<std::ptrdiff_t>(i));
+    job.problem.observations.erase(job.problem.observations.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  job.problem.lenses.clear();
+  free_lenses(sim_.map, &job);
+  EXPECT_FALSE(job.problem.lenses[1].free);
+  EXPECT_TRUE(job.problem.lenses[0].free);
+  EXPECT_EQ(solve_refine(job).lenses[1], sim_.map.camera(cam(1)).lens);
 }
 
 TEST_F(RefineTest, LensesThatAreGivenAreNotSolvedFor) {
