@@ -88,18 +88,6 @@ std::vector<TrackId> Agent::observed() const {
   return ids;
 }
 
-// Where its own pose has them; nobody else gets these, so they need no grid.
-std::vector<TrackObservation> Agent::seen_by_lens() const {
-  std::vector<TrackObservation> out;
-  out.reserve(observations_.size());
-  const CorrectedLens lens(camera_, lens_);
-  for (const TrackObservation& o : observations_) {
-    const auto px = lens.undistorted_from_calibrated(o.undistorted_px.cast<double>());
-    if (px) out.push_back({o.track, px->cast<float>()});
-  }
-  return out;
-}
-
 AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   const auto begin = std::chrono::steady_clock::now();
   AgentOutput out;
@@ -111,8 +99,8 @@ AgentOutput Agent::finish(std::span<const MapPatch> patches, Answers answers) {
   {
     const auto timer = times_.measure("pose");
     if (!patches.empty()) heard_ns_ = capture_ns_;
-    pose_.step(frame_, capture_ns_, lens_.none() ? observations_ : seen_by_lens(), map_,
-               capture_ns_ - heard_ns_ > to_ns(kAlone_s));
+    const bool alone = capture_ns_ - heard_ns_ > to_ns(kAlone_s);
+    pose_.step(frame_, capture_ns_, seen_through(camera_, lens_, observations_), map_, alone);
   }
   if (pose_.state() == PoseState::kTracked) ++tracked_frames_;
   {

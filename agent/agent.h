@@ -90,7 +90,6 @@ class Agent {
  private:
   void take(const MapPatch& patch);
   void observe();
-  std::vector<TrackObservation> seen_by_lens() const;
   void look_for_tags();
   DescriptorsSent describe_image(const Answers& answers, AgentOutput* out);
   DescribeWork describe_tracks(int most);

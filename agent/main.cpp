@@ -71,13 +71,10 @@ void run(AgentOptions& o) {
   Hello hello;
   hello.agent = o.id;
   hello.agent_run = draw_run_id();
-  hello.camera = camera_of(o.source, o.calibration, o.play);
+  auto [camera, source] = open_camera(o.source, o.calibration, o.play);
+  hello.camera = camera;
   if (o.calibration.empty()) log_warn("no calibration is given: the lens is guessed, and found out from the images");
   hello.rate_hz = o.play.rate_hz;
-  o.play.width_px = hello.camera.width_px;
-  o.play.height_px = hello.camera.height_px;
-  o.play.calibration = o.calibration;
-  std::unique_ptr<ImageSource> source = open_source(o.source, o.play);
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
   // Before anybody hears of this agent: a device that is not there ends it.
   std::unique_ptr<FeatureTracker> tracker = make_feature_tracker(hello.camera, o.agent);

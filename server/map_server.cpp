@@ -55,19 +55,12 @@ CameraId MapServer::admit(const Hello& hello) {
   return edit_.add_camera(hello.agent, hello.agent_run, hello.camera);
 }
 
-// Agents undistort by their calibrations. Where more is known of the lens, all stages see tracks where that has them;
-// one that it has no place for is not seen.
+// Agents undistort by their calibrations. Where more is known of the lens, all stages see tracks where that has them.
 FrameSet MapServer::by_lenses(const FrameSet& set) const {
   FrameSet out = set;
   for (CameraFrame& cf : out.frames) {
     const MapCamera& c = map().camera(cf.camera);
-    if (c.lens.none()) continue;
-    const CorrectedLens lens(c.model, c.lens);
-    std::erase_if(cf.frame.tracks, [&](TrackObservation& o) {
-      const auto px = lens.undistorted_from_calibrated(o.undistorted_px.cast<double>());
-      if (px) o.undistorted_px = px->cast<float>();
-      return !px;
-    });
+    if (!c.lens.none()) cf.frame.tracks = seen_through(c.model, c.lens, cf.frame.tracks);
   }
   return out;
 }
@@ -90,7 +83,10 @@ std::vector<MapPatch> MapServer::step(const FrameSet& seen) {
   const auto whole = report_.times.measure("frame_set");
   ++frame_sets_;
   edit_.journal().begin_set();
-  const FrameSet set = by_lenses(seen);
+  const bool as_calibrated =
+      std::ranges::all_of(seen.frames, [&](const CameraFrame& cf) { return map().camera(cf.camera).lens.none(); });
+  std::optional<FrameSet> corrected;
+  const FrameSet& set = as_calibrated ? seen : corrected.emplace(by_lenses(seen));
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());

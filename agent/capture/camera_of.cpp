@@ -29,4 +29,13 @@ CameraModel camera_of(const std::string& source, const std::string& calibration,
   return guessed_camera(first->grey.cols, first->grey.rows);
 }
 
+CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options) {
+  CameraSource out{camera_of(source, calibration, options), nullptr};
+  options.width_px = out.camera.width_px;
+  options.height_px = out.camera.height_px;
+  options.calibration = calibration;
+  out.images = open_source(source, options);
+  return out;
+}
+
 }  // namespace coslam

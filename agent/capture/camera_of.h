@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "agent/capture/source.h"
@@ -15,5 +16,12 @@ CameraModel guessed_camera(int width_px, int height_px);
 
 // The camera of a source: as its calibration file says, or without one guessed from its first image. Throws UserError.
 CameraModel camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
+
+// That and its images, which have to have the size of its calibration.
+struct CameraSource {
+  CameraModel camera;
+  std::unique_ptr<ImageSource> images;
+};
+CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options);
 
 }  // namespace coslam

@@ -46,13 +46,17 @@ std::optional<fs::path> optional_path(const YamlValue& parent, const std::string
   return value ? std::optional(existing_path(*value)) : std::nullopt;
 }
 
-// Names become file names and travel in every frame.
+constexpr std::size_t kMaxLength = 32;
+constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+
+bool is_agent_name(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxLength && name.front() != '.' &&
+         name.find_first_not_of(kAllowed) == std::string_view::npos;
+}
+
 std::string agent_name(const YamlValue& value) {
-  constexpr std::size_t kMaxLength = 32;
   std::string name = value.text();
-  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
-  if (name.empty() || name.size() > kMaxLength || name.front() == '.' ||
-      name.find_first_not_of(kAllowed) != std::string::npos) {
+  if (!is_agent_name(name)) {
     value.fail("'" + name + "' must be 1 to 32 letters, digits, '_', '-' or '.', not starting with '.'");
   }
   return name;
@@ -118,6 +122,13 @@ std::vector<RigCamera> read_rigs(const YamlValue& rigs, const std::vector<Sequen
 }
 
 }  // namespace
+
+std::string agent_name_like(std::string_view text) {
+  std::string name(text.substr(0, kMaxLength));
+  std::ranges::replace_if(
+      name, [](char c) { return kAllowed.find(c) == std::string_view::npos; }, '_');
+  return is_agent_name(name) ? name : "cam";
+}
 
 Sequence load_sequence(const fs::path& path) {
   if (!fs::exists(path)) throw UserError(path.string() + ": there is no such sequence");

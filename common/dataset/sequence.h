@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/time.h"
@@ -43,5 +44,8 @@ struct Sequence {
 // Reads a YAML file or a folder with sequence.yaml; paths in it are relative to the file. Throws UserError with file,
 // key and reason: unknown key, missing key, bad value, missing file.
 Sequence load_sequence(const std::filesystem::path& path);
+
+// A name that an agent may have, as like this text as can be: names become file names and travel in every frame.
+std::string agent_name_like(std::string_view text);
 
 }  // namespace coslam

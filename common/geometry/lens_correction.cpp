@@ -42,22 +42,17 @@ double per_corner2(const CameraModel& camera) {
   return 4 / (std::pow(camera.width_px / camera.fx, 2) + std::pow(camera.height_px / camera.fy, 2));
 }
 
-// g(u) m + t(m), and its derivative by m.
-Eigen::Vector2d bent(const LensCorrection& lens, double per_r2, const Eigen::Vector2d& m, Eigen::Matrix2d* by_m,
-                     RadialTerms* terms_out = nullptr) {
+// g(u) m + t(m), and its derivative by m. terms: of the place.
+Eigen::Vector2d bent(const LensCorrection& lens, const RadialTerms& terms, double per_r2, const Eigen::Vector2d& m,
+                     Eigen::Matrix2d* by_m) {
   const double r2 = m.squaredNorm(), x = m.x(), y = m.y(), p1 = lens.values[4], p2 = lens.values[5];
-  const RadialTerms terms(r2 * per_r2);
   const Radial a = lens.radial();
-  const double g = 1 + a.dot(terms.value);
-  if (by_m != nullptr) {
-    const double g_by_r2 = a.dot(terms.slope) * per_r2, cross = 2 * (p1 * x + p2 * y);
-    *by_m = g * Eigen::Matrix2d::Identity() + 2 * g_by_r2 * m * m.transpose();
-    (*by_m)(0, 0) += 2 * p1 * y + 6 * p2 * x;
-    (*by_m)(0, 1) += cross;
-    (*by_m)(1, 0) += cross;
-    (*by_m)(1, 1) += 6 * p1 * y + 2 * p2 * x;
-  }
-  if (terms_out != nullptr) *terms_out = terms;
+  const double g = 1 + a.dot(terms.value), g_by_r2 = a.dot(terms.slope) * per_r2, cross = 2 * (p1 * x + p2 * y);
+  *by_m = g * Eigen::Matrix2d::Identity() + 2 * g_by_r2 * m * m.transpose();
+  (*by_m)(0, 0) += 2 * p1 * y + 6 * p2 * x;
+  (*by_m)(0, 1) += cross;
+  (*by_m)(1, 0) += cross;
+  (*by_m)(1, 1) += 6 * p1 * y + 2 * p2 * x;
   return g * m + Eigen::Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
 }
 
@@ -67,7 +62,7 @@ Eigen::Vector2d unbent(const LensCorrection& lens, double per_r2, const Eigen::V
   constexpr double kLeastDeterminant = 0.01, kLongest = 0.3, kLast2 = 1e-18;
   Eigen::Vector2d m = d;
   for (int i = 0; i < kRounds; ++i) {
-    const Eigen::Vector2d off = bent(lens, per_r2, m, by_m) - d;
+    const Eigen::Vector2d off = bent(lens, RadialTerms(m.squaredNorm() * per_r2), per_r2, m, by_m) - d;
     if (!(by_m->determinant() > kLeastDeterminant)) by_m->setIdentity();
     Eigen::Vector2d step = by_m->inverse() * off;
     const double length = step.norm();
@@ -82,25 +77,7 @@ Eigen::Vector2d unbent(const LensCorrection& lens, double per_r2, const Eigen::V
 
 Eigen::Vector2d LensCorrection::raw_from_normalized(const CameraModel& camera, const Eigen::Vector2d& n,
                                                     Jacobians* jacobians) const {
-  const Eigen::Vector2d focal = focal_of(camera, *this), c(camera.cx, camera.cy);
-  const double per_r2 = per_corner2(camera);
-  Eigen::Matrix2d d_by_n, by_m;
-  const Eigen::Vector2d d = camera.distort_normalized(n, jacobians != nullptr ? &d_by_n : nullptr);
-  const Eigen::Vector2d m = unbent(*this, per_r2, d, &by_m), at = focal.cwiseProduct(m);
-  if (jacobians == nullptr) return c + centre_px() + at;
-  RadialTerms terms(0);
-  bent(*this, per_r2, m, &by_m, &terms);
-  const double r2 = m.squaredNorm(), x = m.x(), y = m.y();
-  const Eigen::Matrix2d raw_by_d = focal.asDiagonal() * by_m.inverse();
-  jacobians->by_normalized = raw_by_d * d_by_n;
-  auto& j = jacobians->by_values;
-  j.col(0) = at;
-  j.middleCols<2>(1).setIdentity();
-  j.col(3) << -0.5 * at.x(), 0.5 * at.y();
-  j.col(4) = -raw_by_d * Eigen::Vector2d(2 * x * y, r2 + 2 * y * y);
-  j.col(5) = -raw_by_d * Eigen::Vector2d(r2 + 2 * x * x, 2 * x * y);
-  j.rightCols<kRadial>() = -raw_by_d * m * terms.value.transpose();
-  return c + centre_px() + at;
+  return CorrectedLens(camera, *this).raw_from_normalized(n, jacobians);
 }
 
 std::optional<Eigen::Vector2d> LensCorrection::normalized_from_raw(const CameraModel& camera,
@@ -111,15 +88,31 @@ std::optional<Eigen::Vector2d> LensCorrection::normalized_from_raw(const CameraM
 }
 
 CorrectedLens::CorrectedLens(const CameraModel& camera, const LensCorrection& lens)
-    : camera_(camera),
+    : camera_(&camera),
       lens_(lens),
       focal_(focal_of(camera, lens)),
       centre_(Eigen::Vector2d(camera.cx, camera.cy) + lens.centre_px()),
       per_corner2_(per_corner2(camera)) {}
 
-Eigen::Vector2d CorrectedLens::raw_from_normalized(const Eigen::Vector2d& n) const {
-  Eigen::Matrix2d by_m;
-  return centre_ + focal_.cwiseProduct(unbent(lens_, per_corner2_, camera_.distort_normalized(n), &by_m));
+Eigen::Vector2d CorrectedLens::raw_from_normalized(const Eigen::Vector2d& n,
+                                                   LensCorrection::Jacobians* jacobians) const {
+  Eigen::Matrix2d d_by_n, by_m;
+  const Eigen::Vector2d d = camera_->distort_normalized(n, jacobians != nullptr ? &d_by_n : nullptr);
+  const Eigen::Vector2d m = unbent(lens_, per_corner2_, d, &by_m), at = focal_.cwiseProduct(m);
+  if (jacobians == nullptr) return centre_ + at;
+  const double r2 = m.squaredNorm(), x = m.x(), y = m.y();
+  const RadialTerms terms(r2 * per_corner2_);
+  bent(lens_, terms, per_corner2_, m, &by_m);
+  const Eigen::Matrix2d raw_by_d = focal_.asDiagonal() * by_m.inverse();
+  jacobians->by_normalized = raw_by_d * d_by_n;
+  auto& j = jacobians->by_values;
+  j.col(0) = at;
+  j.middleCols<2>(1).setIdentity();
+  j.col(3) << -0.5 * at.x(), 0.5 * at.y();
+  j.col(4) = -raw_by_d * Eigen::Vector2d(2 * x * y, r2 + 2 * y * y);
+  j.col(5) = -raw_by_d * Eigen::Vector2d(r2 + 2 * x * x, 2 * x * y);
+  j.rightCols<LensCorrection::kRadial>() = -raw_by_d * m * terms.value.transpose();
+  return centre_ + at;
 }
 
 std::optional<Eigen::Vector2d> CorrectedLens::normalized_from_raw(const Eigen::Vector2d& raw_px,
@@ -128,12 +121,13 @@ std::optional<Eigen::Vector2d> CorrectedLens::normalized_from_raw(const Eigen::V
   constexpr double kLeastShare = 1e-3;  // of the area that a pixel has in the middle
   constexpr double kLast2 = 4e-8;       // a step so small leaves its square
   Eigen::Matrix2d by_m;
-  const Eigen::Vector2d d = bent(lens_, per_corner2_, (raw_px - centre_).cwiseQuotient(focal_), &by_m);
+  const Eigen::Vector2d m = (raw_px - centre_).cwiseQuotient(focal_);
+  const Eigen::Vector2d d = bent(lens_, RadialTerms(m.squaredNorm() * per_corner2_), per_corner2_, m, &by_m);
   if (!(by_m.determinant() > kLeastShare)) return std::nullopt;
   Eigen::Vector2d n = near;
   for (int i = 0; i < kRounds; ++i) {
     Eigen::Matrix2d by_n;
-    const Eigen::Vector2d off = camera_.distort_normalized(n, &by_n) - d;
+    const Eigen::Vector2d off = camera_->distort_normalized(n, &by_n) - d;
     if (!(by_n.determinant() > kLeastShare)) return std::nullopt;
     const Eigen::Vector2d step = by_n.inverse() * off;
     n -= step;
@@ -143,10 +137,10 @@ std::optional<Eigen::Vector2d> CorrectedLens::normalized_from_raw(const Eigen::V
 }
 
 std::optional<Eigen::Vector2d> CorrectedLens::undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const {
-  const Eigen::Vector2d near = camera_.normalized_from_pixel(calibrated_px);
-  const auto n = normalized_from_raw(camera_.pixel_from_normalized(camera_.distort_normalized(near)), near);
+  const Eigen::Vector2d near = camera_->normalized_from_pixel(calibrated_px);
+  const auto n = normalized_from_raw(camera_->pixel_from_normalized(camera_->distort_normalized(near)), near);
   if (!n) return std::nullopt;
-  return camera_.pixel_from_normalized(*n);
+  return camera_->pixel_from_normalized(*n);
 }
 
 Eigen::Vector2d LensCorrection::raw_from_undistorted(const CameraModel& camera,
@@ -177,6 +171,12 @@ bool is_invertible(const CameraModel& camera, const LensCorrection& lens) {
     }
   }
   return true;
+}
+
+bool may_be(const CameraModel& camera, const LensCorrection& lens) {
+  LensCorrection::Values sizes = lens.values.cwiseAbs();
+  sizes.segment<2>(1) /= camera.width_px;
+  return sizes.allFinite() && sizes.maxCoeff() < LensCorrection::kMost && is_invertible(camera, lens);
 }
 
 }  // namespace coslam

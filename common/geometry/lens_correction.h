@@ -20,6 +20,7 @@ namespace coslam {
 // image that is. What an agent sends is undistorted by its calibration alone.
 struct LensCorrection {
   static constexpr int kRadial = 6, kTerms = 6 + kRadial;
+  static constexpr double kMost = 3;  // size of a value that may be, but for the centre
   using Values = Eigen::Matrix<double, kTerms, 1>;
   // log_focal, centre x, centre y (pixels), log_aspect, p1, p2, radial
   Values values = Values::Zero();
@@ -55,13 +56,14 @@ class CorrectedLens {
  public:
   CorrectedLens(const CameraModel& camera, const LensCorrection& lens);
 
-  Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n) const;
+  const LensCorrection& lens() const { return lens_; }
+  Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n, LensCorrection::Jacobians* jacobians = nullptr) const;
   // Found from a place near it, to 1e-4 px; empty where it cannot be inverted.
   std::optional<Eigen::Vector2d> normalized_from_raw(const Eigen::Vector2d& raw_px, const Eigen::Vector2d& near) const;
   std::optional<Eigen::Vector2d> undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const;
 
  private:
-  const CameraModel& camera_;
+  const CameraModel* camera_;
   LensCorrection lens_;
   Eigen::Vector2d focal_, centre_;
   double per_corner2_;
@@ -69,5 +71,7 @@ class CorrectedLens {
 
 // Every pixel of the image that the calibration has a place for has one with the correction, too.
 bool is_invertible(const CameraModel& camera, const LensCorrection& lens);
+// That, with values that the wire carries.
+bool may_be(const CameraModel& camera, const LensCorrection& lens);
 
 }  // namespace coslam

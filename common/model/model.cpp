@@ -23,6 +23,19 @@ Eigen::Vector2f quantised_px(const Eigen::Vector2d& undistorted_px, double scale
   return {grid(undistorted_px.x()), grid(undistorted_px.y())};
 }
 
+std::vector<TrackObservation> seen_through(const CameraModel& camera, const LensCorrection& lens,
+                                           const std::vector<TrackObservation>& tracks) {
+  if (lens.none()) return tracks;
+  const CorrectedLens corrected(camera, lens);
+  std::vector<TrackObservation> out;
+  out.reserve(tracks.size());
+  for (const TrackObservation& o : tracks) {
+    const auto px = corrected.undistorted_from_calibrated(o.undistorted_px.cast<double>());
+    if (px) out.push_back({o.track, px->cast<float>()});
+  }
+  return out;
+}
+
 std::uint8_t descriptor_step(std::uint8_t value) {
   return static_cast<std::uint8_t>(std::min(15.0, std::round(std::sqrt(static_cast<double>(value)))));
 }

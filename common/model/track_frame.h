@@ -11,6 +11,7 @@
 #include "common/base/ids.h"
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
+#include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
 #include "common/model/pose_covariance.h"
 
@@ -27,6 +28,11 @@ struct TrackObservation {
   Eigen::Vector2f undistorted_px = Eigen::Vector2f::Zero();  // on the grid of quantised_px()
   friend bool operator==(const TrackObservation&, const TrackObservation&) = default;
 };
+
+// Tracks that are undistorted by the calibration alone, where the lens has them; off the grid, and without those that
+// it has no place for.
+std::vector<TrackObservation> seen_through(const CameraModel& camera, const LensCorrection& lens,
+                                           const std::vector<TrackObservation>& tracks);
 
 // A printed square tag. The corners go round clockwise as it was printed, from the upper left one.
 struct TagObservation {

@@ -42,13 +42,13 @@ Problem unpack_placed(const idl::MapPatch& m, std::optional<PlacedPose>& placed)
 }
 
 Problem unpack_lens(const std::vector<float>& packed, std::optional<LensCorrection>& lens) {
-  constexpr double kMost = 3, kMostShift_px = 1e5;
+  constexpr double kMostShift_px = 1e5;
   constexpr auto kSize = static_cast<std::size_t>(LensCorrection::kTerms);
   if (packed.empty()) return std::nullopt;
   if (packed.size() != kSize) return Rejection::kSizeMismatch;
   lens.emplace();
   for (std::size_t i = 0; i < kSize; ++i) {
-    const double most = i == 1 || i == 2 ? kMostShift_px : kMost;
+    const double most = i == 1 || i == 2 ? kMostShift_px : LensCorrection::kMost;
     if (const Problem problem = check_number(packed[i], -most, most)) return problem;
     lens->values[static_cast<Eigen::Index>(i)] = packed[i];
   }

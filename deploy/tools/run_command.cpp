@@ -81,12 +81,7 @@ void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
 int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
-    SourceOptions play{a.start_s, a.duration_s, sequence.rate_hz};
-    const CameraModel camera = camera_of(a.source, a.calibration, play);
-    play.width_px = camera.width_px;
-    play.height_px = camera.height_px;
-    play.calibration = a.calibration;
-    const auto source = open_source(a.source, play);
+    const auto source = open_camera(a.source, a.calibration, {a.start_s, a.duration_s, sequence.rate_hz}).images;
     int frames = 0;
     while (!source->live() && source->skip()) ++frames;
     most = std::max(most, frames);

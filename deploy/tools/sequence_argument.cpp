@@ -3,7 +3,6 @@
 #include "deploy/tools/sequence_argument.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <string_view>
@@ -31,15 +30,11 @@ bool names_sequence(const std::string& text) {
          std::filesystem::exists(path / "sequence.yaml") || !std::filesystem::exists(path);
 }
 
-// The name of an agent may hold no other letters; two of one name are told apart by a number.
+// Two of one name are told apart by a number, for which there is room.
 std::string agent_name(const std::filesystem::path& source, const std::vector<SequenceAgent>& others) {
   constexpr std::size_t kMost = 28;
   const std::filesystem::path named = source.filename().empty() ? source.parent_path() : source;
-  std::string name = named.stem().string().substr(0, kMost);
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
-  }
-  if (name.empty() || name.front() == '.') name = "cam";
+  const std::string name = agent_name_like(named.stem().string().substr(0, kMost));
   const auto taken = [&](const std::string& n) {
     return std::ranges::any_of(others, [&](const SequenceAgent& a) { return a.name == n; });
   };

@@ -15,14 +15,6 @@ namespace {
 constexpr double kFound2 = 12;
 constexpr double kLensTolerance = 1e-5;  // relative change of the cost that ends a solution
 
-// As the wire carries it, and of use all over the image.
-bool may_be(const CameraModel& camera, const LensCorrection& lens) {
-  constexpr double kMost = 3;
-  LensCorrection::Values sizes = lens.values.cwiseAbs();
-  sizes.segment<2>(1) /= camera.width_px;
-  return sizes.allFinite() && sizes.maxCoeff() < kMost && is_invertible(camera, lens);
-}
-
 // Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
 bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
   bool any = false;
@@ -39,33 +31,26 @@ bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
   return any;
 }
 
-// Of a camera that has no calibration.
-LensCorrection::Values guess_sigma(const CameraModel& camera) {
-  constexpr double kFocal = 0.3, kCentre = 0.015, kAspect = 0.005, kTangential = 0.002, kRadial = 0.2;
-  const double centre_px = kCentre * camera.width_px;
-  LensCorrection::Values out;
-  out.head<6>() << kFocal, centre_px, centre_px, kAspect, kTangential, kTangential;
-  for (int j = 0; j < LensCorrection::kRadial; ++j) out[6 + j] = kRadial / std::pow(2.0, j);
-  return out;
-}
-
 }  // namespace
 
 LensCorrection::Values calibration_sigma(const CameraModel& camera) {
-  constexpr double kFocal = 0.005, kCentre = 0.005, kAspect = 0.002, kTangential = 0.001, kRadial = 0.01;
-  if (camera.distortion == DistortionModel::kUnknown) return guess_sigma(camera);
-  const double centre_px = kCentre * camera.width_px;
+  struct Worth {
+    double focal, centre, aspect, tangential, radial;
+  };
+  constexpr Worth kCalibration{0.005, 0.005, 0.002, 0.001, 0.01}, kGuess{0.3, 0.015, 0.005, 0.002, 0.2};
+  const Worth& worth = camera.distortion == DistortionModel::kUnknown ? kGuess : kCalibration;
+  const double centre_px = worth.centre * camera.width_px;
   LensCorrection::Values out;
-  out.head<6>() << kFocal, centre_px, centre_px, kAspect, kTangential, kTangential;
-  for (int j = 0; j < LensCorrection::kRadial; ++j) out[6 + j] = kRadial / std::pow(2.0, j);
+  out.head<6>() << worth.focal, centre_px, centre_px, worth.aspect, worth.tangential, worth.tangential;
+  for (int j = 0; j < LensCorrection::kRadial; ++j) out[6 + j] = worth.radial / std::pow(2.0, j);
   return out;
 }
 
 void free_lenses(const Map& map, RefineJob* job) {
   // Lenses lie in long valleys of the cost: where poses and points are done, they are still on their way.
   job->config.function_tolerance = kLensTolerance;
-  constexpr int kFewest =
-      200;  // observations: with next to none a lens that was found would go back to its calibration
+  // With next to no observations a lens that was found would go back to its calibration.
+  constexpr int kFewest = 200;
   std::vector<int> seen(map.cameras().size());
   for (const auto& o : job->problem.observations) ++seen[job->poses[static_cast<std::size_t>(o.pose)].camera.value];
   for (const MapCamera& c : map.cameras()) {
@@ -110,8 +95,7 @@ double lens_step2(const Map& map, const RefineJob& job, const BundleResult& resu
   double most2 = 0;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     const MapCamera& c = map.camera(CameraId(static_cast<std::uint16_t>(i)));
-    if (!is_new(c, job, result)) continue;
-    if (result.lens_covariances.empty()) continue;
+    if (!is_new(c, job, result) || result.lens_covariances.empty()) continue;
     const LensCorrection::Values step = result.lenses[i].values - c.lens.values;
     most2 = std::max(most2, step.dot(result.lens_covariances[i].ldlt().solve(step)));
   }

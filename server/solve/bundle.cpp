@@ -9,6 +9,8 @@ namespace coslam {
 namespace {
 
 void judge_observations(const BundleProblem& problem, const BundleConfig& config, BundleResult* result) {
+  std::vector<CorrectedLens> lenses;
+  for (std::size_t i = 0; i < result->lenses.size(); ++i) lenses.emplace_back(problem.cameras[i], result->lenses[i]);
   std::vector<double> norms_px;
   result->is_inlier.resize(problem.observations.size());
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
@@ -19,10 +21,9 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
     const auto camera = static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera);
     const CameraModel& model = problem.cameras[camera];
     const double error_px =
-        result->lenses.empty()
+        lenses.empty()
             ? (model.raw_by_undistorted(o.undistorted_px) * (model.project(x) - o.undistorted_px)).norm()
-            : (result->lenses[camera].raw_from_normalized(model, x.hnormalized()) -
-               model.raw_from_undistorted(o.undistorted_px))
+            : (lenses[camera].raw_from_normalized(x.hnormalized()) - model.raw_from_undistorted(o.undistorted_px))
                   .norm();
     norms_px.push_back(error_px);
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;

@@ -26,6 +26,13 @@ Reprojection reprojection(const CameraModel& camera, const Eigen::Matrix2d& whit
 Eigen::Vector2d reprojection_residual(const CameraModel& camera, const Eigen::Matrix2d& whiten,
                                       const Eigen::Vector2d& undistorted_px, const Eigen::Vector3d& in_cam);
 
+// The same where the lens is not as calibrated: of an observation in the raw image. by_lens: by LensCorrection::values.
+Reprojection lens_reprojection(const CorrectedLens& lens, const Eigen::Vector2d& raw_px, double sigma_px,
+                               const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
+                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens);
+Eigen::Vector2d lens_reprojection_residual(const CorrectedLens& lens, const Eigen::Vector2d& raw_px, double sigma_px,
+                                           const Eigen::Vector3d& in_cam);
+
 // How far two poses are from what ties them, in standard deviations: turn (3) of 1 mrad, as well as a rig is calibrated
 // and keeps it, and shift (3) of a thousandth of the distance; and the derivatives by either pose.
 struct Tie {
@@ -33,13 +40,5 @@ struct Tie {
   Matrix6d by_first, by_second;
 };
 Tie tie(const Rigid3& second_from_first, const Rigid3& first, const Rigid3& second);
-
-// The same where the lens is not as calibrated: of an observation in the raw image. by_lens: by LensCorrection::values.
-Reprojection lens_reprojection(const CameraModel& camera, const LensCorrection& lens, const Eigen::Vector2d& raw_px,
-                               double sigma_px, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                               const Eigen::Vector3d& point, Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens);
-Eigen::Vector2d lens_reprojection_residual(const CameraModel& camera, const LensCorrection& lens,
-                                           const Eigen::Vector2d& raw_px, double sigma_px,
-                                           const Eigen::Vector3d& in_cam);
 
 }  // namespace coslam

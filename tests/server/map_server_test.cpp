@@ -50,37 +50,6 @@ TEST(MapServer, FindsThePathOfEveryCamera) {
   EXPECT_LT(run.path_error().ate, 1.2 * all.ate + 1e-3) << "the last adjustment makes nothing worse";
 }
 
-// Calibrations whose focal length is 5 % too long: ten times what they are worth.
-TEST(MapServer, FindsLensesThatAreNotAsCalibrated) {
-  const SimWorld world({});
-  SimRun run(world, {}, {.noise_px = 0.3, .focal_error = 0.05});
-  add_agents(run, 3);
-  run.step(180);
-  for (int i = 0; i < 3; ++i) {
-    const MapCamera& c = run.map().camera(cam(i));
-    EXPECT_NEAR(std::exp(c.lens.log_focal()) * c.model.fx, test::sim_camera().fx, 0.015 * c.model.fx)
-        << i << ": a calibration that is ten times as wrong as they are still has a say";
-    EXPECT_GT(c.lens_sigma[0], 0) << i;
-    const FramePose& newest = c.frames.back();
-    EXPECT_THAT(run.agent(cam(i)).pose().cam_from_world, PoseNear(newest.cam_from_world, 0.002, 0.005))
-        << "the agent goes by the lens that the server found";
-  }
-  EXPECT_LT(run.path_error().ate, 0.001 * run.path_error().path_m);
-  const std::vector<std::string> warnings = run.server().take_warnings();
-  EXPECT_EQ(warnings.size(), 3U) << "one for each camera";
-  run.server().finish();
-  EXPECT_LT(run.path_error().ate, 0.0006 * run.path_error().path_m);
-}
-
-TEST(MapServer, LensesThatAreAsCalibratedStay) {
-  const SimWorld world({});
-  SimRun run(world, {}, {.noise_px = 0.3});
-  add_agents(run, 3);
-  run.step(120);
-  run.server().finish();
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(run.map().camera(cam(i)).lens.none()) << i;
-}
-
 TEST(MapServer, TheAgentsOwnPoseIsTheServers) {
   const SimWorld world({});
   SimRun run(world, {});

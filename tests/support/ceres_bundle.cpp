@@ -19,15 +19,20 @@ namespace {
 
 using Block = std::array<double, 7>;
 
-Block to_block(const Rigid3& pose) {
-  Block b{};
-  Eigen::Map<Eigen::Quaterniond>(b.data()) = pose.rotation;
-  Eigen::Map<Eigen::Vector3d>(b.data() + 4) = pose.translation;
-  return b;
+void write_block(const Rigid3& pose, double* block) {
+  Eigen::Map<Eigen::Quaterniond>{block} = pose.rotation;
+  Eigen::Map<Eigen::Vector3d>{block + 4} = pose.translation;
 }
 
-Rigid3 from_block(const Block& b) {
-  return {Eigen::Map<const Eigen::Quaterniond>(b.data()).normalized(), Eigen::Map<const Eigen::Vector3d>(b.data() + 4)};
+Rigid3 pose_of(const double* block) {
+  return {Eigen::Map<const Eigen::Quaterniond>(block).normalized(), Eigen::Map<const Eigen::Vector3d>(block + 4)};
+}
+
+// Between the seven numbers of a block and its six local coordinates, as far as the costs below take part: they write
+// their Jacobians in local coordinates into the first six columns.
+void select_first_six(Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian) {
+  jacobian.setZero();
+  jacobian.topLeftCorner<6, 6>().setIdentity();
 }
 
 class PoseManifold final : public ceres::Manifold {
@@ -35,32 +40,19 @@ class PoseManifold final : public ceres::Manifold {
   int AmbientSize() const override { return 7; }
   int TangentSize() const override { return 6; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    const Rigid3 pose(Eigen::Map<const Eigen::Quaterniond>(x), Eigen::Map<const Eigen::Vector3d>(x + 4));
-    const Rigid3 moved = retract(pose, Eigen::Map<const Vector6d>(delta));
-    Eigen::Map<Eigen::Quaterniond> rotation(x_plus_delta);
-    Eigen::Map<Eigen::Vector3d> translation(x_plus_delta + 4);
-    rotation = moved.rotation;
-    translation = moved.translation;
+    write_block(retract(pose_of(x), Eigen::Map<const Vector6d>(delta)), x_plus_delta);
     return true;
   }
-  // The cost below writes its Jacobian in local coordinates into the first six columns, so this is a plain selection.
   bool PlusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> j(jacobian);
-    j.setZero();
-    j.topRows<6>().setIdentity();
+    select_first_six(Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>>(jacobian));
     return true;
   }
   bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    const Rigid3 from(Eigen::Map<const Eigen::Quaterniond>(x), Eigen::Map<const Eigen::Vector3d>(x + 4));
-    const Rigid3 to(Eigen::Map<const Eigen::Quaterniond>(y), Eigen::Map<const Eigen::Vector3d>(y + 4));
-    Eigen::Map<Vector6d> difference(y_minus_x);
-    difference = local(from, to);
+    Eigen::Map<Vector6d>{y_minus_x} = local(pose_of(x), pose_of(y));
     return true;
   }
   bool MinusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> j(jacobian);
-    j.setZero();
-    j.leftCols<6>().setIdentity();
+    select_first_six(Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>>(jacobian));
     return true;
   }
 };
@@ -78,7 +70,7 @@ class LensReprojectionCost final : public ceres::SizedCostFunction<2, 7, 3, Lens
     const LensCorrection lens{Eigen::Map<const LensCorrection::Values>(parameters[2])};
     Eigen::Matrix<double, 2, LensCorrection::kTerms> by_lens;
     const Reprojection r =
-        lens_reprojection(camera_, lens, raw_px_, sigma_px_, q.toRotationMatrix(), t, point, &by_lens);
+        lens_reprojection({camera_, lens}, raw_px_, sigma_px_, q.toRotationMatrix(), t, point, &by_lens);
     Eigen::Map<Eigen::Vector2d>{residuals} = r.residual;
     if (jacobians == nullptr) return true;
     if (jacobians[0] != nullptr) {
@@ -132,10 +124,6 @@ class TieCost final : public ceres::SizedCostFunction<6, 7, 7> {
   }
 
  private:
-  static Rigid3 pose_of(const double* block) {
-    return {Eigen::Map<const Eigen::Quaterniond>(block).normalized(), Eigen::Map<const Eigen::Vector3d>(block + 4)};
-  }
-
   Rigid3 tie_;
 };
 
@@ -183,7 +171,7 @@ class WeightedLoss {
 BundleResult solve_by_ceres(const BundleProblem& problem, const BundleConfig& config) {
   BundleResult result;
   std::vector<Block> poses;
-  for (const auto& p : problem.poses) poses.push_back(to_block(p.cam_from_world));
+  for (const auto& p : problem.poses) write_block(p.cam_from_world, poses.emplace_back().data());
   result.points = problem.points;
 
   PoseManifold manifold;
@@ -236,7 +224,7 @@ BundleResult solve_by_ceres(const BundleProblem& problem, const BundleConfig& co
   result.final_cost = summary.final_cost;
   result.iterations = static_cast<int>(summary.iterations.size());
   if (!problem.lenses.empty()) result.lenses = std::move(lenses);
-  for (const Block& b : poses) result.poses.push_back(from_block(b));
+  for (const Block& b : poses) result.poses.push_back(pose_of(b.data()));
   return result;
 }
 

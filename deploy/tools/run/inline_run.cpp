@@ -34,17 +34,14 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.pacing = Pacing::kLockstep;
   hello.rate_hz = options.sequence.rate_hz;
   SourceOptions play{agent.start_s, agent.duration_s, options.sequence.rate_hz};
-  hello.camera = camera_of(agent.source, agent.calibration, play);
+  play.covered = agent.covered;
+  auto [camera, images] = open_camera(agent.source, agent.calibration, play);
+  hello.camera = camera;
   if (agent.calibration.empty())
     log_warn("agent " + agent.name + " has no calibration: its lens is guessed, and found out from the images");
-  play.width_px = hello.camera.width_px;
-  play.height_px = hello.camera.height_px;
-  play.calibration = agent.calibration;
-  play.covered = agent.covered;
-  auto source = open_source(agent.source, play);
   InlineAgent out;
   out.link = link.connect(hello);
-  out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(source)), hello, config);
+  out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(images)), hello, config);
   return out;
 }
 

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "server/adjust/adjustment.h"
-#include "server/adjust/lens.h"
+#include "tests/server/adjust/drifted_map.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -21,76 +21,6 @@ namespace {
 
 using test::PoseNear;
 using test::VectorNear;
-
-constexpr int kSets = 66, kKeyEvery = 6, kFirstDrifted = 12;
-
-// A map of three cameras over eleven key frames and five sets more. From set 12 on it drifts: smoothly, and for all
-// cameras alike.
-class RefineTest : public testing::Test {
- protected:
-  // -1: never.
-  struct Faults {
-    int joint_set = -1;   // the second camera's pose rests on moving points
-    int spoilt_set = -1;  // 20 points are seen elsewhere
-  };
-  RefineTest() : RefineTest(Faults()) {}
-  explicit RefineTest(const Faults& faults) : sim_(world_, test::paths_side_by_side(3)) {
-    for (int i = 0; i < kSets; ++i) {
-      sim_.look();
-      if (i == faults.spoilt_set) spoil_observations();
-      sim_.take();
-      sim_.place_truly();
-      if (i == faults.joint_set)
-        sim_.edit.set_joint_pose(sim_.map.camera(cam(1)), sim_.truth(cam(1), sim_.set.id), true);
-      if (i % kKeyEvery != 0) continue;
-      sim_.add_points(0.002);
-      sim_.edit.add_key_frame(sim_.set.id);
-    }
-    for (const MapCamera& c : sim_.map.cameras()) {
-      for (const FramePose& f : c.frames) sim_.edit.adjust_pose(c, f, drifted(f.cam_from_world, f.set));
-    }
-  }
-  void spoil_observations() {
-    for (const auto& [id, p] : sim_.map.points()) {
-      if (p.key_observations.size() < 9 || p.bound.empty() || spoilt_.size() == 20) continue;
-      const BoundTrack& b = p.bound.front();
-      TrackObservation* seen = sim_.seen(b.camera, sim_.world_point(b.camera, b.track));
-      if (seen == nullptr) continue;
-      seen->undistorted_px += Eigen::Vector2f(25, -20);
-      spoilt_[id] = {sim_.set.id, b.camera, b.track, seen->undistorted_px};
-    }
-  }
-  static Rigid3 drifted(const Rigid3& pose, SetId at) {
-    const double s = std::max(0.0, (at.value - double{kFirstDrifted}) / kSets);
-    return pose * Rigid3(so3_exp({0, 0.02 * s, 0.01 * s}), {0.1 * s, 0.05 * s, -0.05 * s});
-  }
-  RefineJob plan(RefineExtent extent = RefineExtent::kWindow) {
-    auto job = plan_refine(sim_.map, sim_.id, extent, config_);
-    EXPECT_TRUE(job);
-    return job ? *job : RefineJob();
-  }
-  RefineReport refine(RefineExtent extent = RefineExtent::kWindow) {
-    const RefineJob job = plan(extent);
-    return apply_refine(sim_.edit, job, solve_refine(job));
-  }
-  Rigid3 pose(int camera, int set) {
-    return sim_.map.camera(cam(camera)).frame_at(SetId(static_cast<std::uint32_t>(set)))->cam_from_world;
-  }
-  Rigid3 truth(int camera, int set) { return sim_.truth(cam(camera), SetId(static_cast<std::uint32_t>(set))); }
-  double worst_m(int first, int last) {
-    double worst = 0;
-    for (int c = 0; c < 3; ++c) {
-      for (int s = first; s <= last; ++s) worst = std::max(worst, (pose(c, s).center() - truth(c, s).center()).norm());
-    }
-    return worst;
-  }
-  static CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
-
-  RefineConfig config_;
-  const test::SimWorld world_{{}};
-  test::SimMap sim_;
-  std::map<PointId, KeyObservation> spoilt_;
-};
 
 TEST_F(RefineTest, TheWindowIsFreeAndHistoryHoldsIt) {
   const RefineJob job = plan();
@@ -377,49 +307,6 @@ TEST_F(RefineWithOutliers, TheyAreTakenOut) {
   }
   EXPECT_LE(left, 1);
   EXPECT_LT(worst_m(18, 60), 0.02);
-}
-
-TEST_F(RefineTest, LensesThatAreAsCalibratedStaySo) {
-  adjust_whole(sim_.edit, sim_.id, config_);
-  for (const MapCamera& c : sim_.map.cameras()) EXPECT_TRUE(c.lens.none());
-}
-
-// As if the second camera had been calibrated with a focal length 4 % too long.
-TEST_F(RefineTest, ALensThatIsNotAsCalibratedIsFoundAndOthersStay) {
-  RefineJob job = plan(RefineExtent::kWhole);
-  job.problem.cameras[1].fx *= 1.04;
-  job.problem.cameras[1].fy *= 1.04;
-  const BundleResult result = solve_refine(job);
-  ASSERT_TRUE(result.usable);
-  EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 1 / 1.04, 0.01);
-  for (const std::size_t other : {0, 2}) EXPECT_TRUE(result.lenses[other].none());
-}
-
-// As of a camera that is in another map: the prior alone would take its lens back to the calibration.
-TEST_F(RefineTest, ALensThatAJobSeesNothingOfStays) {
-  LensCorrection lens;
-  lens.values[0] = 0.02;
-  sim_.edit.correct_lens(sim_.map.camera(cam(1)), lens, LensCorrection::Values::Zero());
-  RefineJob job = plan(RefineExtent::kWhole);
-  for (std::size_t i = job.observations.size(); i-- > 0;) {
-    const auto pose = static_cast<std::size_t>(job.problem.observations[i].pose);
-    if (job.poses[pose].camera != cam(1)) continue;
-    job.observations.erase(job.observations.begin() + static_cast<std::ptrdiff_t>(i));
-    job.problem.observations.erase(job.problem.observations.begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  job.problem.lenses.clear();
-  free_lenses(sim_.map, &job);
-  EXPECT_FALSE(job.problem.lenses[1].free);
-  EXPECT_TRUE(job.problem.lenses[0].free);
-  EXPECT_EQ(solve_refine(job).lenses[1], sim_.map.camera(cam(1)).lens);
-}
-
-TEST_F(RefineTest, LensesThatAreGivenAreNotSolvedFor) {
-  config_.lens = "given";
-  EXPECT_TRUE(plan(RefineExtent::kWhole).problem.lenses.empty());
-  config_.lens = "auto";
-  EXPECT_FALSE(plan(RefineExtent::kOutline).problem.lenses.empty());
-  EXPECT_TRUE(plan().problem.lenses.empty()) << "a window is too little";
 }
 
 TEST_F(RefineTest, TooLittleIsNoJob) {

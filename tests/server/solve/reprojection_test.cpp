@@ -67,7 +67,7 @@ TEST(ReprojectionTest, BehindTheCameraIsAConstantThatPullsNothing) {
 
 Reprojection through(const LensCorrection& lens, const Rigid3& pose, const Eigen::Vector3d& point,
                      Eigen::Matrix<double, 2, LensCorrection::kTerms>* by_lens) {
-  return lens_reprojection(kCamera, lens, kCamera.raw_from_undistorted(kPx), 0.7, pose.rotation.toRotationMatrix(),
+  return lens_reprojection({kCamera, lens}, kCamera.raw_from_undistorted(kPx), 0.7, pose.rotation.toRotationMatrix(),
                            pose.translation, point, by_lens);
 }
 

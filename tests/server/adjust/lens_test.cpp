@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/adjust/lens.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/adjust/adjustment.h"
+#include "tests/server/adjust/drifted_map.h"
+
+namespace coslam {
+namespace {
+
+using LensTest = RefineTest;
+
+TEST_F(LensTest, LensesThatAreAsCalibratedStaySo) {
+  adjust_whole(sim_.edit, sim_.id, config_);
+  for (const MapCamera& c : sim_.map.cameras()) EXPECT_TRUE(c.lens.none());
+}
+
+// As if the second camera had been calibrated with a focal length 4 % too long.
+TEST_F(LensTest, ALensThatIsNotAsCalibratedIsFoundAndOthersStay) {
+  RefineJob job = plan(RefineExtent::kWhole);
+  job.problem.cameras[1].fx *= 1.04;
+  job.problem.cameras[1].fy *= 1.04;
+  const BundleResult result = solve_refine(job);
+  ASSERT_TRUE(result.usable);
+  EXPECT_NEAR(std::exp(result.lenses[1].log_focal()), 1 / 1.04, 0.01);
+  for (const std::size_t other : {0, 2}) EXPECT_TRUE(result.lenses[other].none());
+}
+
+// As of a camera that is in another map: the prior alone would take its lens back to the calibration.
+TEST_F(LensTest, ALensThatAJobSeesNothingOfStays) {
+  LensCorrection lens;
+  lens.values[0] = 0.02;
+  sim_.edit.correct_lens(sim_.map.camera(cam(1)), lens, LensCorrection::Values::Zero());
+  RefineJob job = plan(RefineExtent::kWhole);
+  for (std::size_t i = job.observations.size(); i-- > 0;) {
+    const auto pose = static_cast<std::size_t>(job.problem.observations[i].pose);
+    if (job.poses[pose].camera != cam(1)) continue;
+    job.observations.erase(job.observations.begin() + static_cast<std::ptrdiff_t>(i));
+    job.problem.observations.erase(job.problem.observations.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  job.problem.lenses.clear();
+  free_lenses(sim_.map, &job);
+  EXPECT_FALSE(job.problem.lenses[1].free);
+  EXPECT_TRUE(job.problem.lenses[0].free);
+  EXPECT_EQ(solve_refine(job).lenses[1], sim_.map.camera(cam(1)).lens);
+}
+
+TEST_F(LensTest, LensesThatAreGivenAreNotSolvedFor) {
+  config_.lens = "given";
+  EXPECT_TRUE(plan(RefineExtent::kWhole).problem.lenses.empty());
+  config_.lens = "auto";
+  EXPECT_FALSE(plan(RefineExtent::kOutline).problem.lenses.empty());
+  EXPECT_TRUE(plan().problem.lenses.empty()) << "a window is too little";
+}
+
+}  // namespace
+}  // namespace coslam
