@@ -3,6 +3,7 @@
 #include "agent/agent.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "agent/gpu/matcher_for.h"
@@ -58,6 +59,10 @@ void Agent::track(const Image& image) {
   }
   look_for_tags();
   frame_took_ = std::chrono::steady_clock::now() - begin;
+}
+
+int Agent::working_width_px() const {
+  return static_cast<int>(std::lround(tracker_->working_scale() * camera_.width_px));
 }
 
 void Agent::look_for_tags() {

@@ -85,6 +85,8 @@ class Agent {
   std::uint32_t tracked_frames() const { return tracked_frames_; }
   // Of a rolling shutter, when it is not given but found; else 0.
   double found_readout_s() const { return shutter_.found_s(); }
+  // Of the images as they are tracked in.
+  int working_width_px() const;
   std::size_t tracks() const { return observations_.size(); }
 
  private:

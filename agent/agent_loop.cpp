@@ -165,6 +165,7 @@ void AgentLoop::say_state() {
   if (const auto word = words_.server(link_.server_alive(), now_())) log_info(*word);
   if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
+  if (const auto word = words_.working_width(agent_.working_width_px())) log_info(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
 }
 
@@ -238,6 +239,7 @@ std::string AgentLoop::report() const {
   out["unreadable"] = feed_->unreadable();
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
   out["ms_per_frame"] = mean_frame_ms();
+  out["tracked_width_px"] = agent_.working_width_px();
   out["ms"] = ms;
   out["peak_memory_mib"] = peak_memory_mib();
   return out.dump();

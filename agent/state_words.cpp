@@ -31,6 +31,13 @@ std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
   return lost_;
 }
 
+std::optional<std::string> StateWords::working_width(int width_px) {
+  const int said_px = std::exchange(said_width_px_, width_px);
+  if (width_px == said_px || said_px == 0) return std::nullopt;
+  const char* why = width_px < said_px ? "its images are dim, noisy or soft and show no more at more" : "its images show fine detail again";
+  return std::string(why) + ": tracked at a width of " + std::to_string(width_px) + " pixels instead of " + std::to_string(said_px);
+}
+
 std::optional<std::string> StateWords::readout(double readout_s) {
   constexpr double kDifferent = 0.33;
   if (std::abs(readout_s - said_readout_s_) <= kDifferent * said_readout_s_) return std::nullopt;

@@ -20,6 +20,8 @@ class StateWords {
     return pose_.note(state == PoseState::kTracked, now);
   }
   std::optional<std::string> link(bool carries_all, Instant now) { return link_.note(carries_all, now); }
+  // The width that its images are tracked at, when it changes.
+  std::optional<std::string> working_width(int width_px);
   // The readout of its camera as it is found out, 0 while it is not; again when it turns out a third different.
   std::optional<std::string> readout(double readout_s);
 
@@ -39,6 +41,7 @@ class StateWords {
   Presence server_{nullptr, "the map server is silent; going on alone", "the map server is back"};
   Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
   Presence link_{nullptr, "the link does not carry all frames; sending fewer", "the link carries all frames again"};
+  int said_width_px_ = 0;
   double said_readout_s_ = 0;
 };
 

@@ -121,6 +121,14 @@ class MatcherOnDevice final : public Matcher {
     look_for_corners();
   }
 
+  void restart() override {
+    settle();
+    before_ = newest_ = {};
+    sizes_.clear();
+    corners_.clear();
+    key_places_.clear();
+  }
+
   Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) override {
     make_room(tracks.size());
     send(tracks);

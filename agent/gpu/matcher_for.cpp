@@ -25,6 +25,15 @@ class FallbackMatcher final : public Matcher {
       go_to_cpu(failure);
     }
   }
+  void restart() override {
+    cells_.clear();
+    try {
+      matcher_->restart();
+    } catch (const DeviceFailure& failure) {
+      go_to_cpu(failure);
+      matcher_->restart();
+    }
+  }
   Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) override {
     try {
       return matcher_->follow(tracks, last_shift_px);

@@ -21,6 +21,11 @@ class CpuMatcher final : public Matcher {
     newest_.build(grey, config_.levels);
   }
 
+  void restart() override {
+    before_ = newest_ = {};
+    cells_.clear();
+  }
+
   Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) override {
     Following out;
     out.shift_px = global_shift(before_, newest_);

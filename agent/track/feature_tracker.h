@@ -42,6 +42,9 @@ class FeatureTracker {
   // call that is not const.
   virtual const std::vector<Track>& live() const = 0;
 
+  // The size of the images that are tracked in, against the raw ones.
+  virtual double working_scale() const { return 1; }
+
   // Ends tracks, those that are missed least first, until there are no more than step() would fill up to or `at_most`
   // were ended.
   virtual void thin(int at_most) = 0;

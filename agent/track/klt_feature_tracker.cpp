@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
 #include "agent/track/descriptors.h"
 #include "agent/track/tags.h"
+#include "agent/track/working_scale.h"
 
 namespace coslam {
 namespace {
@@ -18,11 +18,6 @@ constexpr float kSamePx = 2.5F;  // a SIFT feature this close to a track is that
 constexpr float kNearPx = 4.0F;  // the strongest SIFT feature this close to a track tells what is there
 constexpr double kSiftBorderPx = 14;
 
-// Pixel centres are at whole numbers, so the corner of the image, at -0.5, is the fixed point of a scaling.
-Eigen::Vector2f scaled(const Eigen::Vector2f& px, double scale) {
-  return ((px.array() + 0.5F) * static_cast<float>(scale) - 0.5F).matrix();
-}
-
 // The tracker works on images of a usual size: its windows are so many pixels, whatever they show. Places outside are
 // of the raw image.
 class KltFeatureTracker final : public FeatureTracker {
@@ -30,21 +25,24 @@ class KltFeatureTracker final : public FeatureTracker {
   KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family,
                     std::unique_ptr<Matcher> matcher)
       : pixel_scale_(pixel_scale(camera)),
-        work_scale_(working_scale(camera.width_px, config)),
+        scale_(camera.width_px, config),
+        work_scale_(scale_.now()),
         config_(config),
         tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
   }
 
   const std::vector<Track>& step(const Image& image) override {
-    grey_ = work_ = image.grey;
-    if (work_scale_ != 1) {
-      cv::resize(grey_, work_, {}, work_scale_, work_scale_, work_scale_ < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
-    }
+    const cv::Mat before = std::exchange(grey_, image.grey);
+    const std::vector<Track> live_before = live_;
+    work_ = scaled_image(grey_, work_scale_);
     tracker_.step(work_);
-    return refresh();
+    refresh();
+    if (!before.empty() && scale_.due()) choose_scale(before, live_before);
+    return live_;
   }
-  const std::vector<Track>& live() const override { return work_scale_ == 1 ? tracker_.live() : live_; }
+  const std::vector<Track>& live() const override { return live_; }
+  double working_scale() const override { return work_scale_; }
   void thin(int at_most) override {
     tracker_.thin(at_most);
     refresh();
@@ -101,11 +99,27 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
  private:
-  const std::vector<Track>& refresh() {
-    if (work_scale_ == 1) return tracker_.live();
+  void refresh() {
     live_ = tracker_.live();
-    for (Track& t : live_) t.raw_px = scaled(t.raw_px, 1 / work_scale_);
-    return live_;
+    if (work_scale_ == 1) return;
+    for (Track& t : live_) t.raw_px = scaled_px(t.raw_px, 1 / work_scale_);
+  }
+
+  // Both images raw; live_before: in the one before.
+  void choose_scale(const cv::Mat& before, const std::vector<Track>& live_before) {
+    std::vector<MovedPlace> places;
+    for (const Track& t : live_) {
+      const auto was = std::ranges::lower_bound(live_before, t.id, {}, &Track::id);
+      if (was == live_before.end() || was->id != t.id) continue;
+      places.push_back({scaled_px(was->raw_px, scale_.finest()), scaled_px(t.raw_px, scale_.finest())});
+    }
+    const auto loss =
+        loss_by_halving(scaled_image(before, scale_.finest()), scaled_image(grey_, scale_.finest()), places);
+    if (loss) scale_.compared(*loss);
+    if (scale_.now() == work_scale_) return;
+    const double ratio = scale_.now() / std::exchange(work_scale_, scale_.now());
+    work_ = scaled_image(grey_, work_scale_);
+    tracker_.resize(work_, ratio);
   }
 
   static std::vector<Track> live_among(const std::vector<Track>& live, const std::vector<TrackId>& ids) {
@@ -116,13 +130,18 @@ class KltFeatureTracker final : public FeatureTracker {
     return out;
   }
 
-  // To the newest image from an earlier one; what is not found there is left out.
+  // To the newest image from an earlier one, which may have been worked on at another size; what is not found there is
+  // left out.
   DescribedFeatures followed(const DescribedFeatures& features, const cv::Mat& from) const {
     TrackerConfig config = config_;
     config.max_tracks = 0;
     Tracker tracker(config, cpu_matcher(config));
     tracker.step(from);
     const std::vector<TrackId> ids = tracker.add(features.raw_px, 0, static_cast<int>(features.raw_px.size()));
+    if (from.size() != work_.size()) {
+      const double ratio = static_cast<double>(work_.cols) / from.cols;
+      tracker.resize(scaled_image(from, ratio), ratio);
+    }
     DescribedFeatures out;
     for (const Track& t : tracker.step(work_)) {
       out.raw_px.push_back(t.raw_px);
@@ -149,21 +168,16 @@ class KltFeatureTracker final : public FeatureTracker {
   }
 
   double pixel_scale_;
+  WorkingScale scale_;
   double work_scale_;  // of the image that is worked on, against the raw one
   const TrackerConfig config_;
   Tracker tracker_;
-  std::vector<Track> live_;  // raw pixels, where that is not the same
+  std::vector<Track> live_;  // raw pixels
   std::optional<TagFinder> tag_finder_;
   cv::Mat grey_, work_;  // the newest image, and as it is worked on
 };
 
 }  // namespace
-
-double working_scale(int width_px, const TrackerConfig& config) {
-  constexpr int kSmall_px = 480;
-  if (width_px <= kSmall_px) return 2;
-  return width_px > config.most_width_px ? static_cast<double>(config.most_width_px) / width_px : 1;
-}
 
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
                                                     const std::string& tag_family, std::unique_ptr<Matcher> matcher) {

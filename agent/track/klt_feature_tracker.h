@@ -11,11 +11,6 @@
 
 namespace coslam {
 
-// Of the image that is tracked in against the raw one: wide images are shrunk to config.most_width_px, which costs
-// their finest detail and saves time; small ones are doubled, since the tracker's windows are so many pixels and show
-// too much of the scene in them.
-double working_scale(int width_px, const TrackerConfig& config);
-
 // Tracks by Tracker, patches and SIFT descriptors cut from the image, tags by TagFinder. Throws UserError for an
 // unknown family of tags; kNoTags: none are looked for.
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,

@@ -42,10 +42,13 @@ class Matcher {
   // Takes the newest image (CV_8UC1, constant size); the one before it is kept.
   virtual void push(const cv::Mat& grey) = 0;
 
+  // Forgets all images and cells: the next image may have another size.
+  virtual void restart() = 0;
+
   // Follows tracks from the image before into the newest; last_shift_px is the shift that the last call gave.
   virtual Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) = 0;
 
-  // Where corners will be asked for, pixels of the level corner_level(). Called once, after the first push().
+  // Where corners will be asked for, pixels of the level corner_level(). Called once, after the first push() of a size.
   virtual void watch(const std::vector<CornerCell>& cells) = 0;
   // What one of these cells holds in the newest image.
   virtual CellCorners corners(std::size_t cell) = 0;

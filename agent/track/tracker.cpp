@@ -10,6 +10,7 @@
 #include "agent/track/key_patch.h"
 #include "agent/track/motion.h"
 #include "agent/track/pyramid.h"
+#include "agent/track/working_scale.h"
 #include "common/base/check.h"
 
 namespace coslam {
@@ -267,6 +268,22 @@ void Tracker::thin(int at_most) {
     tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(i));
     state_->memories.erase(state_->memories.begin() + static_cast<std::ptrdiff_t>(i));
   }
+}
+
+void Tracker::resize(const cv::Mat& grey, double ratio) {
+  state_->matcher->restart();
+  state_->matcher->push(grey);
+  state_->finder.reset();
+  for (std::size_t i = 0; i < state_->tracks.size(); ++i) {
+    Track& track = state_->tracks[i];
+    State::Memory& memory = state_->memories[i];
+    track.raw_px = scaled_px(track.raw_px, ratio);
+    memory.motion_px *= static_cast<float>(ratio);
+    memory.key = std::make_unique<KeyPatch>();
+    memory.doubts = 0;
+    state_->take_key(*memory.key, track.raw_px);
+  }
+  state_->shift_px *= static_cast<float>(ratio);
 }
 
 void Tracker::reset() {

@@ -41,6 +41,9 @@ class Tracker {
   // Ends tracks where they stand closest, newest first, until at most max_tracks are left or `at_most` were ended.
   void thin(int at_most);
 
+  // From now on images are so many times as large; `grey` is the newest one at that size. All tracks go on.
+  void resize(const cv::Mat& grey, double ratio);
+
   // Forgets all tracks (after a gap in the images); ids go on.
   void reset();
 

@@ -48,6 +48,10 @@ class ComparedMatcher final : public Matcher {
     first_->push(grey);
     other_->push(grey);
   }
+  void restart() override {
+    first_->restart();
+    other_->restart();
+  }
   Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) override {
     Following following = first_->follow(tracks, last_shift_px);
     agreement_->add(following, other_->follow(tracks, last_shift_px));

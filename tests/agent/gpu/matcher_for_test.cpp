@@ -28,6 +28,10 @@ class FailingMatcher final : public Matcher {
     device_->push(grey);
     call();
   }
+  void restart() override {
+    call();
+    device_->restart();
+  }
   Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) override {
     call();
     return device_->follow(tracks, last_shift_px);
