@@ -34,8 +34,10 @@ std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
 std::optional<std::string> StateWords::working_width(int width_px) {
   const int said_px = std::exchange(said_width_px_, width_px);
   if (width_px == said_px || said_px == 0) return std::nullopt;
-  const char* why = width_px < said_px ? "its images are dim, noisy or soft and show no more at more" : "its images show fine detail again";
-  return std::string(why) + ": tracked at a width of " + std::to_string(width_px) + " pixels instead of " + std::to_string(said_px);
+  const char* why = width_px < said_px ? "its images are dim, noisy or soft and show no more at more"
+                                       : "its images show fine detail again";
+  return std::string(why) + ": tracked at a width of " + std::to_string(width_px) + " pixels instead of " +
+         std::to_string(said_px);
 }
 
 std::optional<std::string> StateWords::readout(double readout_s) {

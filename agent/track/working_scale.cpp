@@ -18,12 +18,12 @@ namespace {
 
 constexpr int kSmall_px = 480;  // wide: windows would show too much of the scene in images no larger
 // Detail that halving loses. Between the two the scale stays as it is.
-constexpr double kLittleLoss = 1.22, kMuchLoss = 1.32;
+constexpr double kLittleLoss = 1.25, kMuchLoss = 1.32;
 constexpr int kFirst = 5;                         // comparisons, one an image, before the first decision
 constexpr int kOneIn = 30;                        // images later
 constexpr double kNewest = 0.2;                   // weight of the newest comparison
 constexpr std::size_t kMost = 100, kFewest = 20;  // places compared
-constexpr double kSame_px = 1e-5;                 // what moves by less shows one image twice
+constexpr double kAllLost = 4;                    // whatever is beyond
 constexpr double kClearlySmaller = 0.71;          // of the finest scale: half its pixels
 
 // Two images at one size.
@@ -67,6 +67,7 @@ cv::Mat scaled_image(const cv::Mat& grey, double scale) {
 
 std::optional<double> loss_by_halving(const cv::Mat& before, const cv::Mat& newest,
                                       std::span<const MovedPlace> places) {
+  if (cv::norm(before, newest, cv::NORM_L1) == 0) return std::nullopt;  // one image twice
   const ImagePair whole(before, newest), half(scaled_image(before, 0.5), scaled_image(newest, 0.5));
   const std::size_t every = (places.size() + kMost - 1) / kMost;
   std::vector<double> losses;
@@ -75,13 +76,12 @@ std::optional<double> loss_by_halving(const cv::Mat& before, const cv::Mat& newe
     const double in_whole = whole.uncertainty_px(p.from_px, p.to_px);
     const double in_half = 2 * half.uncertainty_px(scaled_px(p.from_px, 0.5), scaled_px(p.to_px, 0.5));
     if (std::isinf(in_whole) && std::isinf(in_half)) continue;
-    if (in_whole < kSame_px) continue;
-    losses.push_back(std::isinf(in_whole) ? 0 : in_half / in_whole);
+    losses.push_back(in_half / std::max(in_whole, 1e-6));
   }
   if (losses.size() < kFewest) return std::nullopt;
   const auto middle = losses.begin() + std::ssize(losses) / 2;
   std::ranges::nth_element(losses, middle);
-  return *middle;
+  return std::min(*middle, kAllLost);
 }
 
 WorkingScale::WorkingScale(int width_px, const TrackerConfig& config)

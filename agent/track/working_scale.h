@@ -31,8 +31,8 @@ std::optional<double> loss_by_halving(const cv::Mat& before, const cv::Mat& newe
 
 // The size at which a camera's images are tracked in, against the raw ones. The tracker's windows are so many pixels,
 // whatever they show: images wider than most_width_px are shrunk, which costs their finest detail and saves time, and
-// small ones are doubled. Between that size and about half of it the images decide: where they hold little detail, the smaller
-// ones track as surely, longer, and in less time. Pure; thread-compatible.
+// small ones are doubled. Between that size and about half of it the images decide: where they hold little detail, the
+// smaller ones track as surely, longer, and in less time. Pure; thread-compatible.
 class WorkingScale {
  public:
   WorkingScale(int width_px, const TrackerConfig& config);

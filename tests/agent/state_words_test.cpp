@@ -91,5 +91,16 @@ TEST(StateWords, SaysOnceThatAShutterIsFound) {
   EXPECT_FALSE(words.readout(0));
 }
 
+TEST(StateWords, SaysWhenTheSizeChangesThatIsTracked) {
+  StateWords words;
+  EXPECT_FALSE(words.working_width(1280));
+  EXPECT_FALSE(words.working_width(1280));
+  const auto smaller = words.working_width(640);
+  ASSERT_TRUE(smaller);
+  EXPECT_THAT(*smaller, testing::HasSubstr("640 pixels instead of 1280"));
+  EXPECT_FALSE(words.working_width(640));
+  EXPECT_TRUE(words.working_width(1280));
+}
+
 }  // namespace
 }  // namespace coslam

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "agent/track/tracker.h"
+#include "agent/track/working_scale.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "tests/support/synthetic_view.h"
@@ -62,13 +63,15 @@ cv::Mat image(int i) {
   return test::render(texture, test::View::at({300 + 3.0 * i, 250 + 2.0 * i}, 0, 1, size), size);
 }
 
-// The tracks of eight images, and how many warnings there were.
+// The tracks of eight images, the last three of half the size, and how many warnings there were.
 std::pair<std::vector<std::vector<Track>>, int> tracked(std::unique_ptr<Matcher> matcher) {
   init_log("gpu_test");
   testing::internal::CaptureStderr();
   Tracker tracker({}, std::move(matcher));
   std::vector<std::vector<Track>> all;
-  for (int i = 0; i < 8; ++i) all.push_back(tracker.step(image(i)));
+  for (int i = 0; i < 5; ++i) all.push_back(tracker.step(image(i)));
+  tracker.resize(scaled_image(image(4), 0.5), 0.5);
+  for (int i = 5; i < 8; ++i) all.push_back(tracker.step(scaled_image(image(i), 0.5)));
   const std::string said = testing::internal::GetCapturedStderr();
   int warnings = 0;
   for (std::size_t at = 0; (at = said.find("tracking goes on on the CPU", at)) != std::string::npos; ++at) ++warnings;

@@ -24,14 +24,6 @@ CameraModel camera_of(const cv::Size& image) {
   return c;
 }
 
-TEST(WorkingScale, UsualWidthsStayAsTheyAre) {
-  const TrackerConfig config;
-  for (const int width : {481, 512, 640, 752, 1241, 1280}) EXPECT_EQ(working_scale(width, config), 1) << width;
-  EXPECT_EQ(working_scale(376, config), 2);
-  EXPECT_DOUBLE_EQ(working_scale(1920, config), 1280.0 / 1920);
-  EXPECT_DOUBLE_EQ(working_scale(3840, config), 1280.0 / 3840);
-}
-
 // Small images that are doubled, usual ones, and ones that are shrunk.
 class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
  protected:
@@ -124,6 +116,62 @@ TEST_P(KltFeatureTrackerAtWidth, FeaturesOfAnEarlierImageStartTracksInTheNewest)
     right += (moved + 2 * Eigen::Vector2d(kStepX, kStepY)).norm() < 0.5 ? 1 : 0;
   }
   EXPECT_GT(right, 0.8 * static_cast<double>(first.size())) << "of " << first.size() << ", " << now.size() << " now";
+}
+
+// A camera that looks at a plane, whose picture gets dim, noisy and soft.
+class KltFeatureTrackerInTheDark : public testing::Test {
+ protected:
+  Image image(int frame, bool dark) const {
+    test::View view = test::View::at({400 + 1.3 * frame, 300 + 0.7 * frame}, 0, 1, size_);
+    view.gain = dark ? 0.5 : 1;
+    view.noise = dark ? 6 : 0.5;
+    cv::Mat grey = test::render(texture_, view, size_, static_cast<std::uint64_t>(frame + 1));
+    if (dark) cv::GaussianBlur(grey, grey, {}, 1.2);
+    return {FrameId(static_cast<std::uint32_t>(frame)), frame * 33'000'000, grey};
+  }
+  const cv::Size size_{640, 480};
+  const cv::Mat texture_ = test::plane_texture(1100, 800, 4);
+  const std::unique_ptr<FeatureTracker> tracker_ = klt_feature_tracker(camera_of(size_), {}, kNoTags, cpu_matcher({}));
+};
+
+TEST_F(KltFeatureTrackerInTheDark, ImagesAreTrackedSmallerAndTheirTracksGoOn) {
+  for (int i = 0; i < 4; ++i) tracker_->step(image(i, true));
+  EXPECT_EQ(tracker_->working_scale(), 1);
+  std::map<TrackId, Eigen::Vector2f> before;
+  for (int i = 4; i < 6; ++i) {
+    for (const Track& t : tracker_->step(image(i, true))) before[t.id] = t.raw_px;
+  }
+  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  for (int i = 6; i < 12; ++i) tracker_->step(image(i, true));
+  std::vector<double> errors_px;
+  for (const Track& t : tracker_->live()) {
+    if (!before.contains(t.id)) continue;
+    errors_px.push_back((t.raw_px - before[t.id] + 6 * Eigen::Vector2f(1.3F, 0.7F)).norm());
+  }
+  ASSERT_GT(errors_px.size(), before.size() / 2);
+  std::ranges::nth_element(errors_px, errors_px.begin() + std::ssize(errors_px) / 2);
+  EXPECT_LT(errors_px[errors_px.size() / 2], 0.3);
+}
+
+TEST_F(KltFeatureTrackerInTheDark, AndAtTheirSizeAgainInTheLight) {
+  for (int i = 0; i < 8; ++i) tracker_->step(image(i, true));
+  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  for (int i = 8; i < 140; ++i) tracker_->step(image(i, false));
+  EXPECT_EQ(tracker_->working_scale(), 1);
+  EXPECT_GT(tracker_->live().size(), 200U);
+}
+
+TEST_F(KltFeatureTrackerInTheDark, FeaturesOfAnEarlierImageAreFoundAtTheNewSize) {
+  for (int i = 0; i < 5; ++i) tracker_->step(image(i, true));
+  const auto late = tracker_->describe_strongest(100)();
+  tracker_->step(image(5, true));
+  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  const DescribedTracks described = late(100);
+  EXPECT_GT(described.tracks.size(), 20U);
+  for (const Track& t : tracker_->live()) {
+    EXPECT_LT(t.raw_px.x(), size_.width);
+    EXPECT_LT(t.raw_px.y(), size_.height);
+  }
 }
 
 }  // namespace

@@ -190,5 +190,33 @@ TEST(Tracker, SmallImagesWork) {
   }
 }
 
+TEST(Tracker, GoesOnInImagesOfAnotherSize) {
+  const cv::Mat texture = test::plane_texture(1000, 800, 1);
+  const cv::Size small(320, 240);
+  const auto small_at = [&](double x) {
+    return test::render(texture, test::View::at({500 + x, 400}, 0, 0.5, small), small, 1);
+  };
+  Tracker tracker({});
+  for (int i = 0; i < 5; ++i) tracker.step(image_at(texture, 4.0 * i, 0));
+  const std::vector<Track> before = tracker.live();
+  tracker.resize(small_at(16), 0.5);
+  ASSERT_EQ(tracker.live().size(), before.size());
+  for (int i = 5; i < 8; ++i) tracker.step(small_at(4.0 * i));
+  int kept = 0, right = 0;
+  for (const Track& t : tracker.live()) {
+    const auto was = std::ranges::find(before, t.id, &Track::id);
+    if (was == before.end()) continue;
+    ++kept;
+    EXPECT_EQ(t.age_frames, was->age_frames + 3);
+    const Eigen::Vector2f expected = 0.5F * (was->raw_px.array() + 0.5F) - 0.5F - Eigen::Array2f(6, 0);
+    right += (t.raw_px - expected).norm() < 0.3F ? 1 : 0;
+  }
+  EXPECT_GT(kept, static_cast<int>(before.size()) * 3 / 4);
+  EXPECT_GT(right, kept * 9 / 10);
+  tracker.resize(image_at(texture, 28, 0), 2);
+  tracker.step(image_at(texture, 32, 0));
+  EXPECT_GT(tracker.live().size(), 200U);
+}
+
 }  // namespace
 }  // namespace coslam
