@@ -37,9 +37,11 @@ struct RadialTerms {
   }
 };
 
-// One over R^2.
-double per_corner2(const CameraModel& camera) {
-  return 4 / (std::pow(camera.width_px / camera.fx, 2) + std::pow(camera.height_px / camera.fy, 2));
+// What u is of |m|^2: it depends on the raw pixel alone, so that the terms reach to the corners whatever the focal
+// length.
+double per_corner2(const CameraModel& camera, const LensCorrection& lens) {
+  return 4 * std::exp(2 * lens.log_focal()) /
+         (std::pow(camera.width_px / camera.fx, 2) + std::pow(camera.height_px / camera.fy, 2));
 }
 
 // g(u) m + t(m), and its derivative by m. terms: of the place.
@@ -92,7 +94,7 @@ CorrectedLens::CorrectedLens(const CameraModel& camera, const LensCorrection& le
       lens_(lens),
       focal_(focal_of(camera, lens)),
       centre_(Eigen::Vector2d(camera.cx, camera.cy) + lens.centre_px()),
-      per_corner2_(per_corner2(camera)) {}
+      per_corner2_(per_corner2(camera, lens)) {}
 
 Eigen::Vector2d CorrectedLens::raw_from_normalized(const Eigen::Vector2d& n,
                                                    LensCorrection::Jacobians* jacobians) const {
@@ -106,7 +108,7 @@ Eigen::Vector2d CorrectedLens::raw_from_normalized(const Eigen::Vector2d& n,
   const Eigen::Matrix2d raw_by_d = focal_.asDiagonal() * by_m.inverse();
   jacobians->by_normalized = raw_by_d * d_by_n;
   auto& j = jacobians->by_values;
-  j.col(0) = at;
+  j.col(0) = at - raw_by_d * m * (2 * r2 * per_corner2_ * lens_.radial().dot(terms.slope));
   j.middleCols<2>(1).setIdentity();
   j.col(3) << -0.5 * at.x(), 0.5 * at.y();
   j.col(4) = -raw_by_d * Eigen::Vector2d(2 * x * y, r2 + 2 * y * y);

@@ -12,12 +12,12 @@ namespace coslam {
 // What a calibration gets wrong of its lens. A raw pixel
 //   c + centre + F e^log_focal m,  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
 // shows what the distortion of the calibration takes to
-//   d = g(u) m + t(m),  g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = |m|^2 / R^2
-// with R, |m| at the corners of the image, Legendre's polynomials P_j, and t, tangential terms as radtan has them. It
-// is bounded by the image whatever the lens. Real lenses leave tenths of a pixel to what calibrations can say of them,
-// up and down along the radius; without terms for that focal lengths follow it. With the correction, as without, an
-// undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the correction says where in the raw
-// image that is. What an agent sends is undistorted by its calibration alone.
+//   d = g(u) m + t(m),  g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = (e^log_focal |m| / R)^2
+// with R such that u is 1 at the corners of the image, Legendre's polynomials P_j, and t, tangential terms as radtan
+// has them. It is bounded by the image whatever the lens. Real lenses leave tenths of a pixel to what calibrations can
+// say of them, up and down along the radius; without terms for that focal lengths follow it. With the correction, as
+// without, an undistorted px is that of the pinhole with the calibration's fx, fy, cx, cy: the correction says where in
+// the raw image that is. What an agent sends is undistorted by its calibration alone.
 struct LensCorrection {
   static constexpr int kRadial = 6, kTerms = 6 + kRadial;
   static constexpr double kMost = 3;  // size of a value that may be, but for the centre
