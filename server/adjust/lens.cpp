@@ -15,15 +15,20 @@ namespace {
 constexpr double kFound2 = 12;
 constexpr double kLensTolerance = 1e-5;  // relative change of the cost that ends a solution
 
+// How far a camera's lens was found from another: squared, in standard deviations; 0 where that is not known.
+double step2(const BundleResult& found, std::size_t i, const LensCorrection& from) {
+  if (found.lens_covariances.empty()) return 0;
+  const LensCorrection::Values step = found.lenses[i].values - from.values;
+  return step.dot(found.lens_covariances[i].ldlt().solve(step));
+}
+
 // Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
 bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
   bool any = false;
   for (std::size_t i = 0; i < problem->lenses.size(); ++i) {
     BundleProblem::Lens& lens = problem->lenses[i];
     if (!lens.free || !lens.start.none()) continue;
-    const LensCorrection::Values& off = found.lenses[i].values;
-    const bool known = !found.lens_covariances.empty();
-    const bool wrong = known && off.dot(found.lens_covariances[i].ldlt().solve(off)) > kFound2;
+    const bool wrong = step2(found, i, {}) > kFound2;
     if (wrong && may_be(problem->cameras[i], found.lenses[i])) continue;
     lens.free = false;
     any = true;
@@ -66,16 +71,36 @@ void free_lenses(const Map& map, RefineJob* job) {
   }
 }
 
+namespace {
+
+// The problem from where its solution left it.
+void go_on(const BundleResult& from, BundleProblem* problem) {
+  for (std::size_t i = 0; i < problem->poses.size(); ++i) problem->poses[i].cam_from_world = from.poses[i];
+  for (std::size_t i = 0; i < problem->lenses.size(); ++i) {
+    if (problem->lenses[i].free) problem->lenses[i].start = from.lenses[i];
+  }
+  problem->points = from.points;
+}
+
+// A map that was made through a wrong lens contradicts the right one by many pixels here and there, which a loss that
+// is made for outliers does not even feel. With a wide one all pull, before it is narrowed again.
+BundleResult solve_from_afar(const RefineJob& job, BundleProblem problem) {
+  constexpr double kWide = 10;
+  BundleConfig wide = job.config;
+  wide.loss_sigmas *= kWide;
+  const BundleResult result = solve_bundle(problem, wide);
+  if (result.usable) go_on(result, &problem);
+  return solve_bundle(problem, job.config);
+}
+
+}  // namespace
+
 BundleResult solve_with_lenses(const RefineJob& job) {
-  BundleResult result = solve_bundle(job.problem, job.config);
+  BundleResult result = solve_from_afar(job, job.problem);
   if (!result.usable) return result;
   BundleProblem again = job.problem;
+  go_on(result, &again);
   if (!give_what_is_right(result, &again)) return result;
-  for (std::size_t i = 0; i < again.poses.size(); ++i) again.poses[i].cam_from_world = result.poses[i];
-  for (std::size_t i = 0; i < again.lenses.size(); ++i) {
-    if (again.lenses[i].free) again.lenses[i].start = result.lenses[i];
-  }
-  again.points = result.points;
   return solve_bundle(again, job.config);
 }
 
@@ -95,9 +120,7 @@ double lens_step2(const Map& map, const RefineJob& job, const BundleResult& resu
   double most2 = 0;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     const MapCamera& c = map.camera(CameraId(static_cast<std::uint16_t>(i)));
-    if (!is_new(c, job, result) || result.lens_covariances.empty()) continue;
-    const LensCorrection::Values step = result.lenses[i].values - c.lens.values;
-    most2 = std::max(most2, step.dot(result.lens_covariances[i].ldlt().solve(step)));
+    if (is_new(c, job, result)) most2 = std::max(most2, step2(result, i, c.lens));
   }
   return most2;
 }
