@@ -22,18 +22,15 @@ double step2(const BundleResult& found, std::size_t i, const LensCorrection& fro
   return step.dot(found.lens_covariances[i].ldlt().solve(step));
 }
 
-// Each camera whose lens is as calibrated so far and is not found elsewhere now: given. Whether there is one.
-bool give_what_is_right(const BundleResult& found, BundleProblem* problem) {
-  bool any = false;
+// Each camera whose lens is as calibrated so far and is not found elsewhere now: given.
+void give_what_is_right(const BundleResult& found, BundleProblem* problem) {
   for (std::size_t i = 0; i < problem->lenses.size(); ++i) {
     BundleProblem::Lens& lens = problem->lenses[i];
     if (!lens.free || !lens.start.none()) continue;
     const bool wrong = step2(found, i, {}) > kFound2;
     if (wrong && may_be(problem->cameras[i], found.lenses[i])) continue;
     lens.free = false;
-    any = true;
   }
-  return any;
 }
 
 }  // namespace
@@ -84,24 +81,32 @@ void go_on(const BundleResult& from, BundleProblem* problem) {
 
 // A map that was made through a wrong lens contradicts the right one by many pixels here and there, which a loss that
 // is made for outliers does not even feel. With a wide one all pull, before it is narrowed again.
-BundleResult solve_from_afar(const RefineJob& job, BundleProblem problem) {
+BundleResult solve_from_afar(BundleProblem problem, const BundleConfig& config) {
   constexpr double kWide = 10;
-  BundleConfig wide = job.config;
+  BundleConfig wide = config;
   wide.loss_sigmas *= kWide;
   const BundleResult result = solve_bundle(problem, wide);
   if (result.usable) go_on(result, &problem);
-  return solve_bundle(problem, job.config);
+  return solve_bundle(problem, config);
 }
 
 }  // namespace
 
 BundleResult solve_with_lenses(const RefineJob& job) {
-  BundleResult result = solve_from_afar(job, job.problem);
-  if (!result.usable) return result;
-  BundleProblem again = job.problem;
-  go_on(result, &again);
-  if (!give_what_is_right(result, &again)) return result;
-  return solve_bundle(again, job.config);
+  BundleProblem problem = job.problem;
+  const bool any_as_calibrated =
+      std::ranges::any_of(problem.lenses, [](const auto& lens) { return lens.free && lens.start.none(); });
+  if (any_as_calibrated) {
+    const BundleResult found = solve_bundle(problem, job.config);
+    if (!found.usable) return found;
+    give_what_is_right(found, &problem);
+    const bool any_wrong = std::ranges::any_of(problem.lenses, &BundleProblem::Lens::free);
+    if (!any_wrong) {
+      go_on(found, &problem);
+      return solve_bundle(problem, job.config);
+    }
+  }
+  return solve_from_afar(std::move(problem), job.config);
 }
 
 namespace {

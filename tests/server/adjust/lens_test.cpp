@@ -49,6 +49,31 @@ TEST_F(LensTest, ALensThatAJobSeesNothingOfStays) {
   EXPECT_EQ(solve_refine(job).lenses[1], sim_.map.camera(cam(1)).lens);
 }
 
+// Half of a map that is larger than the other, as where a map began through a wrong lens: what both halves see is many
+// pixels off, and hardly felt by the loss that is made for outliers.
+TEST_F(LensTest, WhatAWrongLensMadeComesAlong) {
+  RefineJob job = plan(RefineExtent::kWhole);
+  job.problem.cameras[1].fx *= 1.04;
+  job.problem.cameras[1].fy *= 1.04;
+  const BundleResult expected = solve_with_lenses(job);
+  const BundleProblem right = job.problem;
+  const SetId half(kSets / 2);
+  constexpr double kScale = 5;
+  std::vector<bool> moves(right.points.size(), false);
+  for (std::size_t i = 0; i < right.observations.size(); ++i) {
+    const auto& o = right.observations[i];
+    if (job.poses[static_cast<std::size_t>(o.pose)].set < half) moves[static_cast<std::size_t>(o.point)] = true;
+  }
+  for (std::size_t i = 0; i < right.poses.size(); ++i) {
+    if (job.poses[i].set < half) job.problem.poses[i].cam_from_world.translation *= kScale;
+  }
+  for (std::size_t i = 0; i < right.points.size(); ++i) {
+    if (moves[i]) job.problem.points[i] *= kScale;
+  }
+  ASSERT_GT(solve_bundle(job.problem, job.config).final_cost, 1.5 * expected.final_cost) << "an easy case";
+  EXPECT_LT(solve_with_lenses(job).final_cost, 1.02 * expected.final_cost);
+}
+
 TEST_F(LensTest, LensesThatAreGivenAreNotSolvedFor) {
   config_.lens = "given";
   EXPECT_TRUE(plan(RefineExtent::kWhole).problem.lenses.empty());
