@@ -11,6 +11,7 @@ namespace coslam {
 namespace {
 
 constexpr double kPending_s = 5.0;  // within which a hypothesis is to be confirmed
+constexpr double kFlat_s = 30.0;    // the same of ground, of which one image shows a part
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
@@ -28,6 +29,12 @@ bool agree(const DescribedImage& image, const Recognition& seen, const Similarit
   return expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
          (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
          std::abs(std::log(said.scale / now.scale)) < kScale;
+}
+
+// Farther from where the camera's pose says than maps drift.
+bool is_far(const DescribedImage& image, const Recognition& seen) {
+  constexpr double kFar = 0.3;
+  return (image.frame().cam_from_world.center() - seen.cam_from_world.center()).norm() > kFar * seen.median_depth;
 }
 
 }  // namespace
@@ -50,8 +57,12 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
   const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
   std::set<PointId> evidence;
   for (const auto& [track, point] : seen.matches) evidence.insert(point);
+  if (own.map == other.map && enough && !seen.expected && is_far(image, seen)) {
+    if (!has_relief(points_in(map, seen.map, evidence), seen.median_depth)) repeating_.insert(own.map);
+  }
   const auto at = pending_.find(hypothesis);
-  if (at != pending_.end() && at->second.since.value + map.sets_in(kPending_s) > map.now().value) {
+  if (at != pending_.end() &&
+      at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
     if (agree(image, seen, said, in_from_own)) {
@@ -61,15 +72,34 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       if (p.since == map.now()) return false;  // of the same instant
       p.second_from_first = second_from_first;
       if (!p.enough) return false;
-      if (!seen.expected && !has_relief(points_in(map, seen.map, p.evidence), seen.median_depth)) return false;
+      const std::vector<const MapPoint*> all = points_in(map, seen.map, p.evidence);
+      const bool relief = seen.expected || has_relief(all, seen.median_depth);
+      if (!relief && !flat_is_enough(hypothesis, all, seen.median_depth)) {
+        p.since = map.now();  // more of it may come
+        p.flat = true;
+        return false;
+      }
       pending_.erase(at);
       return true;
     }
     if (p.enough && !enough) return false;  // few points that say something else take nothing away
+    if (enough && p.enough) repeating_.insert({own.map, other.map});
   }
-  pending_[hypothesis] = {second_from_first,           map.now(), seen.expected, enough, std::move(evidence),
-                          {camera.id, seen.key_camera}};
+  pending_[hypothesis] = {.second_from_first = second_from_first,
+                          .since = map.now(),
+                          .expected = seen.expected,
+                          .enough = enough,
+                          .evidence = std::move(evidence),
+                          .cameras = {camera.id, seen.key_camera}};
   return false;
+}
+
+// Of one map it only tells that the map repeats itself: its poses say where that is.
+bool Verification::flat_is_enough(const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
+                                  double median_depth) const {
+  const MapId first = hypothesis.first.map, second = hypothesis.second.map;
+  return first != second && !repeating_.contains(first) && !repeating_.contains(second) &&
+         covers_ground(evidence, median_depth);
 }
 
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {

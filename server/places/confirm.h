@@ -6,6 +6,8 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "server/covisibility/group.h"
 #include "server/map/map.h"
@@ -15,7 +17,8 @@ namespace coslam {
 
 // What one image said of how two maps, or two parts of one, lie to each other. Before anything moves another image of
 // another instant has to say the same, and both together have to see more than one plane: two rooms may have the same
-// poster. Not so a place near where it was expected anyway.
+// poster. Not so a place near where it was expected anyway, nor ground that covers more than any print, where nothing
+// says that it repeats itself.
 class Verification {
  public:
   // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
@@ -25,6 +28,7 @@ class Verification {
   // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
   enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
+  // The maps have moved: nothing waits any more.
   void clear() { pending_.clear(); }
 
  private:
@@ -42,13 +46,17 @@ class Verification {
     Similarity3 second_from_first;
     SetId since;
     bool expected = false, enough = false;
+    bool flat = false;  // all that was seen so far
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };
+  bool flat_is_enough(const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
+                      double median_depth) const;
   static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const Recognition& seen,
                                      const ViewGraph& graph);
 
   std::map<Hypothesis, Pending> pending_;
+  std::set<MapId> repeating_;  // maps in which one flat thing was recognised in two places
 };
 
 }  // namespace coslam

@@ -105,6 +105,7 @@ std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, Ma
 
 std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
   constexpr std::size_t kLeastImages = 2;
+  constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
   const Map& map = edit.map();
   const std::vector<Witness> all = all_witnesses(map, places, of, first);
   const std::vector<const Witness*> good = agreed(all);
@@ -122,7 +123,9 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
     here.push_back(map.find(own));
     there.push_back(map.find(other));
   }
-  if (!has_relief(there, depth) && !has_relief(here, depth / into_from_own->scale)) return std::nullopt;
+  const bool relief = has_relief(there, depth) || has_relief(here, depth / into_from_own->scale);
+  const bool of_one_mind = static_cast<double>(good.size()) > kOfOneMind * static_cast<double>(all.size());
+  if (!relief && !(of_one_mind && covers_ground(there, depth))) return std::nullopt;
   MapId kept = good.front()->into, gone = of;
   Similarity3 by = *into_from_own;
   if (map.is_metric(gone) && !map.is_metric(kept)) {  // the one in metres keeps its frame

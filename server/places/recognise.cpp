@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/places/recognise.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -341,6 +342,26 @@ void PlaceMemory::take_in(const PlaceMemory& other, const Renumbered& as) {
   for (const auto& [number, image] : other.images_) {
     images_[index_.add(image.descriptors)] = {as.of(image.set), as.of(image.camera), image.tracks, image.descriptors};
   }
+}
+
+bool covers_ground(const std::vector<const MapPoint*>& points, double median_depth) {
+  constexpr std::size_t kLeast = 100;          // points
+  constexpr double kAlong = 2, kAcross = 0.5;  // distances
+  constexpr double kInside = 0.05;             // of the points, on either side, may be strays
+  if (points.size() < kLeast) return false;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const MapPoint* p : points) mean += p->position / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const MapPoint* p : points) spread += (p->position - mean) * (p->position - mean).transpose();
+  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  const auto width = [&](int axis) {
+    std::vector<double> along;
+    for (const MapPoint* p : points) along.push_back(axes.col(axis).dot(p->position - mean));
+    std::ranges::sort(along);
+    const auto strays = static_cast<std::size_t>(kInside * static_cast<double>(along.size()));
+    return along[along.size() - 1 - strays] - along[strays];
+  };
+  return width(2) > kAlong * median_depth && width(1) > kAcross * median_depth;
 }
 
 bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {

@@ -205,5 +205,34 @@ class DecideAtAWall : public DecideWithoutMap {
 
 TEST_F(DecideAtAWall, AFlatPlaceDoesNot) { EXPECT_EQ(decide(seen()).what, kDoubtful); }
 
+// Two maps of one plane.
+class DecideOverAPlane : public DecideTest {
+ protected:
+  DecideOverAPlane() : DecideTest({.layout = test::Layout::kPlane}) { put_second_elsewhere(); }
+  PlaceDecision::What look(double from_m, double off_m = 0) {
+    Recognition r = seen(1000, {off_m, 0, 0});
+    r.median_depth = from_m;
+    const PlaceDecision::What what = decide(r).what;
+    step();
+    return what;
+  }
+  static constexpr double kFar_m = 6, kNear_m = 1.5;  // the plane is some 8 m wide
+};
+
+TEST_F(DecideOverAPlane, APrintJoinsNothing) {
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(look(kFar_m), kDoubtful);
+}
+
+TEST_F(DecideOverAPlane, GroundThatIsWiderThanPrintsDoes) {
+  EXPECT_EQ(look(kNear_m), kDoubtful);
+  EXPECT_EQ(look(kNear_m), kJoin);
+}
+
+TEST_F(DecideOverAPlane, GroundThatRepeatsItselfDoesNot) {
+  EXPECT_EQ(look(kNear_m), kDoubtful);
+  EXPECT_EQ(look(kNear_m, 3), kDoubtful) << "it is elsewhere, too";
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(look(kNear_m, 3), kDoubtful);
+}
+
 }  // namespace
 }  // namespace coslam

@@ -38,6 +38,23 @@ class HasReliefTest : public testing::Test {
   std::vector<MapPoint> points_;
 };
 
+TEST(CoversGround, WiderThanAnyPrintBothWays) {
+  std::vector<MapPoint> points(200);
+  const auto covers = [&](double along_m, double across_m, std::size_t count) {
+    std::vector<const MapPoint*> out;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double a = static_cast<double>(i % 20) / 19, b = static_cast<double>(i / 20) / 9;
+      points[i].position = {along_m * a, 1, across_m * b};
+      out.push_back(&points[i]);
+    }
+    return covers_ground(out, 10);
+  };
+  EXPECT_TRUE(covers(30, 10, 200));
+  EXPECT_FALSE(covers(15, 10, 200)) << "as an image shows it";
+  EXPECT_FALSE(covers(30, 3, 200)) << "a line";
+  EXPECT_FALSE(covers(30, 10, 60)) << "a few points";
+}
+
 TEST_F(HasReliefTest, NothingHasNone) { EXPECT_FALSE(relief()); }
 
 TEST_F(HasReliefTest, APosterHasNone) {
