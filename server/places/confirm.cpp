@@ -10,8 +10,9 @@
 namespace coslam {
 namespace {
 
-constexpr double kPending_s = 5.0;  // within which a hypothesis is to be confirmed
-constexpr double kFlat_s = 30.0;    // the same of ground, of which one image shows a part
+constexpr double kPending_s = 5.0;        // within which a hypothesis is to be confirmed
+constexpr std::size_t kBeyondDoubt = 40;  // matches, of either image
+constexpr double kFlat_s = 30.0;          // the same of ground, of which one image shows a part
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
@@ -22,13 +23,16 @@ std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<
   return out;
 }
 
-// Whether the camera is where this says that it is.
-bool agree(const DescribedImage& image, const Recognition& seen, const Similarity3& said, const Similarity3& now) {
-  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15;
+// Whether the camera is where this says that it is. Beyond doubt: in so many points that it is the same place, and one
+// of the maps may be as bent as young ones are; the adjustment of both together straightens it.
+bool agree(const DescribedImage& image, const Recognition& seen, const Similarity3& said, const Similarity3& now,
+           bool beyond_doubt) {
+  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15, kBent = 3;
+  const double slack = beyond_doubt ? kBent : 1;
   const Rigid3 expected = transform_world(image.frame().cam_from_world, said);
-  return expected.rotation.angularDistance(seen.cam_from_world.rotation) < kTurn_rad &&
-         (expected.center() - seen.cam_from_world.center()).norm() < kShift * seen.median_depth &&
-         std::abs(std::log(said.scale / now.scale)) < kScale;
+  return expected.rotation.angularDistance(seen.cam_from_world.rotation) < slack * kTurn_rad &&
+         (expected.center() - seen.cam_from_world.center()).norm() < slack * kShift * seen.median_depth &&
+         std::abs(std::log(said.scale / now.scale)) < slack * kScale;
 }
 
 // Farther from where the camera's pose says than maps drift.
@@ -65,7 +69,8 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    if (agree(image, seen, said, in_from_own)) {
+    const bool beyond_doubt = own.map != other.map && std::min(p.matches, seen.matches.size()) >= kBeyondDoubt;
+    if (agree(image, seen, said, in_from_own, beyond_doubt)) {
       p.evidence.merge(evidence);
       p.cameras.insert({camera.id, seen.key_camera});
       p.enough = p.enough || enough;
@@ -89,6 +94,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
                           .since = map.now(),
                           .expected = seen.expected,
                           .enough = enough,
+                          .matches = seen.matches.size(),
                           .evidence = std::move(evidence),
                           .cameras = {camera.id, seen.key_camera}};
   return false;
@@ -100,6 +106,14 @@ bool Verification::flat_is_enough(const Hypothesis& hypothesis, const std::vecto
   const MapId first = hypothesis.first.map, second = hypothesis.second.map;
   return first != second && !repeating_.contains(first) && !repeating_.contains(second) &&
          covers_ground(evidence, median_depth);
+}
+
+void Verification::drawn_together(MapId map) {
+  std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map && p.first.second.map == map; });
+}
+
+void Verification::joined(MapId map) {
+  std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map || p.first.second.map == map; });
 }
 
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {

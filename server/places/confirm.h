@@ -28,8 +28,10 @@ class Verification {
   // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
   enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
-  // The maps have moved: nothing waits any more.
-  void clear() { pending_.clear(); }
+  // A map was drawn together: nothing that lies in it waits any more. It was joined with another: nor what others say
+  // of it.
+  void drawn_together(MapId map);
+  void joined(MapId map);
 
  private:
   // All cameras of a map; or of one map those of the group with this first camera; or its past.
@@ -46,7 +48,8 @@ class Verification {
     Similarity3 second_from_first;
     SetId since;
     bool expected = false, enough = false;
-    bool flat = false;  // all that was seen so far
+    std::size_t matches = 0;  // of the first image
+    bool flat = false;        // all that was seen so far
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };

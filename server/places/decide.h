@@ -43,8 +43,9 @@ class PlaceJudge {
   // seen: by appearance; expected: by the camera's pose.
   PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<Recognition> seen,
                        ExpectedPlace expected, const ViewGraph& graph);
-  // The map has moved: nothing waits any more.
-  void clear() { verification_.clear(); }
+  // See Verification.
+  void drawn_together(MapId map) { verification_.drawn_together(map); }
+  void joined(MapId map) { verification_.joined(map); }
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }
   // Known points this close to where they are expected need no correction of poses.
   static double slack_px(const Map& map, const MapCamera& camera) {

@@ -152,14 +152,16 @@ bool Meetings::act(MapEdit& edit, const Look& look, const ViewGraph& graph, cons
     case kJoin:
       report->adjust_since = join(edit, image, seen, in_from_own);
       ++report->merged;
-      moved(camera, report);
+      judge_.joined(camera.map);
+      report->to_adjust = camera.map;
       return true;
     case kClose:
       if (!close(edit, image, seen, in_from_own, graph, &loops_)) return false;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       report->adjust_since = SetId();
-      moved(camera, report);
+      judge_.drawn_together(camera.map);
+      report->to_adjust = camera.map;
       return true;
   }
   return false;
@@ -196,11 +198,6 @@ void Meetings::take_in(const Meetings& other, const Renumbered& as) {
 LookBackReport Meetings::look_back(MapEdit& edit, MapId of) {
   if (!config.loops) return {};
   return coslam::look_back(edit, places_, of, config.decide.min_merge_inliers, &loops_);
-}
-
-void Meetings::moved(const MapCamera& camera, MeetReport* report) {
-  judge_.clear();
-  report->to_adjust = camera.map;
 }
 
 }  // namespace coslam

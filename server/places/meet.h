@@ -103,7 +103,6 @@ class Meetings {
   Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
   // Whether that changed the map.
   bool act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise, MeetReport* report);
-  void moved(const MapCamera& camera, MeetReport* report);
 
   AwaitedDescriptors awaited_;
   PlaceMemory places_;

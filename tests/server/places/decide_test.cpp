@@ -148,7 +148,7 @@ TEST_F(DecideTest, WhenTheMapHasMovedItBeginsAnew) {
   in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   step();
   decide(seen());
-  judge_.clear();
+  judge_.drawn_together(sim_.id);
   step();
   EXPECT_EQ(decide(seen()).what, kDoubtful);
 }
