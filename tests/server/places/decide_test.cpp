@@ -164,6 +164,39 @@ TEST_F(DecideTest, TwoMapsAreJoinedByTheSimilarityOfBoth) {
   EXPECT_NEAR(d.in_from_own.scale, 0.5, 0.02);
 }
 
+// A young map may be bent: what two images say of it differs, but that it is the same place is beyond doubt.
+TEST_F(DecideTest, ManyPointsJoinMapsThatDoNotFit) {
+  constexpr std::size_t kFew = 39;
+  const Eigen::Vector3d bent_m(1, 0, 0), elsewhere_m(3, 0, 0);
+  put_second_elsewhere();
+  ASSERT_GT(seen().matches.size(), 2 * kFew);
+  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  step();
+  EXPECT_EQ(decide(seen(kFew, bent_m)).what, kDoubtful);
+  step();
+  EXPECT_EQ(decide(seen()).what, kDoubtful) << "it was not beyond doubt before";
+  step();
+  EXPECT_EQ(decide(seen(1000, elsewhere_m)).what, kDoubtful) << "nor is it bent so much";
+  step();
+  EXPECT_EQ(decide(seen(1000, elsewhere_m + bent_m)).what, kJoin);
+}
+
+TEST_F(DecideTest, WhatIsSaidOfTwoMapsOutlivesALoopInOneOfThem) {
+  put_second_elsewhere();
+  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  judge_.drawn_together(sim_.id);
+  step();
+  EXPECT_EQ(decide(seen()).what, kJoin);
+}
+
+TEST_F(DecideTest, WhatIsSaidOfAMapDoesNotOutliveThatItIsJoinedToAnother) {
+  put_second_elsewhere();
+  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  judge_.joined(sim_.id);
+  step();
+  EXPECT_EQ(decide(seen()).what, kDoubtful);
+}
+
 TEST_F(DecideTest, WithoutDepthsOfItsOwnThereIsNoScale) {
   put_second_elsewhere();
   const std::vector<const MapPoint*> points = sim_.map.recent_points();
