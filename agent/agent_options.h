@@ -27,7 +27,7 @@ void describe(V& v, AgentOptions& o) {
   v.field("source", o.source, "image folder, list.csv, video, EuRoC or TUM folder, v4l2:N, gst:PIPELINE, rtsp://...");
   v.field("calibration", o.calibration, "camera calibration file; empty: found out from the images");
   v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
-  v.field("start_s", o.play.start_s, {0, 1e9}, "offset into the source");
+  v.field("start_s", o.play.start_s, {-3600, 1e9}, "offset into the source; negative: it plays so much later");
   v.field("rate_hz", o.play.rate_hz, {0.01, 1000}, "nominal frame rate");
   v.section("wire", o.wire);
   v.section("agent", o.agent);

@@ -119,7 +119,9 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--calibration", a.calibration, "camera calibration")->type_name("FILE");
   app.add_option("--domain", a.domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--rate", a.rate, "speed of replay: a factor, or max")->type_name("R");
-  app.add_option("--start", a.start_s, "offset into the source, seconds")->type_name("S")->check(CLI::Range(0.0, 1e9));
+  app.add_option("--start", a.start_s, "offset into the source, seconds")
+      ->type_name("S")
+      ->check(CLI::Range(-3600.0, 1e9));
   app.add_option("--duration", a.duration_s, "length to play, seconds")->type_name("S");
   app.add_option("--covered", a.covered, "black images from one time to another, seconds; may be repeated")
       ->type_name("FROM TO");

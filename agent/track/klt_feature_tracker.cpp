@@ -138,10 +138,8 @@ class KltFeatureTracker final : public FeatureTracker {
     Tracker tracker(config, cpu_matcher(config));
     tracker.step(from);
     const std::vector<TrackId> ids = tracker.add(features.raw_px, 0, static_cast<int>(features.raw_px.size()));
-    if (from.size() != work_.size()) {
-      const double ratio = static_cast<double>(work_.cols) / from.cols;
-      tracker.resize(scaled_image(from, ratio), ratio);
-    }
+    if (from.size() != work_.size())
+      tracker.resize(image_of_size(from, work_.size()), static_cast<double>(work_.cols) / from.cols);
     DescribedFeatures out;
     for (const Track& t : tracker.step(work_)) {
       out.raw_px.push_back(t.raw_px);

@@ -24,6 +24,7 @@ constexpr int kOneIn = 30;                        // images later
 constexpr double kNewest = 0.2;                   // weight of the newest comparison
 constexpr std::size_t kMost = 100, kFewest = 20;  // places compared
 constexpr double kAllLost = 4;                    // whatever is beyond
+constexpr double kWorthIt = 0.8;                  // of the finest scale: a smaller one than that
 constexpr double kClearlySmaller = 0.71;          // of the finest scale: half its pixels
 
 // Two images at one size.
@@ -49,6 +50,15 @@ struct ImagePair {
   }
 };
 
+// Video coders copy what stands still from the image before, bit by bit: that tells nothing of noise.
+bool is_copied(const cv::Mat& before, const cv::Mat& newest, const MovedPlace& place) {
+  constexpr int kHalf = kWindowSide / 2;
+  if ((place.to_px - place.from_px).norm() > 0.5F) return false;
+  const cv::Point at(cvRound(place.from_px.x()), cvRound(place.from_px.y()));
+  const cv::Rect window = cv::Rect(at.x - kHalf, at.y - kHalf, kWindowSide, kWindowSide) & cv::Rect({}, before.size());
+  return cv::norm(before(window), newest(window), cv::NORM_L1) == 0;
+}
+
 }  // namespace
 
 Eigen::Vector2f scaled_px(const Eigen::Vector2f& px, double scale) {
@@ -65,14 +75,20 @@ cv::Mat scaled_image(const cv::Mat& grey, double scale) {
   return out;
 }
 
+cv::Mat image_of_size(const cv::Mat& grey, const cv::Size& size) {
+  cv::Mat out;
+  cv::resize(grey, out, size, 0, 0, cv::INTER_LINEAR);
+  return out;
+}
+
 std::optional<double> loss_by_halving(const cv::Mat& before, const cv::Mat& newest,
                                       std::span<const MovedPlace> places) {
-  if (cv::norm(before, newest, cv::NORM_L1) == 0) return std::nullopt;  // one image twice
   const ImagePair whole(before, newest), half(scaled_image(before, 0.5), scaled_image(newest, 0.5));
   const std::size_t every = (places.size() + kMost - 1) / kMost;
   std::vector<double> losses;
   for (std::size_t i = 0; i < places.size(); i += every) {
     const MovedPlace& p = places[i];
+    if (is_copied(before, newest, p)) continue;
     const double in_whole = whole.uncertainty_px(p.from_px, p.to_px);
     const double in_half = 2 * half.uncertainty_px(scaled_px(p.from_px, 0.5), scaled_px(p.to_px, 0.5));
     if (std::isinf(in_whole) && std::isinf(in_half)) continue;
@@ -92,12 +108,14 @@ WorkingScale::WorkingScale(int width_px, const TrackerConfig& config)
   // Whole numbers of pixels are averaged fast.
   int pixels = 2;
   while (1.0 / pixels > kClearlySmaller * finest_) ++pixels;
-  coarse_ = std::min(finest_, std::max(1.0 / pixels, static_cast<double>(kSmall_px) / width_px));
+  const double coarse = std::max(1.0 / pixels, static_cast<double>(kSmall_px) / width_px);
+  if (coarse < kWorthIt * finest_) coarse_ = coarse;
 }
 
 bool WorkingScale::due() {
   if (coarse_ == finest_) return false;
-  return comparisons_ < kFirst || ++images_ % kOneIn == 0;
+  const bool first = comparisons_ < kFirst && images_ < kOneIn;
+  return ++images_ % kOneIn == 0 || first;
 }
 
 void WorkingScale::compared(double loss) {

@@ -17,6 +17,9 @@ Eigen::Vector2f scaled_px(const Eigen::Vector2f& px, double scale);
 // The image `scale` times as large; itself where that is 1.
 cv::Mat scaled_image(const cv::Mat& grey, double scale);
 
+// The image at another size: that of scaled_image() for some scale, but for rounding.
+cv::Mat image_of_size(const cv::Mat& grey, const cv::Size& size);
+
 // Where a track was in the image before and is in the newest; pixels of these images.
 struct MovedPlace {
   Eigen::Vector2f from_px, to_px;

@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMaxSeconds = 1e9;
+constexpr double kMostLater_s = 3600;  // that a source plays later than the others
 
 bool is_uri(const std::string& source) {
   for (const char* scheme : {"v4l2:", "gst:"}) {
@@ -81,7 +82,7 @@ SequenceAgent read_agent(const YamlValue& value) {
   const YamlValue source = value.at("source");
   agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
   if (const auto calibration = value.find("calibration")) agent.calibration = existing_path_or_topic(*calibration);
-  if (const auto start = value.find("start_s")) agent.start_s = start->number(0, kMaxSeconds);
+  if (const auto start = value.find("start_s")) agent.start_s = start->number(-kMostLater_s, kMaxSeconds);
   if (const auto duration = value.find("duration_s")) {
     agent.duration_s = duration->number(0, kMaxSeconds);
     if (*agent.duration_s == 0) duration->fail("must be more than 0");

@@ -74,7 +74,8 @@ namespace {
 void go_on(const BundleResult& from, BundleProblem* problem) {
   for (std::size_t i = 0; i < problem->poses.size(); ++i) problem->poses[i].cam_from_world = from.poses[i];
   for (std::size_t i = 0; i < problem->lenses.size(); ++i) {
-    if (problem->lenses[i].free) problem->lenses[i].start = from.lenses[i];
+    const bool may = problem->lenses[i].free && may_be(problem->cameras[i], from.lenses[i]);
+    if (may) problem->lenses[i].start = from.lenses[i];
   }
   problem->points = from.points;
 }
@@ -94,14 +95,13 @@ BundleResult solve_from_afar(BundleProblem problem, const BundleConfig& config) 
 
 BundleResult solve_with_lenses(const RefineJob& job) {
   BundleProblem problem = job.problem;
-  const bool any_as_calibrated =
-      std::ranges::any_of(problem.lenses, [](const auto& lens) { return lens.free && lens.start.none(); });
-  if (any_as_calibrated) {
+  const auto any = [&](auto&& which) { return std::ranges::any_of(problem.lenses, which); };
+  if (!any(&BundleProblem::Lens::free)) return solve_bundle(problem, job.config);
+  if (any([](const auto& lens) { return lens.free && lens.start.none(); })) {
     const BundleResult found = solve_bundle(problem, job.config);
     if (!found.usable) return found;
     give_what_is_right(found, &problem);
-    const bool any_wrong = std::ranges::any_of(problem.lenses, &BundleProblem::Lens::free);
-    if (!any_wrong) {
+    if (!any(&BundleProblem::Lens::free)) {
       go_on(found, &problem);
       return solve_bundle(problem, job.config);
     }

@@ -11,7 +11,8 @@ namespace coslam {
 namespace {
 
 constexpr double kPending_s = 5.0;        // within which a hypothesis is to be confirmed
-constexpr std::size_t kBeyondDoubt = 40;  // matches, of either image
+constexpr std::size_t kBeyondDoubt = 40;  // matches of an image, not all on one plane
+constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
 constexpr double kFlat_s = 30.0;          // the same of ground, of which one image shows a part
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
@@ -35,7 +36,8 @@ bool agree(const DescribedImage& image, const Recognition& seen, const Similarit
          std::abs(std::log(said.scale / now.scale)) < slack * kScale;
 }
 
-// Farther from where the camera's pose says than maps drift.
+// Farther from where the camera's pose says than young maps drift. One that has drifted so far only loses that flat
+// ground joins it.
 bool is_far(const DescribedImage& image, const Recognition& seen) {
   constexpr double kFar = 0.3;
   return (image.frame().cam_from_world.center() - seen.cam_from_world.center()).norm() > kFar * seen.median_depth;
@@ -58,28 +60,34 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
   const auto [own, other] = parts(map, camera, seen, graph);
   const bool forward = own < other;
   const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
-  const Similarity3 second_from_first = forward ? in_from_own : in_from_own.inverse();
-  std::set<PointId> evidence;
-  for (const auto& [track, point] : seen.matches) evidence.insert(point);
-  if (own.map == other.map && enough && !seen.expected && is_far(image, seen)) {
-    if (!has_relief(points_in(map, seen.map, evidence), seen.median_depth)) repeating_.insert(own.map);
-  }
+  Pending now{.second_from_first = forward ? in_from_own : in_from_own.inverse(),
+              .since = map.now(),
+              .expected = seen.expected,
+              .enough = enough,
+              .depth = seen.median_depth,
+              .cameras = {camera.id, seen.key_camera}};
+  for (const auto& [track, point] : seen.matches) now.evidence.insert(point);
+  const bool relief = has_relief(points_in(map, seen.map, now.evidence), seen.median_depth);
+  now.relief = relief;
+  now.beyond_doubt = relief && own.map != other.map && seen.matches.size() >= kBeyondDoubt;
+  if (own.map == other.map && enough && !relief && !seen.expected && is_far(image, seen)) repeats(map, own.map);
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
       at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    const bool beyond_doubt = own.map != other.map && std::min(p.matches, seen.matches.size()) >= kBeyondDoubt;
-    if (agree(image, seen, said, in_from_own, beyond_doubt)) {
-      p.evidence.merge(evidence);
-      p.cameras.insert({camera.id, seen.key_camera});
+    if (agree(image, seen, said, in_from_own, p.beyond_doubt && now.beyond_doubt)) {
+      p.evidence.merge(now.evidence);
+      p.cameras.merge(now.cameras);
       p.enough = p.enough || enough;
+      p.relief = p.relief || relief;
+      p.depth = std::max(p.depth, now.depth);
       if (p.since == map.now()) return false;  // of the same instant
-      p.second_from_first = second_from_first;
+      p.second_from_first = now.second_from_first;
+      p.beyond_doubt = now.beyond_doubt;
       if (!p.enough) return false;
       const std::vector<const MapPoint*> all = points_in(map, seen.map, p.evidence);
-      const bool relief = seen.expected || has_relief(all, seen.median_depth);
-      if (!relief && !flat_is_enough(hypothesis, all, seen.median_depth)) {
+      if (!seen.expected && !has_relief(all, seen.median_depth) && !flat_is_enough(map, hypothesis, all, p.depth)) {
         p.since = map.now();  // more of it may come
         p.flat = true;
         return false;
@@ -88,32 +96,39 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       return true;
     }
     if (p.enough && !enough) return false;  // few points that say something else take nothing away
-    if (enough && p.enough) repeating_.insert({own.map, other.map});
+    if (enough && p.enough && !relief && !p.relief) repeats(map, own.map), repeats(map, other.map);
   }
-  pending_[hypothesis] = {.second_from_first = second_from_first,
-                          .since = map.now(),
-                          .expected = seen.expected,
-                          .enough = enough,
-                          .matches = seen.matches.size(),
-                          .evidence = std::move(evidence),
-                          .cameras = {camera.id, seen.key_camera}};
+  pending_[hypothesis] = std::move(now);
   return false;
 }
 
+void Verification::repeats(const Map& map, MapId id) { repeating_[id] = map.now(); }
+
 // Of one map it only tells that the map repeats itself: its poses say where that is.
-bool Verification::flat_is_enough(const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
-                                  double median_depth) const {
+bool Verification::flat_is_enough(const Map& map, const Hypothesis& hypothesis,
+                                  const std::vector<const MapPoint*>& evidence, double farthest_depth) const {
+  const auto repeats_itself = [&](MapId id) {
+    const auto at = repeating_.find(id);
+    return at != repeating_.end() && at->second.value + map.sets_in(kRepeats_s) > map.now().value;
+  };
   const MapId first = hypothesis.first.map, second = hypothesis.second.map;
-  return first != second && !repeating_.contains(first) && !repeating_.contains(second) &&
-         covers_ground(evidence, median_depth);
+  return first != second && !repeats_itself(first) && !repeats_itself(second) &&
+         covers_ground(evidence, farthest_depth);
 }
 
 void Verification::drawn_together(MapId map) {
   std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map && p.first.second.map == map; });
 }
 
-void Verification::joined(MapId map) {
-  std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map || p.first.second.map == map; });
+void Verification::joined(MapId one, MapId other) {
+  for (const MapId map : {one, other}) {
+    std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map || p.first.second.map == map; });
+  }
+  SetId last;
+  for (const MapId map : {one, other}) {
+    if (repeating_.contains(map)) last = std::max(last, repeating_[map]);
+  }
+  if (repeating_.contains(one) || repeating_.contains(other)) repeating_[one] = repeating_[other] = last;
 }
 
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {

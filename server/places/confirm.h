@@ -28,10 +28,9 @@ class Verification {
   // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
   enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
-  // A map was drawn together: nothing that lies in it waits any more. It was joined with another: nor what others say
-  // of it.
+  // A map was drawn together: nothing that lies in it waits any more. Two were joined: nor what others say of them.
   void drawn_together(MapId map);
-  void joined(MapId map);
+  void joined(MapId one, MapId other);
 
  private:
   // All cameras of a map; or of one map those of the group with this first camera; or its past.
@@ -48,18 +47,21 @@ class Verification {
     Similarity3 second_from_first;
     SetId since;
     bool expected = false, enough = false;
-    std::size_t matches = 0;  // of the first image
-    bool flat = false;        // all that was seen so far
+    bool beyond_doubt = false;  // by the newest image alone
+    double depth = 0;           // the largest of the images
+    bool relief = false;        // of an image by itself
+    bool flat = false;          // all that was seen so far
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };
-  bool flat_is_enough(const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
-                      double median_depth) const;
+  void repeats(const Map& map, MapId id);
+  bool flat_is_enough(const Map& map, const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
+                      double farthest_depth) const;
   static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const Recognition& seen,
                                      const ViewGraph& graph);
 
   std::map<Hypothesis, Pending> pending_;
-  std::set<MapId> repeating_;  // maps in which one flat thing was recognised in two places
+  std::map<MapId, SetId> repeating_;  // maps in which one flat thing was recognised in two places, and when last
 };
 
 }  // namespace coslam

@@ -45,7 +45,7 @@ class PlaceJudge {
                        ExpectedPlace expected, const ViewGraph& graph);
   // See Verification.
   void drawn_together(MapId map) { verification_.drawn_together(map); }
-  void joined(MapId map) { verification_.joined(map); }
+  void joined(MapId one, MapId other) { verification_.joined(one, other); }
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }
   // Known points this close to where they are expected need no correction of poses.
   static double slack_px(const Map& map, const MapCamera& camera) {

@@ -35,7 +35,7 @@ std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
 // All together give the size that each gives by itself, but for a few of many. Two prints of one room may hang nearly
 // as those of another do, but not in the same proportion to their own size.
 bool of_one_size(const Similarity3& fitted, const std::vector<const Witness*>& all) {
-  constexpr double kScale = 0.05, kMost = 0.75;
+  constexpr double kScale = 0.05, kMost = 0.9;
   const auto same = std::ranges::count_if(
       all, [&](const Witness* w) { return std::abs(std::log(w->into_from_own.scale / fitted.scale)) < kScale; });
   return static_cast<double>(same) >= kMost * static_cast<double>(all.size());
@@ -126,7 +126,7 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
   }
   const bool relief = has_relief(there, depth) || has_relief(here, depth / into_from_own->scale);
   const bool of_one_mind = static_cast<double>(good.size()) > kOfOneMind * static_cast<double>(all.size());
-  if (!relief && !(of_one_mind && covers_ground(there, depth))) return std::nullopt;
+  if (!relief && !(of_one_mind && covers_ground(there, std::ranges::max(depths)))) return std::nullopt;
   MapId kept = good.front()->into, gone = of;
   Similarity3 by = *into_from_own;
   if (map.is_metric(gone) && !map.is_metric(kept)) {  // the one in metres keeps its frame

@@ -149,12 +149,14 @@ bool Meetings::act(MapEdit& edit, const Look& look, const ViewGraph& graph, cons
       bind_matches(edit, image, seen.matches);
       ++report->linked;
       return true;
-    case kJoin:
+    case kJoin: {
+      const MapId own = camera.map;
       report->adjust_since = join(edit, image, seen, in_from_own);
       ++report->merged;
-      judge_.joined(camera.map);
+      judge_.joined(own, seen.map);
       report->to_adjust = camera.map;
       return true;
+    }
     case kClose:
       if (!close(edit, image, seen, in_from_own, graph, &loops_)) return false;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());

@@ -344,10 +344,10 @@ void PlaceMemory::take_in(const PlaceMemory& other, const Renumbered& as) {
   }
 }
 
-bool covers_ground(const std::vector<const MapPoint*>& points, double median_depth) {
-  constexpr std::size_t kLeast = 100;          // points
-  constexpr double kAlong = 2, kAcross = 0.5;  // distances
-  constexpr double kInside = 0.05;             // of the points, on either side, may be strays
+bool covers_ground(const std::vector<const MapPoint*>& points, double farthest_depth) {
+  constexpr std::size_t kLeast = 100;            // points
+  constexpr double kAlong = 2.5, kAcross = 0.5;  // distances
+  constexpr double kInside = 0.05;               // of the points, on either side, may be strays
   if (points.size() < kLeast) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const MapPoint* p : points) mean += p->position / static_cast<double>(points.size());
@@ -361,7 +361,7 @@ bool covers_ground(const std::vector<const MapPoint*>& points, double median_dep
     const auto strays = static_cast<std::size_t>(kInside * static_cast<double>(along.size()));
     return along[along.size() - 1 - strays] - along[strays];
   };
-  return width(2) > kAlong * median_depth && width(1) > kAcross * median_depth;
+  return width(2) > kAlong * farthest_depth && width(1) > kAcross * farthest_depth;
 }
 
 bool has_relief(const std::vector<const MapPoint*>& points, double median_depth) {

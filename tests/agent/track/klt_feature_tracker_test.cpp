@@ -129,8 +129,9 @@ class KltFeatureTrackerInTheDark : public testing::Test {
     if (dark) cv::GaussianBlur(grey, grey, {}, 1.2);
     return {FrameId(static_cast<std::uint32_t>(frame)), frame * 33'000'000, grey};
   }
-  const cv::Size size_{640, 480};
-  const cv::Mat texture_ = test::plane_texture(1100, 800, 4);
+  const cv::Size size_{752, 480};  // whose smaller size has no whole number of rows
+  static constexpr double kSmaller = 480.0 / 752;
+  const cv::Mat texture_ = test::plane_texture(1200, 800, 4);
   const std::unique_ptr<FeatureTracker> tracker_ = klt_feature_tracker(camera_of(size_), {}, kNoTags, cpu_matcher({}));
 };
 
@@ -141,7 +142,7 @@ TEST_F(KltFeatureTrackerInTheDark, ImagesAreTrackedSmallerAndTheirTracksGoOn) {
   for (int i = 4; i < 6; ++i) {
     for (const Track& t : tracker_->step(image(i, true))) before[t.id] = t.raw_px;
   }
-  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  ASSERT_EQ(tracker_->working_scale(), kSmaller);
   for (int i = 6; i < 12; ++i) tracker_->step(image(i, true));
   std::vector<double> errors_px;
   for (const Track& t : tracker_->live()) {
@@ -155,7 +156,7 @@ TEST_F(KltFeatureTrackerInTheDark, ImagesAreTrackedSmallerAndTheirTracksGoOn) {
 
 TEST_F(KltFeatureTrackerInTheDark, AndAtTheirSizeAgainInTheLight) {
   for (int i = 0; i < 8; ++i) tracker_->step(image(i, true));
-  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  ASSERT_EQ(tracker_->working_scale(), kSmaller);
   for (int i = 8; i < 140; ++i) tracker_->step(image(i, false));
   EXPECT_EQ(tracker_->working_scale(), 1);
   EXPECT_GT(tracker_->live().size(), 200U);
@@ -165,13 +166,26 @@ TEST_F(KltFeatureTrackerInTheDark, FeaturesOfAnEarlierImageAreFoundAtTheNewSize)
   for (int i = 0; i < 5; ++i) tracker_->step(image(i, true));
   const auto late = tracker_->describe_strongest(100)();
   tracker_->step(image(5, true));
-  ASSERT_EQ(tracker_->working_scale(), 0.75);
+  ASSERT_EQ(tracker_->working_scale(), kSmaller);
   const DescribedTracks described = late(100);
   EXPECT_GT(described.tracks.size(), 20U);
   for (const Track& t : tracker_->live()) {
     EXPECT_LT(t.raw_px.x(), size_.width);
     EXPECT_LT(t.raw_px.y(), size_.height);
   }
+}
+
+TEST_F(KltFeatureTrackerInTheDark, FeaturesOfASmallerImageAreFoundInTheFullOne) {
+  int i = 0;
+  while (i < 8) tracker_->step(image(i++, true));
+  ASSERT_EQ(tracker_->working_scale(), kSmaller);
+  std::function<FeatureTracker::StartTracks()> describe;
+  while (tracker_->working_scale() != 1) {
+    ASSERT_LT(i, 200);
+    describe = tracker_->describe_strongest(100);
+    tracker_->step(image(i++, false));
+  }
+  EXPECT_GT(describe()(100).tracks.size(), 20U);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ TEST(WorkingScale, WhatShowsLittleDetailIsTrackedSmaller) {
 }
 
 TEST(WorkingScale, SmallImagesHaveOneSizeAlone) {
-  for (const int width : {320, 480}) {
+  for (const int width : {320, 480, 500, 590}) {
     WorkingScale scale(width, {});
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(scale.due());
   }

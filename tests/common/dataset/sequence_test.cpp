@@ -50,7 +50,7 @@ agents:
   - name: cam0
     source: cam0.csv
     calibration: calib.yaml
-    start_s: 1.5
+    start_s: -1.5
     duration_s: 10
     truth: cam0.tum
     covered: [[2, 4.5], [7, 8]]
@@ -70,7 +70,7 @@ scene_seed: 7
   EXPECT_EQ(s.agents[0].name, "cam0");
   EXPECT_EQ(s.agents[0].source, (folder_ / "cam0.csv").string());
   EXPECT_EQ(s.agents[0].calibration, folder_ / "calib.yaml");
-  EXPECT_EQ(s.agents[0].start_s, 1.5);
+  EXPECT_EQ(s.agents[0].start_s, -1.5);
   EXPECT_EQ(s.agents[0].duration_s, 10);
   EXPECT_EQ(s.agents[0].truth, folder_ / "cam0.tum");
   ASSERT_EQ(s.agents[0].covered.size(), 2u);

@@ -192,7 +192,7 @@ TEST_F(DecideTest, WhatIsSaidOfTwoMapsOutlivesALoopInOneOfThem) {
 TEST_F(DecideTest, WhatIsSaidOfAMapDoesNotOutliveThatItIsJoinedToAnother) {
   put_second_elsewhere();
   EXPECT_EQ(decide(seen()).what, kDoubtful);
-  judge_.joined(sim_.id);
+  judge_.joined(sim_.id, MapId(77));
   step();
   EXPECT_EQ(decide(seen()).what, kDoubtful);
 }
@@ -249,7 +249,7 @@ class DecideOverAPlane : public DecideTest {
     step();
     return what;
   }
-  static constexpr double kFar_m = 6, kNear_m = 1.5;  // the plane is some 8 m wide
+  static constexpr double kFar_m = 6, kNear_m = 1;  // the plane is some 8 m wide
 };
 
 TEST_F(DecideOverAPlane, APrintJoinsNothing) {

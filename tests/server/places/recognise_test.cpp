@@ -49,10 +49,10 @@ TEST(CoversGround, WiderThanAnyPrintBothWays) {
     }
     return covers_ground(out, 10);
   };
-  EXPECT_TRUE(covers(30, 10, 200));
-  EXPECT_FALSE(covers(15, 10, 200)) << "as an image shows it";
-  EXPECT_FALSE(covers(30, 3, 200)) << "a line";
-  EXPECT_FALSE(covers(30, 10, 60)) << "a few points";
+  EXPECT_TRUE(covers(40, 10, 200));
+  EXPECT_FALSE(covers(25, 10, 200)) << "as an image shows it";
+  EXPECT_FALSE(covers(40, 3, 200)) << "a line";
+  EXPECT_FALSE(covers(40, 10, 60)) << "a few points";
 }
 
 TEST_F(HasReliefTest, NothingHasNone) { EXPECT_FALSE(relief()); }
