@@ -62,7 +62,7 @@ TEST(PrintConfig, Agent) {
 
 // Values that no file may hold are refused before they are printed.
 TEST(PrintConfig, OptionsKeepTheBoundsOfTheirKeys) {
-  Program start("coslam-agent", {"--start", "-1", "--print-config"});
+  Program start("coslam-agent", {"--start", "-4000", "--print-config"});
   EXPECT_EQ(start.exit_code(), 2) << start.err();
   EXPECT_THAT(start.err(), HasSubstr("--start"));
   Program rate("coslam-agent", {"--fps", "0", "--print-config"});
