@@ -11,7 +11,7 @@ namespace coslam {
 namespace {
 
 constexpr double kPending_s = 5.0;        // within which a hypothesis is to be confirmed
-constexpr std::size_t kBeyondDoubt = 40;  // matches of an image, not all on one plane
+constexpr std::size_t kBeyondDoubt = 40;  // matches of either image, in one of them not on one plane
 constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
 constexpr double kFlat_s = 30.0;          // the same of ground, of which one image shows a part
 
@@ -69,14 +69,14 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
   for (const auto& [track, point] : seen.matches) now.evidence.insert(point);
   const bool relief = has_relief(points_in(map, seen.map, now.evidence), seen.median_depth);
   now.relief = relief;
-  now.beyond_doubt = relief && own.map != other.map && seen.matches.size() >= kBeyondDoubt;
+  now.many = own.map != other.map && seen.matches.size() >= kBeyondDoubt;
   if (own.map == other.map && enough && !relief && !seen.expected && is_far(image, seen)) repeats(map, own.map);
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
       at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    if (agree(image, seen, said, in_from_own, p.beyond_doubt && now.beyond_doubt)) {
+    if (agree(image, seen, said, in_from_own, p.many && now.many && (p.relief || relief))) {
       p.evidence.merge(now.evidence);
       p.cameras.merge(now.cameras);
       p.enough = p.enough || enough;
@@ -84,7 +84,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       p.depth = std::max(p.depth, now.depth);
       if (p.since == map.now()) return false;  // of the same instant
       p.second_from_first = now.second_from_first;
-      p.beyond_doubt = now.beyond_doubt;
+      p.many = now.many;
       if (!p.enough) return false;
       const std::vector<const MapPoint*> all = points_in(map, seen.map, p.evidence);
       if (!seen.expected && !has_relief(all, seen.median_depth) && !flat_is_enough(map, hypothesis, all, p.depth)) {

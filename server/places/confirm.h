@@ -47,10 +47,10 @@ class Verification {
     Similarity3 second_from_first;
     SetId since;
     bool expected = false, enough = false;
-    bool beyond_doubt = false;  // by the newest image alone
-    double depth = 0;           // the largest of the images
-    bool relief = false;        // of an image by itself
-    bool flat = false;          // all that was seen so far
+    bool many = false;    // points, in the newest image alone
+    double depth = 0;     // the largest of the images
+    bool relief = false;  // of an image by itself
+    bool flat = false;    // all that was seen so far
     std::set<PointId> evidence;
     std::set<CameraId> cameras;  // that saw it or were seen
   };

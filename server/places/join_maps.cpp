@@ -35,7 +35,7 @@ std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
 // All together give the size that each gives by itself, but for a few of many. Two prints of one room may hang nearly
 // as those of another do, but not in the same proportion to their own size.
 bool of_one_size(const Similarity3& fitted, const std::vector<const Witness*>& all) {
-  constexpr double kScale = 0.05, kMost = 0.9;
+  constexpr double kScale = 0.05, kMost = 0.8;
   const auto same = std::ranges::count_if(
       all, [&](const Witness* w) { return std::abs(std::log(w->into_from_own.scale / fitted.scale)) < kScale; });
   return static_cast<double>(same) >= kMost * static_cast<double>(all.size());
