@@ -29,7 +29,7 @@ class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
  protected:
   Image image(int frame) const {
     const test::View view = test::View::at({400 + kStepX * frame, 300 + kStepY * frame}, 0, 1, size_);
-    return {FrameId(static_cast<std::uint32_t>(frame)), frame * 33'000'000, test::render(texture_, view, size_, 1)};
+    return {FrameId(static_cast<std::uint32_t>(frame)), frame * TimeNs{33'000'000}, test::render(texture_, view, size_, 1)};
   }
   static constexpr double kStepX = 3.3, kStepY = 1.7;
   const cv::Size size_{GetParam(), GetParam() * 3 / 4};
@@ -127,7 +127,7 @@ class KltFeatureTrackerInTheDark : public testing::Test {
     view.noise = dark ? 6 : 0.5;
     cv::Mat grey = test::render(texture_, view, size_, static_cast<std::uint64_t>(frame + 1));
     if (dark) cv::GaussianBlur(grey, grey, {}, 1.2);
-    return {FrameId(static_cast<std::uint32_t>(frame)), frame * 33'000'000, grey};
+    return {FrameId(static_cast<std::uint32_t>(frame)), frame * TimeNs{33'000'000}, grey};
   }
   const cv::Size size_{752, 480};  // whose smaller size has no whole number of rows
   static constexpr double kSmaller = 480.0 / 752;
