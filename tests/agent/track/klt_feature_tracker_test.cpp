@@ -29,7 +29,8 @@ class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
  protected:
   Image image(int frame) const {
     const test::View view = test::View::at({400 + kStepX * frame, 300 + kStepY * frame}, 0, 1, size_);
-    return {FrameId(static_cast<std::uint32_t>(frame)), frame * TimeNs{33'000'000}, test::render(texture_, view, size_, 1)};
+    return {FrameId(static_cast<std::uint32_t>(frame)), frame * TimeNs{33'000'000},
+            test::render(texture_, view, size_, 1)};
   }
   static constexpr double kStepX = 3.3, kStepY = 1.7;
   const cv::Size size_{GetParam(), GetParam() * 3 / 4};
