@@ -34,11 +34,12 @@ class KltFeatureTracker final : public FeatureTracker {
 
   const std::vector<Track>& step(const Image& image) override {
     const cv::Mat before = std::exchange(grey_, image.grey);
-    const std::vector<Track> live_before = live_;
+    const bool compare = !before.empty() && scale_.due();
+    const std::vector<Track> live_before = compare ? live_ : std::vector<Track>();
     work_ = scaled_image(grey_, work_scale_);
     tracker_.step(work_);
     refresh();
-    if (!before.empty() && scale_.due()) choose_scale(before, live_before);
+    if (compare) choose_scale(before, live_before);
     return live_;
   }
   const std::vector<Track>& live() const override { return live_; }

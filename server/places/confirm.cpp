@@ -11,9 +11,9 @@ namespace coslam {
 namespace {
 
 constexpr double kPending_s = 5.0;        // within which a hypothesis is to be confirmed
-constexpr std::size_t kBeyondDoubt = 40;  // matches of either image, in one of them not on one plane
-constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
 constexpr double kFlat_s = 30.0;          // the same of ground, of which one image shows a part
+constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
+constexpr std::size_t kBeyondDoubt = 40;  // matches of either image, in one of them not on one plane
 
 std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
@@ -67,20 +67,19 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
               .depth = seen.median_depth,
               .cameras = {camera.id, seen.key_camera}};
   for (const auto& [track, point] : seen.matches) now.evidence.insert(point);
-  const bool relief = has_relief(points_in(map, seen.map, now.evidence), seen.median_depth);
-  now.relief = relief;
+  now.relief = has_relief(points_in(map, seen.map, now.evidence), seen.median_depth);
   now.many = own.map != other.map && seen.matches.size() >= kBeyondDoubt;
-  if (own.map == other.map && enough && !relief && !seen.expected && is_far(image, seen)) repeats(map, own.map);
+  if (own.map == other.map && enough && !now.relief && !seen.expected && is_far(image, seen)) repeats(map, own.map);
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
       at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    if (agree(image, seen, said, in_from_own, p.many && now.many && (p.relief || relief))) {
+    if (agree(image, seen, said, in_from_own, p.many && now.many && (p.relief || now.relief))) {
       p.evidence.merge(now.evidence);
       p.cameras.merge(now.cameras);
       p.enough = p.enough || enough;
-      p.relief = p.relief || relief;
+      p.relief = p.relief || now.relief;
       p.depth = std::max(p.depth, now.depth);
       if (p.since == map.now()) return false;  // of the same instant
       p.second_from_first = now.second_from_first;
@@ -96,7 +95,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       return true;
     }
     if (p.enough && !enough) return false;  // few points that say something else take nothing away
-    if (enough && p.enough && !relief && !p.relief) repeats(map, own.map), repeats(map, other.map);
+    if (enough && p.enough && !now.relief && !p.relief) repeats(map, own.map), repeats(map, other.map);
   }
   pending_[hypothesis] = std::move(now);
   return false;
@@ -121,14 +120,13 @@ void Verification::drawn_together(MapId map) {
 }
 
 void Verification::joined(MapId one, MapId other) {
-  for (const MapId map : {one, other}) {
-    std::erase_if(pending_, [&](const auto& p) { return p.first.first.map == map || p.first.second.map == map; });
+  const auto is_either = [&](const Part& p) { return p.map == one || p.map == other; };
+  std::erase_if(pending_, [&](const auto& p) { return is_either(p.first.first) || is_either(p.first.second); });
+  for (const auto& [from, to] : {std::pair(one, other), std::pair(other, one)}) {
+    if (!repeating_.contains(from)) continue;
+    const SetId last = repeating_[from];
+    repeating_[to] = std::max(repeating_[to], last);
   }
-  SetId last;
-  for (const MapId map : {one, other}) {
-    if (repeating_.contains(map)) last = std::max(last, repeating_[map]);
-  }
-  if (repeating_.contains(one) || repeating_.contains(other)) repeating_[one] = repeating_[other] = last;
 }
 
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {
