@@ -98,7 +98,7 @@ BundleResult solve_with_lenses(const RefineJob& job) {
   const auto any = [&](auto&& which) { return std::ranges::any_of(problem.lenses, which); };
   if (!any(&BundleProblem::Lens::free)) return solve_bundle(problem, job.config);
   if (any([](const auto& lens) { return lens.free && lens.start.none(); })) {
-    const BundleResult found = solve_bundle(problem, job.config);
+    BundleResult found = solve_bundle(problem, job.config);
     if (!found.usable) return found;
     give_what_is_right(found, &problem);
     if (!any(&BundleProblem::Lens::free)) {

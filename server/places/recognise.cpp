@@ -356,6 +356,7 @@ bool covers_ground(const std::vector<const MapPoint*>& points, double farthest_d
   const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
   const auto width = [&](int axis) {
     std::vector<double> along;
+    along.reserve(points.size());
     for (const MapPoint* p : points) along.push_back(axes.col(axis).dot(p->position - mean));
     std::ranges::sort(along);
     const auto strays = static_cast<std::size_t>(kInside * static_cast<double>(along.size()));
