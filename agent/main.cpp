@@ -71,9 +71,9 @@ void run(AgentOptions& o) {
   Hello hello;
   hello.agent = o.id;
   hello.agent_run = draw_run_id();
-  auto [camera, source] = open_camera(o.source, o.calibration, o.play);
-  hello.camera = camera;
-  if (o.calibration.empty()) log_warn("no calibration is given: the lens is guessed, and found out from the images");
+  auto [found, source] = open_camera(o.source, o.calibration, o.play);
+  hello.camera = found.camera;
+  if (!found.guess.empty()) log_warn(found.guess);
   hello.rate_hz = o.play.rate_hz;
   hello.pacing = rate == 0 && !source->live() ? Pacing::kLockstep : Pacing::kLive;
   // Before anybody hears of this agent: a device that is not there ends it.

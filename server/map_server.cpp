@@ -178,6 +178,7 @@ void MapServer::finish_whole(const TellProgress& tell) {
 
 void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
+  pipeline_.stage<LagFinder>().finish(edit_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
   adjust_whole(edit_, largest_map(), refine, since, tell);

@@ -96,8 +96,8 @@ class MapServer {
   const std::vector<MovingState>& moving() const { return pipeline_.report<MovingStates>().all; }
   // Offset of the camera's clock from that of the first one it shares moving points with.
   ClockOffset clock_offset(CameraId camera) const { return pipeline_.stage<ClockFinder>().offset(camera); }
-  // Its images were taken so much later than they are dated, where that is more than a clock is estimated for.
-  std::optional<double> lag_s(CameraId camera) const { return pipeline_.stage<LagFinder>().lag_s(camera); }
+  // Its images were taken so much later than they are dated, by how things move.
+  std::optional<LagFinder::Lag> lag(CameraId camera) const { return pipeline_.stage<LagFinder>().lag(camera); }
   MapServerCounts counts() const;
   // What the map and the stages keep, by what it is for; bytes.
   MemoryUse memory() const;

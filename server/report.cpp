@@ -83,7 +83,7 @@ Json camera_report(const MapServer& server, CameraId id) {
   const int tracked = common == MapId() ? 0 : camera.frames_in_map(common);
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames_ever()));
   const ClockOffset clock = server.clock_offset(id);
-  const std::optional<double> misdated_s = server.lag_s(id);
+  const auto lag = server.lag(id);
   return {{"frames", camera.frames_ever()},
           {"frames_received", camera.frames_ever()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
@@ -91,7 +91,8 @@ Json camera_report(const MapServer& server, CameraId id) {
           {"clock_offset_ms", 1000 * clock.offset_s},
           {"clock_sigma_ms", 1000 * clock.sigma_s},
           {"clock_offset_used_ms", 1000 * to_seconds(camera.clock_offset_ns)},
-          {"misdated_s", misdated_s ? Json(*misdated_s) : Json()},
+          {"misdated_s", lag && lag->is_off() ? Json(lag->lag_s) : Json()},
+          {"lag", lag ? Json{{"lag_s", lag->lag_s}, {"against", server.map().camera(lag->against).name}} : Json()},
           {"lost_intervals", lost_intervals(camera)},
           {"camera", intrinsics_report(camera.model)}};
 }

@@ -3,36 +3,45 @@
 #include "agent/capture/camera_of.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "agent/capture/noted_focal.h"
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
 
 namespace coslam {
 
-CameraModel guessed_camera(int width_px, int height_px) {
+CameraModel guessed_camera(int width_px, int height_px, std::optional<double> noted_focal_px) {
   // 28 mm, as 35 mm film has it, of what a phone films; most cameras of robots lie between 0.6 and 1 as well.
   constexpr double kFocalByWidth = 0.8;
   CameraModel camera{.width_px = width_px, .height_px = height_px};
-  camera.fx = camera.fy = kFocalByWidth * std::max(width_px, height_px);
+  camera.fx = camera.fy = noted_focal_px.value_or(kFocalByWidth * std::max(width_px, height_px));
   camera.cx = 0.5 * (width_px - 1);
   camera.cy = 0.5 * (height_px - 1);
   camera.distortion = DistortionModel::kUnknown;
   return camera;
 }
 
-CameraModel camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options) {
-  if (!calibration.empty()) return load_calibration(calibration);
+FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options) {
+  if (!calibration.empty()) return {load_calibration(calibration), {}};
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;
   const auto first = open_source(source, any_size)->next();
   if (!first) throw UserError(source + ": no image can be read");
-  return guessed_camera(first->grey.cols, first->grey.rows);
+  const int width_px = first->grey.cols, height_px = first->grey.rows;
+  const auto noted_px = noted_focal_px(first_file(source, options.rate_hz), width_px, height_px);
+  FoundCamera out{guessed_camera(width_px, height_px, noted_px), {}};
+  out.guess = "no calibration is given: the lens is guessed, with a focal length of " +
+              std::to_string(std::lround(out.camera.fx)) + " px as " +
+              (noted_px ? "its files note it" : "cameras of phones and robots have it") +
+              ", and found out from the images";
+  return out;
 }
 
 CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options) {
   CameraSource out{camera_of(source, calibration, options), nullptr};
-  options.width_px = out.camera.width_px;
-  options.height_px = out.camera.height_px;
+  options.width_px = out.found.camera.width_px;
+  options.height_px = out.found.camera.height_px;
   options.calibration = calibration;
   out.images = open_source(source, options);
   return out;

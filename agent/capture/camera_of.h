@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "agent/capture/source.h"
@@ -10,16 +11,21 @@
 
 namespace coslam {
 
-// A lens of which nothing is known but the size of its images: a pinhole with the focal length of a usual wide lens, to
-// be found out from the images.
-CameraModel guessed_camera(int width_px, int height_px);
+// A lens of which nothing is known but the size of its images: a pinhole with the focal length that the images note, or
+// else that of a usual wide lens, to be found out from the images.
+CameraModel guessed_camera(int width_px, int height_px, std::optional<double> noted_focal_px = {});
 
-// The camera of a source: as its calibration file says, or without one guessed from its first image. Throws UserError.
-CameraModel camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
+// The camera of a source: as its calibration file says, or without one guessed from what its files note and the size of
+// its first image. Throws UserError.
+struct FoundCamera {
+  CameraModel camera;
+  std::string guess;  // a sentence for the user; empty: the camera is calibrated
+};
+FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
 
 // That and its images, which have to have the size of its calibration.
 struct CameraSource {
-  CameraModel camera;
+  FoundCamera found;
   std::unique_ptr<ImageSource> images;
 };
 CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options);

@@ -13,6 +13,14 @@ namespace coslam {
 
 namespace {
 
+// Empty: the path is no list of images.
+std::optional<FrameList> listed(const std::filesystem::path& path, double rate_hz) {
+  if (std::filesystem::is_directory(path)) return list_folder(path, rate_hz);
+  if (path.extension() == ".csv") return list_csv(path);
+  if (path.extension() == ".txt") return list_tum(path);
+  return std::nullopt;
+}
+
 std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const SourceOptions& options) {
   if (is_live_uri(uri)) return open_live(uri, options);
   if (uri.starts_with(kMcapScheme)) return open_mcap(uri, options);
@@ -22,9 +30,7 @@ std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const Source
                     "' is of no known kind: a path, mcap:FILE#TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is expected");
   }
   if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
-  if (std::filesystem::is_directory(path)) return open_list(uri, list_folder(path, options.rate_hz), options);
-  if (path.extension() == ".csv") return open_list(uri, list_csv(path), options);
-  if (path.extension() == ".txt") return open_list(uri, list_tum(path), options);
+  if (const auto frames = listed(path, options.rate_hz)) return open_list(uri, *frames, options);
   return open_video(path, options);
 }
 
@@ -33,6 +39,13 @@ std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const Source
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options) {
   auto source = open_uncovered(uri, options);
   return options.covered.empty() ? std::move(source) : covered_at_times(std::move(source), options.covered);
+}
+
+std::filesystem::path first_file(const std::string& uri, double rate_hz) {
+  if (is_live_uri(uri) || !std::filesystem::exists(uri)) return {};
+  const auto frames = listed(uri, rate_hz);
+  if (!frames) return uri;
+  return frames->empty() ? std::filesystem::path() : frames->front().file;
 }
 
 }  // namespace coslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,5 +49,9 @@ struct SourceOptions {
 // mcap:FILE#TOPIC (images of ROS 2; times count from the start of the recording), v4l2:N, gst:PIPELINE, rtsp://...
 // Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
+
+// The file that tells most about how a source was taken: a video, or the first of its images. Empty: there is none, as
+// of live sources.
+std::filesystem::path first_file(const std::string& uri, double rate_hz);
 
 }  // namespace coslam

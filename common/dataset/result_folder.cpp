@@ -13,9 +13,9 @@
 namespace coslam {
 namespace {
 
-constexpr std::array<const char*, 13> kOfARun{"trajectory",  "live",        "tracks",      "calibration", "points.csv",
-                                              "dynamic.csv", "objects.csv", "groups.csv",  "events.csv",  "map.ply",
-                                              "report.json", "eval.json",   "top_view.png"};
+constexpr std::array<const char*, 14> kOfARun{
+    "trajectory", "live",       "tracks",  "calibration", "points.csv", "dynamic.csv",  "objects.csv",
+    "groups.csv", "events.csv", "map.ply", "report.json", "eval.json",  "top_view.png", "sequence.yaml"};
 
 // Names of the files with this extension in a folder, without it.
 std::set<std::string> stems_in(const std::filesystem::path& folder, const char* extension) {

@@ -40,6 +40,8 @@ class ResultFolder {
   std::filesystem::path groups() const { return run_ / "groups.csv"; }
   std::filesystem::path events() const { return run_ / "events.csv"; }
   std::filesystem::path report() const { return run_ / "report.json"; }
+  // What was played, of a run of recordings without a sequence.
+  std::filesystem::path sequence() const { return run_ / "sequence.yaml"; }
   std::filesystem::path evaluation() const { return run_ / "eval.json"; }
   std::filesystem::path top_view() const { return run_ / "top_view.png"; }
   // Poses in the frame of a map that became part of another later.

@@ -82,7 +82,11 @@ SequenceAgent read_agent(const YamlValue& value) {
   const YamlValue source = value.at("source");
   agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
   if (const auto calibration = value.find("calibration")) agent.calibration = existing_path_or_topic(*calibration);
-  if (const auto start = value.find("start_s")) agent.start_s = start->number(-kMostLater_s, kMaxSeconds);
+  if (const auto start = value.find("start_s")) {
+    agent.start_is_open = start->text() == "auto";
+    if (agent.start_is_open && is_uri(agent.source)) start->fail("auto is for recordings");
+    if (!agent.start_is_open) agent.start_s = start->number(-kMostLater_s, kMaxSeconds);
+  }
   if (const auto duration = value.find("duration_s")) {
     agent.duration_s = duration->number(0, kMaxSeconds);
     if (*agent.duration_s == 0) duration->fail("must be more than 0");

@@ -19,6 +19,7 @@ struct SequenceAgent {
   std::string source;                 // URI or absolute path, see agent/capture/source.h
   std::filesystem::path calibration;  // empty: none, the lens is found out
   double start_s = 0;
+  bool start_is_open = false;  // to be found out
   std::optional<double> duration_s;
   std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time
   std::vector<TimeSpan> covered;               // played times at which the lens is covered

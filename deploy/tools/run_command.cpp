@@ -9,13 +9,15 @@
 #include "agent/capture/source.h"
 #include "agent/gpu/matcher_for.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/base/replay_rate.h"
 #include "common/base/text.h"
 #include "common/config/config.h"
-#include "common/dataset/result.h"
+#include "common/dataset/result_folder.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/run.h"
+#include "deploy/tools/run/starts.h"
 #include "deploy/tools/sequence_argument.h"
 #include "deploy/tools/view_flag.h"
 
@@ -89,6 +91,16 @@ int check_inputs(const Sequence& sequence) {
   return most;
 }
 
+// Its result would take the place of what is to be played.
+void refuse_own_folder(const RunOptions& options) {
+  std::error_code none;
+  if (!options.sequence.file.empty() &&
+      std::filesystem::equivalent(options.sequence.file.parent_path(), options.out, none) &&
+      std::filesystem::exists(ResultFolder(options.out).report())) {
+    throw UserError(options.out.string() + " holds the sequence that is to be played: name another folder with --out");
+  }
+}
+
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
   parse_replay_rate(options.rate);                        // a wrong one is said before anything starts
@@ -104,10 +116,22 @@ int run(RunArguments arguments) {
   options.frame_sets = check_inputs(options.sequence);
   options.out = arguments.out;
   if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
+  refuse_own_folder(options);
   make_result_folder(options.out, arguments.force);
-  const int code = arguments.in_one_process ? run_inline(options) : run_processes(options);
+  Starts starts(&options.sequence);
+  const auto play = [&] { return arguments.in_one_process ? run_inline(options) : run_processes(options); };
+  RunEnd end = play();
+  // What is kept beside the result is of one run.
+  const bool repeatable = options.map.empty() && options.record.empty();
+  if (end.exit_code == 0 && !end.interrupted && repeatable && starts.improve(options.out)) {
+    log_info("run once more with what was found");
+    make_result_folder(options.out, true);
+    end = play();
+  }
+  starts.warn();
+  starts.write(options.out);
   print_summary(options.out);
-  return code;
+  return end.exit_code;
 }
 
 }  // namespace

@@ -56,6 +56,7 @@ Sequence sequence_argument(const std::vector<std::string>& texts) {
     SequenceAgent agent;
     agent.name = agent_name(source, sequence.agents);
     agent.source = std::filesystem::absolute(source).lexically_normal().string();
+    agent.start_is_open = !sequence.agents.empty();
     sequence.agents.push_back(std::move(agent));
   }
   sequence.name = sequence.agents.front().name;

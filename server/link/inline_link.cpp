@@ -33,6 +33,7 @@ class InlineAgent : public AgentLink {
     return inbox_.answered(after_frame) ? std::nullopt : inbox_.pop();
   }
   std::vector<MapPatch> take_patches() override;
+  bool is_owed() const { return sent_ && (!inbox_.acknowledged() || *inbox_.acknowledged() < *sent_); }
   std::optional<ServerStatus> server_status() const override { return inbox_.status(); }
   std::optional<ServerStatus> wait_server_status(milliseconds) override { return inbox_.take_fresh_status(); }
   bool server_alive() const override { return inbox_.status().has_value(); }
@@ -53,6 +54,7 @@ class InlineAgent : public AgentLink {
   InlineServer& server_;
   const RunId run_;
   TrackEncoder encoder_;
+  std::optional<FrameId> sent_;  // the newest
   Inbox inbox_;
   LinkBytes bytes_;
   RejectionCounts rejections_;
@@ -167,6 +169,7 @@ void InlineAgent::send(TrackFrame frame, const std::optional<PatchReply>& patche
   if (descriptors) frame.descriptors_sent = DescriptorsSent::kWithFrame;
   if (patches) pass_up_parts(*patches);
   if (descriptors) pass_up_parts(*descriptors);
+  sent_ = frame.frame;
   pass_up(encoder_.encode(frame, inbox_.acknowledged()));
 }
 
@@ -180,6 +183,11 @@ std::vector<MapPatch> InlineAgent::take_patches() {
 
 InlineLink::InlineLink(RunId server_run) : server_(std::make_unique<InlineServer>(server_run)) {}
 InlineLink::~InlineLink() = default;
+
+bool InlineLink::owes_answer(RunId agent_run) const {
+  const auto at = server_->agents.find(agent_run);
+  return at != server_->agents.end() && at->second->is_owed();
+}
 
 ServerLink& InlineLink::server() { return *server_; }
 

@@ -23,6 +23,9 @@ class InlineLink {
   ServerLink& server();
   // An agent starts; deleting the result ends it (AgentGone). It must not outlive this object.
   std::unique_ptr<AgentLink> connect(const Hello& hello);
+  // The server has not answered this agent's newest frame yet, as when it needs others' frames first: in lock-step the
+  // agent would wait, and here nobody else would run.
+  bool owes_answer(RunId agent_run) const;
 
  private:
   std::unique_ptr<InlineServer> server_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "server/map/sighting.h"
 
@@ -15,7 +16,7 @@ constexpr double kStep_s = 0.05;                   // between lags
 constexpr double kToldFrom_s = 0.12;               // less is found and made up for by ClockFinder
 constexpr double kAgree_s = 0.08;                  // two searches that found one lag
 constexpr double kAgain_s = 5, kMuchLater_s = 60;  // between searches of a pair; when its clocks were found to agree
-constexpr std::size_t kMostRays = 16;              // of one image, the same tracks from image to image
+constexpr std::size_t kMostRays = 24;              // of one image, the same tracks from image to image
 constexpr std::size_t kLeastRays = 4, kLeastSights = 50;
 
 std::uint32_t shuffled(TrackId track) { return static_cast<std::uint32_t>(track.value * 2654435761U); }
@@ -33,8 +34,8 @@ LagReport LagFinder::run(MapEdit& edit) {
     }
   }
   if (!search_ && !begin_search(map)) return {};
-  const double lag_s = -config.most_s + kStep_s * static_cast<double>(search_->misses.size());
-  search_->misses.push_back(lag_miss(search_->first, search_->second, lag_s));
+  const double lag_s = -config.most_s + kStep_s * static_cast<double>(search_->lags.size());
+  search_->lags.push_back(lag_agreement(search_->first, search_->second, lag_s));
   return {lag_s + kStep_s > config.most_s && end_search(edit) ? 1 : 0};
 }
 
@@ -89,14 +90,18 @@ TimeNs LagFinder::waited_ns(const Map& map, const Pair& pair) const {
   return map.now_ns() - known.searched_ns - to_ns(agree || known.told ? kMuchLater_s : kAgain_s);
 }
 
+bool LagFinder::comparable(const Map& map, const Pair& pair) const {
+  const MapCamera &first = map.camera(pair.first), &second = map.camera(pair.second);
+  return sights_.at(pair.first).size() >= kLeastSights && sights_.at(pair.second).size() >= kLeastSights &&
+         first.map == second.map && first.map != MapId();
+}
+
 bool LagFinder::begin_search(const Map& map) {
   std::optional<Pair> chosen;
   TimeNs most_ns = 0;
-  for (const auto& [a, seen_by_a] : sights_) {
-    for (const auto& [b, seen_by_b] : sights_) {
-      if (!(a < b) || seen_by_a.size() < kLeastSights || seen_by_b.size() < kLeastSights) continue;
-      const MapCamera &first = map.camera(a), &second = map.camera(b);
-      if (first.map != second.map || first.map == MapId()) continue;
+  for (const auto& [a, sights_of_a] : sights_) {
+    for (const auto& [b, sights_of_b] : sights_) {
+      if (!(a < b) || !comparable(map, {a, b})) continue;
       const TimeNs waited = waited_ns(map, {a, b});
       if (waited <= most_ns) continue;
       most_ns = waited;
@@ -112,22 +117,58 @@ bool LagFinder::begin_search(const Map& map) {
 bool LagFinder::end_search(MapEdit& edit) {
   const Map& map = edit.map();
   const Pair pair = search_->pair;
-  const std::optional<double> lag_s = best_lag_s(search_->misses);
+  const std::optional<double> lag_s = best_lag_s(search_->lags);
   search_.reset();
   Known& known = known_[pair];
   known.searched_ns = map.now_ns();
   const std::optional<double> before = std::exchange(known.lag_s, lag_s);
   if (!lag_s || !before || std::abs(*lag_s - *before) > kAgree_s) return false;
-  const bool off = std::abs(*lag_s) >= kToldFrom_s;
+  return note(edit, pair, *lag_s);
+}
+
+bool LagFinder::note(MapEdit& edit, const Pair& pair, double lag_s) {
+  Known& known = known_[pair];
+  known.lag_s = lag_s;
+  const bool off = std::abs(lag_s) >= kToldFrom_s;
   const bool is_new = off && !known.told;
   known.told = off;
-  if (is_new) edit.note_misdated(map.camera(pair.second), *lag_s, pair.first);
+  if (is_new) edit.note_misdated(edit.map().camera(pair.second), lag_s, pair.first);
   return is_new;
 }
 
-std::optional<double> LagFinder::lag_s(CameraId camera) const {
-  for (const auto& [pair, known] : known_) {
-    if (pair.second == camera && known.told) return known.lag_s;
+void LagFinder::finish(MapEdit& edit) {
+  constexpr int kMostPairs = 3;  // of a camera
+  search_.reset();
+  const Map& map = edit.map();
+  if (!config.enabled) return;
+  for (const auto& [b, sights_of_b] : sights_) {
+    int tried = 0;
+    for (auto a = sights_.begin(); a->first < b && tried < kMostPairs && !lag(b); ++a) {
+      const Pair pair{a->first, b};
+      if (!comparable(map, pair)) continue;
+      ++tried;
+      if (const auto lag_s = lag_at_end(in_world(map, pair.first), in_world(map, pair.second)))
+        note(edit, pair, *lag_s);
+    }
+  }
+}
+
+std::optional<double> LagFinder::lag_at_end(std::span<const MovingSight> first,
+                                            std::span<const MovingSight> second) const {
+  std::vector<LagAgreement> lags;
+  const int steps = static_cast<int>(std::max(config.most_s, config.memory_s / 2) / kStep_s);
+  for (int i = -steps; i <= steps; ++i) lags.push_back(lag_agreement(first, second, i * kStep_s));
+  return best_lag_s(lags);
+}
+
+bool LagFinder::Lag::is_off() const { return std::abs(lag_s) >= kToldFrom_s; }
+
+std::optional<LagFinder::Lag> LagFinder::lag(CameraId camera) const {
+  for (const bool told : {true, false}) {
+    for (const auto& [pair, known] : known_) {
+      const bool agrees = known.lag_s && std::abs(*known.lag_s) < kToldFrom_s;
+      if (pair.second == camera && (told ? known.told : agrees)) return Lag{*known.lag_s, pair.first};
+    }
   }
   return std::nullopt;
 }

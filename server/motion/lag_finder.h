@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -42,10 +43,17 @@ class LagFinder {
   LagConfig config;
 
   LagReport run(MapEdit& edit);
+  // At the end of a run: whatever is known by then is compared at once, over lags up to half of the memory.
+  void finish(MapEdit& edit);
   // Another clock from now on.
   void forget(CameraId camera);
   // Its images were taken so much later than they are dated, against a camera before it.
-  std::optional<double> lag_s(CameraId camera) const;
+  struct Lag {
+    double lag_s = 0;
+    CameraId against;
+    bool is_off() const;  // by more than clocks are estimated for
+  };
+  std::optional<Lag> lag(CameraId camera) const;
 
  private:
   using Pair = std::pair<CameraId, CameraId>;
@@ -57,7 +65,7 @@ class LagFinder {
   struct Search {
     Pair pair;
     std::vector<MovingSight> first, second;
-    std::vector<LagMiss> misses;
+    std::vector<LagAgreement> lags;
   };
   struct Known {
     TimeNs searched_ns = 0;
@@ -67,9 +75,12 @@ class LagFinder {
 
   void look(const Map& map, const MapCamera& camera);
   std::vector<MovingSight> in_world(const Map& map, CameraId camera) const;
+  bool comparable(const Map& map, const Pair& pair) const;
   TimeNs waited_ns(const Map& map, const Pair& pair) const;
+  std::optional<double> lag_at_end(std::span<const MovingSight> first, std::span<const MovingSight> second) const;
   bool begin_search(const Map& map);
   bool end_search(MapEdit& edit);
+  bool note(MapEdit& edit, const Pair& pair, double lag_s);
 
   std::map<CameraId, std::deque<Sight>> sights_;
   std::map<Pair, Known> known_;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/geometry/robust.h"
@@ -15,12 +16,12 @@ constexpr double kSpan_s = 0.2;        // over which a speed is taken
 constexpr double kInstants_s = 0.1;    // between them
 constexpr double kTolerance_s = 0.06;  // of an image that stands for an instant: at 10 Hz there is one
 constexpr std::size_t kLeastTracks = 4;
-constexpr int kLeastInstants = 30, kLeastElsewhere = 15;
+constexpr int kLeastInstants = 15;
 constexpr double kLeastSine2 = 0.05;  // of the angle to the line between the cameras, squared
+constexpr double kLittle_rad_s = 0.005, kMuch_rad_s = 0.03;
+// Of people who walk the right lag has 8 to 17, and 1.24 to twice as much as any other that is 0.3 s and more away.
+constexpr double kLeastAgreement = 7.5, kRival = 1.2;
 constexpr double kElsewhere_s = 0.3;
-// Of people who walk or gesture the median miss is 0.05 to 0.33 of that at any lag, and the best miss elsewhere 1.6 to
-// 6 times as large.
-constexpr double kOfMedian = 0.35, kRival = 1.5;
 
 const MovingSight* nearest(std::span<const MovingSight> sights, TimeNs t_ns) {
   const auto after = std::ranges::lower_bound(sights, t_ns, {}, &MovingSight::stamp_ns);
@@ -66,10 +67,30 @@ std::optional<double> speed_rad_s(const MovingSight& from, const MovingSight& to
   return upper_median(turns) / to_seconds(to.stamp_ns - from.stamp_ns);
 }
 
+// How much nearer to each other the two speeds of an instant are than speeds of different instants, over all instants.
+double better_than_chance(std::span<const std::array<double, 2>> speeds_rad_s) {
+  constexpr std::size_t kOthers = 32;
+  // Geman and McClure's, for little noise and for much: what moves evenly needs the former to tell instants apart.
+  const auto apart = [](double a, double b) {
+    const double miss2 = (a - b) * (a - b);
+    return 0.5 * miss2 * (1 / (miss2 + kLittle_rad_s * kLittle_rad_s) + 1 / (miss2 + kMuch_rad_s * kMuch_rad_s));
+  };
+  const std::size_t n = speeds_rad_s.size(), step = n / kOthers + 1;
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto [a, b] = speeds_rad_s[i];
+    double chance = 0;
+    int others = 0;
+    for (std::size_t j = i % step; j < n; j += step, ++others) chance += apart(a, speeds_rad_s[j][1]);
+    sum += chance / others - apart(a, b);
+  }
+  return sum;
+}
+
 }  // namespace
 
-LagMiss lag_miss(std::span<const MovingSight> first, std::span<const MovingSight> second, double lag_s) {
-  std::vector<double> misses;
+LagAgreement lag_agreement(std::span<const MovingSight> first, std::span<const MovingSight> second, double lag_s) {
+  std::vector<std::array<double, 2>> speeds_rad_s;
   TimeNs due_ns = first.empty() ? 0 : first.front().stamp_ns;
   for (const MovingSight& a : first) {
     if (a.stamp_ns < due_ns || a.rays.empty()) continue;
@@ -83,27 +104,26 @@ LagMiss lag_miss(std::span<const MovingSight> first, std::span<const MovingSight
     // The same zero for both, so that angles before and after can be compared.
     const Axis axis(before, a.rays.front().direction), axis_after(after, axis.zero);
     const auto in_a = speed_rad_s(a, *a_after, axis, axis_after), in_b = speed_rad_s(*b, *b_after, axis, axis_after);
-    if (in_a && in_b) misses.push_back(std::abs(*in_a - *in_b));
+    if (in_a && in_b) speeds_rad_s.push_back({*in_a, *in_b});
   }
-  const int instants = static_cast<int>(misses.size());
-  return {lag_s, upper_median(misses), instants};
+  return {lag_s, better_than_chance(speeds_rad_s), static_cast<int>(speeds_rad_s.size())};
 }
 
-std::optional<double> best_lag_s(std::span<const LagMiss> misses) {
-  std::vector<LagMiss> known;
-  std::ranges::copy_if(misses, std::back_inserter(known),
-                       [](const LagMiss& m) { return m.instants >= kLeastElsewhere; });
-  if (known.empty()) return std::nullopt;
-  const LagMiss best = *std::ranges::min_element(known, {}, &LagMiss::miss_rad_s);
-  std::vector<double> all, elsewhere;
-  for (const LagMiss& m : known) {
-    all.push_back(m.miss_rad_s);
-    if (std::abs(m.lag_s - best.lag_s) > kElsewhere_s) elsewhere.push_back(m.miss_rad_s);
+std::optional<double> best_lag_s(std::span<const LagAgreement> lags) {
+  const auto counts = [](const LagAgreement& l) { return l.instants >= kLeastInstants; };
+  LagAgreement best;
+  for (const LagAgreement& l : lags) {
+    if (counts(l) && l.agreement > best.agreement) best = l;
   }
-  if (best.instants < kLeastInstants || 2 * elsewhere.size() < misses.size()) return std::nullopt;
-  const bool clear = best.miss_rad_s < kOfMedian * upper_median(all) &&
-                     kRival * best.miss_rad_s < *std::ranges::min_element(elsewhere);
-  return clear ? std::optional(best.lag_s) : std::nullopt;
+  double elsewhere = 0;
+  int compared = 0;
+  for (const LagAgreement& l : lags) {
+    if (!counts(l) || std::abs(l.lag_s - best.lag_s) <= kElsewhere_s) continue;
+    elsewhere = std::max(elsewhere, l.agreement);
+    ++compared;
+  }
+  const bool clear = best.agreement > kLeastAgreement && best.agreement > kRival * elsewhere;
+  return clear && 4 * compared >= std::ssize(lags) ? std::optional(best.lag_s) : std::nullopt;
 }
 
 }  // namespace coslam

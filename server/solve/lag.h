@@ -24,9 +24,9 @@ struct MovingSight {
 };
 
 // How well two cameras agree on how things move, if the second dates its images so much too early.
-struct LagMiss {
+struct LagAgreement {
   double lag_s = 0;
-  double miss_rad_s = 0;  // median over the instants
+  double agreement = 0;  // over what chance would have, at most one an instant
   int instants = 0;
 };
 
@@ -34,10 +34,10 @@ struct LagMiss {
 // of its corners each of them follows: the plane through it and the two cameras is the same. Compares, every tenth of a
 // second, the median over the first camera's tracks at stamp t with that over the second's at t - lag, over a fifth of
 // a second each. Both ascend in time.
-LagMiss lag_miss(std::span<const MovingSight> first, std::span<const MovingSight> second, double lag_s);
+LagAgreement lag_agreement(std::span<const MovingSight> first, std::span<const MovingSight> second, double lag_s);
 
-// The lag at which they agree, far better than at any other that is 0.3 s and more away; empty when there is none, or
-// when too few instants tell.
-std::optional<double> best_lag_s(std::span<const LagMiss> misses);
+// The lag at which they agree, better than at any other that is 0.3 s and more away; empty when there is none, or when
+// too little moved at too few of them.
+std::optional<double> best_lag_s(std::span<const LagAgreement> lags);
 
 }  // namespace coslam

@@ -23,6 +23,7 @@ namespace {
 struct InlineAgent {
   std::unique_ptr<AgentLink> link;
   std::unique_ptr<AgentLoop> loop;
+  RunId run;
   bool running = true;
 };
 
@@ -35,11 +36,11 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.rate_hz = options.sequence.rate_hz;
   SourceOptions play{agent.start_s, agent.duration_s, options.sequence.rate_hz};
   play.covered = agent.covered;
-  auto [camera, images] = open_camera(agent.source, agent.calibration, play);
-  hello.camera = camera;
-  if (agent.calibration.empty())
-    log_warn("agent " + agent.name + " has no calibration: its lens is guessed, and found out from the images");
+  auto [found, images] = open_camera(agent.source, agent.calibration, play);
+  hello.camera = found.camera;
+  if (!found.guess.empty()) log_warn("agent " + agent.name + ": " + found.guess);
   InlineAgent out;
+  out.run = run;
   out.link = link.connect(hello);
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(images)), hello, config);
   return out;
@@ -47,7 +48,7 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
 
 }  // namespace
 
-int run_inline(const RunOptions& options) {
+RunEnd run_inline(const RunOptions& options) {
   catch_stop_signals();
   cv::setNumThreads(1);
   RunConfig config;
@@ -78,7 +79,7 @@ int run_inline(const RunOptions& options) {
   const std::chrono::milliseconds no_wait(0);
   while (server.poll(no_wait) && !stop_requested()) {
     for (InlineAgent& a : agents) {
-      if (!a.running || a.loop->step(stop_requested())) continue;
+      if (!a.running || link.owes_answer(a.run) || a.loop->step(stop_requested())) continue;
       a.loop->finish(stop_requested());
       a.running = false;
     }
@@ -86,7 +87,7 @@ int run_inline(const RunOptions& options) {
   }
   if (recording) recording->end();
   server.finish(config::dump_json(without_secrets(config)));
-  return 0;
+  return {0, stop_requested()};
 }
 
 }  // namespace coslam

@@ -179,12 +179,13 @@ void say_view(const std::string& line) {
   std::fflush(stdout);
 }
 
-int run_processes(const RunOptions& options) {
+RunEnd run_processes(const RunOptions& options) {
   const int domain = options.domain >= 0 ? options.domain : free_domain();
   std::signal(SIGINT, [](int) { ++interrupts; });
   std::signal(SIGTERM, [](int) { ++interrupts; });
   Supervisor supervisor(options, domain);
-  return supervisor.watch();
+  const int exit_code = supervisor.watch();
+  return {exit_code, interrupts > 0};
 }
 
 }  // namespace coslam

@@ -38,12 +38,17 @@ void describe(V& v, RunConfig& c) {
   v.section("server.view", c.view);
 }
 
-// One server process and one agent process a camera, over DDS on this machine's loopback. Returns the exit code: 1 when
-// a process failed, with its sentence on stderr; the others go on and the result is written all the same.
-int run_processes(const RunOptions& options);
+struct RunEnd {
+  int exit_code = 0;
+  bool interrupted = false;  // by the user, so that only a part was played
+};
+
+// One server process and one agent process a camera, over DDS on this machine's loopback. The exit code is 1 when a
+// process failed, with its sentence on stderr; the others go on and the result is written all the same.
+RunEnd run_processes(const RunOptions& options);
 // Where the run is shown, for the user and for programs: a line on standard output, at once.
 void say_view(const std::string& line);
 // The same code in this process, one thread, over a simulated link.
-int run_inline(const RunOptions& options);
+RunEnd run_inline(const RunOptions& options);
 
 }  // namespace coslam

@@ -28,11 +28,14 @@ class CameraOf : public ::testing::Test {
 TEST_F(CameraOf, IsTheCalibrationWhereThereIsOne) {
   const CameraModel given{64, 48, 50, 51, 31, 23, DistortionModel::kNone, {}};
   save_calibration(folder_ / "calib.yaml", given);
-  EXPECT_EQ(camera_of(source(), folder_ / "calib.yaml", {}), given);
+  const FoundCamera found = camera_of(source(), folder_ / "calib.yaml", {});
+  EXPECT_EQ(found.camera, given);
+  EXPECT_EQ(found.guess, "");
 }
 
 TEST_F(CameraOf, IsElseGuessedFromTheSizeOfTheFirstImage) {
-  const CameraModel guess = camera_of(source(), "", {});
+  const auto [guess, said] = camera_of(source(), "", {});
+  EXPECT_THAT(said, ::testing::HasSubstr("a focal length of 51 px as cameras of phones"));
   EXPECT_EQ(guess.width_px, 64);
   EXPECT_EQ(guess.height_px, 48);
   EXPECT_EQ(guess.distortion, DistortionModel::kUnknown);

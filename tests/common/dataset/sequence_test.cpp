@@ -96,6 +96,14 @@ TEST_F(SequenceFile, FlowStyleAndDefaults) {
   EXPECT_EQ(load_sequence(folder_.path()).agents.size(), 1u);
 }
 
+TEST_F(SequenceFile, WhenARecordingBeganMayBeLeftOpen) {
+  const Sequence s = load("agents: [{name: a, source: cam0.csv}, {name: b, source: cam0.csv, start_s: auto}]");
+  EXPECT_FALSE(s.agents[0].start_is_open);
+  EXPECT_TRUE(s.agents[1].start_is_open);
+  EXPECT_EQ(s.agents[1].start_s, 0);
+  EXPECT_THAT(error("agents: [{name: a, source: 'v4l2:0', start_s: auto}]"), HasSubstr("auto is for recordings"));
+}
+
 TEST_F(SequenceFile, TheScaleMayComeFromTags) {
   Sequence s = load("scale: {tag_m: 0.16}\n" + agent_);
   EXPECT_EQ(s.tag_m, 0.16);

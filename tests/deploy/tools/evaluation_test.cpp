@@ -64,7 +64,7 @@ class ResultOfWall : public ::testing::Test {
       save_tum(temp_ / (name + ".tum"), truth);
       save_tum(result_.trajectory(name), estimate);
       save_tum(result_.live(name), estimate);
-      sequence_.agents.push_back({name, "", temp_ / "calib.yaml", 0, {}, temp_ / (name + ".tum")});
+      sequence_.agents.push_back({.name = name, .calibration = temp_ / "calib.yaml", .truth = temp_ / (name + ".tum")});
     }
     write_points();
   }

@@ -42,6 +42,7 @@ TEST(InlineLink, LockstepConversation) {
     const DescriptorReply descriptors = values.descriptors(frame, 40);
     agent->send(frame, patches, descriptors);
     EXPECT_EQ(agent->wait_patch(FrameId(i), 1h), std::nullopt) << "no answer yet, and no waiting";
+    EXPECT_TRUE(link.owes_answer(RunId(9)));
 
     const auto joined = expect_event<JoinedFrame>(link.server());
     frame.patches_sent = 5;
@@ -53,6 +54,7 @@ TEST(InlineLink, LockstepConversation) {
     MapPatch patch = values.map_patch("cam0", RunId(9), i + 1);
     patch.after_frame = FrameId(i);
     link.server().send(patch);
+    EXPECT_FALSE(link.owes_answer(RunId(9)));
     expect_same(*agent->wait_patch(FrameId(i), 0ms), patch);
     EXPECT_EQ(agent->wait_patch(FrameId(i), 1h), std::nullopt) << "answered";
   }

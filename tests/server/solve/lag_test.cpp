@@ -44,9 +44,9 @@ std::vector<MovingSight> sights(const Where& body, const Eigen::Vector3d& camera
 }
 
 std::optional<double> found_s(std::span<const MovingSight> first, std::span<const MovingSight> second) {
-  std::vector<LagMiss> misses;
-  for (int i = -40; i <= 40; ++i) misses.push_back(lag_miss(first, second, 0.05 * i));
-  return best_lag_s(misses);
+  std::vector<LagAgreement> lags;
+  for (int i = -40; i <= 40; ++i) lags.push_back(lag_agreement(first, second, 0.05 * i));
+  return best_lag_s(lags);
 }
 
 const Eigen::Vector3d kLeft(-1.5, 0, 0), kRight(1.5, 0.3, 0.5);
@@ -80,12 +80,12 @@ TEST(Lag, AShortLookTellsNone) {
   EXPECT_FALSE(best_lag_s({}));
 }
 
-TEST(Lag, TheMissIsLeastAtTheLagAndGrowsBothWays) {
+TEST(Lag, TheyAgreeMostAtTheLagAndLessBothWays) {
   const auto first = sights(walker, kLeft, 30, 0, 20, 1), second = sights(walker, kRight, 30, 0.5, 20, 2);
-  const double at = lag_miss(first, second, 0.5).miss_rad_s;
-  EXPECT_LT(at, 0.02);
-  EXPECT_GT(lag_miss(first, second, 0.4).miss_rad_s, 3 * at);
-  EXPECT_GT(lag_miss(first, second, 0.6).miss_rad_s, 3 * at);
+  const LagAgreement at = lag_agreement(first, second, 0.5);
+  EXPECT_GT(at.agreement, 0.5 * at.instants);
+  EXPECT_LT(lag_agreement(first, second, 0.4).agreement, 0.7 * at.agreement);
+  EXPECT_LT(lag_agreement(first, second, 0.6).agreement, 0.7 * at.agreement);
 }
 
 }  // namespace

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/noted_focal.h"
+
+#include <libexif/exif-data.h>
+#include <libexif/exif-utils.h>
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace coslam {
+namespace {
+
+using Exif = std::unique_ptr<ExifData, decltype([](ExifData* data) { exif_data_unref(data); })>;
+using Container = std::unique_ptr<AVFormatContext, decltype([](AVFormatContext* c) { avformat_close_input(&c); })>;
+
+// Of whatever type the entry is; 0: it is not there, or not a number.
+double number(ExifData* exif, ExifTag tag) {
+  ExifEntry* entry = exif_data_get_entry(exif, tag);
+  if (entry == nullptr || entry->components < 1 || entry->data == nullptr) return 0;
+  const ExifByteOrder order = exif_data_get_byte_order(exif);
+  if (entry->size < exif_format_get_size(entry->format)) return 0;
+  switch (entry->format) {
+    case EXIF_FORMAT_SHORT:
+      return exif_get_short(entry->data, order);
+    case EXIF_FORMAT_LONG:
+      return exif_get_long(entry->data, order);
+    case EXIF_FORMAT_RATIONAL: {
+      const ExifRational r = exif_get_rational(entry->data, order);
+      return r.denominator == 0 ? 0 : static_cast<double>(r.numerator) / r.denominator;
+    }
+    default:
+      return 0;
+  }
+}
+
+// Sensor pixels a millimetre, of an image that was not made smaller since.
+double pixels_a_mm(ExifData* exif, int width_px) {
+  constexpr double kInch = 2, kCentimetre = 3, kMillimetre = 4;
+  const double unit = number(exif, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT);
+  const double unit_mm = unit == kCentimetre ? 10 : unit == kMillimetre ? 1 : unit == kInch || unit == 0 ? 25.4 : 0;
+  if (unit_mm == 0) return 0;
+  const double per_mm = number(exif, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION) / unit_mm;
+  const double taken_px = number(exif, EXIF_TAG_PIXEL_X_DIMENSION);
+  return taken_px > 0 ? per_mm * width_px / taken_px : per_mm;
+}
+
+std::optional<double> of_exif(ExifData* exif, int width_px, int height_px) {
+  if (const double film_mm = number(exif, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM); film_mm > 0)
+    return focal_px_of_film(film_mm, width_px, height_px);
+  const double focal_px = number(exif, EXIF_TAG_FOCAL_LENGTH) * pixels_a_mm(exif, width_px);
+  return focal_px > 0 ? std::optional(focal_px) : std::nullopt;
+}
+
+// com.apple.quicktime.camera.focal_length.35mm_equivalent, and what others call like it.
+std::optional<double> film_mm_of(const AVDictionary* noted) {
+  const AVDictionaryEntry* entry = nullptr;
+  while ((entry = av_dict_get(noted, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr) {
+    std::string key = entry->key;
+    std::ranges::transform(key, key.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (!key.ends_with("focal_length.35mm_equivalent")) continue;
+    const std::string_view value = entry->value;
+    double film_mm = 0;
+    const auto read = std::from_chars(value.data(), value.data() + value.size(), film_mm);
+    if (read.ec == std::errc() && film_mm > 0) return film_mm;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> of_container(const std::filesystem::path& video, int width_px, int height_px) {
+  AVFormatContext* opened = nullptr;
+  if (avformat_open_input(&opened, video.c_str(), nullptr, nullptr) != 0) return std::nullopt;
+  const Container container(opened);
+  std::optional<double> film_mm = film_mm_of(container->metadata);
+  for (unsigned i = 0; !film_mm && i < container->nb_streams; ++i)
+    film_mm = film_mm_of(container->streams[i]->metadata);
+  return film_mm ? std::optional(focal_px_of_film(*film_mm, width_px, height_px)) : std::nullopt;
+}
+
+}  // namespace
+
+double focal_px_of_film(double focal_mm, int width_px, int height_px) {
+  const double diagonal_mm = std::hypot(36, 24);
+  return focal_mm / diagonal_mm * std::hypot(width_px, height_px);
+}
+
+std::optional<double> noted_focal_px(const std::filesystem::path& file, int width_px, int height_px) {
+  const Exif exif(exif_data_new_from_file(file.c_str()));
+  const auto focal_px = exif ? of_exif(exif.get(), width_px, height_px) : std::nullopt;
+  const auto noted_px = focal_px ? focal_px : of_container(file, width_px, height_px);
+  // From a fisheye to a long telephoto.
+  const double widest = 0.2, longest = 20, longer_px = std::max(width_px, height_px);
+  if (noted_px && (*noted_px < widest * longer_px || *noted_px > longest * longer_px)) return std::nullopt;
+  return noted_px;
+}
+
+}  // namespace coslam
