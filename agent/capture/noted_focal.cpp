@@ -16,6 +16,8 @@ extern "C" {
 #include <string>
 #include <string_view>
 
+#include "agent/capture/quiet_ffmpeg.h"
+
 namespace coslam {
 namespace {
 
@@ -76,6 +78,7 @@ std::optional<double> film_mm_of(const AVDictionary* noted) {
 }
 
 std::optional<double> of_container(const std::filesystem::path& video, int width_px, int height_px) {
+  const QuietFfmpeg quiet;
   AVFormatContext* opened = nullptr;
   if (avformat_open_input(&opened, video.c_str(), nullptr, nullptr) != 0) return std::nullopt;
   const Container container(opened);

@@ -74,7 +74,7 @@ TEST_F(Run, MapsSourcesOfWhichNothingIsKnown) {
   const std::string out = (scene_.folder() / "result").string();
   Program run("coslam", {"run", scene_.source(0), scene_.source(1), "--inline", "--out", out});
   ASSERT_EQ(run.exit_code(), 0) << run.err();
-  EXPECT_THAT(run.err(), ::testing::HasSubstr("agent cam1 has no calibration"));
+  EXPECT_THAT(run.err(), ::testing::HasSubstr("agent cam1: no calibration is given"));
   const ResultFolder r = result("result");
   for (const char* agent : {"cam0", "cam1"}) EXPECT_FALSE(load_tum(r.trajectory(agent)).empty()) << agent;
   Program mixed("coslam", {"run", scene_.source(0), scene_.sequence(), "--inline", "--out", out + "2"});

@@ -15,6 +15,8 @@ extern "C" {
 #include <memory>
 #include <opencv2/core.hpp>
 
+#include "agent/capture/quiet_ffmpeg.h"
+
 namespace coslam {
 namespace {
 
@@ -131,7 +133,10 @@ cv::Mat spectrum(std::span<const float> samples, int length) {
 
 }  // namespace
 
-std::optional<Sound> sound_of(const std::filesystem::path& video) { return SoundReader(video).read(); }
+std::optional<Sound> sound_of(const std::filesystem::path& video) {
+  const QuietFfmpeg quiet;
+  return SoundReader(video).read();
+}
 
 std::optional<double> began_later_s(std::span<const float> first, std::span<const float> second, double rate_hz) {
   const auto least = static_cast<std::size_t>(kLeast_s * rate_hz);
