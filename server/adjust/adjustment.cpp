@@ -28,7 +28,7 @@ PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const 
   // One that a change of the map overtook is planned again.
   const bool done = taken.taken && taken.extent == RefineExtent::kOutline && (taken.report.applied || !taken.usable);
   if (done && taken.map == outline_) outline_ = MapId();
-  if (taken.report.lens_step2 > kOnItsWay2) lens_due_[taken.map] = 0;
+  if (taken.report.lens_step2 > kOnItsWay2) due_[taken.map] = 0;
   if (met.to_adjust != MapId()) {
     outline_since_ = met.to_adjust == outline_ ? std::min(outline_since_, met.adjust_since) : met.adjust_since;
     outline_ = met.to_adjust;
@@ -48,9 +48,8 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   const MapId of = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
   if (outline) {
     planned_ = plan_outline_since(map, of, outline_since_, refine, workers);
-  } else if (lenses_are_due(map, of, refine)) {
+  } else if (outline_is_due(map, of)) {
     planned_ = plan_outline_since(map, of, SetId(), refine, workers);
-    if (planned_) planned_->for_lenses = true;
   } else {
     planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
   }
@@ -62,13 +61,11 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
   return planned_.has_value();
 }
 
-// What is known of a lens grows with what was seen of a map: each time that has grown by a quarter it is looked at
-// again.
-bool PlanAdjustment::lenses_are_due(const Map& map, MapId of, const RefineConfig& refine) {
+bool PlanAdjustment::outline_is_due(const Map& map, MapId of) {
   constexpr std::size_t kFirst = 8, kMost = 400, kPart = 4;
   const std::size_t keys = map.key_frames().size();
-  std::size_t& due = lens_due_.try_emplace(of, kFirst).first->second;
-  if (!refine.finds_lenses() || keys < due || keys > kMost) return false;
+  std::size_t& due = due_.try_emplace(of, kFirst).first->second;
+  if (keys < due || keys > kMost) return false;
   due = keys + std::max<std::size_t>(1, keys / kPart);
   return true;
 }

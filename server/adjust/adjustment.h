@@ -54,7 +54,8 @@ struct PlannedAdjustment {
 };
 
 // Decides whether the set is a key frame, and what is to be adjusted then: the newest key frames of one map, each map
-// in turn; or the outline of one that became one of two or was drawn together.
+// in turn; or the outline of one that became one of two or was drawn together, or has grown by a quarter: so the map is
+// drawn straight while it is small, and what is wrong about a lens is found.
 class PlanAdjustment {
  public:
   static constexpr std::string_view kName = "key_frame";
@@ -68,7 +69,7 @@ class PlanAdjustment {
   std::optional<RefineJob> take_job();
 
  private:
-  bool lenses_are_due(const Map& map, MapId of, const RefineConfig& refine);
+  bool outline_is_due(const Map& map, MapId of);
   bool plan_job(const Map& map, bool key_frame, const RefineConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;
@@ -76,7 +77,7 @@ class PlanAdjustment {
   MapId outline_;  // whose outline is to be adjusted; 0 = none
   SetId outline_since_;
   int plans_ = 0;
-  std::map<MapId, std::size_t> lens_due_;  // key frames that a map's lenses are looked at again with
+  std::map<MapId, std::size_t> due_;  // key frames that a map's outline is adjusted again with
 };
 
 // How far it is, percent.

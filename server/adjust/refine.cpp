@@ -132,18 +132,10 @@ void weigh_observations(RefineJob* job) {
   for (std::size_t i = 0; i < worth.size(); ++i) job->problem.observations[i].weight = worth[i];
 }
 
-// With no history to hold the window: one pose stays, and the distance to the farthest other is restored afterwards.
+// With no history to hold the window: one pose stays, and the whole is put back afterwards.
 void float_free(RefineJob* job) {
   job->floating = true;
   job->problem.poses[0].fixed = true;
-  double farthest = 0;
-  for (std::size_t i = 1; i < job->problem.poses.size(); ++i) {
-    const double d =
-        (job->problem.poses[i].cam_from_world.center() - job->problem.poses[0].cam_from_world.center()).norm();
-    if (d <= farthest) continue;
-    farthest = d;
-    job->baseline_end = static_cast<int>(i);
-  }
 }
 
 // How one camera's world changes at its key frames: old_from_new on the right of cam_from_world.
@@ -382,7 +374,7 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
 
 BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
-  if (result.usable && job.floating) fix_gauge(job.problem, job.anchor, job.baseline_end, &result);
+  if (result.usable && job.floating) put_back(job.problem, &result);
   return result;
 }
 
@@ -410,7 +402,6 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
   if (!result.usable || job.epoch != edit.map().epoch()) return report;
   if (!lenses_may_be_taken(edit.map(), job, result)) return report;
   report.lens_step2 = lens_step2(edit.map(), job, result);
-  if (job.for_lenses && report.lens_step2 < kWorthTaking2) return report;
   drop_outliers(edit, job, result, &report);
   report.lenses = take_lenses(edit, job, result);
   move_frames(edit, job, result);

@@ -57,9 +57,7 @@ struct RefineJob {
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
-  bool for_lenses = false;  // nothing but a lens is asked for: a solution that has none to say is left
-  bool floating = false;    // no pose was fixed but one: restore the scale after solving
-  int anchor = 0, baseline_end = 0;
+  bool floating = false;  // no pose was fixed but one: the solution is put back to where the poses were
   BundleConfig config;
 };
 

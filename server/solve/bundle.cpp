@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/solve/bundle.h"
 
+#include <cmath>
+
+#include "common/geometry/alignment.h"
 #include "common/geometry/robust.h"
 #include "server/solve/bundle_schur.h"
 
@@ -31,6 +34,31 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
   result->sigma_px = robust_sigma_2d(norms_px);
 }
 
+// A cloud that lies and is turned as poses are: their centres, and places before and below each, as far off as the
+// centres lie from each other.
+std::vector<Eigen::Vector3d> placed(const std::vector<Rigid3>& cam_from_world) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Rigid3& p : cam_from_world) mean += p.center() / static_cast<double>(cam_from_world.size());
+  double spread2 = 0;
+  for (const Rigid3& p : cam_from_world) spread2 += (p.center() - mean).squaredNorm();
+  const double reach = std::sqrt(spread2 / static_cast<double>(cam_from_world.size()));
+  std::vector<Eigen::Vector3d> out;
+  out.reserve(3 * cam_from_world.size());
+  for (const Rigid3& p : cam_from_world) {
+    const Rigid3 world_from_cam = p.inverse();
+    for (const Eigen::Vector3d& in_cam :
+         {Eigen::Vector3d::Zero().eval(), Eigen::Vector3d(0, 0, reach), Eigen::Vector3d(0, reach, 0)}) {
+      out.push_back(world_from_cam * in_cam);
+    }
+  }
+  return out;
+}
+
+void transform(const Similarity3& new_from_old, BundleResult* result) {
+  for (Rigid3& p : result->poses) p = transform_world(p, new_from_old);
+  for (Eigen::Vector3d& p : result->points) p = new_from_old * p;
+}
+
 }  // namespace
 
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config) {
@@ -49,8 +77,15 @@ void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, Bundle
   s.scale = before.ties.empty() ? old_length / new_length : 1.0;
   s.rotation = (before.poses[a].cam_from_world.rotation.conjugate() * result->poses[a].rotation).normalized();
   s.translation = before.poses[a].cam_from_world.center() - s.scale * (s.rotation * result->poses[a].center());
-  for (Rigid3& p : result->poses) p = transform_world(p, s);
-  for (Eigen::Vector3d& p : result->points) p = s * p;
+  transform(s, result);
+}
+
+void put_back(const BundleProblem& before, BundleResult* result) {
+  std::vector<Rigid3> poses;
+  for (const BundleProblem::Pose& p : before.poses) poses.push_back(p.cam_from_world);
+  const Alignment back = align_points(placed(result->poses), placed(poses),
+                                      before.ties.empty() ? AlignmentScale::kFree : AlignmentScale::kFixed);
+  if (back.target_from_source) transform(*back.target_from_source, result);
 }
 
 }  // namespace coslam

@@ -76,5 +76,8 @@ BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& conf
 // Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as
 // before; not the distance where ties tell lengths.
 void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, BundleResult* result);
+// Moves a solution that floated freely to where all its poses were, as near as a similarity brings them, or a rigid
+// change where ties hold the scale: those who are on their way go on with the least change.
+void put_back(const BundleProblem& before, BundleResult* result);
 
 }  // namespace coslam

@@ -178,6 +178,31 @@ TEST_F(BundleTest, FixGaugeRestoresAnchorAndBaseline) {
   EXPECT_THAT(p.cameras[0].project(r.poses[5] * r.points[7]), VectorNear(px, 1e-6)) << "images do not change";
 }
 
+TEST_F(BundleTest, PutBackUndoesAnyChangeOfTheWorld) {
+  BundleProblem p = make({});
+  BundleResult r;
+  const Similarity3 change{
+      1.3, Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 0.5}};
+  for (const auto& pose : p.poses) r.poses.push_back(transform_world(pose.cam_from_world, change));
+  for (const auto& point : p.points) r.points.push_back(change * point);
+  put_back(p, &r);
+  for (std::size_t i = 0; i < p.poses.size(); ++i)
+    EXPECT_THAT(r.poses[i], PoseNear(p.poses[i].cam_from_world, 1e-7, 1e-9));
+  EXPECT_THAT(r.points[3], VectorNear(p.points[3], 1e-9));
+}
+
+TEST_F(BundleTest, PutBackLeavesTheScaleToTies) {
+  BundleProblem p = make({});
+  p.ties.push_back({0, 1, Rigid3()});
+  BundleResult r;
+  for (const auto& pose : p.poses)
+    r.poses.push_back(transform_world(pose.cam_from_world, {2, Eigen::Quaterniond::Identity(), {0, 0, 0}}));
+  r.points = p.points;
+  put_back(p, &r);
+  const auto length = [](const Rigid3& a, const Rigid3& b) { return (a.center() - b.center()).norm(); };
+  EXPECT_NEAR(length(r.poses[0], r.poses[10]), 2 * length(p.poses[0].cam_from_world, p.poses[10].cam_from_world), 1e-9);
+}
+
 TEST_F(BundleTest, FixGaugeLeavesASolutionWithoutBaselineAlone) {
   BundleProblem p = make({});
   p.poses[1].cam_from_world = p.poses[0].cam_from_world;
