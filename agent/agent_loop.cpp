@@ -235,6 +235,7 @@ std::string AgentLoop::report() const {
     }
   }
   nlohmann::ordered_json out;
+  out["start_s"] = start_s_;
   out["frames"] = frames_ + feed_->dropped();
   out["unreadable"] = feed_->unreadable();
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);

@@ -41,6 +41,8 @@ class AgentLoop {
 
   // Says in the log when the server falls silent or is back, and when the pose is lost or found.
   void log_state() { logs_state_ = true; }
+  // Where in its source it begins, for the report.
+  void plays_from(double start_s) { start_s_ = start_s; }
 
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
   // UserError when the server is gone in lock-step or turned this agent away.
@@ -84,6 +86,7 @@ class AgentLoop {
   };
   Sent sent_with(FrameId frame) const;
   std::deque<Sent> sent_;  // the last frames
+  double start_s_ = 0;
   bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
   StateWords words_;
   struct Described {

@@ -91,6 +91,7 @@ void run(AgentOptions& o) {
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
       hello, o.agent, std::move(tracker));
   loop.log_state();
+  loop.plays_from(o.play.start_s);
   if (live) loop.stamps_are_utc();
   if (live || rate == 1) loop.adapt_to_link();
   while (!stop_requested && loop.step(stop_requested)) {

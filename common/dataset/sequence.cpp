@@ -87,6 +87,7 @@ SequenceAgent read_agent(const YamlValue& value) {
     if (agent.start_is_open && is_uri(agent.source)) start->fail("auto is for recordings");
     if (!agent.start_is_open) agent.start_s = start->number(-kMostLater_s, kMaxSeconds);
   }
+  agent.truth_start_s = agent.start_s;
   if (const auto duration = value.find("duration_s")) {
     agent.duration_s = duration->number(0, kMaxSeconds);
     if (*agent.duration_s == 0) duration->fail("must be more than 0");

@@ -21,7 +21,8 @@ struct SequenceAgent {
   double start_s = 0;
   bool start_is_open = false;  // to be found out
   std::optional<double> duration_s;
-  std::optional<std::filesystem::path> truth;  // TUM, camera to world, in played time
+  std::optional<std::filesystem::path> truth;  // TUM, camera to world; its time 0 is this one of the source:
+  double truth_start_s = 0;                    // start_s as the file has it
   std::vector<TimeSpan> covered;               // played times at which the lens is covered
 };
 

@@ -69,7 +69,7 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
 
 int evaluate_result(const EvalArguments& arguments) {
   const ResultFolder result = result_argument(arguments.result);
-  Sequence sequence = sequence_argument(arguments.sequence);
+  Sequence sequence = as_played(sequence_argument(arguments.sequence), result);
   cover_lenses(sequence, arguments.covered);
   const auto agents = eval::load_paths(result, sequence);
   std::unique_ptr<Scene> scene;

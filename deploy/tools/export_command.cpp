@@ -21,7 +21,7 @@ struct ExportArguments {
   bool undistort = false;
 };
 
-exporting::MapExport exporter(const ExportArguments& arguments) {
+exporting::MapExport exporter(const ExportArguments& arguments, const ResultFolder& result) {
   if (arguments.format == "tum") return exporting::export_tum;
   if (arguments.format == "euroc") return exporting::export_euroc;
   if (arguments.format == "kitti") return exporting::export_kitti;
@@ -30,7 +30,7 @@ exporting::MapExport exporter(const ExportArguments& arguments) {
     throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
   const auto as = arguments.undistort ? exporting::export_colmap_undistorted : exporting::export_colmap;
-  return [as, sequence = sequence_argument(arguments.sequence)](
+  return [as, sequence = as_played(sequence_argument(arguments.sequence), result)](
              const ResultMap& map, const std::filesystem::path& folder) { return as(map, sequence, folder); };
 }
 
@@ -38,8 +38,9 @@ int export_result(const ExportArguments& arguments) {
   if (arguments.undistort && arguments.format != "colmap") throw UsageError("--undistort is for --format colmap");
   exporting::MapExport as;
   const bool whole = arguments.format == "mcap";  // all maps in one file
-  if (!whole) as = exporter(arguments);
-  const ResultContents contents = contents_of(result_argument(arguments.result));
+  const ResultFolder result = result_argument(arguments.result);
+  if (!whole) as = exporter(arguments, result);
+  const ResultContents contents = contents_of(result);
   const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)
                                        : exporting::export_maps(contents, arguments.folder, as);
   for (const auto& file : files) std::printf("%s\n", file.c_str());

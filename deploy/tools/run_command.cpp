@@ -121,14 +121,15 @@ int run(RunArguments arguments) {
   Starts starts(&options.sequence);
   const auto play = [&] { return arguments.in_one_process ? run_inline(options) : run_processes(options); };
   RunEnd end = play();
-  // What is kept beside the result is of one run.
-  const bool repeatable = options.map.empty() && options.record.empty();
-  if (end.exit_code == 0 && !end.interrupted && repeatable && starts.improve(options.out)) {
-    log_info("run once more with what was found");
+  const bool improved = end.exit_code == 0 && !end.interrupted && starts.improve(options.out);
+  if (improved && options.map.empty() && options.record.empty()) {
+    log_info("run once more, with each source at the time that was found");
     make_result_folder(options.out, true);
     end = play();
+  } else if (improved) {
+    log_warn("this run played its sources at other times: what --map or --record keeps is of one run");
   }
-  starts.warn();
+  starts.say();
   starts.write(options.out);
   print_summary(options.out);
   return end.exit_code;

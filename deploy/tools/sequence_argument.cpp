@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "common/base/error.h"
+#include "common/dataset/result.h"
 #include "deploy/scene/scene.h"
 #include "deploy/tools/console.h"
 
@@ -60,6 +62,20 @@ Sequence sequence_argument(const std::vector<std::string>& texts) {
     sequence.agents.push_back(std::move(agent));
   }
   sequence.name = sequence.agents.front().name;
+  return sequence;
+}
+
+Sequence as_played(Sequence sequence, const ResultFolder& result) {
+  if (!std::filesystem::exists(result.report())) return sequence;
+  const nlohmann::json report = read_json(result.report());
+  for (SequenceAgent& agent : sequence.agents) {
+    const auto start =
+        report.value(nlohmann::json::json_pointer("/agents/" + agent.name + "/start_s"), nlohmann::json());
+    if (!start.is_number()) continue;
+    agent.start_s = start.get<double>();
+    // How much of it is played counts from its own beginning.
+    if (agent.start_is_open && agent.duration_s) *agent.duration_s -= agent.start_s;
+  }
   return sequence;
 }
 

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "common/dataset/result_folder.h"
 #include "common/dataset/sequence.h"
 
 namespace coslam {
@@ -16,6 +17,10 @@ namespace coslam {
 Sequence sequence_argument(const std::string& text);
 // The same, or one source or more, as videos: an agent each, named for it, without calibrations.
 Sequence sequence_argument(const std::vector<std::string>& texts);
+
+// The sequence as a run played it: with each source from where its report says that it began, which a run finds out
+// where the file leaves it open. What the report does not tell stays.
+Sequence as_played(Sequence sequence, const ResultFolder& result);
 
 // Lenses that are covered for a trial: agent, from and to in seconds of played time.
 using CoverArguments = std::vector<std::tuple<std::string, double, double>>;

@@ -199,7 +199,10 @@ Evaluation evaluate(const ResultFolder& result, const Sequence& sequence, const 
   tracks.report(e);
 
   if (sequence.truth_points && aligned) {
-    const auto errors = dynamic_errors(tracks.dynamic(), read_truth_points(*sequence.truth_points), truth_from_map);
+    // Its time is that of the first agent.
+    const TimeNs later_ns = to_ns(sequence.agents.front().start_s - sequence.agents.front().truth_start_s);
+    const auto errors =
+        dynamic_errors(tracks.dynamic(), read_truth_points(*sequence.truth_points, later_ns), truth_from_map);
     if (!errors.errors_m.empty()) e.dynamic_error_m = spread_of(errors.errors_m);
   }
   return e;

@@ -101,7 +101,7 @@ std::unordered_map<PointId, PointPath> read_dynamic(const std::filesystem::path&
   return paths;
 }
 
-std::map<std::string, PointPath> read_truth_points(const std::filesystem::path& file) {
+std::map<std::string, PointPath> read_truth_points(const std::filesystem::path& file, TimeNs later_ns) {
   std::ifstream stream(file);
   if (!stream) throw UserError(file.string() + ": cannot be read");
   std::map<std::string, PointPath> paths;
@@ -116,7 +116,7 @@ std::map<std::string, PointPath> read_truth_points(const std::filesystem::path& 
     if (!t_ns || !x || !y || !z) {
       throw UserError(file.string() + ":" + std::to_string(number) + ": not a line `t_s,id,x,y,z`");
     }
-    paths[std::string(fields[1])].push_back({*t_ns, {*x, *y, *z}});
+    paths[std::string(fields[1])].push_back({*t_ns - later_ns, {*x, *y, *z}});
   }
   for (auto& [id, path] : paths) {
     std::stable_sort(path.begin(), path.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });

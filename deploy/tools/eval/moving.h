@@ -72,7 +72,7 @@ std::optional<double> median_length_s(const std::unordered_map<PointId, PointPat
 
 std::unordered_map<PointId, PointPath> read_dynamic(const std::filesystem::path& file);
 // `t_s,id,x,y,z`; throws UserError with file and line.
-std::map<std::string, PointPath> read_truth_points(const std::filesystem::path& file);
+std::map<std::string, PointPath> read_truth_points(const std::filesystem::path& file, TimeNs later_ns = 0);
 
 // Distances of the estimated paths to the marked points that they follow: each path goes with the marked point that is
 // nearest in the median; one farther than max_distance_m from all of them follows something that is not marked.

@@ -43,6 +43,7 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   out.run = run;
   out.link = link.connect(hello);
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(images)), hello, config);
+  out.loop->plays_from(agent.start_s);
   return out;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -24,7 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kWorthARun_s = 0.05;
+constexpr double kWorthARun_s = 0.06;
+// Sound that repeats itself may fit at a wrong time, which what moves tells.
+constexpr double kContradiction_s = 0.15;
 
 // A video whose images are dated by its container, as its sound is.
 std::optional<Sound> sound_of_source(const std::string& source) {
@@ -43,7 +44,8 @@ std::string seconds(double s) {
   return text;
 }
 
-std::string in_quotes(const std::string& text) { return nlohmann::json(text).dump(); }  // JSON's strings are YAML's
+// JSON's strings are YAML's. Throws what the library throws for what is no UTF-8.
+std::string in_quotes(const std::string& text) { return nlohmann::json(text).dump(); }
 
 // The map in which an agent was longest.
 Trajectory longest_path(const ResultContents& contents, const std::string& agent) {
@@ -56,135 +58,183 @@ Trajectory longest_path(const ResultContents& contents, const std::string& agent
   return longest;
 }
 
+SequenceAgent& named(std::vector<SequenceAgent>& agents, const std::string& name) {
+  return *std::ranges::find(agents, name, &SequenceAgent::name);
+}
+
+bool any_open(const std::vector<SequenceAgent>& agents) {
+  return std::ranges::any_of(agents, &SequenceAgent::start_is_open);
+}
+
+std::string sequence_text(const Sequence& sequence, const ResultFolder& result, auto&& tied) {
+  std::string text = "# What was played, with what was found about it: for coslam run, the next time.\nname: " +
+                     in_quotes(sequence.name) + "\nagents:\n";
+  for (const SequenceAgent& a : sequence.agents) {
+    text += "  - name: " + in_quotes(a.name) + "\n    source: " + in_quotes(fs::absolute(a.source).string()) + "\n";
+    if (fs::exists(result.calibration(a.name)))
+      text += "    calibration: " + in_quotes("calibration/" + a.name + ".yaml") + "\n";
+    text += "    start_s: " + (tied(a.name) ? format_double(a.start_s) : "auto") + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string_view words_of(StartFrom from) {
-  switch (from) {
-    case StartFrom::kGiven:
+std::string_view words_of(StartBy by) {
+  switch (by) {
+    case StartBy::kGiven:
       return "given";
-    case StartFrom::kSound:
+    case StartBy::kReference:
+      return "reference";
+    case StartBy::kSound:
       return "sound";
-    case StartFrom::kWhatMoves:
-      return "what moves";
-    case StartFrom::kTurning:
+    case StartBy::kTurning:
       return "how cameras turn";
-    case StartFrom::kNothing:
+    case StartBy::kWhatMoves:
+      return "what moves";
+    case StartBy::kNothing:
       return "nothing";
   }
   return "";
 }
 
-Starts::Starts(Sequence* sequence) : sequence_(*sequence) {
+Starts::Starts(Sequence* sequence) : sequence_(*sequence), asked_(sequence->agents) {
   std::vector<SequenceAgent>& agents = sequence_.agents;
-  if (std::ranges::all_of(agents, &SequenceAgent::start_is_open)) agents.front().start_is_open = false;
-  for (const SequenceAgent& a : agents) from_[a.name] = a.start_is_open ? StartFrom::kNothing : StartFrom::kGiven;
-  last_given_s_ = -std::numeric_limits<double>::infinity();
-  for (const SequenceAgent& a : agents) {
-    if (!a.start_is_open) last_given_s_ = std::max(last_given_s_, a.start_s);
-  }
-  if (!any_open()) return;
-  std::vector<std::optional<Sound>> sounds;
-  for (const SequenceAgent& a : agents) sounds.push_back(sound_of_source(a.source));
-  for (std::size_t i = 0; i < agents.size(); ++i) {
-    for (std::size_t j = 0; j < agents.size() && !tied(agents[i].name); ++j) {
-      if (!sounds[i] || !sounds[j] || !tied(agents[j].name)) continue;
-      const auto later_s = began_later_s(sounds[j]->samples, sounds[i]->samples, Sound::kRate_hz);
-      if (!later_s) continue;
-      const double images_later_s = *later_s + sounds[j]->begins_s - sounds[i]->begins_s;
-      tie(agents[i].name, agents[j].name, agents[j].start_s - images_later_s, StartFrom::kSound);
+  reference_ =
+      any_open(agents) && (sequence_.file.empty() || std::ranges::all_of(agents, &SequenceAgent::start_is_open));
+  if (any_open(agents)) {
+    std::vector<std::optional<Sound>> sounds;
+    for (const SequenceAgent& a : agents) sounds.push_back(sound_of_source(a.source));
+    for (std::size_t i = 0; i < agents.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!sounds[i] || !sounds[j]) continue;
+        const auto later_s = began_later_s(sounds[j]->samples, sounds[i]->samples, Sound::kRate_hz);
+        if (later_s)
+          link({agents[j].name, agents[i].name, *later_s + sounds[j]->begins_s - sounds[i]->begins_s, StartBy::kSound});
+      }
     }
   }
-  play_all();
+  settle(Change::kAny);
 }
 
-bool Starts::any_open() const { return std::ranges::any_of(sequence_.agents, &SequenceAgent::start_is_open); }
-
-void Starts::tie(const std::string& agent, const std::string& against, double start_s, StartFrom from) {
-  const auto named = [&](const std::string& name) -> SequenceAgent& {
-    return *std::ranges::find(sequence_.agents, name, &SequenceAgent::name);
-  };
-  constexpr double kPerSecond = 1000;  // steps that are worth writing down
-  start_s = std::round(start_s * kPerSecond) / kPerSecond;
-  named(agent).start_s = start_s;
-  from_[agent] = from;
-  const double later_s = named(against).start_s - start_s;
-  log_info(agent + " began " + seconds(std::abs(later_s)) + (later_s < 0 ? " before " : " after ") + against + ": " +
-           (from == StartFrom::kSound       ? "both heard the same"
-            : from == StartFrom::kWhatMoves ? "both see the same things move"
-                                            : "both turn alike"));
+void Starts::link(const Link& link) {
+  std::erase_if(links_,
+                [&](const Link& l) { return l.first == link.first && l.second == link.second && l.by == link.by; });
+  links_.push_back(link);
 }
 
-void Starts::play_all() {
-  const double last_s = std::ranges::max(sequence_.agents, {}, &SequenceAgent::start_s).start_s;
-  for (SequenceAgent& a : sequence_.agents) a.start_s -= std::max(0.0, last_s - last_given_s_);
+// From the agents whose start is known to the others, by the best link each time. Of those that no link reaches, the
+// first plays as if it had been started together with the first of all, and others may be linked to it. True when a
+// source begins at another time than before by what is worth a run.
+bool Starts::settle(Change which) {
+  std::vector<SequenceAgent> agents = asked_;
+  known_.clear();
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    if (reference_ && i == 0)
+      known_[agents[i].name].by = StartBy::kReference;
+    else if (!agents[i].start_is_open)
+      known_[agents[i].name].by = StartBy::kGiven;
+  }
+  std::ranges::stable_sort(links_, {}, &Link::by);
+  while (known_.size() < agents.size()) {
+    const auto next = std::ranges::find_if(
+        links_, [&](const Link& l) { return known_.contains(l.first) != known_.contains(l.second); });
+    if (next == links_.end()) {
+      const auto left = std::ranges::find_if(agents, [&](const SequenceAgent& a) { return !known_.contains(a.name); });
+      known_[left->name].by = StartBy::kNothing;
+      continue;
+    }
+    const bool ahead = known_.contains(next->first);
+    const std::string &from = ahead ? next->first : next->second, &to = ahead ? next->second : next->first;
+    constexpr double kPerSecond = 1000;  // steps that are worth writing down
+    const double start_s = named(agents, from).start_s + (ahead ? -next->later_s : next->later_s);
+    named(agents, to).start_s = std::round(kPerSecond * start_s) / kPerSecond;
+    known_[to] = {next->by, from};
+  }
+  if (reference_) {
+    const double last_s = std::ranges::max(agents, {}, &SequenceAgent::start_s).start_s;
+    for (SequenceAgent& a : agents) a.start_s -= last_s;
+  }
+  bool changed = false;
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    const SequenceAgent &first = sequence_.agents.front(), &was = sequence_.agents[i];
+    const double moved_s = (agents[i].start_s - agents.front().start_s) - (was.start_s - first.start_s);
+    changed |= std::abs(moved_s) > kWorthARun_s;
+  }
+  if (which == Change::kWorthARun && !changed) return false;
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    SequenceAgent& a = sequence_.agents[i];
+    a.start_s = agents[i].start_s;
+    // How much of it is played counts from its own beginning.
+    if (a.start_is_open && asked_[i].duration_s) a.duration_s = *asked_[i].duration_s - a.start_s;
+  }
+  return changed;
+}
+
+void Starts::link_by_result(const fs::path& result) {
+  const nlohmann::json report = read_json(ResultFolder(result).report());
+  const ResultContents contents = contents_of(ResultFolder(result));
+  std::vector<SequenceAgent>& agents = sequence_.agents;
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    const std::string& name = agents[i].name;
+    const auto lag = report.value(nlohmann::json::json_pointer("/agents/" + name + "/lag"), nlohmann::json());
+    if (lag.is_object()) {
+      const std::string against = lag["against"].get<std::string>();
+      const double later_s = named(agents, against).start_s - agents[i].start_s + lag["lag_s"].get<double>();
+      std::erase_if(links_, [&](const Link& l) {
+        const bool same = l.first == against && l.second == name, turned = l.first == name && l.second == against;
+        return (same || turned) && l.by == StartBy::kSound &&
+               std::abs((same ? l.later_s : -l.later_s) - later_s) > kContradiction_s;
+      });
+      link({against, name, later_s, StartBy::kWhatMoves});
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto lag_s = lag_by_turning_s(longest_path(contents, agents[j].name), longest_path(contents, name));
+      if (lag_s) link({agents[j].name, name, agents[j].start_s - agents[i].start_s + *lag_s, StartBy::kTurning});
+    }
+  }
 }
 
 bool Starts::improve(const fs::path& result) {
-  if (!any_open() || !fs::exists(ResultFolder(result).report())) return false;
-  const nlohmann::json report = read_json(ResultFolder(result).report());
-  const ResultContents contents = contents_of(ResultFolder(result));
-  const std::vector<SequenceAgent> played = sequence_.agents;
-  const auto played_start_s = [&](const std::string& name) {
-    return std::ranges::find(played, name, &SequenceAgent::name)->start_s;
-  };
-  bool worth_it = false;
-  for (std::size_t i = 0; i < played.size(); ++i) {
-    const std::string& name = played[i].name;
-    if (!played[i].start_is_open || from_.at(name) == StartFrom::kSound) continue;
-    std::optional<double> lag_s;
-    std::string against;
-    StartFrom from = StartFrom::kWhatMoves;
-    if (const auto lag = report.value(nlohmann::json::json_pointer("/agents/" + name + "/lag"), nlohmann::json());
-        lag.is_object()) {
-      lag_s = lag["lag_s"].get<double>();
-      against = lag["against"].get<std::string>();
-    }
-    for (std::size_t j = 0; j < played.size() && !lag_s; ++j) {
-      if (j == i || !tied(played[j].name)) continue;
-      from = StartFrom::kTurning;
-      against = played[j].name;
-      lag_s = lag_by_turning_s(longest_path(contents, against), longest_path(contents, name));
-    }
-    if (!lag_s || !tied(against)) continue;
-    const double against_moved_s =
-        std::ranges::find(sequence_.agents, against, &SequenceAgent::name)->start_s - played_start_s(against);
-    tie(name, against, played[i].start_s - *lag_s + against_moved_s, from);
-    worth_it |= std::abs(*lag_s) > kWorthARun_s;
-  }
-  play_all();
-  return worth_it;
+  if (!any_open(asked_) || !fs::exists(ResultFolder(result).report())) return false;
+  link_by_result(result);
+  return settle(Change::kWorthARun);
 }
 
-void Starts::warn() const {
+void Starts::say() const {
   for (const SequenceAgent& a : sequence_.agents) {
-    if (tied(a.name)) continue;
-    log_warn("nothing tells when " + a.name + " began: it is played as if it had been started together with " +
-             sequence_.agents.front().name + "; a start_s in a sequence's YAML file says it");
+    const Known& known = known_.at(a.name);
+    if (known.by == StartBy::kNothing) {
+      log_warn("nothing tells when " + a.name + " began: it is played as if it had been started together with " +
+               sequence_.agents.front().name + "; a start_s in a sequence's YAML file says it");
+    } else if (!known.against.empty()) {
+      const double later_s =
+          std::ranges::find(sequence_.agents, known.against, &SequenceAgent::name)->start_s - a.start_s;
+      log_info(a.name + " began " + seconds(std::abs(later_s)) + (later_s < 0 ? " before " : " after ") +
+               known.against + ", by " + std::string(words_of(known.by)));
+    }
   }
 }
 
 void Starts::write(const fs::path& result) const {
   const ResultFolder folder(result);
-  if (!fs::exists(folder.report())) return;
+  if (!any_open(asked_) || !fs::exists(folder.report())) return;
   std::ifstream written(folder.report());
   auto report = nlohmann::ordered_json::parse(written);
-  std::string text = "# What was played, with what was found about it: for coslam run, the next time.\nname: " +
-                     in_quotes(sequence_.name) + "\nagents:\n";
-  for (const SequenceAgent& a : sequence_.agents) {
-    if (report["agents"].contains(a.name)) {
-      report["agents"][a.name]["start_s"] = a.start_s;
-      report["agents"][a.name]["start_by"] = words_of(from_.at(a.name));
-    }
-    text += "  - name: " + in_quotes(a.name) + "\n    source: " + in_quotes(fs::absolute(a.source).string()) + "\n";
-    if (fs::exists(folder.calibration(a.name)))
-      text += "    calibration: " + in_quotes("calibration/" + a.name + ".yaml") + "\n";
-    text += "    start_s: " + (tied(a.name) ? format_double(a.start_s) : "auto") + "\n";
+  for (const auto& [name, known] : known_) {
+    if (report["agents"].contains(name)) report["agents"][name]["start_by"] = words_of(known.by);
   }
   write_json(folder.report(), report);
   if (!sequence_.file.empty()) return;
-  auto stream = create_file(folder.sequence());
-  stream << text;
-  close_file(stream, folder.sequence());
+  try {
+    const auto tied = [&](const std::string& name) { return known_.at(name).by != StartBy::kNothing; };
+    const std::string text = sequence_text(sequence_, folder, tied);
+    auto stream = create_file(folder.sequence());
+    stream << text;
+    close_file(stream, folder.sequence());
+  } catch (const nlohmann::json::exception&) {
+    log_warn(folder.sequence().string() + " is not written: a file name is no UTF-8 text");
+  }
 }
 
 }  // namespace coslam

@@ -7,18 +7,20 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/dataset/sequence.h"
 
 namespace coslam {
 
-// How it is known when an agent's source began.
-enum class StartFrom : std::uint8_t { kGiven, kSound, kWhatMoves, kTurning, kNothing };
+// What tells when an agent's source began; what is trusted more comes first.
+enum class StartBy : std::uint8_t { kGiven, kReference, kSound, kTurning, kWhatMoves, kNothing };
 
-std::string_view words_of(StartFrom from);
+std::string_view words_of(StartBy by);
 
 // Recordings that nobody started together: what tells how they lie in time. `start_s` of the sequence's agents whose
-// start is open is set by it.
+// start is open is set by it; one that is given stays. Where none is given the first agent is the reference, and all
+// are moved so that nothing of any is left out.
 class Starts {
  public:
   // By the sound of videos.
@@ -28,22 +30,32 @@ class Starts {
   // at another time than it did, so that the run is worth repeating.
   bool improve(const std::filesystem::path& result);
 
-  // A warning for each agent of which nothing tells.
-  void warn() const;
-  // Adds start_s and what tells it to the report of a run, and writes a sequence.yaml beside it with that and the
-  // lenses that were found, for the next time.
+  // Says of each agent when it began and by what, or that nothing tells, in one sentence.
+  void say() const;
+  // Adds what tells each start to the report of a run, and writes a sequence.yaml beside it with the starts and the
+  // lenses that were found, for the next time, where there is none yet.
   void write(const std::filesystem::path& result) const;
 
  private:
-  bool any_open() const;
-  bool tied(const std::string& agent) const { return from_.at(agent) != StartFrom::kNothing; }
-  void tie(const std::string& agent, const std::string& against, double start_s, StartFrom from);
-  // One that was found to have begun first plays from its beginning, and the others so much later.
-  void play_all();
+  struct Link {
+    std::string first, second;
+    double later_s = 0;  // the second source began so much later
+    StartBy by = StartBy::kSound;
+  };
+  struct Known {
+    StartBy by = StartBy::kGiven;
+    std::string against;
+  };
+  void link(const Link& link);
+  void link_by_result(const std::filesystem::path& result);
+  enum class Change : std::uint8_t { kAny, kWorthARun };
+  bool settle(Change which);
 
   Sequence& sequence_;
-  double last_given_s_ = 0;
-  std::map<std::string, StartFrom> from_;
+  const std::vector<SequenceAgent> asked_;
+  bool reference_ = false;  // the first stands for a start that is given
+  std::vector<Link> links_;
+  std::map<std::string, Known> known_;
 };
 
 }  // namespace coslam
