@@ -50,6 +50,9 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
     planned_ = plan_outline_since(map, of, outline_since_, refine, workers);
   } else if (outline_is_due(map, of)) {
     planned_ = plan_outline_since(map, of, SetId(), refine, workers);
+    // Until then the windows reach as far, and hold the scale better.
+    constexpr std::size_t kWindows = 2;
+    if (planned_) planned_->for_lenses = map.key_frames().size() < kWindows * static_cast<std::size_t>(refine.window);
   } else {
     planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
   }

@@ -20,8 +20,8 @@ BundleResult solve_with_lenses(const RefineJob& job);
 
 // How far the lens that moved most is from where it was: squared, in standard deviations of where it is.
 double lens_step2(const Map& map, const RefineJob& job, const BundleResult& result);
-// From where on that tells that the next solution will move it again.
-inline constexpr double kOnItsWay2 = 100;
+// From where on that is worth taking in, and from where on it tells that the next solution will move it again.
+inline constexpr double kWorthTaking2 = 4, kOnItsWay2 = 100;
 
 // Each lens of the solution is that of the camera by now, or can become it: else its poses and points are of no use.
 bool lenses_may_be_taken(const Map& map, const RefineJob& job, const BundleResult& result);

@@ -402,6 +402,7 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
   if (!result.usable || job.epoch != edit.map().epoch()) return report;
   if (!lenses_may_be_taken(edit.map(), job, result)) return report;
   report.lens_step2 = lens_step2(edit.map(), job, result);
+  if (job.for_lenses && report.lens_step2 < kWorthTaking2) return report;
   drop_outliers(edit, job, result, &report);
   report.lenses = take_lenses(edit, job, result);
   move_frames(edit, job, result);

@@ -57,7 +57,8 @@ struct RefineJob {
   MapEpoch epoch;                            // of the map it was cut from
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
-  bool floating = false;  // no pose was fixed but one: the solution is put back to where the poses were
+  bool for_lenses = false;  // a solution that has nothing to say of a lens is left
+  bool floating = false;    // no pose was fixed but one: the solution is put back to where the poses were
   BundleConfig config;
 };
 
