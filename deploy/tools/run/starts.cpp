@@ -104,6 +104,7 @@ Starts::Starts(Sequence* sequence) : sequence_(*sequence), asked_(sequence->agen
       any_open(agents) && (sequence_.file.empty() || std::ranges::all_of(agents, &SequenceAgent::start_is_open));
   if (any_open(agents)) {
     std::vector<std::optional<Sound>> sounds;
+    sounds.reserve(agents.size());
     for (const SequenceAgent& a : agents) sounds.push_back(sound_of_source(a.source));
     for (std::size_t i = 0; i < agents.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 #include <libexif/exif-data.h>
+#include <libexif/exif-mem.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
@@ -21,10 +21,18 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480;
 
 class NotedFocal : public testing::Test {
- protected:
-  NotedFocal() : exif_(exif_data_new()) { exif_data_set_byte_order(exif_, EXIF_BYTE_ORDER_INTEL); }
-  ~NotedFocal() override { exif_data_unref(exif_); }
+ public:
+  NotedFocal() : exif_(exif_data_new()), memory_(exif_mem_new_default()) {
+    exif_data_set_byte_order(exif_, EXIF_BYTE_ORDER_INTEL);
+  }
+  ~NotedFocal() override {
+    exif_data_unref(exif_);
+    exif_mem_unref(memory_);
+  }
+  NotedFocal(const NotedFocal&) = delete;
+  NotedFocal& operator=(const NotedFocal&) = delete;
 
+ protected:
   ExifEntry* entry(ExifTag tag, ExifFormat format, unsigned size) {
     ExifEntry* e = exif_entry_new();
     exif_content_add_entry(exif_->ifd[EXIF_IFD_EXIF], e);
@@ -32,7 +40,7 @@ class NotedFocal : public testing::Test {
     e->format = format;
     e->components = 1;
     e->size = size;
-    e->data = static_cast<unsigned char*>(std::calloc(1, size));
+    e->data = static_cast<unsigned char*>(exif_mem_alloc(memory_, size));
     exif_entry_unref(e);
     return e;
   }
@@ -57,7 +65,7 @@ class NotedFocal : public testing::Test {
         << static_cast<char>(length & 0xffU);
     out.write(reinterpret_cast<const char*>(data), size);
     out << jpeg.substr(2);
-    std::free(data);
+    exif_mem_free(memory_, data);
     return noted;
   }
   std::string film(const std::string& key, const std::string& value) {
@@ -72,6 +80,7 @@ class NotedFocal : public testing::Test {
 
   test::TempFolder folder_;
   ExifData* exif_;
+  ExifMem* memory_;
 };
 
 TEST_F(NotedFocal, OfAPhotoIsThatOnFilm) {
