@@ -24,6 +24,12 @@ namespace {
 using Exif = std::unique_ptr<ExifData, decltype([](ExifData* data) { exif_data_unref(data); })>;
 using Container = std::unique_ptr<AVFormatContext, decltype([](AVFormatContext* c) { avformat_close_input(&c); })>;
 
+// Of a length in millimetres on 35 mm film, which goes by the diagonal.
+double focal_px_of_film(double focal_mm, int width_px, int height_px) {
+  const double diagonal_mm = std::hypot(36, 24);
+  return focal_mm / diagonal_mm * std::hypot(width_px, height_px);
+}
+
 // Of whatever type the entry is; 0: it is not there, or not a number.
 double number(ExifData* exif, ExifTag tag) {
   ExifEntry* entry = exif_data_get_entry(exif, tag);
@@ -89,11 +95,6 @@ std::optional<double> of_container(const std::filesystem::path& video, int width
 }
 
 }  // namespace
-
-double focal_px_of_film(double focal_mm, int width_px, int height_px) {
-  const double diagonal_mm = std::hypot(36, 24);
-  return focal_mm / diagonal_mm * std::hypot(width_px, height_px);
-}
 
 std::optional<double> noted_focal_px(const std::filesystem::path& file, int width_px, int height_px) {
   const Exif exif(exif_data_new_from_file(file.c_str()));

@@ -12,7 +12,4 @@ namespace coslam {
 // or nothing that a lens can have.
 std::optional<double> noted_focal_px(const std::filesystem::path& file, int width_px, int height_px);
 
-// Of a length in millimetres on 35 mm film, which goes by the diagonal.
-double focal_px_of_film(double focal_mm, int width_px, int height_px);
-
 }  // namespace coslam

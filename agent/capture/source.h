@@ -54,4 +54,7 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
 // of live sources.
 std::filesystem::path first_file(const std::string& uri, double rate_hz);
 
+// The file of times beside a video: clip.mp4.timestamps.csv or clip.timestamps.csv.
+std::optional<std::filesystem::path> times_beside(const std::filesystem::path& video);
+
 }  // namespace coslam

@@ -18,11 +18,7 @@ class VideoTimes {
  public:
   VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
       : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
-    // clip.mp4.timestamps.csv or clip.timestamps.csv.
-    for (std::filesystem::path sidecar : {video, std::filesystem::path(video).replace_extension()}) {
-      sidecar += ".timestamps.csv";
-      if (!stamps_ && std::filesystem::exists(sidecar)) stamps_ = read_times(sidecar);
-    }
+    if (const auto times = times_beside(video)) stamps_ = read_times(*times);
   }
   // Of the sidecar; 0 without.
   std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
@@ -155,6 +151,14 @@ class VideoSource final : public ImageSource {
 };
 
 }  // namespace
+
+std::optional<std::filesystem::path> times_beside(const std::filesystem::path& video) {
+  for (std::filesystem::path sidecar : {video, std::filesystem::path(video).replace_extension()}) {
+    sidecar += ".timestamps.csv";
+    if (std::filesystem::exists(sidecar)) return sidecar;
+  }
+  return std::nullopt;
+}
 
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options) {
   return std::make_unique<VideoSource>(file, options);

@@ -71,10 +71,7 @@ Sequence as_played(Sequence sequence, const ResultFolder& result) {
   for (SequenceAgent& agent : sequence.agents) {
     const auto start =
         report.value(nlohmann::json::json_pointer("/agents/" + agent.name + "/start_s"), nlohmann::json());
-    if (!start.is_number()) continue;
-    agent.start_s = start.get<double>();
-    // How much of it is played counts from its own beginning.
-    if (agent.start_is_open && agent.duration_s) *agent.duration_s -= agent.start_s;
+    if (start.is_number()) agent.begin_at(start.get<double>());
   }
   return sequence;
 }

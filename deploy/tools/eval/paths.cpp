@@ -15,16 +15,10 @@ nlohmann::json agents_in(const ResultFolder& result) {
   return report.contains("agents") && report["agents"].is_object() ? report["agents"] : nlohmann::json();
 }
 
-// Empty without.
-nlohmann::json report_of(const nlohmann::json& agents, const std::string& name) {
-  const bool there = agents.is_object() && agents.contains(name) && agents[name].is_object();
-  return there ? agents[name] : nlohmann::json::object();
-}
-
 int frames_of(const nlohmann::json& agents, const std::string& name) {
-  const nlohmann::json agent = report_of(agents, name);
-  const auto frames = agent.find("frames");
-  return frames != agent.end() && frames->is_number_integer() ? frames->get<int>() : 0;
+  if (!agents.is_object() || !agents.contains(name) || !agents[name].is_object()) return 0;
+  const auto frames = agents[name].find("frames");
+  return frames != agents[name].end() && frames->is_number_integer() ? frames->get<int>() : 0;
 }
 
 Trajectory load_if_there(const std::filesystem::path& file) {

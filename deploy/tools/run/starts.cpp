@@ -31,10 +31,7 @@ constexpr double kContradiction_s = 0.15;
 std::optional<Sound> sound_of_source(const std::string& source) {
   constexpr double kAnyRate_hz = 30;
   if (!fs::is_regular_file(source) || first_file(source, kAnyRate_hz) != source) return std::nullopt;
-  for (fs::path sidecar : {fs::path(source), fs::path(source).replace_extension()}) {
-    sidecar += ".timestamps.csv";
-    if (fs::exists(sidecar)) return std::nullopt;
-  }
+  if (times_beside(source)) return std::nullopt;
   return sound_of(source);
 }
 
@@ -163,12 +160,7 @@ bool Starts::settle(Change which) {
     changed |= std::abs(moved_s) > kWorthARun_s;
   }
   if (which == Change::kWorthARun && !changed) return false;
-  for (std::size_t i = 0; i < agents.size(); ++i) {
-    SequenceAgent& a = sequence_.agents[i];
-    a.start_s = agents[i].start_s;
-    // How much of it is played counts from its own beginning.
-    if (a.start_is_open && asked_[i].duration_s) a.duration_s = *asked_[i].duration_s - a.start_s;
-  }
+  for (std::size_t i = 0; i < agents.size(); ++i) sequence_.agents[i].begin_at(agents[i].start_s);
   return changed;
 }
 
@@ -176,6 +168,9 @@ void Starts::link_by_result(const fs::path& result) {
   const nlohmann::json report = read_json(ResultFolder(result).report());
   const ResultContents contents = contents_of(ResultFolder(result));
   std::vector<SequenceAgent>& agents = sequence_.agents;
+  std::vector<Trajectory> paths;
+  paths.reserve(agents.size());
+  for (const SequenceAgent& a : agents) paths.push_back(longest_path(contents, a.name));
   for (std::size_t i = 0; i < agents.size(); ++i) {
     const std::string& name = agents[i].name;
     const auto lag = report.value(nlohmann::json::json_pointer("/agents/" + name + "/lag"), nlohmann::json());
@@ -190,7 +185,7 @@ void Starts::link_by_result(const fs::path& result) {
       link({against, name, later_s, StartBy::kWhatMoves});
     }
     for (std::size_t j = 0; j < i; ++j) {
-      const auto lag_s = lag_by_turning_s(longest_path(contents, agents[j].name), longest_path(contents, name));
+      const auto lag_s = lag_by_turning_s(paths[j], paths[i]);
       if (lag_s) link({agents[j].name, name, agents[j].start_s - agents[i].start_s + *lag_s, StartBy::kTurning});
     }
   }
@@ -209,8 +204,7 @@ void Starts::say() const {
       log_warn("nothing tells when " + a.name + " began: it is played as if it had been started together with " +
                sequence_.agents.front().name + "; a start_s in a sequence's YAML file says it");
     } else if (!known.against.empty()) {
-      const double later_s =
-          std::ranges::find(sequence_.agents, known.against, &SequenceAgent::name)->start_s - a.start_s;
+      const double later_s = named(sequence_.agents, known.against).start_s - a.start_s;
       log_info(a.name + " began " + seconds(std::abs(later_s)) + (later_s < 0 ? " before " : " after ") +
                known.against + ", by " + std::string(words_of(known.by)));
     }
