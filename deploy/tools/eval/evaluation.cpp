@@ -3,6 +3,7 @@
 #include "deploy/tools/eval/evaluation.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -32,15 +33,25 @@ SurfaceAt surfaces_of(const Scene& scene, const Sequence& sequence, const std::v
     const auto eye = eyes->find(agent);
     if (eye == eyes->end()) return std::nullopt;
     const auto cam_from_world = pose_at(eye->second.truth, t_ns, gap_ns);
-    const auto undistorted_px = eye->second.camera.undistorted_from_raw(raw_px);
-    if (!cam_from_world || !undistorted_px) return std::nullopt;
-    const Eigen::Vector3d in_cam = eye->second.camera.normalized_from_pixel(*undistorted_px).homogeneous();
-    const Eigen::Vector3d direction = cam_from_world->rotation.conjugate() * in_cam.normalized();
+    if (!cam_from_world) return std::nullopt;
     const double t_s = to_seconds(t_ns) + eye->second.start_s;
-    const auto hit = scene.cast(cam_from_world->center(), direction, t_s);
+    const auto at = [&](const Eigen::Vector2d& px) -> std::optional<RayHit> {
+      const auto undistorted_px = eye->second.camera.undistorted_from_raw(px);
+      if (!undistorted_px) return std::nullopt;
+      const Eigen::Vector3d in_cam = eye->second.camera.normalized_from_pixel(*undistorted_px).homogeneous();
+      return scene.cast(cam_from_world->center(), cam_from_world->rotation.conjugate() * in_cam.normalized(), t_s);
+    };
+    const auto hit = at(raw_px);
     if (!hit) return std::nullopt;
-    return SurfacePoint{hit->point, hit->distance_m, scene.body(hit->object),
-                        scene.velocity_m_s(scene.spot(*hit, t_s), t_s), scene.body_velocity_m_s(hit->object, t_s)};
+    return SurfacePoint{hit->point,
+                        hit->distance_m,
+                        scene.body(hit->object),
+                        scene.velocity_m_s(scene.spot(*hit, t_s), t_s),
+                        scene.body_velocity_m_s(hit->object, t_s),
+                        is_on_depth_edge(hit->distance_m, [&](const Eigen::Vector2d& by_px) {
+                          const auto beside = at(raw_px + by_px);
+                          return beside ? beside->distance_m : std::numeric_limits<double>::infinity();
+                        })};
   };
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "deploy/tools/eval/statistics.h"
 
@@ -28,7 +29,21 @@ bool scatters(const std::vector<SurfacePoint>& seen, const Eigen::Vector3d& cent
                      [&](const SurfacePoint& p) { return (p.position - center).norm() > kMaxScatter * p.distance_m; });
 }
 
+bool mostly_on_edges(const std::vector<SurfacePoint>& seen) {
+  return 2 * std::ranges::count_if(seen, &SurfacePoint::on_depth_edge) > std::ssize(seen);
+}
+
 }  // namespace
+
+bool is_on_depth_edge(double distance_m, const std::function<double(const Eigen::Vector2d& by_px)>& distance_beside_m) {
+  constexpr double kReach_px = 2;      // as far as corners are from the edges that make them
+  constexpr double kLeastStep = 0.02;  // of the inverse distance
+  const auto bends_along = [&](const Eigen::Vector2d& by_px) {
+    const double bend = distance_m / distance_beside_m(by_px) + distance_m / distance_beside_m(-by_px) - 2;
+    return std::abs(bend) > kLeastStep;
+  };
+  return bends_along({kReach_px, 0}) || bends_along({0, kReach_px});
+}
 
 void StaticTruth::add(PointId point, const SurfacePoint& seen) { seen_[point].push_back(seen); }
 
@@ -36,7 +51,7 @@ std::unordered_map<PointId, Eigen::Vector3d> StaticTruth::positions() const {
   std::unordered_map<PointId, Eigen::Vector3d> positions;
   for (const auto& [point, seen] : seen_) {
     const Eigen::Vector3d center = median_position(seen);
-    if (seen.size() >= 2 && !scatters(seen, center)) positions.emplace(point, center);
+    if (seen.size() >= 2 && !mostly_on_edges(seen) && !scatters(seen, center)) positions.emplace(point, center);
   }
   return positions;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace coslam::eval {
@@ -19,6 +20,31 @@ TEST(StaticTruth, TakesTheMedianAndLeavesOutWhatScatters) {
   EXPECT_EQ(truth.points(), 3u);
   ASSERT_EQ(positions.size(), 1u);
   EXPECT_LT((positions.at(PointId(1)) - Eigen::Vector3d(1.01, 0, 5)).norm(), 1e-12);
+}
+
+TEST(StaticTruth, LeavesOutWhatMostlyLiesOnAnEdgeOfDepth) {
+  StaticTruth truth;
+  SurfacePoint on, off;
+  on.distance_m = off.distance_m = 5;
+  on.on_depth_edge = true;
+  for (const int of_three : {0, 1, 2}) {
+    truth.add(PointId(1), of_three < 1 ? on : off);
+    truth.add(PointId(2), of_three < 2 ? on : off);
+  }
+  const auto positions = truth.positions();
+  EXPECT_TRUE(positions.contains(PointId(1)));
+  EXPECT_FALSE(positions.contains(PointId(2)));
+}
+
+TEST(DepthEdge, AStepIsOneAndASlantIsNone) {
+  const auto slant_m = [](const Eigen::Vector2d& by_px) { return 1 / (0.2 + 0.01 * by_px.x() - 0.02 * by_px.y()); };
+  EXPECT_FALSE(is_on_depth_edge(5, slant_m));
+  const auto step_m = [](const Eigen::Vector2d& by_px) { return by_px.x() > 0 ? 4.5 : 5; };
+  EXPECT_TRUE(is_on_depth_edge(5, step_m));
+  const auto ends_m = [](const Eigen::Vector2d& by_px) {
+    return by_px.y() < 0 ? std::numeric_limits<double>::infinity() : 5;
+  };
+  EXPECT_TRUE(is_on_depth_edge(5, ends_m));
 }
 
 TEST(PointAccuracy, ByHand) {
