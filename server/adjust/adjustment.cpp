@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/adjust/certainty.h"
 #include "server/adjust/lens.h"
 
 namespace coslam {
@@ -92,15 +93,6 @@ void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgres
   };
 }
 
-// What the uncertain poses of a solution add to its points.
-void add_pose_share(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
-  const auto share = pose_share(edit.map(), job, result);
-  for (std::size_t i = 0; i < share.size(); ++i) {
-    const MapPoint* p = edit.map().find(job.points[i]);
-    if (p != nullptr) edit.move_point(*p, p->position, p->covariance + share[i]);
-  }
-}
-
 }  // namespace
 
 void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
@@ -119,7 +111,7 @@ void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::opti
     tell_of(&*job, since ? 0 : kOutlineShare_percent, 100, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
-    if (result.usable) add_pose_share(edit, *job, result);
+    if (result.usable) settle_covariances(edit, *job, result);
   }
   if (tell) tell(100);
 }

@@ -6,15 +6,14 @@
 #include <cmath>
 #include <map>
 #include <span>
-#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 
+#include "server/adjust/certainty.h"
 #include "server/adjust/holding_poses.h"
 #include "server/adjust/lens.h"
 #include "server/adjust/outline.h"
 #include "server/associate/register.h"
-#include "server/solve/point_uncertainty.h"
 
 namespace coslam {
 namespace {
@@ -112,23 +111,8 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, W
   }
 }
 
-// Views of a point by one track repeat what is wrong with it, its drift on the surface above all: together they are
-// worth two, as in Map::covariance_of(). counts: whether the i-th observation is one.
-std::vector<double> worth_of_observations(const RefineJob& job, auto&& counts) {
-  std::map<std::tuple<int, CameraId, TrackId>, int> views;
-  const auto key = [&](std::size_t i) {
-    const auto& o = job.problem.observations[i];
-    return std::tuple(o.point, job.poses[static_cast<std::size_t>(o.pose)].camera, job.observations[i].track);
-  };
-  for (std::size_t i = 0; i < job.observations.size(); ++i) views[key(i)] += counts(i) ? 1 : 0;
-  std::vector<double> worth;
-  worth.reserve(job.observations.size());
-  for (std::size_t i = 0; i < job.observations.size(); ++i) worth.push_back(2.0 / std::max(2, views[key(i)]));
-  return worth;
-}
-
 void weigh_observations(RefineJob* job) {
-  const std::vector<double> worth = worth_of_observations(*job, [](std::size_t) { return true; });
+  const std::vector<double> worth = worth_of_observations(*job, std::vector<bool>(job->observations.size(), true));
   for (std::size_t i = 0; i < worth.size(); ++i) job->problem.observations[i].weight = worth[i];
 }
 
@@ -376,22 +360,6 @@ BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
   if (result.usable && job.floating) put_back(job.problem, &result);
   return result;
-}
-
-std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result) {
-  constexpr std::size_t kMostPoses = 200;
-  BundleProblem solved = job.problem;
-  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
-    solved.poses[i].cam_from_world = result.poses[i];
-    solved.poses[i].fixed = solved.poses[i].fixed && !job.floating;
-  }
-  solved.points = result.points;
-  const std::vector<double> worth = worth_of_observations(job, [&](std::size_t i) { return result.is_inlier[i]; });
-  for (std::size_t i = 0; i < solved.observations.size(); ++i) {
-    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(solved.observations[i].pose)].camera);
-    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
-  }
-  return pose_share_of_points(solved, result.is_inlier, kMostPoses);
 }
 
 RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {

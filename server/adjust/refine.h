@@ -79,9 +79,6 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
 // For all key frames after a set; those before it hold them and stay.
 std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
 BundleResult solve_refine(const RefineJob& job);
-// What the uncertain poses of a solution add to the covariances of its points (point_uncertainty.h), in the order of
-// job.points. Each track counts for two views, as in Map::covariance_of().
-std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.
 RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result,

@@ -3,6 +3,7 @@
 #include "server/solve/bundle.h"
 
 #include <cmath>
+#include <limits>
 
 #include "common/geometry/alignment.h"
 #include "common/geometry/robust.h"
@@ -16,6 +17,7 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
   for (std::size_t i = 0; i < result->lenses.size(); ++i) lenses.emplace_back(problem.cameras[i], result->lenses[i]);
   std::vector<double> norms_px;
   result->is_inlier.resize(problem.observations.size());
+  result->errors_px.resize(problem.observations.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
     const Eigen::Vector3d x =
@@ -29,6 +31,7 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
             : (lenses[camera].raw_from_normalized(x.hnormalized()) - model.raw_from_undistorted(o.undistorted_px))
                   .norm();
     norms_px.push_back(error_px);
+    result->errors_px[i] = error_px;
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;
   }
   result->sigma_px = robust_sigma_2d(norms_px);

@@ -64,7 +64,9 @@ struct BundleResult {
   std::vector<LensCorrection> lenses;  // one a camera, where there were any
   // Of their values, zero of those that are given; empty: not known.
   std::vector<LensMatrix> lens_covariances;
-  std::vector<bool> is_inlier;  // one per observation
+  // One per observation: how far it is off in the raw image, infinite behind the camera; whether that is no outlier.
+  std::vector<double> errors_px;
+  std::vector<bool> is_inlier;
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;
   double sigma_px = 0;  // robust standard deviation of the final residuals, pixels

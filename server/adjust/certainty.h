@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "server/adjust/refine.h"
+
+// What is known of points once they are adjusted.
+namespace coslam {
+
+// Views of a point by one track repeat what is wrong with it, its drift on the surface above all: together they are
+// worth two, as in Map::covariance_of(). counts: which of the job's observations are views.
+std::vector<double> worth_of_observations(const RefineJob& job, const std::vector<bool>& counts);
+
+// How wrong the tracks of each point are, squared, in units of what Map::covariance_of() takes them to be. Most corners
+// hold to the noise of the image; those on edges and outlines slide, by ten times that. A point goes along with half of
+// what its tracks slide: the other half is left in the residuals.
+std::vector<double> track_variances(const Map& map, const RefineJob& job, const BundleResult& result);
+
+// Covariances of a solution's points: by how well their own tracks hold, and with what the uncertain poses add
+// (point_uncertainty.h).
+void settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+
+}  // namespace coslam
