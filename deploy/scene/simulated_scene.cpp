@@ -22,9 +22,10 @@ struct NamedScene {
   SceneDescription (*describe)(std::uint64_t seed, int cameras);
 };
 
-constexpr std::array<NamedScene, 12> kScenes{{{"room", 3, describe_room},
+constexpr std::array<NamedScene, 13> kScenes{{{"room", 3, describe_room},
                                               {"wall", 3, describe_wall},
                                               {"walking-man", 3, describe_walking_man},
+                                              {"stopping-man", 3, describe_stopping_man},
                                               {"sitting-man", 4, describe_sitting_man},
                                               {"garden", 3, describe_garden},
                                               {"courtyard", 4, describe_courtyard},

@@ -113,21 +113,43 @@ SceneCamera held_camera(std::uint64_t seed, int index) {
   return out;
 }
 
+SceneDescription man_in_dim_room(std::uint64_t seed, int cameras, const GroundPath& path,
+                                 const std::vector<Rest>& rests) {
+  constexpr double kSpeed_m_s = 1.2, kStartM = 0.3;
+  SceneDescription out;
+  out.world = dim_room(seed);
+  const Walk walk(Gait(path), kSpeed_m_s, kStartM, rests);
+  out.bodies.push_back(make_person(mix(seed, 31), [walk](double t_s) { return walk.at(t_s); }));
+  for (int i = 0; i < cameras; ++i) out.cameras.push_back(held_camera(seed, i));
+  return out;
+}
+
 }  // namespace
 
 SceneDescription describe_walking_man(std::uint64_t seed, int cameras) {
-  constexpr double kSpeed_m_s = 1.2;
-  SceneDescription out;
-  out.world = dim_room(seed);
-  out.frames = 600;
   const GroundPath path(
       {{-1.9, 0.9}, {-1.2, 0.0}, {0.0, -0.25}, {1.2, 0.0}, {1.9, 0.9}, {1.3, 2.0}, {0.0, 2.4}, {-1.3, 2.0}});
-  const Walk walk(Gait(path), kSpeed_m_s, 0.3, {{3.5, 1.4}, {9.0, 1.8}, {15.5, 1.2}});
-  out.bodies.push_back(make_person(mix(seed, 31), [walk](double t_s) { return walk.at(t_s); }));
+  SceneDescription out = man_in_dim_room(seed, cameras, path, {{3.5, 1.4}, {9.0, 1.8}, {15.5, 1.2}});
+  out.frames = 600;
   constexpr double kCartFromS = 7, kCartToS = 12.5, kCartWayM = 5.2;
   out.bodies.push_back(make_cart(mix(seed, 32), {-2.6, 3.05}, 0,
                                  [=](double t_s) { return kCartWayM * eased_step(t_s, kCartFromS, kCartToS); }));
-  for (int i = 0; i < cameras; ++i) out.cameras.push_back(held_camera(seed, i));
+  return out;
+}
+
+// He comes round to the first camera, stands before it and hides nearly all of the room from it.
+SceneDescription describe_stopping_man(std::uint64_t seed, int cameras) {
+  const GroundPath path({{-1.9, 0.9},
+                         {-1.3, 2.0},
+                         {0.0, 2.4},
+                         {1.3, 2.0},
+                         {1.9, 0.9},
+                         {1.2, -0.2},
+                         {0.1, -0.9},
+                         {-0.45, -2.15},
+                         {-1.3, -0.9}});
+  SceneDescription out = man_in_dim_room(seed, cameras, path, {{3.5, 1.4}, {9.1, 2.0}});
+  out.frames = 450;
   return out;
 }
 

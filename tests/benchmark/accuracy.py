@@ -65,7 +65,7 @@ SEQUENCES = [
     Sequence("dmvio_room/single", "0.2"),
     Sequence("zed_lab_shelf/stereo", "0.1", final="relative_pose_m", live="none"),
     *(Sequence(SIMULATED + n, maps=2 if n == "twins" else 1) for n in (
-        "room", "wall", "walking-man", "sitting-man", "courtyard", "tag", "twins", "atrium", "street", "swarm")),
+        "room", "wall", "walking-man", "stopping-man", "sitting-man", "courtyard", "tag", "twins", "atrium", "street", "swarm")),
 ]
 
 
