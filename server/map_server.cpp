@@ -77,6 +77,15 @@ void MapServer::tell_of_lenses() {
                         std::to_string(std::lround(c.model.focal_px())) + " " +
                         (guessed ? "that was guessed" : "of its calibration") + "; the map goes by the images");
   }
+  for (const MapCamera& c : map().cameras()) {
+    if (c.breathing == 0 || !breathing_told_.insert(c.id).second) continue;
+    char most[16];
+    std::snprintf(most, sizeof most, "%.1f", 100 * c.breathing);
+    warnings_.push_back(
+        "the focal length of agent " + c.name + " changes from image to image, by up to " + most +
+        " %, as of a lens that keeps focusing: the map makes up for it, poses at the time only in part; "
+        "a fixed focus is better");
+  }
 }
 
 std::vector<MapPatch> MapServer::step(const FrameSet& seen) {
@@ -90,7 +99,7 @@ std::vector<MapPatch> MapServer::step(const FrameSet& seen) {
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
   take(pipeline_.report<ScaleReport>());
-  if (pipeline_.report<TakenAdjustment>().report.lenses > 0) tell_of_lenses();
+  if (pipeline_.report<TakenAdjustment>().report.applied) tell_of_lenses();
   note_adjusted();
   remember_last_images();
   forget();
@@ -163,6 +172,7 @@ void MapServer::look_back() {
 }
 
 void MapServer::finish(const TellProgress& tell) {
+  pipeline_.stage<LagFinder>().finish(edit_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (refine.at_end == "nothing") return;
   look_back();
@@ -172,13 +182,13 @@ void MapServer::finish(const TellProgress& tell) {
 }
 
 void MapServer::finish_whole(const TellProgress& tell) {
+  pipeline_.stage<LagFinder>().finish(edit_);
   look_back();
   adjust(std::nullopt, tell);
 }
 
 void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
-  pipeline_.stage<LagFinder>().finish(edit_);
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
   adjust_whole(edit_, largest_map(), refine, since, tell);

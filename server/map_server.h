@@ -137,6 +137,7 @@ class MapServer {
   std::set<MapId> in_metres_;
   std::vector<std::string> warnings_;
   std::set<CameraId> lenses_told_;
+  std::set<CameraId> breathing_told_;
   MapRows rows_;
   std::optional<SetId> restored_until_;
   std::size_t restored_cameras_ = 0;

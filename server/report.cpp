@@ -63,6 +63,7 @@ Json lens_report(const MapCamera& camera) {
   const auto [model, worst_px] = corrected_calibration(camera.model, camera.lens);
   const Eigen::VectorXd radial = camera.lens.radial();
   return {{"corrected", !camera.lens.none()},
+          {"breathes", camera.breathing},
           {"focal_ratio", std::exp(camera.lens.log_focal())},
           {"focal_sigma", camera.lens_sigma[0]},
           {"centre_shift_px", {camera.lens.centre_px().x(), camera.lens.centre_px().y()}},

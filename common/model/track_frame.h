@@ -64,8 +64,8 @@ struct TrackFrame {
   RunId server_run;  // whose map the pose is in; 0 before the first patch
   MapEpoch epoch;    // the map epoch in which the pose is expressed
   Rigid3 cam_from_world;
-  // Order of retract(): rotation, translation; as quantised_pose_covariance() leaves it. In the map, with what its points
-  // are wrong together; not how far the map as a whole is off.
+  // Order of retract(): rotation, translation; as quantised_pose_covariance() leaves it. In the map, with what its
+  // points are wrong together; not how far the map as a whole is off.
   PoseCovariance pose_covariance = PoseCovariance::Zero();
   bool on_own_points = false;  // it rests on points that the server has not, too
   std::uint16_t pose_inliers = 0;

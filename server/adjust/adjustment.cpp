@@ -54,6 +54,8 @@ bool PlanAdjustment::plan_job(const Map& map, bool key_frame, const RefineConfig
     // Until then the windows reach as far, and hold the scale better.
     constexpr std::size_t kWindows = 2;
     if (planned_) planned_->for_lenses = map.key_frames().size() < kWindows * static_cast<std::size_t>(refine.window);
+    const bool breathes = std::ranges::any_of(map.cameras(), [](const MapCamera& c) { return c.breathing > 0; });
+    if (planned_ && (breathes || zooms_are_due(map, of))) planned_->zooms = true;
   } else {
     planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
   }
@@ -71,6 +73,15 @@ bool PlanAdjustment::outline_is_due(const Map& map, MapId of) {
   std::size_t& due = due_.try_emplace(of, kFirst).first->second;
   if (keys < due || keys > kMost) return false;
   due = keys + std::max<std::size_t>(1, keys / kPart);
+  return true;
+}
+
+bool PlanAdjustment::zooms_are_due(const Map& map, MapId of) {
+  constexpr std::size_t kFirst = 16;
+  const std::size_t keys = map.key_frames().size();
+  std::size_t& due = zooms_due_.try_emplace(of, kFirst).first->second;
+  if (keys < due) return false;
+  due = 2 * keys;
   return true;
 }
 
@@ -108,6 +119,7 @@ void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::opti
   auto job = since ? plan_refine_since(edit.map(), of, *since, config)
                    : plan_refine(edit.map(), of, RefineExtent::kWhole, config);
   if (job) {
+    job->zooms = true;
     tell_of(&*job, since ? 0 : kOutlineShare_percent, 100, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);

@@ -70,6 +70,7 @@ class PlanAdjustment {
 
  private:
   bool outline_is_due(const Map& map, MapId of);
+  bool zooms_are_due(const Map& map, MapId of);
   bool plan_job(const Map& map, bool key_frame, const RefineConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;
@@ -77,7 +78,8 @@ class PlanAdjustment {
   MapId outline_;  // whose outline is to be adjusted; 0 = none
   SetId outline_since_;
   int plans_ = 0;
-  std::map<MapId, std::size_t> due_;  // key frames that a map's outline is adjusted again with
+  std::map<MapId, std::size_t> zooms_due_;  // key frames at which it is looked whether its cameras breathe
+  std::map<MapId, std::size_t> due_;        // key frames that a map's outline is adjusted again with
 };
 
 // How far it is, percent.

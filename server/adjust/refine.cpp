@@ -13,6 +13,7 @@
 #include "server/adjust/holding_poses.h"
 #include "server/adjust/lens.h"
 #include "server/adjust/outline.h"
+#include "server/adjust/zoom.h"
 #include "server/associate/register.h"
 
 namespace coslam {
@@ -44,7 +45,7 @@ void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, 
   if (f == nullptr) return;
   (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
   job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
-  job->poses.push_back({set, camera});
+  job->poses.push_back({set, camera, f->zoom_taken_out});
 }
 
 // Which sets these poses are of: most observations of a place that was seen often are of none.
@@ -298,6 +299,7 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
   job.epoch = map.epoch();
   job.map = of;
   job.extent = extent;
+  job.set_s = map.set_interval_s();
   for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
   PoseIndex index;
   for (const SetId key : keys) {
@@ -358,6 +360,7 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
 
 BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
+  solve_zooms(job, &result);
   if (result.usable && job.floating) put_back(job.problem, &result);
   return result;
 }
@@ -373,6 +376,7 @@ RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResul
   if (job.for_lenses && report.lens_step2 < kWorthTaking2) return report;
   drop_outliers(edit, job, result, &report);
   report.lenses = take_lenses(edit, job, result);
+  apply_zooms(edit, job, result);
   move_frames(edit, job, result);
   move_points(edit, job, result, workers);
   edit.raise_epoch();

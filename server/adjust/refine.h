@@ -46,6 +46,7 @@ struct RefineJob {
   struct PoseKey {
     SetId set;
     CameraId camera;
+    double zoom_taken_out = 0;  // of what was observed there, see leave_zoom_out()
   };
   std::vector<PoseKey> poses;   // as problem.poses
   std::vector<PointId> points;  // as problem.points
@@ -58,6 +59,8 @@ struct RefineJob {
   MapId map;
   RefineExtent extent = RefineExtent::kWindow;
   bool for_lenses = false;  // a solution that has nothing to say of a lens is left
+  bool zooms = false;       // whether focal lengths change from image to image is asked, see zoom.h
+  double set_s = 0;         // from one frame set to the next
   bool floating = false;    // no pose was fixed but one: the solution is put back to where the poses were
   BundleConfig config;
 };

@@ -30,6 +30,12 @@ struct Renumbered {
 // that decided; new estimates of what stays are not. Keeps the map's invariants: a track and its point name each other,
 // key observations are sorted and unique, the indices behind Map's queries hold. Entities are named by references to
 // the map's own, as Map gives them out. Thread-compatible.
+// The logarithm of how much longer the focal length of an image is than its camera's lens says.
+struct FrameZoom {
+  SetId set;
+  double log_zoom = 0;
+};
+
 class MapEdit {
  public:
   explicit MapEdit(const MapConfig& config) : map_(config) {}
@@ -44,6 +50,13 @@ class MapEdit {
   void restart_camera(CameraId id, RunId run, const CameraModel& model);
   // What is wrong about its calibration, as far as it is known now: all that it saw is where the new lens has it.
   void correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma);
+  // Its focal length changes from image to image.
+  void note_breathing(const MapCamera& camera, double most) {
+    own(camera).breathing = std::max(camera.breathing, most);
+  }
+  // All that a camera saw comes to where it would be without zooms, which go evenly from one of these (ascending) to
+  // the next.
+  void leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom> zooms);
   void set_alive(CameraId id, bool alive) { own(id).alive = alive; }
   // Standard deviation of its observations in one more frame: a running mean, faster at the beginning.
   void measure_sigma(const MapCamera& camera, double sigma_px);

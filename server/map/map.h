@@ -85,6 +85,7 @@ struct FramePose {
   std::vector<HeldTrack> held;  // some tracks, spread over the image, to solve the pose again when all is known
 
   bool valid() const { return map != MapId(); }
+  float zoom_taken_out = 0;  // of what it observed, see MapEdit::leave_zoom_out()
 };
 
 // Frames of a camera that memory holds no more, see server/map/past.h.
@@ -113,8 +114,9 @@ struct MapCamera {
   CameraId id;
   std::string name;
   RunId run;
-  CameraModel model;    // as calibrated
-  LensCorrection lens;  // what is wrong about that; all that was observed is undistorted with it
+  CameraModel model;     // as calibrated
+  LensCorrection lens;   // what is wrong about that; all that was observed is undistorted with it
+  double breathing = 0;  // by how much its focal length was found to change from image to image, most; 0: not known to
   LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // of its values; 0: as calibrated
   double sigma_px = 1.0;       // measured standard deviation of its observations
   int sigma_frames = 0;        // that it was measured in
@@ -334,6 +336,7 @@ class Map {
   bool is_recent(SetId set) const { return set.value + sets_in(config_.recent_s) >= now_.value; }
   // How many frame sets come in that time, by the newest ones; at least one.
   std::uint32_t sets_in(double time_s) const;
+  double set_interval_s() const { return set_interval_s_; }
   // The set so long ago, or the first.
   SetId set_ago(double time_s) const { return SetId(now_.value - std::min(now_.value, sets_in(time_s))); }
   // The camera's pose is that of its rig, which all its cameras tell together.

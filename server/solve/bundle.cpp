@@ -25,11 +25,15 @@ void judge_observations(const BundleProblem& problem, const BundleConfig& config
     if (x.z() < 1e-4) continue;
     const auto camera = static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(o.pose)].camera);
     const CameraModel& model = problem.cameras[camera];
+    const Eigen::Vector2d centre = lenses.empty()
+                                       ? Eigen::Vector2d::Zero().eval()
+                                       : Eigen::Vector2d(model.cx, model.cy) + lenses[camera].lens().centre_px();
+    const double zoom = result->zooms.empty() ? 0 : result->zooms[static_cast<std::size_t>(o.pose)];
     const double error_px =
-        lenses.empty()
-            ? (model.raw_by_undistorted(o.undistorted_px) * (model.project(x) - o.undistorted_px)).norm()
-            : (lenses[camera].raw_from_normalized(x.hnormalized()) - model.raw_from_undistorted(o.undistorted_px))
-                  .norm();
+        lenses.empty() ? (model.raw_by_undistorted(o.undistorted_px) * (model.project(x) - o.undistorted_px)).norm()
+                       : (centre + std::exp(zoom) * (lenses[camera].raw_from_normalized(x.hnormalized()) - centre) -
+                          model.raw_from_undistorted(o.undistorted_px))
+                             .norm();
     norms_px.push_back(error_px);
     result->errors_px[i] = error_px;
     result->is_inlier[i] = error_px <= config.outlier_sigmas * o.sigma_px;

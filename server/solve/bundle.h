@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/camera_model.h"
@@ -41,12 +42,23 @@ struct BundleProblem {
     LensCorrection::Values prior_sigma = LensCorrection::Values::Ones();
     bool free = true;  // solved for
   };
+  // The logarithm of how much longer the focal length of one image is than its camera's lens says: its raw places lie
+  // e^zoom times as far from the principal point. A lens that keeps focusing does that, by percents within seconds. A
+  // walk at random about none.
+  struct Zoom {
+    double start = 0;
+    double taken_out = 0;    // of what was observed; the walk is of both together
+    int before = -1;         // the pose of the same camera before; -1: the first
+    double step_sigma = 1;   // of how it differs from that one
+    double prior_sigma = 1;  // of itself
+  };
   std::vector<CameraModel> cameras;
   std::vector<Lens> lenses;  // one a camera; or none: observations are undistorted by the right lens
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<Observation> observations;
   std::vector<Tie> ties;
+  std::vector<std::optional<Zoom>> zooms;  // one a pose, where it is free; or none at all. They need lenses
 };
 
 struct BundleConfig {
@@ -62,6 +74,7 @@ struct BundleResult {
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<LensCorrection> lenses;  // one a camera, where there were any
+  std::vector<double> zooms;           // one a pose, where there were any
   // Of their values, zero of those that are given; empty: not known.
   std::vector<LensMatrix> lens_covariances;
   // One per observation: how far it is off in the raw image, infinite behind the camera; whether that is no outlier.

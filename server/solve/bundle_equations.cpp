@@ -3,6 +3,7 @@
 #include "server/solve/bundle_equations.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/solve/reprojection.h"
 
@@ -20,6 +21,7 @@ void link_observations(const BundleProblem& problem, BundleStructure* s) {
   std::vector<Part> parts;
   parts.reserve(problem.lenses.empty() ? n : (1 + BundleStructure::kHalves) * n);
   s->link_of.resize(n, -1);
+  s->zoom_link_of.resize(n, -1);
   for (auto& of_half : s->lens_link_of) of_half.resize(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
     const auto& o = problem.observations[i];
@@ -28,6 +30,9 @@ void link_observations(const BundleProblem& problem, BundleStructure* s) {
     if (column >= 0) parts.push_back({o.point, column, i, &s->link_of});
     for (int half = 0; lens >= 0 && half < BundleStructure::kHalves; ++half) {
       parts.push_back({o.point, lens + half, i, &s->lens_link_of[at(half)]});
+    }
+    if (const int zoom = s->zoom_of[at(o.pose)].column; zoom >= 0) {
+      parts.push_back({o.point, zoom, i, &s->zoom_link_of});
     }
   }
   std::ranges::stable_sort(parts, {}, [](const Part& p) { return std::pair(p.point, p.column); });
@@ -40,6 +45,19 @@ void link_observations(const BundleProblem& problem, BundleStructure* s) {
   }
 }
 
+// Six poses of one camera after the other share a column.
+void place_zooms(const BundleProblem& problem, BundleStructure* s) {
+  s->zoom_of.resize(problem.poses.size());
+  std::vector<BundleStructure::ZoomPlace> last_of(problem.cameras.size(), {-1, BundleStructure::kZooms - 1});
+  for (std::size_t i = 0; i < problem.zooms.size(); ++i) {
+    if (!problem.zooms[i]) continue;
+    BundleStructure::ZoomPlace& last = last_of[at(problem.poses[i].camera)];
+    last = last.slot + 1 < BundleStructure::kZooms ? BundleStructure::ZoomPlace{last.column, last.slot + 1}
+                                                   : BundleStructure::ZoomPlace{s->columns++, 0};
+    s->zoom_of[i] = last;
+  }
+}
+
 }  // namespace
 
 BundleStructure structure_of(const BundleProblem& problem) {
@@ -49,6 +67,7 @@ BundleStructure structure_of(const BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     if (problem.lenses[i].free) s.lens_column_of[i] = std::exchange(s.columns, s.columns + BundleStructure::kHalves);
   }
+  place_zooms(problem, &s);
   link_observations(problem, &s);
   for (std::size_t p = 1; p < s.links_end.size(); ++p) s.links_end[p] = std::max(s.links_end[p], s.links_end[p - 1]);
   s.links_at.resize(at(s.columns));
@@ -57,6 +76,12 @@ BundleStructure structure_of(const BundleProblem& problem) {
   s.rows_at.resize(at(s.columns));
   for (const auto& t : problem.ties) {
     const auto [low, high] = std::minmax(s.column_of[at(t.first)], s.column_of[at(t.second)]);
+    if (low >= 0 && low != high) s.rows_at[at(low)].push_back(high);
+  }
+  for (std::size_t i = 0; i < problem.zooms.size(); ++i) {
+    const int before = problem.zooms[i] ? problem.zooms[i]->before : -1;
+    if (before < 0) continue;
+    const auto [low, high] = std::minmax(s.zoom_of[at(before)].column, s.zoom_of[i].column);
     if (low >= 0 && low != high) s.rows_at[at(low)].push_back(high);
   }
   std::vector<int> last_at(at(s.columns), -1);  // column at which a row was noted last
@@ -95,12 +120,43 @@ BundleEstimate start_of(const BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     e.lenses.emplace_back(problem.cameras[i], problem.lenses[i].start);
   }
+  for (const auto& zoom : problem.zooms) e.zooms.push_back(zoom ? zoom->start : 0);
   return e;
 }
 
 namespace {
 
 using ByLens = Eigen::Matrix<double, 2, LensCorrection::kTerms>;
+
+// An observation in the raw image as it would be without zoom, with its standard deviation there.
+struct RawObservation {
+  Eigen::Vector2d px;
+  double sigma_px = 1;
+  Eigen::Vector2d from_centre;  // in the image as it is, in standard deviations
+};
+
+RawObservation raw_observation(const BundleProblem& problem, const BundleStructure& s, const BundleEstimate& e,
+                               std::size_t i) {
+  const auto& o = problem.observations[i];
+  if (e.zooms.empty()) return {s.raw_px[i], o.sigma_px, {}};
+  const auto of = at(problem.poses[at(o.pose)].camera);
+  const CameraModel& camera = problem.cameras[of];
+  const Eigen::Vector2d centre = Eigen::Vector2d(camera.cx, camera.cy) + e.lenses[of].lens().centre_px();
+  const double shrink = std::exp(-e.zooms[at(o.pose)]);
+  const Eigen::Vector2d off = s.raw_px[i] - centre;
+  return {centre + shrink * off, shrink * o.sigma_px, off / o.sigma_px};
+}
+
+// What the walk says of zooms: visit(pose, pose before or -1, difference, weight).
+void each_zoom_term(const BundleProblem& problem, const BundleEstimate& e, auto&& visit) {
+  for (std::size_t i = 0; i < problem.zooms.size(); ++i) {
+    if (!problem.zooms[i]) continue;
+    const BundleProblem::Zoom& z = *problem.zooms[i];
+    const auto whole = [&](std::size_t pose) { return problem.zooms[pose]->taken_out + e.zooms[pose]; };
+    visit(i, -1, whole(i), 1 / (z.prior_sigma * z.prior_sigma));
+    if (z.before >= 0) visit(i, z.before, whole(i) - whole(at(z.before)), 1 / (z.step_sigma * z.step_sigma));
+  }
+}
 
 // What the calibration says of a lens: its part of the cost (twice), of the diagonal and of the gradient.
 struct LensPriorTerm {
@@ -130,14 +186,19 @@ double cost_of(const BundleProblem& problem, const BundleStructure& s, const Bun
     const auto& o = problem.observations[i];
     const auto of = at(problem.poses[at(o.pose)].camera);
     const Eigen::Vector3d x = e.rotations[at(o.pose)] * e.points[at(o.point)] + e.poses[at(o.pose)].translation;
-    const Eigen::Vector2d residual = e.lenses.empty()
-                                         ? reprojection_residual(problem.cameras[of], s.whiten[i], o.undistorted_px, x)
-                                         : lens_reprojection_residual(e.lenses[of], s.raw_px[i], o.sigma_px, x);
+    Eigen::Vector2d residual;
+    if (e.lenses.empty()) {
+      residual = reprojection_residual(problem.cameras[of], s.whiten[i], o.undistorted_px, x);
+    } else {
+      const RawObservation raw = raw_observation(problem, s, e, i);
+      residual = lens_reprojection_residual(e.lenses[of], raw.px, raw.sigma_px, x);
+    }
     cost += o.weight * loss.value(residual.squaredNorm());
   }
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     if (problem.lenses[i].free) cost += lens_prior(problem.lenses[i], e.lenses[i].lens()).cost;
   }
+  each_zoom_term(problem, e, [&](std::size_t, int, double off, double weight) { cost += weight * off * off; });
   for (const auto& t : problem.ties) {
     cost += tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]).residual.squaredNorm();
   }
@@ -186,6 +247,73 @@ class LensBlocks {
   std::vector<Matrix6d> between_;
 };
 
+// What the columns of zooms share with each other, with lenses and poses.
+class ZoomBlocks {
+ public:
+  explicit ZoomBlocks(const BundleProblem& problem, const BundleStructure& s)
+      : with_pose_(problem.zooms.size(), Vector6d::Zero()), with_lens_(problem.zooms.size(), ByTerms::Zero()) {
+    for (std::size_t i = 0; i < problem.zooms.size(); ++i) {
+      if (s.zoom_of[i].column >= 0) most_ = std::max(most_, s.zoom_of[i].column);
+    }
+  }
+  // by_lens: nothing where the lens is given.
+  void add(std::size_t pose, double weight, const Eigen::Vector2d& by_zoom, const Reprojection& r,
+           const ByLens* by_lens) {
+    with_pose_[pose].noalias() += weight * r.by_pose.transpose() * by_zoom;
+    if (by_lens != nullptr) with_lens_[pose].noalias() += weight * by_lens->transpose() * by_zoom;
+  }
+  void give(const BundleProblem& problem, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) const {
+    for (std::size_t i = 0; i < with_pose_.size(); ++i) {
+      const auto [column, slot] = s.zoom_of[i];
+      if (column < 0 || s.links_at[at(column)].empty()) continue;
+      const auto tie_with = [&](int other, const Vector6d& shared) {
+        if (other < 0 || s.links_at[at(other)].empty()) return;
+        Matrix6d block = Matrix6d::Zero();
+        block.row(slot) = shared;
+        out->ties.emplace_back(std::pair(column, other), block);
+      };
+      if (!with_pose_[i].isZero(0)) tie_with(s.column_of[i], with_pose_[i]);
+      const int lens = s.lens_column_of[at(problem.poses[i].camera)];
+      for (int half = 0; lens >= 0 && half < BundleStructure::kHalves && !with_lens_[i].isZero(0); ++half) {
+        tie_with(lens + half, with_lens_[i].segment<6>(6 * half));
+      }
+    }
+    each_zoom_term(problem, e, [&](std::size_t pose, int before, double off, double weight) {
+      const auto [column, slot] = s.zoom_of[pose];
+      out->columns[at(column)](slot, slot) += weight;
+      out->column_gradients[at(column)][slot] += weight * off;
+      if (before < 0) return;
+      const auto [column_before, slot_before] = s.zoom_of[at(before)];
+      out->columns[at(column_before)](slot_before, slot_before) += weight;
+      out->column_gradients[at(column_before)][slot_before] -= weight * off;
+      if (column_before == column) {
+        out->columns[at(column)](slot, slot_before) -= weight;
+        out->columns[at(column)](slot_before, slot) -= weight;
+      } else {
+        Matrix6d block = Matrix6d::Zero();
+        if (column > column_before)
+          block(slot, slot_before) = -weight;
+        else
+          block(slot_before, slot) = -weight;
+        out->ties.emplace_back(std::pair(std::max(column, column_before), std::min(column, column_before)), block);
+      }
+    });
+    // Places that no pose has.
+    for (int column = 0; column <= most_; ++column) {
+      Matrix6d& own = out->columns[at(column)];
+      for (int slot = 0; slot < BundleStructure::kZooms; ++slot) {
+        if (own(slot, slot) == 0) own(slot, slot) = 1;
+      }
+    }
+  }
+
+ private:
+  using ByTerms = Eigen::Matrix<double, LensCorrection::kTerms, 1>;
+  std::vector<Vector6d> with_pose_;
+  std::vector<ByTerms> with_lens_;
+  int most_ = -1;
+};
+
 void add_tie(const BundleProblem::Tie& t, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) {
   const Tie is = tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]);
   const int first = s.column_of[at(t.first)], second = s.column_of[at(t.second)];
@@ -213,15 +341,22 @@ BundleSystem system_around(const BundleProblem& problem, const BundleStructure& 
                    std::vector<Matrix63>(s.links.size(), Matrix63::Zero()),
                    {}};
   LensBlocks lens_blocks(problem);
+  ZoomBlocks zoom_blocks(problem, s);
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
     const auto pose = at(o.pose), of = at(problem.poses[pose].camera);
     ByLens by_lens;
-    const Reprojection r = e.lenses.empty()
-                               ? reprojection(problem.cameras[of], s.whiten[i], o.undistorted_px, e.rotations[pose],
-                                              e.poses[pose].translation, e.points[at(o.point)])
-                               : lens_reprojection(e.lenses[of], s.raw_px[i], o.sigma_px, e.rotations[pose],
-                                                   e.poses[pose].translation, e.points[at(o.point)], &by_lens);
+    Reprojection r;
+    Eigen::Vector2d by_zoom = Eigen::Vector2d::Zero();
+    if (e.lenses.empty()) {
+      r = reprojection(problem.cameras[of], s.whiten[i], o.undistorted_px, e.rotations[pose], e.poses[pose].translation,
+                       e.points[at(o.point)]);
+    } else {
+      const RawObservation raw = raw_observation(problem, s, e, i);
+      r = lens_reprojection(e.lenses[of], raw.px, raw.sigma_px, e.rotations[pose], e.poses[pose].translation,
+                            e.points[at(o.point)], &by_lens);
+      if (s.zoom_link_of[i] >= 0 && !r.by_point.isZero(0)) by_zoom = r.residual + raw.from_centre;
+    }
     const double weight = o.weight * loss.slope(r.residual.squaredNorm());
     const Eigen::Matrix<double, 3, 2> by_point = weight * r.by_point.transpose();
     out.points[at(o.point)].noalias() += by_point.lazyProduct(r.by_point);
@@ -233,6 +368,13 @@ BundleSystem system_around(const BundleProblem& problem, const BundleStructure& 
       out.links[at(link)].noalias() += weighted.lazyProduct(r.by_point);
     };
     if (s.link_of[i] >= 0) add(s.column_of[pose], s.link_of[i], r.by_pose);
+    if (s.zoom_link_of[i] >= 0) {
+      const auto [column, slot] = s.zoom_of[pose];
+      Eigen::Matrix<double, 2, 6> by = Eigen::Matrix<double, 2, 6>::Zero();
+      by.col(slot) = by_zoom;
+      add(column, s.zoom_link_of[i], by);
+      zoom_blocks.add(pose, weight, by_zoom, r, s.lens_column_of[of] >= 0 ? &by_lens : nullptr);
+    }
     if (s.lens_column_of[of] < 0) continue;
     for (int half = 0; half < BundleStructure::kHalves; ++half) {
       add(s.lens_column_of[of] + half, s.lens_link_of[at(half)][i], by_lens.middleCols<6>(6 * half));
@@ -240,6 +382,7 @@ BundleSystem system_around(const BundleProblem& problem, const BundleStructure& 
     lens_blocks.add(of, pose, s.link_of[i] >= 0, weight, r, by_lens);
   }
   lens_blocks.give(problem, s, e, &out);
+  zoom_blocks.give(problem, s, e, &out);
   for (const auto& t : problem.ties) add_tie(t, s, e, &out);
   return out;
 }

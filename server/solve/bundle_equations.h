@@ -21,24 +21,31 @@ struct BundleEstimate {
   std::vector<Eigen::Matrix3d> rotations;  // of the poses
   std::vector<Eigen::Vector3d> points;
   std::vector<CorrectedLens> lenses;  // by camera, or none; they refer to the problem's cameras
+  std::vector<double> zooms;          // of the poses, or none
 };
 BundleEstimate start_of(const BundleProblem& problem);
 
-// What does not change while it is solved: who sees what. Columns are of what is free: poses, then lenses, of which
-// each half is as large as a pose.
+// What does not change while it is solved: who sees what. Columns are of what is free: poses; then lenses, of which
+// each half is as large as a pose; then zooms, six poses of one camera together.
 struct BundleStructure {
-  static constexpr int kHalves = LensCorrection::kTerms / 6;
+  static constexpr int kHalves = LensCorrection::kTerms / 6, kZooms = 6;
   // A column and one point that is seen from or through it.
   struct Link {
     int column, point;
   };
   std::vector<int> column_of;       // of each pose; -1: fixed
   std::vector<int> lens_column_of;  // first one of each camera; -1: its lens is given
+  // Where the zoom of each pose is; column -1: it has none.
+  struct ZoomPlace {
+    int column = -1, slot = 0;
+  };
+  std::vector<ZoomPlace> zoom_of;
   int columns = 0;
   std::vector<Eigen::Matrix2d> whiten;  // of each observation, from undistorted px to standard deviations
   std::vector<Eigen::Vector2d> raw_px;  // the same observation in the raw image, where there are lenses
   std::vector<int> link_of;             // of each observation; -1: its pose is fixed
   std::array<std::vector<int>, kHalves> lens_link_of;  // the same of its camera's lens
+  std::vector<int> zoom_link_of;                       // the same of the zoom of its pose
   std::vector<Link> links;                             // ascending points, then columns
   std::vector<int> links_end;                          // one beyond the last link of each point
   std::vector<std::vector<int>> links_at;              // of each column

@@ -95,6 +95,10 @@ BundleEstimate moved(const BundleProblem& problem, const BundleStructure& s, con
     lens.values += step.columns.segment<LensCorrection::kTerms>(6 * column);
     e.lenses[i] = CorrectedLens(problem.cameras[i], lens);
   }
+  for (std::size_t i = 0; i < e.zooms.size(); ++i) {
+    const auto [column, slot] = s.zoom_of[i];
+    if (column >= 0) e.zooms[i] += step.columns[6 * column + slot];
+  }
   return e;
 }
 
@@ -157,6 +161,7 @@ BundleResult solve_by_schur(const BundleProblem& problem, const BundleConfig& co
   result.poses = std::move(estimate.poses);
   result.points = std::move(estimate.points);
   for (const CorrectedLens& lens : estimate.lenses) result.lenses.push_back(lens.lens());
+  result.zooms = std::move(estimate.zooms);
   return result;
 }
 

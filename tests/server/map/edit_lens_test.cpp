@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/support/matchers.h"
@@ -63,6 +65,36 @@ TEST_F(EditLensTest, WhatWasSeenStaysWhereItWasInTheRawImage) {
   sim_.edit.correct_lens(camera(0), {}, LensCorrection::Values::Zero());
   const auto back = seen_raw_px(0);
   for (std::size_t i = 0; i < back.size(); ++i) ASSERT_THAT(back[i], VectorNear(before[i], 1e-3));
+}
+
+TEST_F(EditLensTest, ZoomsAreTakenOutOfWhatWasSeenMeanwhile) {
+  sim_.edit.correct_lens(camera(0), lens_, LensCorrection::Values::Zero());
+  const Eigen::Vector2d centre = Eigen::Vector2d(camera(0).model.cx, camera(0).model.cy) + camera(0).lens.centre_px();
+  const SetId first = camera(0).frames.front().set, last = camera(0).frames.back().set;
+  std::vector<std::pair<SetId, Eigen::Vector2d>> before;
+  for (const FramePose& f : camera(0).frames) {
+    for (const HeldTrack& h : f.held) before.emplace_back(f.set, camera(0).raw_px(h.undistorted_px.cast<double>()));
+  }
+  const auto keys_before = seen_raw_px(0), of_other = seen_raw_px(1);
+  sim_.edit.leave_zoom_out(camera(0), std::vector<FrameZoom>{{first, 0.01}, {last, 0.03}});
+  std::size_t at = 0;
+  for (const FramePose& f : camera(0).frames) {
+    const double share = static_cast<double>(f.set.value - first.value) / (last.value - first.value);
+    for (const HeldTrack& h : f.held) {
+      const Eigen::Vector2d expected = centre + std::exp(-(0.01 + 0.02 * share)) * (before[at++].second - centre);
+      ASSERT_THAT(camera(0).raw_px(h.undistorted_px.cast<double>()), VectorNear(expected, 0.01));
+    }
+  }
+  ASSERT_GT(at, 100U);
+  const auto keys_after = seen_raw_px(0);
+  for (std::size_t i = 0; i < keys_after.size(); ++i) {
+    ASSERT_LE((keys_after[i] - centre).norm(), 0.992 * (keys_before[i] - centre).norm() + 0.05);
+  }
+  EXPECT_EQ(seen_raw_px(1), of_other);
+  EXPECT_EQ(camera(0).breathing, 0);
+  sim_.edit.note_breathing(camera(0), 0.03);
+  sim_.edit.note_breathing(camera(0), 0.02);
+  EXPECT_EQ(camera(0).breathing, 0.03);
 }
 
 TEST_F(EditLensTest, IsToldInTheJournal) {

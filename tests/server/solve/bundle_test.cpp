@@ -275,6 +275,78 @@ TEST_F(BundleTest, LensesAreFound) {
   EXPECT_LT(r.sigma_px, 0.5);
 }
 
+class BundleWithZooms : public BundleTest {
+ protected:
+  static double zoom(std::size_t pose) { return 0.02 * std::sin(0.9 * static_cast<double>(pose)); }
+  // Seen by cameras whose focal length changes from image to image.
+  BundleProblem make_zoomed(const Scene& scene) {
+    BundleProblem p = make(scene);
+    const Eigen::Vector2d centre(p.cameras[0].cx, p.cameras[0].cy);
+    for (auto& o : p.observations) {
+      o.undistorted_px = centre + std::exp(zoom(static_cast<std::size_t>(o.pose))) * (o.undistorted_px - centre);
+    }
+    p.lenses.assign(2, {.prior_sigma = LensCorrection::Values::Constant(1e-4)});
+    return p;
+  }
+  static void free_zooms(BundleProblem* p) {
+    for (int i = 0; i < static_cast<int>(p->poses.size()); ++i) {
+      p->zooms.emplace_back(BundleProblem::Zoom{.before = i < 2 ? -1 : i - 2, .step_sigma = 0.03, .prior_sigma = 0.02});
+    }
+  }
+};
+
+TEST_F(BundleWithZooms, TheyAreFound) {
+  const BundleProblem zoomed = make_zoomed({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002});
+  for (const bool lenses_are_given : {false, true}) {
+    BundleProblem p = zoomed;
+    for (auto& lens : p.lenses) lens.free = !lenses_are_given;
+    const BundleResult without = solve_bundle(p, {.max_iterations = 50});
+    free_zooms(&p);
+    const BundleResult r = solve_bundle(p, {.max_iterations = 50});
+    ASSERT_TRUE(r.usable);
+    ASSERT_EQ(r.zooms.size(), p.poses.size());
+    for (std::size_t i = 0; i < r.zooms.size(); ++i) EXPECT_NEAR(r.zooms[i], zoom(i), 0.008) << i;
+    EXPECT_LT(r.sigma_px, 0.8 * without.sigma_px);
+    EXPECT_LT(worst_pose_m(r), 0.5 * worst_pose_m(without));
+  }
+}
+
+// Six poses of a camera share a column, of which the last may have places to spare.
+TEST_F(BundleWithZooms, SomeImagesMayHaveNone) {
+  BundleProblem p = make_zoomed({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002});
+  free_zooms(&p);
+  p.zooms[4].reset();
+  p.zooms[6]->before = 2;
+  const BundleResult r = solve_bundle(p, {.max_iterations = 50});
+  ASSERT_TRUE(r.usable);
+  EXPECT_EQ(r.zooms[4], 0);
+  EXPECT_NEAR(r.zooms[8], zoom(8), 0.01);
+}
+
+TEST_F(BundleWithZooms, TheCostIsLeastThere) {
+  BundleProblem p = make_zoomed({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002});
+  free_zooms(&p);
+  const BundleResult r = solve_bundle(p, {.max_iterations = 100, .function_tolerance = 1e-14});
+  for (std::size_t i = 0; i < p.poses.size(); ++i) p.poses[i].cam_from_world = r.poses[i];
+  for (std::size_t i = 0; i < p.lenses.size(); ++i) p.lenses[i].start = r.lenses[i];
+  for (std::size_t i = 0; i < p.zooms.size(); ++i) p.zooms[i]->start = r.zooms[i];
+  p.points = r.points;
+  const auto cost = [&] { return solve_bundle(p, {.max_iterations = 0}).initial_cost; };
+  EXPECT_NEAR(cost(), r.final_cost, 1e-9 * r.final_cost);
+  for (auto& z : p.zooms) {
+    constexpr double kStep = 1e-4;
+    const double here = z->start;
+    z->start = here + kStep;
+    const double more = cost();
+    z->start = here - kStep;
+    const double less = cost();
+    z->start = here;
+    const double curvature = more + less - 2 * r.final_cost;
+    EXPECT_GT(curvature, 0);
+    EXPECT_LT(std::abs(more - less), 0.02 * curvature) << "within a hundredth of the step";
+  }
+}
+
 // Where the start is 5 % away from them, as in a map that was made without.
 TEST_F(BundleTest, TiesPullASolutionToTheirScale) {
   BundleProblem p = make({.noise_px = 0.3, .off_m = 0.01, .off_rad = 0.002, .fixed = 0});
