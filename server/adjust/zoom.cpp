@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -13,16 +14,22 @@ namespace {
 
 void free_zooms(const RefineJob& job, BundleProblem* problem) {
   constexpr double kPerRootSecond = 0.04, kPrior = 0.02, kShortest_s = 1e-3;
+  std::vector<int> in_time(job.poses.size());  // those that only hold come last in the job, and are older
+  std::iota(in_time.begin(), in_time.end(), 0);
+  const auto set_of = [&](int pose) { return job.poses[static_cast<std::size_t>(pose)].set; };
+  std::ranges::stable_sort(in_time, {}, set_of);
   std::vector<int> newest(problem->cameras.size(), -1);
-  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+  problem->zooms.resize(job.poses.size());
+  for (const int pose : in_time) {
+    const auto i = static_cast<std::size_t>(pose);
     int& before = newest[job.poses[i].camera.value];
     BundleProblem::Zoom zoom{.taken_out = job.poses[i].zoom_taken_out, .before = before, .prior_sigma = kPrior};
     if (before >= 0) {
-      const std::uint32_t sets = job.poses[i].set.value - job.poses[static_cast<std::size_t>(before)].set.value;
+      const std::uint32_t sets = set_of(pose).value - set_of(before).value;
       zoom.step_sigma = kPerRootSecond * std::sqrt(std::max(kShortest_s, job.set_s * sets));
     }
-    problem->zooms.emplace_back(zoom);
-    before = static_cast<int>(i);
+    problem->zooms[i] = zoom;
+    before = pose;
   }
 }
 

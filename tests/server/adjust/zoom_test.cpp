@@ -61,6 +61,20 @@ TEST_F(ZoomTest, WhatWasTakenOutIsRemembered) {
     EXPECT_NEAR(pose.zoom_taken_out, pose.camera == cam(1) ? 0.015 : 0, 1e-6);
 }
 
+// Poses that only hold a job come after those that it moves, and are older.
+TEST_F(ZoomTest, TheOrderOfPosesIsThatOfTime) {
+  breathe();
+  const BundleResult expected = solve_refine(job_);
+  const auto turn = [](int pose, std::size_t n) { return static_cast<int>(n) - 1 - pose; };
+  const std::size_t n = job_.poses.size();
+  std::ranges::reverse(job_.poses);
+  std::ranges::reverse(job_.problem.poses);
+  for (auto& o : job_.problem.observations) o.pose = turn(o.pose, n);
+  const BundleResult turned = solve_refine(job_);
+  ASSERT_EQ(turned.zooms.size(), n);
+  for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(turned.zooms[n - 1 - i], expected.zooms[i], 2e-4) << i;
+}
+
 TEST_F(ZoomTest, LensesThatAreGivenDoNotBreathe) {
   breathe();
   job_.problem.lenses.clear();
