@@ -146,7 +146,7 @@ SceneDescription describe_stopping_man(std::uint64_t seed, int cameras) {
                          {1.9, 0.9},
                          {1.2, -0.2},
                          {0.1, -0.9},
-                         {-0.45, -2.15},
+                         {-0.45, -2.1},
                          {-1.3, -0.9}});
   SceneDescription out = man_in_dim_room(seed, cameras, path, {{3.5, 1.4}, {9.1, 2.0}});
   out.frames = 450;

@@ -264,13 +264,13 @@ class ZoomBlocks {
   }
   void give(const BundleProblem& problem, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) const {
     for (std::size_t i = 0; i < with_pose_.size(); ++i) {
-      const auto [column, slot] = s.zoom_of[i];
-      if (column < 0 || s.links_at[at(column)].empty()) continue;
+      const BundleStructure::ZoomPlace own = s.zoom_of[i];
+      if (own.column < 0 || s.links_at[at(own.column)].empty()) continue;
       const auto tie_with = [&](int other, const Vector6d& shared) {
         if (other < 0 || s.links_at[at(other)].empty()) return;
         Matrix6d block = Matrix6d::Zero();
-        block.row(slot) = shared;
-        out->ties.emplace_back(std::pair(column, other), block);
+        block.row(own.slot) = shared;
+        out->ties.emplace_back(std::pair(own.column, other), block);
       };
       if (!with_pose_[i].isZero(0)) tie_with(s.column_of[i], with_pose_[i]);
       const int lens = s.lens_column_of[at(problem.poses[i].camera)];

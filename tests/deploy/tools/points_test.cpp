@@ -25,6 +25,7 @@ TEST(StaticTruth, TakesTheMedianAndLeavesOutWhatScatters) {
 TEST(StaticTruth, LeavesOutWhatMostlyLiesOnAnEdgeOfDepth) {
   StaticTruth truth;
   SurfacePoint on, off;
+  on.position = off.position = {0, 0, 5};
   on.distance_m = off.distance_m = 5;
   on.on_depth_edge = true;
   for (const int of_three : {0, 1, 2}) {
