@@ -43,9 +43,10 @@ SceneDescription describe_room(std::uint64_t seed, int cameras);
 SceneDescription describe_wall(std::uint64_t seed, int cameras);
 // A dim room; a man walks round in front of three cameras and stops now and then, a cart rolls past once.
 SceneDescription describe_walking_man(std::uint64_t seed, int cameras);
+// The room of the walking man, who stops before the first camera for 2 s.
+SceneDescription describe_stopping_man(std::uint64_t seed, int cameras);
 // A man who sits between bare walls and moves his body, and four cameras around him. From frame 150 to 240 two of them
 // are close to him and see static texture in one corner of the view only.
-SceneDescription describe_stopping_man(std::uint64_t seed, int cameras);
 SceneDescription describe_sitting_man(std::uint64_t seed, int cameras);
 // A garden with a way of 63 m around it, which three cameras walk once in 1500 frames; four people walk with them,
 // towards them and around, and often fill much of a view.

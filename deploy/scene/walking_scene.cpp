@@ -137,7 +137,7 @@ SceneDescription describe_walking_man(std::uint64_t seed, int cameras) {
   return out;
 }
 
-// He comes round to the first camera, stands before it and hides nearly all of the room from it.
+// He comes round to the first camera, stands before it and hides more than half of the room from it.
 SceneDescription describe_stopping_man(std::uint64_t seed, int cameras) {
   const GroundPath path({{-1.9, 0.9},
                          {-1.3, 2.0},

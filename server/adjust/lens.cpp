@@ -68,9 +68,6 @@ void free_lenses(const Map& map, RefineJob* job) {
   }
 }
 
-namespace {
-
-// The problem from where its solution left it.
 void go_on(const BundleResult& from, BundleProblem* problem) {
   for (std::size_t i = 0; i < problem->poses.size(); ++i) problem->poses[i].cam_from_world = from.poses[i];
   for (std::size_t i = 0; i < problem->lenses.size(); ++i) {
@@ -79,6 +76,8 @@ void go_on(const BundleResult& from, BundleProblem* problem) {
   }
   problem->points = from.points;
 }
+
+namespace {
 
 // A map that was made through a wrong lens contradicts the right one by many pixels here and there, which a loss that
 // is made for outliers does not even feel. With a wide one all pull, before it is narrowed again.

@@ -18,6 +18,9 @@ void free_lenses(const Map& map, RefineJob* job);
 // all else is solved for once more.
 BundleResult solve_with_lenses(const RefineJob& job);
 
+// The problem from where its solution left it.
+void go_on(const BundleResult& from, BundleProblem* problem);
+
 // How far the lens that moved most is from where it was: squared, in standard deviations of where it is.
 double lens_step2(const Map& map, const RefineJob& job, const BundleResult& result);
 // From where on that is worth taking in, and from where on it tells that the next solution will move it again.

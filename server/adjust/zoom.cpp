@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/adjust/lens.h"
+
 namespace coslam {
 namespace {
 
@@ -41,9 +43,7 @@ void solve_zooms(const RefineJob& job, BundleResult* result) {
   constexpr double kFound = 0.8;
   if (!job.zooms || !result->usable || result->lenses.empty()) return;
   BundleProblem problem = job.problem;
-  for (std::size_t i = 0; i < problem.poses.size(); ++i) problem.poses[i].cam_from_world = result->poses[i];
-  for (std::size_t i = 0; i < problem.lenses.size(); ++i) problem.lenses[i].start = result->lenses[i];
-  problem.points = result->points;
+  go_on(*result, &problem);
   free_zooms(job, &problem);
   BundleResult zoomed = solve_bundle(problem, job.config);
   const double gain = zoomed.initial_cost - zoomed.final_cost;

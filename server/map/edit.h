@@ -28,16 +28,16 @@ struct Renumbered {
   SetId of(SetId id) const { return SetId(id.value + sets); }
 };
 
-// The only way to write the map. Every change of its structure says why, and is noted in the journal with the figures
-// that decided; new estimates of what stays are not. Keeps the map's invariants: a track and its point name each other,
-// key observations are sorted and unique, the indices behind Map's queries hold. Entities are named by references to
-// the map's own, as Map gives them out. Thread-compatible.
 // The logarithm of how much longer the focal length of an image is than its camera's lens says.
 struct FrameZoom {
   SetId set;
   double log_zoom = 0;
 };
 
+// The only way to write the map. Every change of its structure says why, and is noted in the journal with the figures
+// that decided; new estimates of what stays are not. Keeps the map's invariants: a track and its point name each other,
+// key observations are sorted and unique, the indices behind Map's queries hold. Entities are named by references to
+// the map's own, as Map gives them out. Thread-compatible.
 class MapEdit {
  public:
   explicit MapEdit(const MapConfig& config) : map_(config) {}

@@ -251,9 +251,11 @@ class LensBlocks {
 class ZoomBlocks {
  public:
   explicit ZoomBlocks(const BundleProblem& problem, const BundleStructure& s)
-      : with_pose_(problem.zooms.size(), Vector6d::Zero()), with_lens_(problem.zooms.size(), ByTerms::Zero()) {
-    for (std::size_t i = 0; i < problem.zooms.size(); ++i) {
-      if (s.zoom_of[i].column >= 0) most_ = std::max(most_, s.zoom_of[i].column);
+      : with_pose_(problem.zooms.size(), Vector6d::Zero()),
+        with_lens_(problem.zooms.size(), ByTerms::Zero()),
+        first_(s.columns) {
+    for (const auto& place : s.zoom_of) {
+      if (place.column >= 0) first_ = std::min(first_, place.column);
     }
   }
   // by_lens: nothing where the lens is given.
@@ -299,7 +301,7 @@ class ZoomBlocks {
       }
     });
     // Places that no pose has.
-    for (int column = 0; column <= most_; ++column) {
+    for (int column = first_; column < s.columns; ++column) {
       Matrix6d& own = out->columns[at(column)];
       for (int slot = 0; slot < BundleStructure::kZooms; ++slot) {
         if (own(slot, slot) == 0) own(slot, slot) = 1;
@@ -311,7 +313,7 @@ class ZoomBlocks {
   using ByTerms = Eigen::Matrix<double, LensCorrection::kTerms, 1>;
   std::vector<Vector6d> with_pose_;
   std::vector<ByTerms> with_lens_;
-  int most_ = -1;
+  int first_;  // column of zooms, which come last
 };
 
 void add_tie(const BundleProblem::Tie& t, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) {
