@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "common/geometry/robust.h"
 
@@ -72,12 +73,15 @@ bool needs_key_frame(const Map& map, const SinceLast& s, const KeyFrameConfig& c
 }  // namespace
 
 bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config) {
-  constexpr std::size_t kFew = 4;  // cameras, which all take part: it costs little, and ties them together
+  constexpr double kSoonest_s = 0.3;  // after the last one
+  constexpr std::size_t kFew = 4;     // cameras, which all take part: it costs little, and ties them together
   const Map& map = edit.map();
   if (map.points().empty()) return false;
   std::vector<CameraId> spared;
   if (!map.key_frames().empty()) {
-    if (set.id.value - map.key_frames().back().set.value < kLeastFrames) return false;
+    // What little changed from image to image has nothing to add; where images are seldom each shows another part.
+    const auto least = std::min<std::uint32_t>(kLeastFrames, map.sets_in(kSoonest_s));
+    if (set.id.value - map.key_frames().back().set.value < least) return false;
     bool wanted = false;
     const std::vector<SinceLast> since = since_last(map);
     for (const CameraFrame& cf : set.frames) {

@@ -33,7 +33,7 @@ DescriptorRequest Asking::ask(const Map& map, const MapCamera& camera, const Why
     if (sets_since(map, d.asked) >= map.sets_in(soon_s(d))) request = DescriptorRequest::kEverywhere;
   } else if (camera.frames.back().valid()) {
     const bool hinted = d.hinted && sets_since(map, d.hinted) < map.sets_in(config_.least_period_s);
-    const bool confirm = hinted || why.waiting != Verification::Waiting::kNothing;
+    const bool confirm = hinted || why.waiting >= Verification::Waiting::kExpected;
     if (wanted(map, camera, d, why, confirm) && afford(d, map.now_ns(), confirm)) {
       const bool everywhere = why.apart || hinted || why.waiting == Verification::Waiting::kAnywhere;
       request = everywhere ? DescriptorRequest::kEverywhere : DescriptorRequest::kAtTracks;
@@ -53,8 +53,9 @@ bool Asking::wanted(const Map& map, const MapCamera& camera, const Described& d,
                     bool confirm) const {
   const auto due = [&](double period_s) { return sets_since(map, d.asked) >= map.sets_in(period_s); };
   if (confirm || !d.at) return due(soon_s(d));
-  if ((why.apart && due(0.5 * config_.least_period_s)) || (why.expects && due(soon_s(d)))) return true;
-  const double share = why.parted ? 0.5 : 1.0;  // of the usual change of the view, and of the usual time
+  const bool more = why.waiting == Verification::Waiting::kMore;
+  if ((why.apart && !more && due(0.5 * config_.least_period_s)) || (why.expects && due(soon_s(d)))) return true;
+  const double share = why.parted || more ? 0.5 : 1.0;  // of the usual change of the view, and of the usual time
   return due(share * config_.least_period_s) && view_changed(map, camera, *d.at, share);
 }
 

@@ -132,8 +132,9 @@ void Verification::joined(MapId one, MapId other) {
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {
   Waiting most = Waiting::kNothing;
   for (const auto& [hypothesis, p] : pending_) {
-    if (!p.cameras.contains(camera) || p.since.value + map.sets_in(kPending_s) <= map.now().value) continue;
-    most = std::max(most, p.expected ? Waiting::kExpected : Waiting::kAnywhere);
+    const double wait_s = p.flat ? kFlat_s : kPending_s;
+    if (!p.cameras.contains(camera) || p.since.value + map.sets_in(wait_s) <= map.now().value) continue;
+    most = std::max(most, p.flat ? Waiting::kMore : p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }
   return most;
 }

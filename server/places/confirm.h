@@ -25,8 +25,9 @@ class Verification {
   // enough: in so many points that it may confirm; one of the two has to. True once, when it is confirmed.
   bool confirmed(const Map& map, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
                  const ViewGraph& graph, bool enough);
-  // Whether the camera saw, or was seen by, what waits to be confirmed; and that not merely near where it was expected.
-  enum class Waiting : std::uint8_t { kNothing, kExpected, kAnywhere };
+  // Whether the camera saw, or was seen by, what waits to be confirmed: by more of the same ground, which another view
+  // has to show; by a second image; by one of what was not expected there.
+  enum class Waiting : std::uint8_t { kNothing, kMore, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
   // A map was drawn together: nothing that lies in it waits any more. Two were joined: nor what others say of them.
   void drawn_together(MapId map);
