@@ -26,6 +26,7 @@ class MotionField {
  public:
   void add(const Eigen::Vector2f& at_px, const Eigen::Vector2f& motion_px) { samples_.push_back({at_px, motion_px}); }
   bool empty() const { return samples_.empty(); }
+  std::size_t size() const { return samples_.size(); }
   // Median, in x and in y, of the motions of the five nearest. The field must not be empty.
   Eigen::Vector2f near(const Eigen::Vector2f& px);
 

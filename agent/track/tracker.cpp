@@ -10,6 +10,7 @@
 #include "agent/track/key_patch.h"
 #include "agent/track/motion.h"
 #include "agent/track/pyramid.h"
+#include "agent/track/wide_baseline.h"
 #include "agent/track/working_scale.h"
 #include "common/base/check.h"
 
@@ -28,7 +29,19 @@ constexpr float kOutline = 4.0f;          // twice, squared
 constexpr float kApart_px = 0.7f;         // between the two motions; less says nothing
 constexpr int kLeastComparisons = 3;      // images
 constexpr float kComparisonsKept = 0.9f;  // from image to image
+constexpr std::size_t kLeastMatches = 15;  // of features, to go by them; five by chance would be many
+constexpr double kMuchNew = 0.25;          // of the view, by the share of tracks that ended
 constexpr float kCornerInset_px = 4;      // new corners keep off the border, where they would end at once
+
+std::ptrdiff_t count_found(const Following& f) { return std::ranges::count(f.sightings, true, &TrackSighting::found); }
+
+// So few that the image moved farther than windows can be followed.
+bool few_found(const Following& f) {
+  constexpr std::size_t kLeast = 30;  // tracks: fewer tell nothing of the image
+  constexpr double kFew = 0.3;        // of them
+  return f.sightings.size() >= kLeast &&
+         static_cast<double>(count_found(f)) < kFew * static_cast<double>(f.sightings.size());
+}
 
 CornerConfig corner_config(const TrackerConfig& config, int image_cols) {
   CornerConfig c;
@@ -62,8 +75,10 @@ struct Tracker::State {
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the whole image, last time
   std::unique_ptr<CornerFinder> finder;
   std::uint32_t next_id = 1, next_key = 1;
+  double ended_share = 0;  // of the tracks, in the newest image
 
   void follow();
+  void look_farther(std::vector<Sought>* sought, Following* following);
   void take_key(KeyPatch& key, const Eigen::Vector2f& px);
   bool confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px);
   void tell_moving();
@@ -98,14 +113,26 @@ bool Tracker::State::confirm(Memory& memory, const KeyAlignment& key, Eigen::Vec
   return true;
 }
 
+// Looks for all tracks where features that look alike say that they went, and takes what is found if it is more.
+void Tracker::State::look_farther(std::vector<Sought>* sought, Following* following) {
+  MotionField motions = wide_baseline_motion(matcher->before().level(0).image(), matcher->newest().level(0).image());
+  if (motions.size() < kLeastMatches) return;
+  for (Sought& s : *sought) s.motion_px = motions.near(s.from_px);
+  Following farther = matcher->follow(*sought, shift_px);
+  if (count_found(farther) > count_found(*following)) *following = std::move(farther);
+}
+
 void Tracker::State::follow() {
+  ended_share = 0;
   if (tracks.empty()) return;
   std::vector<Sought> sought;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     sought.push_back({tracks[i].raw_px, memories[i].motion_px, memories[i].moving, memories[i].key.get()});
   }
-  const Following following = matcher->follow(sought, shift_px);
+  Following following = matcher->follow(sought, shift_px);
   shift_px = following.shift_px;
+  if (few_found(following)) look_farther(&sought, &following);
+  const auto sought_for = static_cast<double>(tracks.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
@@ -121,6 +148,7 @@ void Tracker::State::follow() {
   }
   tracks.resize(kept);
   memories.resize(kept);
+  ended_share = 1 - static_cast<double>(kept) / sought_for;
 }
 
 void Tracker::State::tell_moving() {
@@ -192,7 +220,9 @@ TrackId Tracker::State::start(const Eigen::Vector2f& px) {
 }
 
 void Tracker::State::replenish() {
-  const int missing = config.max_tracks - static_cast<int>(tracks.size());
+  int missing = config.max_tracks - static_cast<int>(tracks.size());
+  // Where much of the view is new, however many tracks were started beside these, what is new needs its share.
+  if (ended_share > kMuchNew) missing = std::max(missing, static_cast<int>(ended_share * config.max_tracks));
   if (missing <= 0) return;
   if (!finder) {
     const int cols = matcher->newest().level(0).cols(), rows = matcher->newest().level(0).rows();

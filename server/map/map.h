@@ -37,6 +37,8 @@ using ImageKey = std::pair<SetId, CameraId>;
 inline constexpr double kUsualInterval_s = 1.0 / 30;
 // Frames below which a window of time tells nothing.
 inline constexpr int kLeastFrames = 3;
+// Between images, from which on few of them show the same.
+inline constexpr double kSeldom_s = 0.4;
 // Looks of a point that are kept.
 inline constexpr std::size_t kPatchesOfPoint = 6;
 
@@ -152,6 +154,8 @@ struct MapCamera {
   int frames_in_map(MapId in) const;
   // How many of its frames come in that time, by the newest ones; at least so many.
   int frames_in(double time_s, int least = 1) const;
+  // Of a track, to go by it: two of a camera whose images are so seldom that few things are in more than three.
+  int least_views() const { return frame_interval_s < kSeldom_s ? kLeastFrames : 2; }
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.

@@ -24,7 +24,7 @@ SimMap::SimMap(const SimWorld& w, const std::vector<CameraPath>& paths, const Tr
 }
 
 FrameSet& SimMap::look(bool patches, bool descriptors) {
-  set = FrameSet{SetId(next_set_), kPeriodNs * next_set_, {}};
+  set = FrameSet{SetId(next_set_), period_ns * next_set_, {}};
   for (std::size_t i = 0; i < trackers.size(); ++i) {
     CameraFrame cf{CameraId(static_cast<std::uint16_t>(i)), trackers[i].observe(FrameId(next_set_), set.t_ns), {}, {}};
     std::vector<TrackId> all;
@@ -137,7 +137,7 @@ ImagePatch* SimMap::patch_of(CameraId camera, int point) {
   return at == reply->patches.end() ? nullptr : &*at;
 }
 
-Rigid3 SimMap::truth(CameraId camera, SetId at) const { return trackers[camera.value].truth(kPeriodNs * at.value); }
+Rigid3 SimMap::truth(CameraId camera, SetId at) const { return trackers[camera.value].truth(period_ns * at.value); }
 
 double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));

@@ -24,6 +24,9 @@ class SimMap {
   SimMap& operator=(const SimMap&) = delete;
   ~SimMap() = default;
 
+  // From one set to the next; to be set before the first.
+  TimeNs period_ns = kPeriodNs;
+
   // The next frame set, not yet in the map: a test may still change it. patches: every track brings its patch.
   FrameSet& look(bool patches = false, bool descriptors = false);
   // Takes it in. Poses stay unset.

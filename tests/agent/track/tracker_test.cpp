@@ -52,6 +52,41 @@ TEST(Tracker, IdsAscendAndAreNeverUsedAgain) {
   EXPECT_FALSE(ended.empty());
 }
 
+TEST(Tracker, ALeapThatWindowsCannotFollowIsFollowedByLooks) {
+  const cv::Mat texture = test::plane_texture(1400, 1000, 4);
+  Tracker tracker({});
+  std::map<TrackId, Eigen::Vector2f> before;
+  const Eigen::Vector2f leap(-240, 150);
+  std::size_t stay = 0, found = 0;
+  for (const Track& t : tracker.step(image_at(texture, 0, 0, 1))) {
+    before[t.id] = t.raw_px;
+    const Eigen::Vector2f to = t.raw_px + leap;
+    stay += to.x() > 15 && to.y() > 15 && to.x() < 625 && to.y() < 465;
+  }
+  for (const Track& t : tracker.step(image_at(texture, 240, -150, 2))) {
+    if (t.age_frames == 0) continue;
+    ++found;
+    EXPECT_LT((t.raw_px - before.at(t.id) - leap).norm(), 0.5f);
+  }
+  ASSERT_GT(stay, 80U);
+  EXPECT_GT(found, stay * 7 / 10);
+}
+
+TEST(Tracker, WhatIsNewInTheViewGetsItsShareBesideTracksThatWereAdded) {
+  const cv::Mat texture = test::plane_texture(1400, 1000, 4);
+  Tracker tracker({});
+  tracker.step(image_at(texture, 0, 0, 1));
+  std::vector<Eigen::Vector2f> places;
+  for (float y = 20; y < 460; y += 20) {
+    for (float x = 20; x < 620; x += 20) places.emplace_back(x, y);
+  }
+  tracker.add(places, 5);
+  ASSERT_GT(tracker.live().size(), 450U);
+  int begun = 0;
+  for (const Track& t : tracker.step(image_at(texture, 200, 0, 2))) begun += t.age_frames == 0;
+  EXPECT_GT(begun, 50) << "more were left than are kept usually";
+}
+
 TEST(Tracker, TracksThatLeaveTheImageEnd) {
   const cv::Mat texture = test::plane_texture(1000, 800, 2);
   Tracker tracker({});

@@ -55,6 +55,28 @@ TEST_F(KeyFrameTest, MovingCamerasGetOneNowAndThen) {
   EXPECT_LE(keys, 40);
 }
 
+TEST_F(KeyFrameTest, WhereImagesAreSeldomEachMayBeOne) {
+  test::SimMap sim(world_, {[](double t_s) { return test::looking({0.5 * t_s, 0, 0}); }});
+  sim.period_ns = 1'000'000'000;
+  int keys = 0;
+  for (int i = 0; i < 12; ++i) {
+    sim.advance();
+    sim.add_points();
+    keys += decide_key_frame(sim.edit, sim.set, config_);
+  }
+  EXPECT_GE(keys, 10) << "half a metre at 5 m";
+}
+
+TEST_F(KeyFrameTest, CullLeavesPointsThatHadNoImageToBeSeenIn) {
+  test::SimMap sim(world_, test::paths_side_by_side(1));
+  sim.period_ns = 1'000'000'000;
+  sim.advance(5);
+  const PointId unseen = sim.create({0, 0, 5}, 1).id;
+  sim.advance(3);
+  cull(sim.edit, sim.set, {});
+  EXPECT_NE(sim.map.find(unseen), nullptr);
+}
+
 TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
   decide();
   for (int i = 0; i < kLeastFrames; ++i) ASSERT_FALSE(step()) << i;

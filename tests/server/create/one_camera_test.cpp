@@ -148,6 +148,18 @@ TEST(MapIntra, MappedTracksAreLeftAlone) {
   EXPECT_LT(run.sim.map.points().size(), before + 60);
 }
 
+TEST(MapIntra, WhereImagesAreSeldomTwoViewsAreEnough) {
+  const test::SimWorld world({});
+  OneCamera run(world, sideways(0.5));
+  run.sim.period_ns = 1'000'000'000;
+  run.step(3);  // until the interval is known
+  const int created = run.step(1);
+  EXPECT_GT(created, 5);
+  int of_two = 0;
+  for (const auto& [id, t] : run.sim.map.camera(CameraId(0)).tracks) of_two += t.bound() && t.seen.size() == 2;
+  EXPECT_GT(of_two, 0);
+}
+
 TEST(MapIntra, FramesWithoutAPoseDoNotCount) {
   const test::SimWorld world({});
   OneCamera run(world, sideways(1.5));

@@ -126,6 +126,16 @@ TEST_F(AskTest, ADebtIsPaidBeforeTheNext) {
   EXPECT_LE(longest_gap, 30 * debt_s);
 }
 
+TEST_F(AskTest, MoreOfTheSameGroundIsAskedForWhenAnotherPartIsInView) {
+  const auto more = [](int) { return WhyAsk{.waiting = Waiting::kMore, .apart = true}; };
+  EXPECT_EQ(run(4, 0, more).size(), 1U) << "it stands still";
+  asking_ = Asking(config_);
+  const auto turning = run(6, 0.3, more);
+  EXPECT_GE(least_gap(turning), 15U) << "half the usual change of the view";
+  EXPECT_GT(turning.size(), 3U);
+  EXPECT_LE(static_cast<double>(turning.size()), config_.image_burst + config_.images_per_s * 6 + 1) << "without debt";
+}
+
 TEST_F(AskTest, WhatMayBeAnywhereIsDescribedEverywhere) {
   const auto asked = run(0.5, 0, [](int) { return WhyAsk{.waiting = Waiting::kAnywhere}; });
   ASSERT_FALSE(asked.empty());
