@@ -30,7 +30,7 @@ constexpr float kApart_px = 0.7f;         // between the two motions; less says 
 constexpr int kLeastComparisons = 3;      // images
 constexpr float kComparisonsKept = 0.9f;  // from image to image
 constexpr std::size_t kLeastMatches = 15;  // of features, to go by them; five by chance would be many
-constexpr double kMuchNew = 0.25;          // of the view, by the share of tracks that ended
+constexpr double kMuchNew = 0.33;          // of the view, by the share of tracks that ended
 constexpr float kCornerInset_px = 4;      // new corners keep off the border, where they would end at once
 
 std::ptrdiff_t count_found(const Following& f) { return std::ranges::count(f.sightings, true, &TrackSighting::found); }
