@@ -25,13 +25,13 @@ constexpr int kMostDoubts = 3;  // images in a row in which the first patch may 
 // Where something moves in front of the rest, windows reach over its outline: what they follow is the outline, which is
 // no place on anything. Then their middle does not go along with them: seen from image to image it changes, in standard
 // deviation, more than half as much as it would had it stayed with the rest.
-constexpr float kOutline = 4.0f;          // twice, squared
-constexpr float kApart_px = 0.7f;         // between the two motions; less says nothing
-constexpr int kLeastComparisons = 3;      // images
-constexpr float kComparisonsKept = 0.9f;  // from image to image
+constexpr float kOutline = 4.0f;           // twice, squared
+constexpr float kApart_px = 0.7f;          // between the two motions; less says nothing
+constexpr int kLeastComparisons = 3;       // images
+constexpr float kComparisonsKept = 0.9f;   // from image to image
 constexpr std::size_t kLeastMatches = 15;  // of features, to go by them; five by chance would be many
 constexpr double kMuchNew = 0.33;          // of the view, by the share of tracks that ended
-constexpr float kCornerInset_px = 4;      // new corners keep off the border, where they would end at once
+constexpr float kCornerInset_px = 4;       // new corners keep off the border, where they would end at once
 
 std::ptrdiff_t count_found(const Following& f) { return std::ranges::count(f.sightings, true, &TrackSighting::found); }
 

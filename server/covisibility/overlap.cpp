@@ -66,6 +66,15 @@ double ViewOverlap::share_seen(const MapCamera& of_camera, const Sight& of, cons
   return all == 0 ? 0 : static_cast<double>(std::count(shared.begin(), shared.end(), true)) / static_cast<double>(all);
 }
 
+// Of what the one camera sees, so much could be in the other's image at most: a long lens shows a small part of what a
+// wide one does.
+static double most_shared(const CameraModel& of, const CameraModel& by) {
+  constexpr double kAlike = 0.5;
+  const auto solid = [](const CameraModel& c) { return (c.width_px / c.fx) * (c.height_px / c.fy); };
+  const double ratio = solid(by) / solid(of);
+  return ratio < kAlike ? ratio : 1;
+}
+
 OverlapShares ViewOverlap::between(CameraId first, CameraId second) {
   const MapCamera &a = map_.camera(first), &b = map_.camera(second);
   if (a.frames.empty() || b.frames.empty()) return {};
@@ -73,7 +82,8 @@ OverlapShares ViewOverlap::between(CameraId first, CameraId second) {
   const bool one_time = std::abs(fa.capture_ns - fb.capture_ns) <= to_ns(kOneTime_s);
   if (!fa.valid() || fa.map != fb.map || !one_time) return {};
   const Sight &of_first = sight_of(a), &of_second = sight_of(b);
-  return {share_seen(a, of_first, b, of_second), share_seen(b, of_second, a, of_first)};
+  return {std::min(1.0, share_seen(a, of_first, b, of_second) / most_shared(a.model, b.model)),
+          std::min(1.0, share_seen(b, of_second, a, of_first) / most_shared(b.model, a.model))};
 }
 
 }  // namespace coslam

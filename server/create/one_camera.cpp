@@ -30,7 +30,8 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
   const int long_enough = camera.frames_in(config.min_track_s, camera.least_views());
-  const int least = track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, camera.least_views());
+  const int least =
+      track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, camera.least_views());
   if (static_cast<int>(track.seen.size()) < least) return false;
   const std::vector<View> all = map.views_of(camera, track, 1000);
   if (static_cast<int>(all.size()) < least) return false;

@@ -61,6 +61,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
   const bool forward = own < other;
   const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
   Pending now{.second_from_first = forward ? in_from_own : in_from_own.inverse(),
+              .first = map.now(),
               .since = map.now(),
               .expected = seen.expected,
               .enough = enough,
@@ -132,9 +133,10 @@ void Verification::joined(MapId one, MapId other) {
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {
   Waiting most = Waiting::kNothing;
   for (const auto& [hypothesis, p] : pending_) {
-    const double wait_s = p.flat ? kFlat_s : kPending_s;
+    const bool more = p.flat && p.first.value + map.sets_in(kPending_s) <= map.now().value;
+    const double wait_s = more ? kFlat_s : kPending_s;
     if (!p.cameras.contains(camera) || p.since.value + map.sets_in(wait_s) <= map.now().value) continue;
-    most = std::max(most, p.flat ? Waiting::kMore : p.expected ? Waiting::kExpected : Waiting::kAnywhere);
+    most = std::max(most, more ? Waiting::kMore : p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }
   return most;
 }

@@ -46,7 +46,7 @@ class Verification {
   };
   struct Pending {
     Similarity3 second_from_first;
-    SetId since;
+    SetId first, since;  // said for the first time, and lastly
     bool expected = false, enough = false;
     bool many = false;    // points, in the newest image alone
     double depth = 0;     // the largest of the images

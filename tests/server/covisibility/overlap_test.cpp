@@ -66,5 +66,40 @@ TEST_F(OtherMapOverlapTest, NothingIsKnownOfOtherMaps) {
   EXPECT_EQ(between(test::looking({0, 0, 0}), test::looking({0, 0, 0})).least(), 0);
 }
 
+// A camera of three times the focal length looks at the middle of what the other one sees.
+TEST(OverlapOfLenses, AllThatALongLensCanShowOfAWideOnesViewIsTheWhole) {
+  MapEdit edit{MapConfig{}};
+  const MapId map = edit.new_map(Why::kStartedTogether, 2);
+  FrameSet set{SetId(0), 0, {}};
+  std::vector<Eigen::Vector3d> points;
+  for (int y = -30; y <= 30; ++y) {
+    for (int x = -40; x <= 40; ++x) points.emplace_back(0.1 * x, 0.1 * y, 5);
+  }
+  for (const int times : {1, 3}) {
+    CameraModel model = test::sim_camera();
+    model.fx *= times, model.fy *= times;
+    const CameraId c = edit.add_camera(times == 1 ? "wide" : "long", RunId(static_cast<std::uint64_t>(times)), model);
+    CameraFrame cf{c, {}, {}, {}};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector2d px = model.project(points[i]);
+      if (!model.contains_raw(px)) continue;
+      cf.frame.tracks.push_back({TrackId(static_cast<std::uint32_t>(i + 1)), px.cast<float>()});
+    }
+    set.frames.push_back(std::move(cf));
+  }
+  edit.ingest(set);
+  for (const CameraFrame& cf : set.frames) {
+    const MapCamera& camera = edit.map().camera(cf.camera);
+    edit.place(camera, set.id, map, Rigid3(), Why::kStartedTogether);
+    for (const auto& [id, t] : camera.tracks) {
+      const MapPoint& p = edit.create_point(map, points[id.value - 1], 1e-4 * Eigen::Matrix3d::Identity(),
+                                            PointPhase::kStatic, Why::kStartOfMap, {2, 0});
+      edit.bind(p, cf.camera, t, Why::kMadeFromIt);
+    }
+  }
+  const OverlapShares s = ViewOverlap(edit.map()).between(cam(0), cam(1));
+  EXPECT_GT(s.least(), 0.9);
+}
+
 }  // namespace
 }  // namespace coslam
