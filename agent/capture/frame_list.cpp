@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
+#include "agent/capture/stamps.h"
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/base/text.h"
 
 namespace coslam {
@@ -20,13 +20,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using LineReader = std::function<std::optional<ListedFrame>(std::string_view)>;
+// One image of a list, as it stands there.
+struct WrittenFrame {
+  WrittenTime time;
+  fs::path file;
+};
+
+using LineReader = std::function<std::optional<WrittenFrame>(std::string_view)>;
 
 // Reads a list line by line; `form` is what a line should have been.
-FrameList read_list(const fs::path& file, const char* form, const LineReader& read_line) {
+std::vector<WrittenFrame> read_list(const fs::path& file, const char* form, const LineReader& read_line) {
   std::ifstream stream(file);
   if (!stream) throw UserError(file.string() + ": cannot be read");
-  FrameList frames;
+  std::vector<WrittenFrame> frames;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -38,8 +44,8 @@ FrameList read_list(const fs::path& file, const char* form, const LineReader& re
     const bool header = number == 1 && std::isalpha(static_cast<unsigned char>(text.front()));
     if (!frame && header) continue;
     if (!frame) throw UserError(where + "not a line `" + form + "`");
-    if (!frames.empty() && frame->source_ns <= frames.back().source_ns) {
-      throw UserError(where + "the time is not later than that of the line before");
+    if (!frames.empty() && frame->time < frames.back().time) {
+      throw UserError(where + "the time is earlier than that of the line before");
     }
     frames.push_back(*frame);
   }
@@ -47,24 +53,40 @@ FrameList read_list(const fs::path& file, const char* form, const LineReader& re
   return frames;
 }
 
-void count_from_first(FrameList& frames) {
-  const TimeNs first_ns = frames.front().source_ns;
-  for (ListedFrame& frame : frames) frame.source_ns -= first_ns;
+// With the times that are meant, without images whose time is that of the one before.
+FrameList timed(const std::string& name, const std::vector<WrittenFrame>& written, TimeUnit unit) {
+  std::vector<WrittenTime> times;
+  times.reserve(written.size());
+  for (const WrittenFrame& frame : written) times.push_back(frame.time);
+  FrameList list;
+  const auto meant = source_times(name, times, unit, &list.guesses);
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    if (meant[i]) list.frames.push_back({*meant[i], written[i].file});
+  }
+  return list;
 }
 
-// Seconds that are a date, not a time since the start.
-void count_utc_from_first(FrameList& frames) {
-  constexpr TimeNs kLongestPlay_ns = 100'000'000'000'000'000;  // three years; 1973 as UTC
-  if (frames.front().source_ns > kLongestPlay_ns) count_from_first(frames);
-}
-
-FrameList read_seconds_list(const fs::path& file) {
-  FrameList frames = read_list(file, "t_s", [](std::string_view line) -> std::optional<ListedFrame> {
-    const auto t_ns = parse_seconds(line);
-    return t_ns ? std::optional(ListedFrame{*t_ns, {}}) : std::nullopt;
+std::vector<WrittenFrame> read_time_lines(const fs::path& file) {
+  return read_list(file, "t_s", [](std::string_view line) -> std::optional<WrittenFrame> {
+    const auto time = parse_written_time(line);
+    return time ? std::optional(WrittenFrame{*time, {}}) : std::nullopt;
   });
-  count_utc_from_first(frames);
-  return frames;
+}
+
+// Fields of a line between commas, else between semicolons (numbers may have a decimal comma then), else between
+// blanks.
+std::vector<std::string> fields_of(std::string_view line) {
+  const bool semicolons = line.find(';') != std::string_view::npos;
+  const bool commas = !semicolons && line.find(',') != std::string_view::npos;
+  std::vector<std::string> out;
+  if (commas) {
+    for (const std::string_view field : split_csv(line)) out.emplace_back(field);
+  } else {
+    for (const std::string_view field : split_fields(line, semicolons ? ";" : " \t\r"))
+      out.emplace_back(trimmed(field));
+  }
+  if (semicolons && !out.empty()) std::ranges::replace(out.front(), ',', '.');
+  return out;
 }
 
 bool is_image(const fs::path& file) {
@@ -88,10 +110,25 @@ std::vector<fs::path> images_in(const fs::path& folder) {
   return files;
 }
 
-// Names of 12 digits and more are nanoseconds, shorter ones count images.
-std::optional<TimeNs> stamp_of(const fs::path& file) {
+// Names of 12 digits and more, and numbers with a point, are times; shorter ones count images.
+std::optional<WrittenFrame> stamped(const fs::path& file) {
   const std::string stem = file.stem().string();
-  return stem.size() >= 12 ? parse_integer(stem) : std::nullopt;
+  const bool number = std::ranges::all_of(stem, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  if (!number || stem.size() < 12) return std::nullopt;
+  const auto time = parse_written_time(stem);
+  return time ? std::optional(WrittenFrame{*time, file}) : std::nullopt;
+}
+
+// The times of the images of a folder lie in it, as KITTI has them beside image_0, image_1, ..., or above the folder
+// `data` of its raw recordings.
+std::optional<fs::path> times_of(const fs::path& folder) {
+  const fs::path here = fs::absolute(folder / ".").lexically_normal().parent_path();
+  const std::string name = here.filename().string();
+  std::vector<fs::path> candidates = {folder / "times.txt", folder / "timestamps.txt"};
+  if (name.starts_with("image_")) candidates.push_back(here.parent_path() / "times.txt");
+  if (name == "data") candidates.push_back(here.parent_path() / "timestamps.txt");
+  const auto found = std::ranges::find_if(candidates, [](const fs::path& f) { return fs::exists(f); });
+  return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
 // Numbers of the images' names, where all are numbers and ascend; else empty.
@@ -113,82 +150,84 @@ FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, do
   }
   std::int64_t step = numbers.size() > 1 ? numbers[1] - numbers[0] : 1;  // usually 1; 5 where one in five was kept
   for (std::size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
-  FrameList frames;
+  FrameList list;
   std::optional<std::size_t> gap;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const double steps = static_cast<double>(numbers[i] - numbers[0]) / static_cast<double>(step);
-    frames.push_back({to_ns(steps / rate_hz), files[i]});
+    list.frames.push_back({to_ns(steps / rate_hz), files[i]});
     if (!gap && i > 0 && numbers[i] - numbers[i - 1] != step) gap = i;
   }
   if (gap) {
     const auto missing = (numbers.back() - numbers.front()) / step + 1 - std::ssize(numbers);
-    log_warn(folder.string() + ": " + std::to_string(missing) + " numbers of images are missing, the first after " +
-             files[*gap - 1].filename().string() + "; played as gaps in time");
+    list.guesses.push_back(folder.string() + ": " + std::to_string(missing) +
+                           " numbers of images are missing, the first after " + files[*gap - 1].filename().string() +
+                           "; played as gaps in time");
   }
-  return frames;
+  return list;
 }
 
 }  // namespace
 
 FrameList list_csv(const fs::path& file) {
-  FrameList frames = read_list(file, "t_s,file", [&](std::string_view line) -> std::optional<ListedFrame> {
-    const auto fields = split_csv(line);
-    if (fields.size() != 2 || fields[1].empty()) return std::nullopt;
-    const auto t_ns = parse_seconds(fields[0]);
-    return t_ns ? std::optional(ListedFrame{*t_ns, file.parent_path() / fields[1]}) : std::nullopt;
+  std::size_t most_fields = 0;
+  const auto frames = read_list(file, "t_s,file", [&](std::string_view line) -> std::optional<WrittenFrame> {
+    const auto fields = fields_of(line);
+    if (fields.size() < 2 || fields[1].empty()) return std::nullopt;
+    const auto time = parse_written_time(fields[0]);
+    if (!time) return std::nullopt;
+    most_fields = std::max(most_fields, fields.size());
+    return WrittenFrame{*time, file.parent_path() / fields[1]};
   });
-  count_utc_from_first(frames);
-  return frames;
+  FrameList list = timed(file.string(), frames, TimeUnit::kSeconds);
+  if (most_fields > 2)
+    list.guesses.push_back(file.string() + ": of its columns the first two are read, a time and a file");
+  return list;
 }
 
 FrameList list_tum(const fs::path& rgb_txt) {
-  FrameList frames = read_list(rgb_txt, "t_s file", [&](std::string_view line) -> std::optional<ListedFrame> {
+  const auto frames = read_list(rgb_txt, "t_s file", [&](std::string_view line) -> std::optional<WrittenFrame> {
     const auto fields = split_fields(line);
-    if (fields.size() != 2) return std::nullopt;
-    const auto t_ns = parse_seconds(fields[0]);
-    return t_ns ? std::optional(ListedFrame{*t_ns, rgb_txt.parent_path() / fields[1]}) : std::nullopt;
+    if (fields.size() != 2 && fields.size() != 4) return std::nullopt;
+    // Associations have two images a line; depth is not for us.
+    const bool second = fields.size() == 4 && fields[1].find("depth") != std::string_view::npos;
+    const auto time = parse_written_time(fields[second ? 2 : 0]);
+    return time ? std::optional(WrittenFrame{*time, rgb_txt.parent_path() / fields[second ? 3 : 1]}) : std::nullopt;
   });
-  count_utc_from_first(frames);
-  return frames;
+  return timed(rgb_txt.string(), frames, TimeUnit::kSeconds);
 }
 
 FrameList list_euroc(const fs::path& camera_folder) {
   const fs::path csv = camera_folder / "data.csv";
-  FrameList frames = read_list(csv, "t_ns,file", [&](std::string_view line) -> std::optional<ListedFrame> {
+  const auto frames = read_list(csv, "t_ns,file", [&](std::string_view line) -> std::optional<WrittenFrame> {
     const auto fields = split_csv(line);
     if (fields.size() != 2 || fields[1].empty()) return std::nullopt;
-    const auto t_ns = parse_integer(fields[0]);
-    return t_ns ? std::optional(ListedFrame{*t_ns, camera_folder / "data" / fields[1]}) : std::nullopt;
+    const auto time = parse_written_time(fields[0]);
+    return time ? std::optional(WrittenFrame{*time, camera_folder / "data" / fields[1]}) : std::nullopt;
   });
-  count_from_first(frames);
-  return frames;
+  return timed(csv.string(), frames, TimeUnit::kNanoseconds);
 }
 
 FrameList list_images(const fs::path& folder, double rate_hz) {
   const auto files = images_in(folder);
   if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder");
-  FrameList frames;
-  // KITTI has the times of image_0, image_1, ... beside these folders.
-  const fs::path name = fs::absolute(folder / ".").lexically_normal().parent_path();
-  const bool kitti = name.filename().string().starts_with("image_");
-  const fs::path beside = name.parent_path() / "times.txt";
-  const fs::path times = !fs::exists(folder / "times.txt") && kitti ? beside : folder / "times.txt";
-  if (fs::exists(times)) {
-    frames = read_seconds_list(times);
+  std::vector<WrittenFrame> frames;
+  if (const auto times = times_of(folder)) {
+    frames = read_time_lines(*times);
     if (frames.size() != files.size()) {
-      throw UserError(times.string() + ": " + std::to_string(frames.size()) + " times for " +
+      throw UserError(times->string() + ": " + std::to_string(frames.size()) + " times for " +
                       std::to_string(files.size()) + " images");
     }
     for (std::size_t i = 0; i < files.size(); ++i) frames[i].file = files[i];
-    return frames;
+    return timed(times->string(), frames, TimeUnit::kSeconds);
   }
-  const bool stamped =
-      std::all_of(files.begin(), files.end(), [](const fs::path& f) { return stamp_of(f).has_value(); });
-  if (!stamped) return at_rate(folder, files, rate_hz);
-  frames.reserve(files.size());
-  for (const fs::path& file : files) frames.push_back({*stamp_of(file), file});
-  count_from_first(frames);
-  return frames;
+  for (const fs::path& file : files) {
+    const auto frame = stamped(file);
+    if (!frame) return at_rate(folder, files, rate_hz);
+    frames.push_back(*frame);
+  }
+  std::ranges::stable_sort(frames, {}, &WrittenFrame::time);
+  const bool seconds = files.front().stem().string().find('.') != std::string::npos;
+  return timed(folder.string(), frames, seconds ? TimeUnit::kSeconds : TimeUnit::kNanoseconds);
 }
 
 FrameList list_folder(const fs::path& folder, double rate_hz) {
@@ -197,15 +236,19 @@ FrameList list_folder(const fs::path& folder, double rate_hz) {
     if (fs::exists(candidate / "data.csv")) return list_euroc(candidate);
   }
   if (fs::exists(folder / "rgb.txt")) return list_tum(folder / "rgb.txt");
-  if (fs::is_directory(folder / "image_0") && images_in(folder).empty())
-    return list_images(folder / "image_0", rate_hz);
+  // KITTI: its sequences, and its raw recordings.
+  for (const char* camera : {"image_0", "image_00/data", "data"}) {
+    if (fs::is_directory(folder / camera) && images_in(folder).empty()) return list_images(folder / camera, rate_hz);
+  }
   return list_images(folder, rate_hz);
 }
 
-std::vector<TimeNs> read_times(const fs::path& file) {
-  std::vector<TimeNs> times;
-  for (const ListedFrame& frame : read_seconds_list(file)) times.push_back(frame.source_ns);
-  return times;
+ImageTimes read_times(const fs::path& file) {
+  std::vector<WrittenTime> times;
+  for (const WrittenFrame& frame : read_time_lines(file)) times.push_back(frame.time);
+  ImageTimes out;
+  out.source_ns = source_times(file.string(), times, TimeUnit::kSeconds, &out.guesses);
+  return out;
 }
 
 }  // namespace coslam

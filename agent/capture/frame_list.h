@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/base/time.h"
@@ -14,19 +16,27 @@ struct ListedFrame {
   std::filesystem::path file;
 };
 
-// The images of a source with their times, ascending. Each reads one layout and throws UserError with file and line.
-using FrameList = std::vector<ListedFrame>;
+// The images of a source with their times, ascending, as source_times() has them. Each reads one layout and throws
+// UserError with file and line.
+struct FrameList {
+  std::vector<ListedFrame> frames;
+  std::vector<std::string> guesses;  // sentences for the user
+};
 
-FrameList list_csv(const std::filesystem::path& file);             // `t_s,file`, paths relative to the CSV
-FrameList list_tum(const std::filesystem::path& rgb_txt);          // `t_s file`
+FrameList list_csv(const std::filesystem::path& file);             // `t_s,file[,...]`, paths relative to the CSV
+FrameList list_tum(const std::filesystem::path& rgb_txt);          // `t_s file`, or of both colour and depth
 FrameList list_euroc(const std::filesystem::path& camera_folder);  // data.csv: `t_ns,file`, images in data/
 FrameList list_images(const std::filesystem::path& folder, double rate_hz);
 
-// Recognises the layout of a folder: EuRoC (the sequence, mav0 or camN), TUM, KITTI (the sequence or image_N), else
-// images.
+// Recognises the layout of a folder: EuRoC (the sequence, mav0 or camN), TUM, KITTI (the sequence or image_N; of raw
+// recordings the drive, image_NN or its data), else images.
 FrameList list_folder(const std::filesystem::path& folder, double rate_hz);
 
-// One time in seconds a line, ascending. UTC times count from the first.
-std::vector<TimeNs> read_times(const std::filesystem::path& file);
+// One time a line, see source_times(): one for each image, none where it is to be left out.
+struct ImageTimes {
+  std::vector<std::optional<TimeNs>> source_ns;
+  std::vector<std::string> guesses;
+};
+ImageTimes read_times(const std::filesystem::path& file);
 
 }  // namespace coslam

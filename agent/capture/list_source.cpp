@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
+#include <vector>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
@@ -14,7 +15,7 @@ namespace {
 class ListSource final : public ImageSource {
  public:
   // frames: those to play, with played times.
-  ListSource(const std::string& name, FrameList frames, const SourceOptions& options)
+  ListSource(const std::string& name, std::vector<ListedFrame> frames, const SourceOptions& options)
       : frames_(std::move(frames)), color_(options.color) {
     // The first readable image tells the size; it is kept for its turn.
     for (first_ = 0; first_ < frames_.size(); ++first_) {
@@ -61,7 +62,7 @@ class ListSource final : public ImageSource {
   std::size_t unreadable() const override { return unreadable_; }
 
  private:
-  FrameList frames_;
+  std::vector<ListedFrame> frames_;
   bool color_;
   GreyReader reader_;
   std::size_t position_ = 0;
@@ -74,7 +75,9 @@ class ListSource final : public ImageSource {
 
 }  // namespace
 
-std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList frames, const SourceOptions& options) {
+std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, const SourceOptions& options) {
+  for (const std::string& guess : list.guesses) log_warn(guess);
+  std::vector<ListedFrame>& frames = list.frames;
   const PlayedSpan span(options);
   std::erase_if(frames, [&](const ListedFrame& f) { return span.before(f.source_ns) || span.after(f.source_ns); });
   for (ListedFrame& frame : frames) frame.source_ns = span.played_ns(frame.source_ns);

@@ -45,7 +45,7 @@ std::filesystem::path first_file(const std::string& uri, double rate_hz) {
   if (is_live_uri(uri) || !std::filesystem::exists(uri)) return {};
   const auto frames = listed(uri, rate_hz);
   if (!frames) return uri;
-  return frames->empty() ? std::filesystem::path() : frames->front().file;
+  return frames->frames.empty() ? std::filesystem::path() : frames->frames.front().file;
 }
 
 }  // namespace coslam

@@ -14,7 +14,7 @@
 namespace coslam {
 
 // `name` is what the user called the source.
-std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList frames, const SourceOptions& options);
+std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 // mcap:FILE#TOPIC
 std::unique_ptr<ImageSource> open_mcap(const std::string& uri, const SourceOptions& options);

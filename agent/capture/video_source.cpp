@@ -18,13 +18,17 @@ class VideoTimes {
  public:
   VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
       : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
-    if (const auto times = times_beside(video)) stamps_ = read_times(*times);
+    const auto beside = times_beside(video);
+    if (!beside) return;
+    ImageTimes times = read_times(*beside);
+    for (const std::string& guess : times.guesses) log_warn(guess);
+    stamps_ = std::move(times.source_ns);
   }
   // Of the sidecar; 0 without.
   std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
-  // stream_ms: that the container gives the frame. Empty past the sidecar's last line.
+  // stream_ms: that the container gives the frame. Empty where the sidecar leaves it out, and past its last line.
   std::optional<TimeNs> at(std::size_t frame, double stream_ms) {
-    if (stamps_) return frame < stamps_->size() ? std::optional((*stamps_)[frame]) : std::nullopt;
+    if (stamps_) return frame < stamps_->size() ? (*stamps_)[frame] : std::nullopt;
     constexpr TimeNs kRounding_ns = 1'000'000;
     if (frame == 0) first_ms_ = stream_ms;
     const TimeNs even_ns = to_ns(static_cast<double>(frame) / rate_hz_);
@@ -35,7 +39,7 @@ class VideoTimes {
   }
 
  private:
-  std::optional<std::vector<TimeNs>> stamps_;
+  std::optional<std::vector<std::optional<TimeNs>>> stamps_;
   double rate_hz_;
   double first_ms_ = 0;
   TimeNs last_ns_ = 0;
@@ -121,8 +125,11 @@ class VideoSource final : public ImageSource {
 
  private:
   void grab() {
-    const bool is = capture_.grab();
-    grabbed_ns_ = is ? times_.at(position_++, capture_.get(cv::CAP_PROP_POS_MSEC)) : std::nullopt;
+    do {
+      const bool is = capture_.grab();
+      grabbed_ns_ = is ? times_.at(position_++, capture_.get(cv::CAP_PROP_POS_MSEC)) : std::nullopt;
+      if (!is) return;
+    } while (!grabbed_ns_ && position_ < times_.count());
     if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();
   }
   cv::Mat retrieve() {

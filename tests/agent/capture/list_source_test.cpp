@@ -107,13 +107,44 @@ TEST_F(Lists, FolderWithTimes) {
   EXPECT_THAT(play(*open(".")), ElementsAre(Pair(0, 0), Pair(1, 40'000'000), Pair(2, 90'000'000)));
   folder_.write("times.txt", "0.0\n0.04\n");
   EXPECT_THAT(error("."), HasSubstr("times.txt: 2 times for 3 images"));
+  folder_.write("times.txt", "0.0\n0.04\n0.03\n");
+  EXPECT_THAT(error("."), HasSubstr("times.txt:3: the time is earlier"));
   folder_.write("times.txt", "0.0\n0.04\n0.04\n");
-  EXPECT_THAT(error("."), HasSubstr("times.txt:3: the time is not later"));
+  const auto source = open(".");
+  EXPECT_THAT(play(*source), ElementsAre(Pair(0, 0), Pair(1, 40'000'000))) << "a repeated time costs an image";
 }
 
 TEST_F(Lists, NanosecondNames) {
   for (const char* name : {"1403638518077829376.png", "1403638518127829376.png"}) image(name, 9);
   EXPECT_THAT(play(*open(".")), ElementsAre(Pair(0, 0), Pair(1, 50'000'000)));
+}
+
+TEST_F(Lists, NamesMayBeTimesInOtherUnits) {
+  for (const char* name : {"ms/1700000000000.png", "ms/1700000000100.png", "us/1700000000000000.png",
+                           "us/1700000000100000.png", "s/1700000000.000000.png", "s/1700000000.100000.png"}) {
+    image(name, 9);
+  }
+  for (const char* folder : {"ms", "us", "s"}) {
+    EXPECT_THAT(play(*open(folder)), ElementsAre(Pair(0, 0), Pair(1, 100'000'000))) << folder;
+  }
+}
+
+TEST_F(Lists, CsvOfOtherPrograms) {
+  for (const char* name : {"a.png", "b.png"}) image(name, 9);
+  for (const char* text : {"0.0;a.png\n0.1;b.png\n", "0,0;a.png\n0,1;b.png\n", "0.0 a.png\n0.1 b.png\n",
+                           "0.0,a.png,0.01\n0.1,b.png,0.01\n", "t;file\r\n0.0; a.png\r\n0.1; b.png\r\n"}) {
+    folder_.write("list.csv", text);
+    EXPECT_THAT(play(*open("list.csv")), ElementsAre(Pair(0, 0), Pair(1, 100'000'000))) << text;
+  }
+}
+
+TEST_F(Lists, OfAssociationsTheColourImages) {
+  for (const char* name : {"rgb/0.png", "rgb/1.png"}) image(name, 9);
+  for (const char* text : {"5.0 rgb/0.png 5.01 depth/0.png\n5.1 rgb/1.png 5.11 depth/1.png\n",
+                           "4.99 depth/0.png 5.0 rgb/0.png\n5.09 depth/1.png 5.1 rgb/1.png\n"}) {
+    folder_.write("assoc.txt", text);
+    EXPECT_THAT(play(*open("assoc.txt")), ElementsAre(Pair(0, 5'000'000'000), Pair(1, 5'100'000'000))) << text;
+  }
 }
 
 TEST_F(Lists, NumericNamesAreInNumericalOrder) {
@@ -199,7 +230,7 @@ TEST_F(Lists, SaysWhatIsWrong) {
   EXPECT_THAT(error("."), HasSubstr("there is no image in the folder"));
   folder_.write("000000.png", "no image");
   EXPECT_THAT(error("."), AllOf(HasSubstr("none of the 1 images can be read"), HasSubstr("000000.png")));
-  folder_.write("bad.csv", "# t_s,file\n0.0,a.png\n0.1;b.png\n");
+  folder_.write("bad.csv", "# t_s,file\n0.0,a.png\n0.1:b.png\n");
   EXPECT_THAT(error("bad.csv"), HasSubstr("bad.csv:3: not a line `t_s,file`"));
   folder_.write("empty.csv", "t_s,file\n");
   EXPECT_THAT(error("empty.csv"), HasSubstr("there is no line `t_s,file` in it"));
@@ -238,6 +269,14 @@ TEST_F(Lists, KittiHasItsTimesBesideTheFolders) {
   folder_.write("06/times.txt", "0.0\n1.037e-01\n");
   for (const char* source : {"06", "06/image_0", "06/image_1", "06/image_1/"}) {
     EXPECT_THAT(play(*open(source)), ElementsAre(Pair(0, 0), Pair(1, 103'700'000))) << source;
+  }
+}
+
+TEST_F(Lists, RawRecordingsOfKittiHaveDates) {
+  for (int i = 0; i < 2; ++i) image("drive/image_00/data/000000000" + std::to_string(i) + ".png", 50 * i);
+  folder_.write("drive/image_00/timestamps.txt", "2011-09-26 13:02:25.964389445\n2011-09-26 13:02:26.067989445\n");
+  for (const char* source : {"drive", "drive/image_00", "drive/image_00/data"}) {
+    EXPECT_THAT(play(*open(source)), ElementsAre(Pair(0, 0), Pair(1, 103'600'000))) << source;
   }
 }
 

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/time.h"
+
+namespace coslam {
+
+// A time as it stands in a file or in the name of one, in a unit that is still to be found: whole + billionths / 1e9.
+struct WrittenTime {
+  std::int64_t whole = 0, billionths = 0;  // 0 to 999999999
+  friend auto operator<=>(const WrittenTime&, const WrittenTime&) = default;
+};
+
+// `1305031102.175304`, `1700000000123`, `-0.2`, `1.037e-01`; and dates `2011-09-26 13:02:25.964389445` (of a day in
+// UTC, in seconds since 1970). Empty for anything else.
+std::optional<WrittenTime> parse_written_time(std::string_view text);
+
+// The unit that times of a list should be in.
+enum class TimeUnit : std::uint8_t { kSeconds, kNanoseconds };
+
+// Source times of images that come one after another, ascending; empty for an image whose time is that of the one
+// before, which is left out. What is guessed is added to `guesses`, sentences for the user with `name` in front:
+// - the unit, where in the usual one the images would come more seldom than every 5 s or more often than 1000 times a
+//   second: the one of s, ms, us, ns in which their rate is most like a camera's;
+// - that times are counted from the first image, where they begin before 0 or later than an hour (as clocks do that
+//   count since a machine was started). Dates are counted from the first without a word.
+// Throws UserError where no unit makes a rate of them.
+std::vector<std::optional<TimeNs>> source_times(const std::string& name, const std::vector<WrittenTime>& written,
+                                                TimeUnit usual, std::vector<std::string>* guesses);
+
+}  // namespace coslam

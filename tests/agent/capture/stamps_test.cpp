@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/stamps.h"
+
+#include <gmock/gmock.h>
+
+#include "common/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+TEST(WrittenTimes, AreReadToTheLastDigit) {
+  EXPECT_THAT(parse_written_time("1305031102.175304"), Optional(WrittenTime{1305031102, 175304000}));
+  EXPECT_THAT(parse_written_time("1403636579763555584"), Optional(WrittenTime{1403636579763555584, 0}));
+  EXPECT_THAT(parse_written_time("-0.2"), Optional(WrittenTime{-1, 800'000'000}));
+  EXPECT_THAT(parse_written_time("7."), Optional(WrittenTime{7, 0}));
+  EXPECT_THAT(parse_written_time("0.99999999951"), Optional(WrittenTime{1, 0}));
+  EXPECT_THAT(parse_written_time("1.037e-01"), Optional(WrittenTime{0, 103'700'000}));
+  EXPECT_THAT(parse_written_time("2011-09-26 13:02:25.964389445"), Optional(WrittenTime{1317042145, 964389445}));
+  EXPECT_THAT(parse_written_time("2011-09-26T13:02:25Z"), Optional(WrittenTime{1317042145, 0}));
+  for (const char* bad : {"", "-", ".5.", "1,5", "12:30", "2011-13-26 13:02:25", "2011-02-30 13:02:25",
+                          "2011-09-26 25:02:25", "nan", "1e300", "99999999999999999999", "0.1s"}) {
+    EXPECT_EQ(parse_written_time(bad), std::nullopt) << bad;
+  }
+}
+
+// Of these, written as text.
+struct Meant {
+  std::vector<std::optional<TimeNs>> times_ns;
+  std::vector<std::string> guesses;
+};
+Meant meant(const std::vector<std::string>& texts, TimeUnit usual = TimeUnit::kSeconds) {
+  std::vector<WrittenTime> written;
+  for (const std::string& text : texts) written.push_back(parse_written_time(text).value());
+  Meant out;
+  out.times_ns = source_times("times.txt", written, usual, &out.guesses);
+  return out;
+}
+
+TEST(SourceTimes, InTheUsualUnitNothingIsGuessed) {
+  const Meant m = meant({"0.5", "0.54", "0.58"});
+  EXPECT_THAT(m.times_ns, ElementsAre(500'000'000, 540'000'000, 580'000'000));
+  EXPECT_TRUE(m.guesses.empty());
+  EXPECT_TRUE(meant({"1403636579763555584", "1403636579813555584"}, TimeUnit::kNanoseconds).guesses.empty());
+}
+
+TEST(SourceTimes, DatesCountFromTheFirst) {
+  for (const Meant& m : {meant({"1305031102.175304", "1305031102.211214"}),
+                         meant({"2011-09-26 13:02:25.964389", "2011-09-26 13:02:26.000299"})}) {
+    EXPECT_THAT(m.times_ns, ElementsAre(0, 35'910'000));
+    EXPECT_TRUE(m.guesses.empty());
+  }
+}
+
+TEST(SourceTimes, TheRateTellsTheUnit) {
+  struct Case {
+    std::vector<std::string> texts;
+    TimeUnit usual;
+    const char* unit;
+  };
+  for (const Case& c : {
+           Case{{"0", "33.333", "66.667", "100"}, TimeUnit::kSeconds, "milliseconds"},
+           Case{{"0", "33333", "66667", "100000"}, TimeUnit::kSeconds, "microseconds"},
+           Case{{"1403636579763555584", "1403636579796888584", "1403636579830222584", "1403636579863555584"},
+                TimeUnit::kSeconds,
+                "nanoseconds"},
+           Case{{"1700000000000", "1700000000033", "1700000000067", "1700000000100"},
+                TimeUnit::kNanoseconds,
+                "milliseconds"},
+           Case{{"1700000000000000", "1700000000033333", "1700000000066667", "1700000000100000"},
+                TimeUnit::kNanoseconds,
+                "microseconds"},
+       }) {
+    const Meant m = meant(c.texts, c.usual);
+    ASSERT_EQ(m.times_ns.size(), 4U);
+    EXPECT_EQ(m.times_ns.front(), 0);
+    EXPECT_NEAR(static_cast<double>(*m.times_ns.back()), 1e8, 1e6) << c.unit;
+    ASSERT_EQ(m.guesses.size(), 1U);
+    EXPECT_THAT(m.guesses.front(), HasSubstr(std::string("taken for ") + c.unit));
+    EXPECT_THAT(m.guesses.front(), HasSubstr("times.txt: "));
+  }
+}
+
+TEST(SourceTimes, OneThatIsInNoUnitACamerasIsRefused) {
+  const std::string error = test::error_of<UserError>([] { meant({"0", "2e10", "4e10"}); });
+  EXPECT_THAT(error,
+              HasSubstr("times.txt: in seconds its images would come 5e-11 times a second, and in no other unit"));
+  EXPECT_EQ(meant({"5"}).times_ns.size(), 1U) << "one has no rate";
+}
+
+TEST(SourceTimes, AClockThatCountsSinceTheMachineWasStartedCountsFromTheFirst) {
+  const Meant m = meant({"123456.7", "123456.8", "123456.9"});
+  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, 200'000'000));
+  EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("its first image is at 1.235e+05 s; times count from there")));
+  EXPECT_THAT(meant({"60", "60.1"}).times_ns, ElementsAre(60'000'000'000, 60'100'000'000)) << "a later start";
+}
+
+TEST(SourceTimes, WhatBeginsBeforeZeroLosesNothing) {
+  const Meant m = meant({"-0.2", "-0.1", "0", "0.1"});
+  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, 200'000'000, 300'000'000));
+  EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("its first image is at -0.2 s")));
+}
+
+TEST(SourceTimes, ARepeatedTimeCostsAnImage) {
+  const Meant m = meant({"0", "0.1", "0.1", "0.2"});
+  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, std::nullopt, 200'000'000));
+  EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("1 image has the time of the one before; left out")));
+}
+
+TEST(SourceTimes, SpansThatNoClockHasAreRefused) {
+  EXPECT_THAT(test::error_of<UserError>([] { meant({"0", "1", "2", "3", "9e17"}); }), HasSubstr("290 years"));
+}
+
+}  // namespace
+}  // namespace coslam
