@@ -3,6 +3,8 @@
 #include "agent/capture/decode.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
@@ -45,19 +47,56 @@ cv::Mat GreyReader::decode(const Bytes& octets) {
   try {
     // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
     cv::Mat grey = cv::imdecode(octets, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-    if (grey.depth() == CV_8U) return grey;
-    if (grey.depth() != CV_16U) return {};
-    if (deep_bits_ == 0) {
-      double brightest = 0;
-      cv::minMaxLoc(grey, nullptr, &brightest);
-      deep_bits_ = brightest < 1 << 10 ? 10 : brightest < 1 << 12 ? 12 : brightest < 1 << 14 ? 14 : 16;
-    }
-    cv::Mat out;
-    grey.convertTo(out, CV_8U, 255.0 / ((1 << deep_bits_) - 1));
-    return out;
+    return in_8_bits(grey);
   } catch (const cv::Exception&) {
     return {};
   }
+}
+
+cv::Mat GreyReader::in_8_bits(const cv::Mat& grey) {
+  if (grey.type() == CV_8UC1) return grey;
+  return grey.type() == CV_16UC1 ? deep_.spread(grey) : cv::Mat();
+}
+
+std::string GreyReader::said() const {
+  if (!deep_.limits()) return {};
+  return "images of more than 8 bits; what lies between the levels " +
+         std::to_string(std::lround(deep_.limits()->low)) + " and " +
+         std::to_string(std::lround(deep_.limits()->high)) +
+         " is spread over 8, by limits that follow the light slowly";
+}
+
+cv::Mat DeepLevels::spread(const cv::Mat& deep) {
+  constexpr int kSamples = 20'000;
+  constexpr double kTail = 0.005, kBeside = 0.1, kFollow = 0.05, kMostOutside = 0.05;
+  constexpr double kLeastWidth = 64;  // levels; less is noise
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(deep.total()) / kSamples)));
+  std::vector<std::uint16_t> levels;
+  for (int y = step / 2; y < deep.rows; y += step) {
+    const auto* row = deep.ptr<std::uint16_t>(y);
+    for (int x = step / 2; x < deep.cols; x += step) levels.push_back(row[x]);
+  }
+  if (levels.empty()) return {};
+  std::ranges::sort(levels);
+  const auto tail = static_cast<std::size_t>(kTail * static_cast<double>(levels.size()));
+  const double low = levels[tail], high = levels[levels.size() - 1 - tail];
+  const double middle = 0.5 * (low + high), half = (0.5 + kBeside) * std::max(kLeastWidth, high - low);
+  const Limits now{middle - half, middle + half};
+  double follow = 1;
+  if (limits_) {
+    const auto below = std::ranges::lower_bound(levels, limits_->low) - levels.begin();
+    const auto above = levels.end() - std::ranges::upper_bound(levels, limits_->high);
+    const bool outside = static_cast<double>(below + above) > kMostOutside * static_cast<double>(levels.size());
+    follow = outside ? 1 : kFollow;
+  } else {
+    limits_ = now;
+  }
+  limits_->low += follow * (now.low - limits_->low);
+  limits_->high += follow * (now.high - limits_->high);
+  const double scale = 255 / (limits_->high - limits_->low);
+  cv::Mat out;
+  deep.convertTo(out, CV_8U, scale, -scale * limits_->low);
+  return out;
 }
 
 cv::Mat read_color(const std::filesystem::path& file) {

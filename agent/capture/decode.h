@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,19 +12,37 @@
 
 namespace coslam {
 
-// The images of one source's files, as CV_8UC1. Of images with 16 bits a pixel the first one tells how many bits the
-// sensor has (10, 12, 14 or 16), and all are brought to 8 by that.
+// Brings images of more than 8 bits a pixel to 8. Of a sensor's levels a scene takes few, in a thermal camera some
+// hundred of 16384: those from the 0.5th to the 99.5th percentile, and some on either side, are spread over 8 bits. The
+// limits follow the light slowly, and at once where more than a twentieth of the pixels lies outside.
+class DeepLevels {
+ public:
+  // CV_16UC1 to CV_8UC1.
+  cv::Mat spread(const cv::Mat& deep);
+  struct Limits {
+    double low = 0, high = 0;
+  };
+  // Empty while there was no such image.
+  const std::optional<Limits>& limits() const { return limits_; }
+
+ private:
+  std::optional<Limits> limits_;
+};
+
+// The images of one source, as CV_8UC1.
 class GreyReader {
  public:
   // Empty when the file is missing, truncated or no image.
   cv::Mat read(const std::filesystem::path& file);
   // The same of what stands in such a file.
   cv::Mat decode(const std::vector<unsigned char>& octets);
-  // Bits of the sensor; 0 while no image had more than 8.
-  int deep_bits() const { return deep_bits_; }
+  // CV_8UC1 or CV_16UC1; empty for any other.
+  cv::Mat in_8_bits(const cv::Mat& grey);
+  // A sentence for the user where images have more than 8 bits; else empty.
+  std::string said() const;
 
  private:
-  int deep_bits_ = 0;
+  DeepLevels deep_;
 };
 
 // The image of a file as CV_8UC3; empty when it has no colours or more than 8 bits a pixel and colour.

@@ -28,9 +28,7 @@ class ListSource final : public ImageSource {
     }
     require_size(first_image_, options, frames_[first_].file.string());
     size_ = first_image_.size();
-    if (reader_.deep_bits() > 0) {
-      log_info(name + ": images of 16 bits, of which " + std::to_string(reader_.deep_bits()) + " are used");
-    }
+    if (const std::string said = reader_.said(); !said.empty()) log_info(name + ": " + said);
   }
 
   std::optional<Image> next() override {

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <span>
 #include <utility>
 
 #include "agent/capture/decode.h"
+#include "agent/capture/encodings.h"
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
@@ -18,45 +18,6 @@
 
 namespace coslam {
 namespace {
-
-// How an image's pixels lie there; channels 0: in a way that is not known here.
-struct PixelForm {
-  const char* encoding = "";
-  int channels = 0;
-  int to_grey = -1;  // of OpenCV; -1: they are
-};
-
-PixelForm form_of(const std::string& encoding) {
-  static const PixelForm kForms[] = {
-      {"mono8", 1},
-      {"8UC1", 1},
-      {"rgb8", 3, cv::COLOR_RGB2GRAY},
-      {"bgr8", 3, cv::COLOR_BGR2GRAY},
-      {"8UC3", 3, cv::COLOR_BGR2GRAY},
-      {"rgba8", 4, cv::COLOR_RGBA2GRAY},
-      {"bgra8", 4, cv::COLOR_BGRA2GRAY},
-  };
-  for (const PixelForm& form : kForms) {
-    if (encoding == form.encoding) return form;
-  }
-  return {};
-}
-
-// Empty: no image of that form, or less than all of it.
-cv::Mat grey_of(ros::Image& image) {
-  const PixelForm form = form_of(image.encoding);
-  constexpr std::uint32_t kMost = 1U << 15U;
-  if (form.channels == 0 || image.width == 0 || image.height == 0 || image.width > kMost || image.height > kMost)
-    return {};
-  const std::size_t row = std::size_t{image.width} * static_cast<std::size_t>(form.channels);
-  if (image.step < row || image.data.size() < std::size_t{image.step} * (image.height - 1) + row) return {};
-  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC(form.channels),
-                       image.data.data(), image.step);
-  cv::Mat grey;
-  if (form.to_grey < 0) return pixels.clone();
-  cv::cvtColor(pixels, grey, form.to_grey);
-  return grey;
-}
 
 // The images of one topic. One is read ahead, because only reading tells whether there is another.
 class McapSource final : public ImageSource {
@@ -74,6 +35,7 @@ class McapSource final : public ImageSource {
     if (!ahead_) throw UserError(uri + ": there is no image in the time span asked for that can be read" + hint_);
     require_size(decoded(), options, uri);
     size_ = decoded().size();
+    if (const std::string said = grey_.said(); !said.empty()) log_info(uri + ": " + said);
   }
 
   std::optional<Image> next() override {
@@ -162,9 +124,15 @@ class McapSource final : public ImageSource {
     }
     auto image = ros::from_cdr<ros::Image>(octets);
     if (!image) return {};
-    if (form_of(image->encoding).channels == 0)
-      hint_ = "; its encoding is " + image->encoding + ", known are mono8, rgb8, bgr8, rgba8, bgra8, 8UC1 and 8UC3";
-    return grey_of(*image);
+    if (!is_known_encoding(image->encoding)) {
+      hint_ = "; its encoding is " + image->encoding + ", known are " + known_encodings();
+    }
+    return grey_.in_8_bits(grey_of({.width_px = image->width,
+                                    .height_px = image->height,
+                                    .encoding = image->encoding,
+                                    .big_endian = image->is_bigendian != 0,
+                                    .octets_per_row = image->step,
+                                    .octets = image->data}));
   }
 
   void drop_unreadable() {

@@ -127,14 +127,14 @@ TEST_F(Recorded, OnlyThePartThatIsAskedForIsPlayed) {
 TEST_F(Recorded, SaysWhatIsWrong) {
   write_images("/left", "mono8", 1);
   write_images("/right", "mono8", 1);
-  write_images("/deep", "mono16", 2);
+  write_images("/deep", "32FC1", 2);
   const std::string left = named("/left"), file = left.substr(0, left.find('#'));
   const auto error = [&](const std::string& uri, const SourceOptions& options = kOptions) {
     return test::error_of<UserError>([&] { open_source(uri, options); });
   };
   EXPECT_THAT(error(file), HasSubstr("no topic is named"));
   EXPECT_THAT(error(file + "#/middle"), HasSubstr("of these there are: /left, /right, /deep"));
-  EXPECT_THAT(error(file + "#/deep"), HasSubstr("its encoding is mono16"));
+  EXPECT_THAT(error(file + "#/deep"), HasSubstr("its encoding is 32FC1"));
   EXPECT_THAT(error("mcap:/nowhere.mcap#/left"), HasSubstr("/nowhere.mcap: cannot be read"));
   SourceOptions other = kOptions;
   other.width_px = 640;

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/encodings.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+
+namespace coslam {
+namespace {
+
+constexpr int kAsItIs = -1;
+
+struct Encoding {
+  std::string_view name;
+  int bits = 8;           // a value
+  int channels = 1;       // values a pixel, of the first plane
+  int to_grey = kAsItIs;  // of OpenCV
+  int luma = -1;          // the value of a pixel that is its luma already
+};
+
+constexpr std::array kEncodings = std::to_array<Encoding>({
+    {"mono8"},
+    {"8UC1"},
+    {"mono16", 16},
+    {"16UC1", 16},
+    {"rgb8", 8, 3, cv::COLOR_RGB2GRAY},
+    {"bgr8", 8, 3, cv::COLOR_BGR2GRAY},
+    {"8UC3", 8, 3, cv::COLOR_BGR2GRAY},
+    {"rgba8", 8, 4, cv::COLOR_RGBA2GRAY},
+    {"bgra8", 8, 4, cv::COLOR_BGRA2GRAY},
+    {"8UC4", 8, 4, cv::COLOR_BGRA2GRAY},
+    {"rgb16", 16, 3, cv::COLOR_RGB2GRAY},
+    {"bgr16", 16, 3, cv::COLOR_BGR2GRAY},
+    {"rgba16", 16, 4, cv::COLOR_RGBA2GRAY},
+    {"bgra16", 16, 4, cv::COLOR_BGRA2GRAY},
+    // OpenCV names a pattern by the second and third pixel of its second row.
+    {"bayer_rggb8", 8, 1, cv::COLOR_BayerBG2GRAY},
+    {"bayer_bggr8", 8, 1, cv::COLOR_BayerRG2GRAY},
+    {"bayer_gbrg8", 8, 1, cv::COLOR_BayerGR2GRAY},
+    {"bayer_grbg8", 8, 1, cv::COLOR_BayerGB2GRAY},
+    {"bayer_rggb16", 16, 1, cv::COLOR_BayerBG2GRAY},
+    {"bayer_bggr16", 16, 1, cv::COLOR_BayerRG2GRAY},
+    {"bayer_gbrg16", 16, 1, cv::COLOR_BayerGR2GRAY},
+    {"bayer_grbg16", 16, 1, cv::COLOR_BayerGB2GRAY},
+    {"yuv422_yuy2", 8, 2, kAsItIs, 0},
+    {"yuyv", 8, 2, kAsItIs, 0},
+    {"yuv422", 8, 2, kAsItIs, 1},
+    {"uyvy", 8, 2, kAsItIs, 1},
+    // Planes of luma first; colours follow.
+    {"nv12"},
+    {"nv21"},
+    {"nv24"},
+    {"i420"},
+    {"yv12"},
+});
+
+const Encoding* find(std::string_view name) {
+  const auto at = std::ranges::find(kEncodings, name, &Encoding::name);
+  return at == kEncodings.end() ? nullptr : &*at;
+}
+
+void swap_octets(cv::Mat* image) {
+  for (int y = 0; y < image->rows; ++y) {
+    auto* at = image->ptr<std::uint16_t>(y);
+    for (int i = 0; i < image->cols * image->channels(); ++i)
+      at[i] = static_cast<std::uint16_t>(at[i] << 8 | at[i] >> 8);
+  }
+}
+
+}  // namespace
+
+cv::Mat grey_of(const RawImage& image) {
+  constexpr std::size_t kMost = 1U << 15U;
+  const Encoding* e = find(image.encoding);
+  if (e == nullptr || image.width_px == 0 || image.height_px == 0 || image.width_px > kMost || image.height_px > kMost)
+    return {};
+  const std::size_t row = image.width_px * static_cast<std::size_t>(e->channels * e->bits / 8);
+  const std::size_t step = image.octets_per_row;
+  if (step < row || step > image.octets.size() || image.octets.size() - row < step * (image.height_px - 1)) return {};
+  // Copied, as values of 16 bits need not lie at even addresses there.
+  cv::Mat pixels(static_cast<int>(image.height_px), static_cast<int>(image.width_px),
+                 CV_MAKETYPE(e->bits == 16 ? CV_16U : CV_8U, e->channels));
+  for (std::size_t y = 0; y < image.height_px; ++y) {
+    std::memcpy(pixels.ptr(static_cast<int>(y)), image.octets.data() + y * step, row);
+  }
+  const bool swapped = image.big_endian != (std::endian::native == std::endian::big);
+  if (e->bits == 16 && swapped) swap_octets(&pixels);
+  cv::Mat grey;
+  if (e->luma >= 0) {
+    cv::extractChannel(pixels, grey, e->luma);
+  } else if (e->to_grey != kAsItIs) {
+    cv::cvtColor(pixels, grey, e->to_grey);
+  } else {
+    grey = pixels;
+  }
+  return grey;
+}
+
+bool is_known_encoding(std::string_view encoding) { return find(encoding) != nullptr; }
+
+std::string known_encodings() {
+  std::string out;
+  for (const Encoding& e : kEncodings) {
+    if (!out.empty()) out += &e == &kEncodings.back() ? " and " : ", ";
+    out += e.name;
+  }
+  return out;
+}
+
+}  // namespace coslam

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace coslam {
+
+// An image as a camera or a recording has it, by the names of ROS's sensor_msgs/Image.
+struct RawImage {
+  std::size_t width_px = 0, height_px = 0;
+  std::string_view encoding;
+  bool big_endian = false;         // of pixels with 16 bits a value
+  std::size_t octets_per_row = 0;  // of the first plane, padding included
+  std::span<const std::uint8_t> octets;
+};
+
+// Grey, CV_8UC1 or CV_16UC1: luma as it is, colours by the weights that luma has, Bayer patterns interpolated. Empty:
+// an encoding that is not known, or fewer octets than it takes.
+cv::Mat grey_of(const RawImage& image);
+
+bool is_known_encoding(std::string_view encoding);
+// For the user.
+std::string known_encodings();
+
+}  // namespace coslam
