@@ -57,10 +57,9 @@ class ZoomSteps {
     const auto after = std::ranges::lower_bound(zooms_, set, {}, &FrameZoom::set);
     if (after == zooms_.end()) return zooms_.back().log_zoom;
     if (after == zooms_.begin()) return after->log_zoom;
-    const auto before = after - 1;
-    const double sets = after->set.value - before->set.value, s = (set.value - before->set.value) / sets, r = 1 - s;
-    return r * r * (1 + 2 * s) * before->log_zoom + s * s * (1 + 2 * r) * after->log_zoom +
-           r * s * sets * (r * per_set(before) - s * per_set(after));
+    const FrameZoom& before = *(after - 1);
+    const double s = static_cast<double>(set.value - before.set.value) / (after->set.value - before.set.value);
+    return (1 - s) * before.log_zoom + s * after->log_zoom;
   }
   void move(SetId set, Eigen::Vector2f* undistorted_px) const {
     const Eigen::Vector2d here = camera_.normalized_from_pixel(undistorted_px->cast<double>());
@@ -70,13 +69,6 @@ class ZoomSteps {
   }
 
  private:
-  // Change at one of them, by those on both sides: between key images a cubic goes through them.
-  double per_set(std::span<const FrameZoom>::iterator at) const {
-    const FrameZoom& from = at == zooms_.begin() ? *at : *(at - 1);
-    const FrameZoom& to = at + 1 == zooms_.end() ? *at : *(at + 1);
-    return (to.log_zoom - from.log_zoom) / (to.set.value - from.set.value);
-  }
-
   const CameraModel& camera_;
   CorrectedLens lens_;
   Eigen::Vector2d centre_;
