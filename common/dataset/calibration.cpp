@@ -30,10 +30,13 @@ bool is_kalibr(const YamlValue& root) {
 CameraModel read_yaml(const YamlValue& root, const std::string& camera) {
   if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
   if (root.has("sensor_type")) return calibration::read_euroc(root);
-  if (has_any(root, {"Camera.fx", "Camera1.fx", "Camera.type"})) return calibration::read_orb_slam(root);
+  if (has_any(root, {"Camera.fx", "Camera1.fx", "Camera.type", "Camera"})) return calibration::read_orb_slam(root);
+  if (root.has("model_type")) return calibration::read_camodocal(root);
+  if (root.has("cameras")) return calibration::read_maplab(root, camera);
   if (is_kalibr(root)) return calibration::read_kalibr(root, camera);
   if (root.has("distortion_model") && has_any(root, {"camera_matrix", "k", "K"})) return calibration::read_ros(root);
   if (has_any(root, {"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"})) return calibration::read_opencv(root);
+  if (root.has("camera_model") && root.has("intrinsics")) return calibration::read_euroc(root);
   if (root.has("value0")) root.fail("the basalt form of a calibration is not supported");
   root.fail(
       "not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or EuRoC "
@@ -89,17 +92,49 @@ std::size_t coefficient_count(const CameraModel& camera) {
   return 0;
 }
 
+// The first line of the file that is not empty.
+std::string first_line(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  while (std::getline(stream, line)) {
+    if (!trimmed(line).empty()) return std::string(trimmed(line));
+  }
+  return {};
+}
+
+bool is_dso(const std::string& first) {
+  auto fields = split_fields(first);
+  const bool named = !fields.empty() && !parse_double(fields.front());
+  if (named) fields.erase(fields.begin());
+  return fields.size() >= 4 && fields.size() <= 9 &&
+         std::ranges::all_of(fields, [](std::string_view f) { return parse_double(f).has_value(); });
+}
+
 CameraModel read_any(const std::filesystem::path& file, const std::string& camera) {
   if (file.string().starts_with(kMcapScheme)) return calibration::read_recorded(file.string());
   if (is_colmap(file)) return calibration::read_colmap(file, camera);
+  const std::string first = first_line(file);
+  if (first.starts_with("# oST") || first == "[image]") return calibration::read_ost(file);
+  if (is_dso(first)) return calibration::read_dso(file);
+  if (first.starts_with("<?xml")) {
+    throw UserError(file.string() + ": OpenCV's XML is not read; its YAML is (cv2.FileStorage writes it to a .yaml)");
+  }
   return read_yaml(YamlValue::load(file), camera);
 }
 
 }  // namespace
 
-CameraModel load_calibration(const std::filesystem::path& file, const std::string& camera) {
+CalibrationFile calibration_file(const std::filesystem::path& name) {
+  const std::string text = name.string();
+  const std::size_t mark = text.rfind('#');
+  if (text.starts_with(kMcapScheme) || mark == std::string::npos || std::filesystem::exists(name)) return {name, ""};
+  return {text.substr(0, mark), text.substr(mark + 1)};
+}
+
+CameraModel load_calibration(const std::filesystem::path& name) {
+  const auto [file, camera] = calibration_file(name);
   const CameraModel model = read_any(file, camera);
-  if (const auto problem = problem_of(model)) throw UserError(file.string() + ": " + *problem);
+  if (const auto problem = problem_of(model)) throw UserError(name.string() + ": " + *problem);
   return model;
 }
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/base/text.h"
 #include "common/dataset/calibration_dialects.h"
+#include "common/dataset/lens_fit.h"
 
 namespace coslam::calibration {
 namespace {
@@ -27,25 +30,61 @@ const std::map<std::string, Layout, std::less<>> kLayouts = {
     {"OPENCV_FISHEYE", {false, DistortionModel::kEquidistant, 4}},
 };
 
-CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& where) {
-  const auto layout = kLayouts.find(fields[1]);
-  if (layout == kLayouts.end()) {
-    throw UserError(where + "the camera model '" + std::string(fields[1]) + "' is not supported");
+// Lenses that bend rays by their angle: the equidistant one with fewer or more terms.
+std::optional<CameraModel> parse_fisheye(CameraModel camera, const std::string& model, const std::vector<double>& v,
+                                         const std::string& where) {
+  const auto take = [&](std::initializer_list<double> k) {
+    camera.distortion = DistortionModel::kEquidistant;
+    std::ranges::copy(k, camera.coefficients.begin());
+    return camera;
+  };
+  const bool one_focal = model == "SIMPLE_RADIAL_FISHEYE" || model == "RADIAL_FISHEYE";
+  const std::size_t first = one_focal ? 5 : 6;
+  const std::size_t terms = model == "SIMPLE_RADIAL_FISHEYE" || model == "FOV" ? 1
+                            : model == "RADIAL_FISHEYE"                        ? 2
+                            : model == "THIN_PRISM_FISHEYE"                    ? 8
+                                                                               : 0;
+  if (terms == 0) return std::nullopt;
+  if (v.size() != first + terms) throw UserError(where + "the number of parameters does not fit the camera model");
+  camera.fx = v[2], camera.fy = v[one_focal ? 2 : 3];
+  camera.cx = v[first - 2] - 0.5, camera.cy = v[first - 1] - 0.5;
+  if (model == "FOV") {
+    const FittedLens fit = fit_equidistant(camera, field_of_view_lens(v[first]));
+    log_info(where + fit_said(model, fit));
+    return fit.camera;
   }
+  if (terms == 1) return take({v[first], 0, 0, 0});
+  if (terms == 2) return take({v[first], v[first + 1], 0, 0});
+  // What is left out moves places by p and s times the squared angle, at the farthest corner most.
+  const double x = std::max(camera.cx, camera.width_px - camera.cx) / camera.fx,
+               y = std::max(camera.cy, camera.height_px - camera.cy) / camera.fy, r2 = x * x + y * y;
+  const double p = std::abs(v[first + 2]) + std::abs(v[first + 3]), s = std::abs(v[first + 6]) + std::abs(v[first + 7]);
+  const FittedLens fit{take({v[first], v[first + 1], v[first + 4], v[first + 5]}),
+                       std::max(camera.fx, camera.fy) * (3 * p + s) * r2};
+  if (p + s > 0) log_warn(where + fit_said(model, fit));
+  return fit.camera;
+}
+
+CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& where) {
   std::vector<double> v;
   for (std::size_t i = 2; i < fields.size(); ++i) {
     const auto number = parse_double(fields[i]);
     if (!number) throw UserError(where + "'" + std::string(fields[i]) + "' is not a number");
     v.push_back(*number);
   }
+  CameraModel camera;
+  camera.width_px = static_cast<int>(std::clamp(v[0], -1.0, 1e6));
+  camera.height_px = static_cast<int>(std::clamp(v[1], -1.0, 1e6));
+  if (const auto fisheye = parse_fisheye(camera, std::string(fields[1]), v, where)) return *fisheye;
+  const auto layout = kLayouts.find(fields[1]);
+  if (layout == kLayouts.end()) {
+    throw UserError(where + "the camera model '" + std::string(fields[1]) + "' is not supported");
+  }
   const auto& [one_focal, distortion, coefficients] = layout->second;
   const std::size_t first = 2 + (one_focal ? 3 : 4);
   if (v.size() != first + static_cast<std::size_t>(coefficients)) {
     throw UserError(where + "the number of parameters does not fit the camera model");
   }
-  CameraModel camera;
-  camera.width_px = static_cast<int>(std::clamp(v[0], -1.0, 1e6));
-  camera.height_px = static_cast<int>(std::clamp(v[1], -1.0, 1e6));
   camera.fx = v[2];
   camera.fy = one_focal ? v[2] : v[3];
   // The centre of COLMAP's first pixel is (0.5, 0.5), ours is (0, 0).
@@ -61,13 +100,19 @@ CameraModel parse_camera(const std::vector<std::string_view>& fields, const std:
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera) {
   std::ifstream stream(cameras_txt);
   std::string line;
+  std::string names;
+  std::optional<CameraModel> found;
   for (int number = 1; std::getline(stream, line); ++number) {
     const auto fields = split_fields(line);
     if (fields.empty() || fields[0].starts_with('#')) continue;
     const std::string where = cameras_txt.string() + ":" + std::to_string(number) + ": ";
     if (fields.size() < 5) throw UserError(where + "not a line `ID MODEL WIDTH HEIGHT PARAMS`");
-    if (camera.empty() || fields[0] == camera) return parse_camera(fields, where);
+    if (!camera.empty() && fields[0] != camera) continue;
+    if (!camera.empty() || !found) found = parse_camera(fields, where);
+    names += (names.empty() ? "" : ", ") + std::string(fields[0]);
   }
+  if (names.find(',') != std::string::npos) throw UserError(cameras_txt.string() + ": " + several_cameras(names));
+  if (found) return *found;
   throw UserError(cameras_txt.string() + ": there is no camera" + (camera.empty() ? "" : " '" + camera + "'") +
                   " in it");
 }

@@ -3,7 +3,13 @@
 #include "common/dataset/calibration_dialects.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
+#include <sstream>
+
+#include "common/base/log.h"
+#include "common/dataset/lens_fit.h"
 
 namespace coslam::calibration {
 namespace {
@@ -47,9 +53,25 @@ YamlValue required(const YamlValue& root, const std::vector<std::string>& names)
   return value ? *value : root.at(names.front());
 }
 
+// The terms s1 to s4 of a thin prism, from the ninth on, move a place by them times the squared and the fourth power of
+// its distance from the middle.
+void leave_out_prism(const CameraModel& camera, const YamlValue& place, std::vector<double>* k) {
+  k->resize(12);
+  const double x = std::max(camera.cx, camera.width_px - camera.cx) / camera.fx,
+               y = std::max(camera.cy, camera.height_px - camera.cy) / camera.fy, r2 = x * x + y * y;
+  const double along_x = (*k)[8] * r2 + (*k)[9] * r2 * r2, along_y = (*k)[10] * r2 + (*k)[11] * r2 * r2;
+  std::ostringstream miss;
+  miss.precision(2);
+  miss << std::hypot(camera.fx * along_x, camera.fy * along_y);
+  log_warn(place.file().string() + ": the terms of a thin prism are left out, which is " + miss.str() +
+           " pixels off in the farthest corner");
+  k->resize(8);
+}
+
 void set_radtan(CameraModel& camera, const YamlValue& place, std::vector<double> k) {
   while (k.size() > 8 && k.back() == 0) k.pop_back();
-  if (k.size() > 8) place.fail("thin prism and tilted sensor coefficients are not supported");
+  if (k.size() > 12) place.fail("coefficients of a tilted sensor are not supported");
+  if (k.size() > 8) leave_out_prism(camera, place, &k);
   const bool all_zero = std::all_of(k.begin(), k.end(), [](double v) { return v == 0; });
   if (!all_zero && k.size() != 4 && k.size() != 5 && k.size() != 8) {
     place.fail(std::to_string(k.size()) + " radtan coefficients, 4, 5 or 8 are expected (k1 k2 p1 p2 k3 k4 k5 k6)");
@@ -75,13 +97,29 @@ void set_sphere(CameraModel& camera, const YamlValue& place, DistortionModel mod
   camera.fy /= 1 + k[0];
 }
 
+void set_fit(CameraModel& camera, const YamlValue& place, const char* model, const RadiusOfAngle& radius) {
+  const FittedLens fit = fit_equidistant(camera, radius);
+  log_info(place.file().string() + ": " + fit_said(model, fit));
+  camera = fit.camera;
+}
+
+void set_eucm(CameraModel& camera, const YamlValue& section) {
+  const YamlValue intrinsics = section.at("intrinsics");
+  const auto v = intrinsics.numbers();
+  if (v.size() != 6) intrinsics.fail("[alpha, beta, fx, fy, cx, cy] is expected");
+  if (!(v[0] >= 0 && v[0] <= 1 && v[1] > 0)) intrinsics.fail("alpha from 0 to 1 and beta above 0 are expected");
+  camera.fx = v[2], camera.fy = v[3], camera.cx = v[4], camera.cy = v[5];
+  set_fit(camera, section, "eucm", extended_unified_lens(v[0], v[1]));
+}
+
 // Kalibr's projection and distortion models as one lens, its first numbers before fx fy cx cy.
 void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   const YamlValue model = section.at("camera_model"), intrinsics = section.at("intrinsics");
   const std::string name = model.text();
   const std::size_t before = name == "ds" ? 2 : name == "omni" ? 1 : 0;
+  if (name == "eucm") return set_eucm(camera, section);
   if (before == 0 && name != "pinhole") {
-    model.fail("the camera model '" + name + "' is not supported, only pinhole, ds and omni are");
+    model.fail("the camera model '" + name + "' is not supported, only pinhole, ds, omni and eucm are");
   }
   const auto v = intrinsics.numbers();
   if (v.size() != before + 4) {
@@ -94,7 +132,9 @@ void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   auto k = coefficients ? coefficients->numbers() : std::vector<double>();
   if (before == 0) {
     const YamlValue distortion = section.at("distortion_model");
-    return set_distortion(camera, distortion, distortion.text(), k);
+    if (distortion.text() != "fov") return set_distortion(camera, distortion, distortion.text(), k);
+    if (k.size() != 1) coefficients->fail("one number is expected, the angle w of the lens");
+    return set_fit(camera, section, "fov", field_of_view_lens(k.front()));
   }
   if (const auto distortion = section.find("distortion_model")) {
     const std::string bent = distortion->text();
@@ -137,7 +177,8 @@ void set_distortion(CameraModel& camera, const YamlValue& place, const std::stri
   switch (found->second) {
     case DistortionModel::kNone:
     case DistortionModel::kUnknown:
-      if (!coefficients.empty()) place.fail("the distortion model '" + model + "' has no coefficients");
+      if (std::ranges::any_of(coefficients, [](double k) { return k != 0; }))
+        place.fail("the distortion model '" + model + "' has no coefficients");
       camera.distortion = found->second;
       return;
     case DistortionModel::kRadTan:
@@ -195,31 +236,63 @@ CameraModel read_opencv(const YamlValue& root) {
 }
 
 CameraModel read_orb_slam(const YamlValue& root) {
-  const std::string lens = root.has("Camera1.fx") ? "Camera1." : "Camera.";
+  // Nested, as stella_vslam has it today, the keys are without "Camera.".
+  const auto nested = root.find("Camera");
+  const YamlValue& from = nested ? *nested : root;
+  const std::string of_camera = nested ? "" : "Camera.", lens = root.has("Camera1.fx") ? "Camera1." : of_camera;
   CameraModel camera;
-  camera.width_px = pixels(root.at("Camera.width"));
-  camera.height_px = pixels(root.at("Camera.height"));
-  camera.fx = root.at(lens + "fx").number();
-  camera.fy = root.at(lens + "fy").number();
-  camera.cx = root.at(lens + "cx").number();
-  camera.cy = root.at(lens + "cy").number();
-  const auto type = root.find("Camera.type");
+  camera.width_px = pixels(required(from, {of_camera + "width", of_camera + "cols"}));
+  camera.height_px = pixels(required(from, {of_camera + "height", of_camera + "rows"}));
+  camera.fx = from.at(lens + "fx").number();
+  camera.fy = from.at(lens + "fy").number();
+  camera.cx = from.at(lens + "cx").number();
+  camera.cy = from.at(lens + "cy").number();
+  const auto type = first_of(from, {of_camera + "type", of_camera + "model"});
   const std::string model = type ? type->text() : "PinHole";
   const auto coefficient = [&](const char* name) {
-    const auto value = root.find(lens + name);
+    const auto value = from.find(lens + name);
     return value ? value->number() : 0.0;
   };
   if (model == "Rectified") return camera;
-  if (model == "KannalaBrandt8") {
+  if (model == "KannalaBrandt8" || model == "fisheye") {
+    for (const char* foreign : {"p1", "p2"}) {
+      if (coefficient(foreign) != 0) from.at(lens + foreign).fail("is no term of the lens '" + model + "'");
+    }
     set_distortion(camera, root, model, {coefficient("k1"), coefficient("k2"), coefficient("k3"), coefficient("k4")});
-  } else if (model == "PinHole" || model == "Pinhole") {
+  } else if (model == "PinHole" || model == "Pinhole" || model == "perspective") {
     set_distortion(camera, root, "radtan",
                    {coefficient("k1"), coefficient("k2"), coefficient("p1"), coefficient("p2"), coefficient("k3")});
   } else {
-    type->fail("the camera model '" + model + "' is not supported, only PinHole, Rectified and KannalaBrandt8 are");
+    type->fail("the camera model '" + model +
+               "' is not supported, only PinHole, perspective, Rectified, KannalaBrandt8 and fisheye are");
   }
   return camera;
 }
+
+namespace {
+
+// Its lens is that of the whole sensor; its images may be a part of that, in which pixels were taken together.
+void take_region(CameraModel& camera, const YamlValue& root) {
+  const auto count = [](const std::optional<YamlValue>& value, int without) {
+    return value ? std::max(without, pixels(*value)) : without;
+  };
+  if (const auto region = root.find("roi"); region && region->is_map()) {
+    const int x = count(region->find("x_offset"), 0), y = count(region->find("y_offset"), 0);
+    const int width = count(region->find("width"), 0), height = count(region->find("height"), 0);
+    if (width > 0 && height > 0) {
+      camera.width_px = width, camera.height_px = height;
+      camera.cx -= x, camera.cy -= y;
+    }
+  }
+  const int along_x = count(root.find("binning_x"), 1), along_y = count(root.find("binning_y"), 1);
+  camera.width_px /= along_x, camera.height_px /= along_y;
+  camera.fx /= along_x, camera.fy /= along_y;
+  // The centre of the first pixel is that of those that it is made of.
+  camera.cx = (camera.cx + 0.5) / along_x - 0.5;
+  camera.cy = (camera.cy + 0.5) / along_y - 0.5;
+}
+
+}  // namespace
 
 CameraModel read_ros(const YamlValue& root) {
   CameraModel camera;
@@ -230,11 +303,20 @@ CameraModel read_ros(const YamlValue& root) {
   const YamlValue model = root.at("distortion_model");
   const auto values = matrix_data(coefficients);
   // An undistorted camera is published with an empty model and no coefficients.
-  set_distortion(camera, model, model.text().empty() && values.empty() ? "none" : model.text(), values);
+  set_distortion(camera, model, model.text().empty() ? "none" : model.text(), values);
+  take_region(camera, root);
   return camera;
 }
 
 CameraModel read_kalibr(const YamlValue& root, const std::string& camera_name) {
+  std::string names;
+  for (const std::string& key : root.keys()) {
+    if (key.starts_with("cam")) names += (names.empty() ? "" : ", ") + key;
+  }
+  if (camera_name.empty() && names.find(',') != std::string::npos) root.fail(several_cameras(names));
+  if (!camera_name.empty() && !root.has(camera_name)) {
+    root.fail("there is no camera '" + camera_name + "', of these there are: " + names);
+  }
   const YamlValue section = root.at(camera_name.empty() ? root.keys().front() : camera_name);
   CameraModel camera;
   set_size(camera, section.at("resolution"));
@@ -243,8 +325,8 @@ CameraModel read_kalibr(const YamlValue& root, const std::string& camera_name) {
 }
 
 CameraModel read_euroc(const YamlValue& root) {
-  const YamlValue type = root.at("sensor_type");
-  if (type.text() != "camera") type.fail("the sensor is a '" + type.text() + "', not a camera");
+  const auto type = root.find("sensor_type");  // Kimera leaves it out
+  if (type && type->text() != "camera") type->fail("the sensor is a '" + type->text() + "', not a camera");
   const YamlValue model = root.at("camera_model");
   if (model.text() != "pinhole") {
     model.fail("the camera model '" + model.text() + "' is not supported, only pinhole is");

@@ -14,13 +14,20 @@ namespace coslam::calibration {
 
 CameraModel read_plain(const YamlValue& root);
 CameraModel read_opencv(const YamlValue& root);    // camera_matrix as !!opencv-matrix
-CameraModel read_orb_slam(const YamlValue& root);  // Camera.fx or Camera1.fx
+CameraModel read_orb_slam(const YamlValue& root);  // Camera.fx or Camera1.fx; also of stella_vslam, flat or nested
 CameraModel read_ros(const YamlValue& root);       // camera_info, from a file or from a topic
 CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
 CameraModel read_euroc(const YamlValue& root);
+CameraModel read_camodocal(const YamlValue& root);
+CameraModel read_maplab(const YamlValue& root, const std::string& camera);
+CameraModel read_ost(const std::filesystem::path& file);  // of ROS's camera_calibration
+CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
 CameraModel read_recorded(const std::string& name);  // the first CameraInfo of mcap:FILE#TOPIC
+
+// For a file from which nobody said which camera is meant.
+std::string several_cameras(const std::string& names);
 
 // Sets model and coefficients from a model name of any dialect. Refuses unknown models and counts.
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,

@@ -28,6 +28,9 @@ std::string as_file(const ros::CameraInfo& info) {
        << info.distortion_model << "\"\n";
   put(text, "k", info.k);
   put(text, "d", info.d);
+  text << "binning_x: " << info.binning_x << "\nbinning_y: " << info.binning_y
+       << "\nroi: {x_offset: " << info.roi.x_offset << ", y_offset: " << info.roi.y_offset
+       << ", width: " << info.roi.width << ", height: " << info.roi.height << "}\n";
   return text.str();
 }
 
@@ -43,8 +46,6 @@ CameraModel read_recorded(const std::string& name) {
   const auto* octets = reinterpret_cast<const std::uint8_t*>(message->octets.data());
   const auto info = ros::from_cdr<ros::CameraInfo>(std::span(octets, message->octets.size()));
   if (!info) throw UserError(name + ": its first message is damaged");
-  if (info->binning_x > 1 || info->binning_y > 1 || info->roi.width != 0 || info->roi.height != 0)
-    throw UserError(name + ": a part of the sensor, or binned pixels, are not supported");
   std::istringstream text(as_file(*info));
   return read_ros(YamlValue::parse(text, name));
 }

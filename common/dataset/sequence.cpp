@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/config/rigs.h"
 #include "common/config/yaml_value.h"
+#include "common/dataset/calibration.h"
 #include "common/dataset/recorded_topic.h"
 
 namespace coslam {
@@ -40,6 +41,14 @@ fs::path existing_path_or_topic(const YamlValue& value) {
   topic.file = (fs::absolute(value.file()).parent_path() / topic.file).lexically_normal();
   if (!fs::exists(topic.file)) value.fail("there is no " + topic.file.string());
   return std::string(kMcapScheme) + topic.file.string() + (topic.topic.empty() ? "" : "#" + topic.topic);
+}
+
+fs::path existing_calibration(const YamlValue& value) {
+  if (value.text().starts_with(kMcapScheme)) return existing_path_or_topic(value);
+  const fs::path name = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
+  const fs::path file = calibration_file(name).file;
+  if (!fs::exists(file)) value.fail("there is no " + file.string());
+  return name;
 }
 
 std::optional<fs::path> optional_path(const YamlValue& parent, const std::string& key) {
@@ -81,7 +90,7 @@ SequenceAgent read_agent(const YamlValue& value) {
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
   agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
-  if (const auto calibration = value.find("calibration")) agent.calibration = existing_path_or_topic(*calibration);
+  if (const auto calibration = value.find("calibration")) agent.calibration = existing_calibration(*calibration);
   if (const auto start = value.find("start_s")) {
     agent.start_is_open = start->text() == "auto";
     if (agent.start_is_open && is_uri(agent.source)) start->fail("auto is for recordings");

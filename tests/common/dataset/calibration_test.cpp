@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 class Calibration : public ::testing::Test {
  protected:
   CameraModel load(const std::string& text, const std::string& camera = "") {
-    return load_calibration(folder_.write("calib.yaml", text), camera);
+    return load_calibration(folder_.write("calib.yaml", text).string() + (camera.empty() ? "" : "#" + camera));
   }
   std::string error(const std::string& text, const std::string& camera = "") {
     return test::error_of<UserError>([&] { load(text, camera); });
@@ -79,7 +79,8 @@ camera_matrix: !!opencv-matrix
   EXPECT_THAT(c.coefficients, ElementsAre(-0.3, 0.1, 1e-4, 2e-5, 0.01, 0, 0, 0));
   expect_camera(load(head + distortion("1,2,3,4,5,6,7,8,0,0,0,0")), DistortionModel::kRadTan);
   expect_camera(load(head + "fisheye_model: 1\n" + distortion("0.1,0,0,0")), DistortionModel::kEquidistant);
-  EXPECT_THAT(error(head + distortion("1,2,3,4,5,6,7,8,9,0,0,0")), HasSubstr("thin prism"));
+  expect_camera(load(head + distortion("0.1,0.2,0,0,0,0,0,0,0.001,0,0,0")), DistortionModel::kRadTan);
+  EXPECT_THAT(error(head + distortion("1,2,3,4,5,6,7,8,9,0,0,0,0.1,0")), HasSubstr("tilted sensor"));
   EXPECT_THAT(error(head), HasSubstr("'distortion_coefficients' is missing"));
 }
 
@@ -130,12 +131,15 @@ TEST_F(Calibration, Kalibr) {
   };
   const std::string chain =
       camera("cam0", "pinhole", "radtan", "458.5") + camera("cam1", "pinhole", "equidistant", "400");
-  expect_camera(load(chain), DistortionModel::kRadTan);
+  expect_camera(load(chain, "cam0"), DistortionModel::kRadTan);
+  expect_camera(load(camera("cam0", "pinhole", "radtan", "458.5")), DistortionModel::kRadTan);
+  EXPECT_THAT(error(chain), HasSubstr("several cameras in it (cam0, cam1): name one, as FILE#CAMERA"));
   EXPECT_EQ(load(chain, "cam1").fx, 400);
   EXPECT_EQ(load(chain, "cam1").distortion, DistortionModel::kEquidistant);
-  EXPECT_THAT(error(chain, "cam7"), HasSubstr("the key 'cam7' is missing"));
-  EXPECT_THAT(error(camera("cam0", "eucm", "radtan", "458.5")), HasSubstr("the camera model 'eucm' is not supported"));
-  EXPECT_THAT(error(camera("cam0", "pinhole", "fov", "458.5")), HasSubstr("'fov' is not supported"));
+  EXPECT_THAT(error(chain, "cam7"), HasSubstr("there is no camera 'cam7', of these there are: cam0, cam1"));
+  EXPECT_THAT(error(camera("cam0", "eucm", "radtan", "458.5")), HasSubstr("[alpha, beta, fx, fy, cx, cy]"));
+  EXPECT_THAT(error(camera("cam0", "ucm", "radtan", "458.5")), HasSubstr("the camera model 'ucm' is not supported"));
+  EXPECT_THAT(error(camera("cam0", "pinhole", "fov", "458.5")), HasSubstr("one number is expected"));
 }
 
 TEST_F(Calibration, KalibrSpheres) {
@@ -189,7 +193,10 @@ TEST_F(Calibration, Colmap) {
   expect_camera(load("7 OPENCV_FISHEYE 752 480 458.5 457.5 367.5 248.5 1 2 3 4\n"), DistortionModel::kEquidistant);
   EXPECT_EQ(load("1 SIMPLE_RADIAL 752 480 400 367.5 248.5 0.1\n").fy, 400);
   EXPECT_EQ(load("1 PINHOLE 640 480 1 1 1 1\n2 PINHOLE 752 480 400 400 367 248\n", "2").width_px, 752);
-  EXPECT_THAT(error("1 FOV 752 480 1 2 3 4 5\n"), HasSubstr("calib.yaml:1: the camera model 'FOV' is not supported"));
+  EXPECT_THAT(error("1 DIVISION 752 480 1 2 3 4 5\n"),
+              HasSubstr("calib.yaml:1: the camera model 'DIVISION' is not supported"));
+  EXPECT_THAT(error("1 PINHOLE 640 480 1 1 1 1\n2 PINHOLE 752 480 400 400 367 248\n"),
+              HasSubstr("several cameras in it (1, 2)"));
   EXPECT_THAT(error("1 OPENCV 752 480 1 2 3 4 5\n"), HasSubstr("number of parameters"));
 }
 
