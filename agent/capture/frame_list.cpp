@@ -10,8 +10,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
-#include "agent/capture/stamps.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
 
@@ -59,10 +59,12 @@ FrameList timed(const std::string& name, const std::vector<WrittenFrame>& writte
   times.reserve(written.size());
   for (const WrittenFrame& frame : written) times.push_back(frame.time);
   FrameList list;
-  const auto meant = source_times(name, times, unit, &list.guesses);
+  SourceTimes meant = source_times(name, times, unit);
   for (std::size_t i = 0; i < written.size(); ++i) {
-    if (meant[i]) list.frames.push_back({*meant[i], written[i].file});
+    if (meant.source_ns[i]) list.frames.push_back({*meant.source_ns[i], written[i].file});
   }
+  list.zero_ns = meant.zero_ns;
+  list.guesses = std::move(meant.guesses);
   return list;
 }
 
@@ -243,12 +245,10 @@ FrameList list_folder(const fs::path& folder, double rate_hz) {
   return list_images(folder, rate_hz);
 }
 
-ImageTimes read_times(const fs::path& file) {
+SourceTimes read_times(const fs::path& file) {
   std::vector<WrittenTime> times;
   for (const WrittenFrame& frame : read_time_lines(file)) times.push_back(frame.time);
-  ImageTimes out;
-  out.source_ns = source_times(file.string(), times, TimeUnit::kSeconds, &out.guesses);
-  return out;
+  return source_times(file.string(), times, TimeUnit::kSeconds);
 }
 
 }  // namespace coslam

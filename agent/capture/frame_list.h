@@ -3,10 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "agent/capture/stamps.h"
 #include "common/base/time.h"
 
 namespace coslam {
@@ -20,6 +20,7 @@ struct ListedFrame {
 // UserError with file and line.
 struct FrameList {
   std::vector<ListedFrame> frames;
+  TimeNs zero_ns = 0;                // where their times count from, as it was written
   std::vector<std::string> guesses;  // sentences for the user
 };
 
@@ -33,10 +34,6 @@ FrameList list_images(const std::filesystem::path& folder, double rate_hz);
 FrameList list_folder(const std::filesystem::path& folder, double rate_hz);
 
 // One time a line, see source_times(): one for each image, none where it is to be left out.
-struct ImageTimes {
-  std::vector<std::optional<TimeNs>> source_ns;
-  std::vector<std::string> guesses;
-};
-ImageTimes read_times(const std::filesystem::path& file);
+SourceTimes read_times(const std::filesystem::path& file);
 
 }  // namespace coslam

@@ -41,6 +41,16 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
   return options.covered.empty() ? std::move(source) : covered_at_times(std::move(source), options.covered);
 }
 
+std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) {
+  if (is_live_uri(uri) || !std::filesystem::exists(uri)) return std::nullopt;
+  const auto list = listed(uri, rate_hz);
+  if (!list) return std::nullopt;
+  ListedTimes out;
+  for (const ListedFrame& frame : list->frames) out.source_ns.push_back(frame.source_ns);
+  out.zero_ns = list->zero_ns;
+  return out;
+}
+
 std::filesystem::path first_file(const std::string& uri, double rate_hz) {
   if (is_live_uri(uri) || !std::filesystem::exists(uri)) return {};
   const auto frames = listed(uri, rate_hz);

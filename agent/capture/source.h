@@ -50,6 +50,13 @@ struct SourceOptions {
 // Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
 
+// Of the images of a source that is a list of them.
+struct ListedTimes {
+  std::vector<TimeNs> source_ns;
+  TimeNs zero_ns = 0;  // where these count from, as it was written: UTC where it is a date
+};
+std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz);
+
 // The file that tells most about how a source was taken: a video, or the first of its images. Empty: there is none, as
 // of live sources.
 std::filesystem::path first_file(const std::string& uri, double rate_hz);

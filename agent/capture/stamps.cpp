@@ -127,36 +127,36 @@ std::optional<WrittenTime> parse_written_time(std::string_view text) {
   return normalised(static_cast<std::int64_t>(floor), std::llround(1e9 * (*value - floor)));
 }
 
-std::vector<std::optional<TimeNs>> source_times(const std::string& name, const std::vector<WrittenTime>& written,
-                                                TimeUnit usual, std::vector<std::string>* guesses) {
+SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual) {
   constexpr double kHour_s = 3600, kDates_s = 1e8;  // 1973
-  std::vector<std::optional<TimeNs>> out;
+  SourceTimes out;
   if (written.empty()) return out;
-  const Unit& unit = unit_of(name, written, usual, guesses);
+  const Unit& unit = unit_of(name, written, usual, &out.guesses);
   const std::int64_t ns_per_unit = kBillion / unit.per_second;
   const double first_s = units_since(written.front(), {}) / static_cast<double>(unit.per_second);
   const bool from_first = usual == TimeUnit::kNanoseconds || first_s < 0 || first_s > kHour_s;
   if (from_first && (first_s < 0 || (first_s > kHour_s && first_s < kDates_s && usual == TimeUnit::kSeconds))) {
-    guesses->push_back(name + ": its first image is at " + short_number(first_s) + " s; times count from there");
+    out.guesses.push_back(name + ": its first image is at " + short_number(first_s) + " s; times count from there");
   }
   const WrittenTime zero = from_first ? written.front() : WrittenTime();
+  if (std::abs(first_s) < 9e9) out.zero_ns = zero.whole * ns_per_unit + zero.billionths * ns_per_unit / kBillion;
   std::size_t repeated = 0;
   for (std::size_t i = 0; i < written.size(); ++i) {
     const WrittenTime& t = written[i];
     if (i > 0 && t == written[i - 1]) {
       ++repeated;
-      out.emplace_back();
+      out.source_ns.emplace_back();
       continue;
     }
     const std::int64_t units = t.whole - zero.whole, billionths = t.billionths - zero.billionths;
     if (std::abs(static_cast<double>(units)) * static_cast<double>(ns_per_unit) > 9e18) {
       throw UserError(name + ": its times span more than 290 years");
     }
-    out.emplace_back(units * ns_per_unit + billionths * ns_per_unit / kBillion);
+    out.source_ns.emplace_back(units * ns_per_unit + billionths * ns_per_unit / kBillion);
   }
   if (repeated > 0) {
-    guesses->push_back(name + ": " + std::to_string(repeated) + (repeated == 1 ? " image has" : " images have") +
-                       " the time of the one before; left out");
+    out.guesses.push_back(name + ": " + std::to_string(repeated) + (repeated == 1 ? " image has" : " images have") +
+                          " the time of the one before; left out");
   }
   return out;
 }

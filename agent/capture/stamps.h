@@ -25,14 +25,19 @@ std::optional<WrittenTime> parse_written_time(std::string_view text);
 // The unit that times of a list should be in.
 enum class TimeUnit : std::uint8_t { kSeconds, kNanoseconds };
 
+struct SourceTimes {
+  std::vector<std::optional<TimeNs>> source_ns;  // by image; empty: it is left out
+  TimeNs zero_ns = 0;                            // where they count from, as it was written
+  std::vector<std::string> guesses;              // sentences for the user
+};
+
 // Source times of images that come one after another, ascending; empty for an image whose time is that of the one
-// before, which is left out. What is guessed is added to `guesses`, sentences for the user with `name` in front:
+// before, which is left out. What is guessed is said in `guesses`, with `name` in front:
 // - the unit, where in the usual one the images would come more seldom than every 5 s or more often than 1000 times a
 //   second: the one of s, ms, us, ns in which their rate is most like a camera's;
 // - that times are counted from the first image, where they begin before 0 or later than an hour (as clocks do that
 //   count since a machine was started). Dates are counted from the first without a word.
 // Throws UserError where no unit makes a rate of them.
-std::vector<std::optional<TimeNs>> source_times(const std::string& name, const std::vector<WrittenTime>& written,
-                                                TimeUnit usual, std::vector<std::string>* guesses);
+SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual);
 
 }  // namespace coslam

@@ -20,7 +20,7 @@ class VideoTimes {
       : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
     const auto beside = times_beside(video);
     if (!beside) return;
-    ImageTimes times = read_times(*beside);
+    SourceTimes times = read_times(*beside);
     for (const std::string& guess : times.guesses) log_warn(guess);
     stamps_ = std::move(times.source_ns);
   }

@@ -9,6 +9,7 @@
 #include "deploy/tools/commands.h"
 #include "deploy/tools/eval/evaluation.h"
 #include "deploy/tools/eval/report.h"
+#include "deploy/tools/eval/truth.h"
 #include "deploy/tools/plot/top_view.h"
 #include "deploy/tools/result_argument.h"
 #include "deploy/tools/sequence_argument.h"
@@ -85,7 +86,13 @@ int evaluate_result(const EvalArguments& arguments) {
     std::printf("%s  written: %s, %s\n", eval::to_text(evaluation).c_str(), result.evaluation().c_str(),
                 result.top_view().c_str());
   }
-  return 0;
+  bool told = false;
+  for (const eval::AgentPaths& agent : agents) {
+    const std::string apart = eval::times_apart(agent.name, agent.estimate, agent.truth);
+    if (!apart.empty()) std::fprintf(stderr, "coslam: %s\n", apart.c_str());
+    told = told || !apart.empty();
+  }
+  return told && !evaluation.alignment.target_from_source ? 1 : 0;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "common/base/error.h"
 #include "deploy/tools/eval/evaluation.h"
+#include "deploy/tools/eval/truth.h"
 
 namespace coslam::eval {
 namespace {
@@ -23,16 +24,6 @@ int frames_of(const nlohmann::json& agents, const std::string& name) {
 
 Trajectory load_if_there(const std::filesystem::path& file) {
   return std::filesystem::exists(file) ? load_tum(file) : Trajectory();
-}
-
-// In the time that was played.
-Trajectory played_truth(const SequenceAgent& agent) {
-  if (!agent.truth) return {};
-  Trajectory truth = load_tum(*agent.truth);
-  const TimeNs later_ns = to_ns(agent.start_s - agent.truth_start_s);
-  for (StampedPose& pose : truth) pose.t_ns -= later_ns;
-  if (agent.duration_s) std::erase_if(truth, [&](const StampedPose& p) { return p.t_ns >= to_ns(*agent.duration_s); });
-  return truth;
 }
 
 std::optional<double> percent_of(std::optional<double> part, std::optional<double> whole) {
@@ -177,7 +168,7 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
     if (contents.reported && !holds(contents.agents, agent.name)) continue;
     any = any || std::filesystem::exists(result.trajectory(agent.name));
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
-                      played_truth(agent), frames_of(reported, agent.name)});
+                      load_truth(agent, sequence.rate_hz), frames_of(reported, agent.name)});
     for (std::size_t i = 1; i < contents.maps.size(); ++i) {
       const ResultMap& map = contents.maps[i];
       if (!holds(map.agents, agent.name)) continue;

@@ -30,29 +30,24 @@ TEST(WrittenTimes, AreReadToTheLastDigit) {
 }
 
 // Of these, written as text.
-struct Meant {
-  std::vector<std::optional<TimeNs>> times_ns;
-  std::vector<std::string> guesses;
-};
-Meant meant(const std::vector<std::string>& texts, TimeUnit usual = TimeUnit::kSeconds) {
+SourceTimes meant(const std::vector<std::string>& texts, TimeUnit usual = TimeUnit::kSeconds) {
   std::vector<WrittenTime> written;
   for (const std::string& text : texts) written.push_back(parse_written_time(text).value());
-  Meant out;
-  out.times_ns = source_times("times.txt", written, usual, &out.guesses);
-  return out;
+  return source_times("times.txt", written, usual);
 }
 
 TEST(SourceTimes, InTheUsualUnitNothingIsGuessed) {
-  const Meant m = meant({"0.5", "0.54", "0.58"});
-  EXPECT_THAT(m.times_ns, ElementsAre(500'000'000, 540'000'000, 580'000'000));
+  const SourceTimes m = meant({"0.5", "0.54", "0.58"});
+  EXPECT_THAT(m.source_ns, ElementsAre(500'000'000, 540'000'000, 580'000'000));
   EXPECT_TRUE(m.guesses.empty());
   EXPECT_TRUE(meant({"1403636579763555584", "1403636579813555584"}, TimeUnit::kNanoseconds).guesses.empty());
 }
 
 TEST(SourceTimes, DatesCountFromTheFirst) {
-  for (const Meant& m : {meant({"1305031102.175304", "1305031102.211214"}),
-                         meant({"2011-09-26 13:02:25.964389", "2011-09-26 13:02:26.000299"})}) {
-    EXPECT_THAT(m.times_ns, ElementsAre(0, 35'910'000));
+  for (const SourceTimes& m : {meant({"1305031102.175304", "1305031102.211214"}),
+                               meant({"2011-09-26 13:02:25.964389", "2011-09-26 13:02:26.000299"})}) {
+    EXPECT_THAT(m.source_ns, ElementsAre(0, 35'910'000));
+    EXPECT_GT(m.zero_ns, 1'300'000'000'000'000'000);
     EXPECT_TRUE(m.guesses.empty());
   }
 }
@@ -76,10 +71,10 @@ TEST(SourceTimes, TheRateTellsTheUnit) {
                 TimeUnit::kNanoseconds,
                 "microseconds"},
        }) {
-    const Meant m = meant(c.texts, c.usual);
-    ASSERT_EQ(m.times_ns.size(), 4U);
-    EXPECT_EQ(m.times_ns.front(), 0);
-    EXPECT_NEAR(static_cast<double>(*m.times_ns.back()), 1e8, 1e6) << c.unit;
+    const SourceTimes m = meant(c.texts, c.usual);
+    ASSERT_EQ(m.source_ns.size(), 4U);
+    EXPECT_EQ(m.source_ns.front(), 0);
+    EXPECT_NEAR(static_cast<double>(*m.source_ns.back()), 1e8, 1e6) << c.unit;
     ASSERT_EQ(m.guesses.size(), 1U);
     EXPECT_THAT(m.guesses.front(), HasSubstr(std::string("taken for ") + c.unit));
     EXPECT_THAT(m.guesses.front(), HasSubstr("times.txt: "));
@@ -90,25 +85,25 @@ TEST(SourceTimes, OneThatIsInNoUnitACamerasIsRefused) {
   const std::string error = test::error_of<UserError>([] { meant({"0", "2e10", "4e10"}); });
   EXPECT_THAT(error,
               HasSubstr("times.txt: in seconds its images would come 5e-11 times a second, and in no other unit"));
-  EXPECT_EQ(meant({"5"}).times_ns.size(), 1U) << "one has no rate";
+  EXPECT_EQ(meant({"5"}).source_ns.size(), 1U) << "one has no rate";
 }
 
 TEST(SourceTimes, AClockThatCountsSinceTheMachineWasStartedCountsFromTheFirst) {
-  const Meant m = meant({"123456.7", "123456.8", "123456.9"});
-  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, 200'000'000));
+  const SourceTimes m = meant({"123456.7", "123456.8", "123456.9"});
+  EXPECT_THAT(m.source_ns, ElementsAre(0, 100'000'000, 200'000'000));
   EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("its first image is at 1.235e+05 s; times count from there")));
-  EXPECT_THAT(meant({"60", "60.1"}).times_ns, ElementsAre(60'000'000'000, 60'100'000'000)) << "a later start";
+  EXPECT_THAT(meant({"60", "60.1"}).source_ns, ElementsAre(60'000'000'000, 60'100'000'000)) << "a later start";
 }
 
 TEST(SourceTimes, WhatBeginsBeforeZeroLosesNothing) {
-  const Meant m = meant({"-0.2", "-0.1", "0", "0.1"});
-  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, 200'000'000, 300'000'000));
+  const SourceTimes m = meant({"-0.2", "-0.1", "0", "0.1"});
+  EXPECT_THAT(m.source_ns, ElementsAre(0, 100'000'000, 200'000'000, 300'000'000));
   EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("its first image is at -0.2 s")));
 }
 
 TEST(SourceTimes, ARepeatedTimeCostsAnImage) {
-  const Meant m = meant({"0", "0.1", "0.1", "0.2"});
-  EXPECT_THAT(m.times_ns, ElementsAre(0, 100'000'000, std::nullopt, 200'000'000));
+  const SourceTimes m = meant({"0", "0.1", "0.1", "0.2"});
+  EXPECT_THAT(m.source_ns, ElementsAre(0, 100'000'000, std::nullopt, 200'000'000));
   EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("1 image has the time of the one before; left out")));
 }
 

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "deploy/tools/eval/truth.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/base/error.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
+
+namespace coslam::eval {
+namespace {
+
+using test::VectorNear;
+using ::testing::HasSubstr;
+
+class Truth : public ::testing::Test {
+ protected:
+  SequenceAgent agent(const std::string& truth, const std::string& source = "") {
+    SequenceAgent out;
+    out.name = "left";
+    out.truth = folder_.write("truth.txt", truth);
+    out.source = (folder_ / source).string();
+    return out;
+  }
+  void image(const std::string& name) {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    cv::imwrite(folder_ / name, cv::Mat(24, 32, CV_8UC1, cv::Scalar(9)));
+  }
+  // Images at 1305031102.1, .2 and .3 s.
+  std::string dated_source() {
+    std::string list;
+    for (const char* time : {"1305031102.100000", "1305031102.200000", "1305031102.300000"}) {
+      image(std::string("tum/rgb/") + time + ".png");
+      list += std::string(time) + " rgb/" + time + ".png\n";
+    }
+    folder_.write("tum/rgb.txt", list);
+    return "tum";
+  }
+  test::TempFolder folder_;
+};
+
+TEST_F(Truth, TumInPlayedTime) {
+  SequenceAgent a = agent("# t tx ty tz qx qy qz qw\n0.0 1 2 3 0 0 0 1\n0.5 2 2 3 0 0 0 1\n1.5 3 2 3 0 0 0 1\n");
+  a.duration_s = 1.0;
+  const Trajectory t = load_truth(a, 30);
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t_ns, 500'000'000);
+  EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(2, 2, 3), 1e-12));
+}
+
+TEST_F(Truth, InUtcCountsFromWhereTheSourceDoes) {
+  SequenceAgent a = agent(
+      "1305031102.0500 0 0 0 0 0 0 1\n1305031102.1500 1 0 0 0 0 0 1\n1305031102.2500 2 0 0 0 0 0 1\n", dated_source());
+  Trajectory t = load_truth(a, 30);
+  ASSERT_EQ(t.size(), 3U);
+  EXPECT_EQ(t[0].t_ns, -50'000'000);
+  EXPECT_EQ(t[2].t_ns, 150'000'000);
+  a.start_s = a.truth_start_s = 0.1;
+  t = load_truth(a, 30);
+  EXPECT_EQ(t[2].t_ns, 50'000'000) << "of the played time";
+}
+
+TEST_F(Truth, EurocIsOfTheBody) {
+  const std::string text =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+      "1305031102100000000,1,2,3,0.7071067811865476,0,0,0.7071067811865476,0,0,0\n"
+      "1305031102200000000,1,2,4,0.7071067811865476,0,0,0.7071067811865476,0,0,0\n";
+  SequenceAgent a = agent(text, dated_source());
+  a.calibration = folder_.write("sensor.yaml",
+                                "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.5, 0, 1, 0, 0, "
+                                "0, 0, 1, 0, 0, 0, 0, 1]\n");
+  const Trajectory t = load_truth(a, 30);
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t_ns, 100'000'000);
+  EXPECT_THAT(t[0].cam_from_world.center(), VectorNear(Eigen::Vector3d(1, 2.5, 3), 1e-9)) << "half a metre along its x";
+  a.calibration = folder_.write("plain.yaml", "fx: 1\n");
+  EXPECT_THAT(load_truth(a, 30)[0].cam_from_world.center(), VectorNear(Eigen::Vector3d(1, 2, 3), 1e-9));
+}
+
+TEST_F(Truth, KittiHasAPoseForEachImage) {
+  for (int i = 0; i < 2; ++i) image("06/image_0/00000" + std::to_string(i) + ".png");
+  folder_.write("06/times.txt", "0.0\n1.037e-01\n");
+  const SequenceAgent a =
+      agent("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.1 0 1 0 0 0 0 1 1.2\n1 0 0 0 0 1 0 0 0 0 1 2\n", "06");
+  const Trajectory t = load_truth(a, 10);
+  ASSERT_EQ(t.size(), 2U) << "of as many images as there are";
+  EXPECT_EQ(t[1].t_ns, 103'700'000);
+  EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(0.1, 0, 1.2), 1e-9));
+  const Trajectory at_rate = load_truth(agent("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n", "no.mp4"), 10);
+  EXPECT_EQ(at_rate[1].t_ns, 100'000'000);
+}
+
+TEST_F(Truth, SaysWhatIsWrong) {
+  const auto error = [&](const std::string& text) {
+    const SequenceAgent a = agent(text, "no.mp4");
+    return test::error_of<UserError>([&] { load_truth(a, 30); });
+  };
+  EXPECT_THAT(error("0 1 2\n"), HasSubstr("truth.txt:1: not a line"));
+  EXPECT_THAT(error("1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("truth.txt:2: the time is not later"));
+  EXPECT_THAT(error("1,0,0,0,2,0,0,0\n"), HasSubstr("truth.txt:1: not a unit quaternion"));
+  EXPECT_THAT(error("1 0 0 0 0 1 0 0 0 0 1 x\n"), HasSubstr("'x' is not a number"));
+}
+
+TEST(TruthTimes, ThatAreApartAreNamed) {
+  const auto path = [](double from_s, double to_s) {
+    Trajectory t;
+    for (double at_s = from_s; at_s <= to_s; at_s += 0.1) t.push_back({to_ns(at_s), {}});
+    return t;
+  };
+  EXPECT_EQ(times_apart("left", path(0, 4), path(3, 9)), "");
+  EXPECT_EQ(times_apart("left", path(0, 4), {}), "");
+  EXPECT_EQ(times_apart("left", {}, path(0, 4)), "");
+  EXPECT_THAT(
+      times_apart("left", path(0, 4), path(100, 104)),
+      HasSubstr("the poses of agent left are of 0.0 to 3.9 s of the time that was played, its truth of 100.0 to"));
+}
+
+}  // namespace
+}  // namespace coslam::eval
