@@ -22,6 +22,8 @@ void describe(V& v, TrackerConfig& c) {
   v.field("most_width_px", c.most_width_px, {160, 16384}, "wider images are shrunk to that for tracking");
   v.field("border_px", c.border_px, {1, 100}, "tracks end this close to the image border");
   v.field("device", c.device, tracker_devices(), "that works on the images; auto: a GPU where there is one");
+  v.field("mask", c.mask,
+          "image of the camera's size, black where nothing is tracked: own body, overlays; empty: none");
 }
 
 template <class V>

@@ -106,7 +106,7 @@ void run(AgentOptions& o) {
 
 struct Arguments {
   CommonArguments common;
-  std::string id, source, calibration, rate;
+  std::string id, source, calibration, mask, rate;
   std::optional<int> domain;
   std::optional<double> start_s, duration_s, rate_hz;
   std::vector<std::pair<double, double>> covered;
@@ -118,6 +118,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--id", a.id, "name of this agent")->type_name("NAME");
   app.add_option("--source", a.source, "images")->type_name("URI");
   app.add_option("--calibration", a.calibration, "camera calibration")->type_name("FILE");
+  app.add_option("--mask", a.mask, "image, black where nothing is to be tracked")->type_name("FILE");
   app.add_option("--domain", a.domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   app.add_option("--rate", a.rate, "speed of replay: a factor, or max")->type_name("R");
   app.add_option("--start", a.start_s, "offset into the source, seconds")
@@ -137,6 +138,7 @@ AgentOptions options_of(const Arguments& a) {
   if (!a.id.empty()) o.id = a.id;
   if (!a.source.empty()) o.source = a.source;
   if (!a.calibration.empty()) o.calibration = a.calibration;
+  if (!a.mask.empty()) o.agent.tracker.mask = a.mask;
   if (!a.rate.empty()) o.rate = a.rate;
   if (a.domain) o.wire.domain = *a.domain;
   if (a.start_s) o.play.start_s = *a.start_s;

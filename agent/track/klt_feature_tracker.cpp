@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "agent/track/descriptors.h"
 #include "agent/track/tags.h"
 #include "agent/track/working_scale.h"
+#include "common/base/error.h"
 
 namespace coslam {
 namespace {
@@ -20,6 +24,19 @@ constexpr double kSiftBorderPx = 14;
 
 // The tracker works on images of a usual size: its windows are so many pixels, whatever they show. Places outside are
 // of the raw image.
+constexpr int kHalf = 127;  // grey: darker is masked
+
+cv::Mat read_mask(const std::string& file, const CameraModel& camera) {
+  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  if (mask.empty()) throw UserError("the mask " + file + " cannot be read");
+  if (mask.cols != camera.width_px || mask.rows != camera.height_px) {
+    throw UserError("the mask " + file + " is " + std::to_string(mask.cols) + "x" + std::to_string(mask.rows) +
+                    " pixels, the camera's images are " + std::to_string(camera.width_px) + "x" +
+                    std::to_string(camera.height_px));
+  }
+  return mask > kHalf;
+}
+
 class KltFeatureTracker final : public FeatureTracker {
  public:
   KltFeatureTracker(const CameraModel& camera, const TrackerConfig& config, const std::string& tag_family,
@@ -30,6 +47,8 @@ class KltFeatureTracker final : public FeatureTracker {
         config_(config),
         tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
+    if (!config.mask.empty()) mask_ = read_mask(config.mask, camera);
+    tracker_.set_mask(scaled_mask());
   }
 
   const std::vector<Track>& step(const Image& image) override {
@@ -106,6 +125,16 @@ class KltFeatureTracker final : public FeatureTracker {
     for (Track& t : live_) t.raw_px = scaled_px(t.raw_px, 1 / work_scale_);
   }
 
+  // At the size that is worked at, so far from what is masked that no window reaches over it.
+  cv::Mat scaled_mask() const {
+    if (mask_.empty()) return {};
+    constexpr int kReach_px = 8;
+    const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * kReach_px + 1, 2 * kReach_px + 1));
+    cv::Mat out;
+    cv::erode(scaled_image(mask_, work_scale_), out, window);
+    return out > kHalf;
+  }
+
   // Both images raw; live_before: in the one before.
   void choose_scale(const cv::Mat& before, const std::vector<Track>& live_before) {
     std::vector<MovedPlace> places;
@@ -120,6 +149,7 @@ class KltFeatureTracker final : public FeatureTracker {
     if (scale_.now() == work_scale_) return;
     const double ratio = scale_.now() / std::exchange(work_scale_, scale_.now());
     work_ = scaled_image(grey_, work_scale_);
+    tracker_.set_mask(scaled_mask());
     tracker_.resize(work_, ratio);
   }
 
@@ -173,6 +203,7 @@ class KltFeatureTracker final : public FeatureTracker {
   Tracker tracker_;
   std::vector<Track> live_;  // raw pixels
   std::optional<TagFinder> tag_finder_;
+  cv::Mat mask_;         // of raw images; empty: none
   cv::Mat grey_, work_;  // the newest image, and as it is worked on
 };
 

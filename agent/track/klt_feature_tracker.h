@@ -12,7 +12,7 @@
 namespace coslam {
 
 // Tracks by Tracker, patches and SIFT descriptors cut from the image, tags by TagFinder. Throws UserError for an
-// unknown family of tags; kNoTags: none are looked for.
+// unknown family of tags (kNoTags: none are looked for), and for a mask that is none of this camera.
 std::unique_ptr<FeatureTracker> klt_feature_tracker(const CameraModel& camera, const TrackerConfig& config,
                                                     const std::string& tag_family, std::unique_ptr<Matcher> matcher);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <utility>
 
 #include "agent/track/corners.h"
@@ -74,9 +75,11 @@ struct Tracker::State {
   std::vector<Memory> memories;                        // by track
   Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the whole image, last time
   std::unique_ptr<CornerFinder> finder;
+  cv::Mat mask;
   std::uint32_t next_id = 1, next_key = 1;
   double ended_share = 0;  // of the tracks, in the newest image
 
+  bool masked(const Eigen::Vector2f& px) const;
   void follow();
   void look_farther(std::vector<Sought>* sought, Following* following);
   void take_key(KeyPatch& key, const Eigen::Vector2f& px);
@@ -113,6 +116,12 @@ bool Tracker::State::confirm(Memory& memory, const KeyAlignment& key, Eigen::Vec
   return true;
 }
 
+bool Tracker::State::masked(const Eigen::Vector2f& px) const {
+  if (mask.empty()) return false;
+  const int x = std::clamp(cvRound(px.x()), 0, mask.cols - 1), y = std::clamp(cvRound(px.y()), 0, mask.rows - 1);
+  return mask.at<std::uint8_t>(y, x) == 0;
+}
+
 // Looks for all tracks where features that look alike say that they went, and takes what is found if it is more.
 void Tracker::State::look_farther(std::vector<Sought>* sought, Following* following) {
   MotionField motions = wide_baseline_motion(matcher->before().level(0).image(), matcher->newest().level(0).image());
@@ -140,7 +149,7 @@ void Tracker::State::follow() {
     const TrackSighting& seen = following.sightings[i];
     if (!seen.found) continue;
     Eigen::Vector2f px = seen.px;
-    if (!confirm(memory, seen.key, px)) continue;
+    if (!confirm(memory, seen.key, px) || masked(px)) continue;
     memory.motion_px = px - track.raw_px;
     tracks[kept] = {track.id, px, track.age_frames + 1};
     if (kept != i) memories[kept] = std::move(memory);
@@ -235,7 +244,12 @@ void Tracker::State::replenish() {
     live_px.push_back(tracks[i].raw_px);
     if (memories[i].moving) moving_px.push_back(tracks[i].raw_px);
   }
-  const auto look_in = [this](std::size_t cell) { return matcher->corners(cell); };
+  const auto scale = static_cast<float>(1 << corner_level(matcher->newest().levels()));
+  const auto look_in = [&](std::size_t cell) {
+    CellCorners found = matcher->corners(cell);
+    if (!mask.empty()) std::erase_if(found.corners, [&](const Corner& c) { return masked(c.px * scale); });
+    return found;
+  };
   for (const Eigen::Vector2f& px : finder->find(look_in, live_px, moving_px, missing)) {
     start(px);
   }
@@ -269,7 +283,7 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
       ids.push_back(same->id);
       continue;
     }
-    ids.push_back(most_new-- > 0 ? state_->start(px) : TrackId());
+    ids.push_back(!state_->masked(px) && most_new-- > 0 ? state_->start(px) : TrackId());
   }
   return ids;
 }
@@ -314,6 +328,11 @@ void Tracker::resize(const cv::Mat& grey, double ratio) {
     state_->take_key(*memory.key, track.raw_px);
   }
   state_->shift_px *= static_cast<float>(ratio);
+}
+
+void Tracker::set_mask(const cv::Mat& mask) {
+  COSLAM_CHECK(mask.empty() || mask.type() == CV_8UC1, "a grey 8-bit image");
+  state_->mask = mask;
 }
 
 void Tracker::reset() {

@@ -44,6 +44,9 @@ class Tracker {
   // From now on images are so many times as large; `grey` is the newest one at that size. All tracks go on.
   void resize(const cv::Mat& grey, double ratio);
 
+  // Of the size of the images (CV_8UC1): where it is black nothing is followed from now on. Empty: everywhere.
+  void set_mask(const cv::Mat& mask);
+
   // Forgets all tracks (after a gap in the images); ids go on.
   void reset();
 

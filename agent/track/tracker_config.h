@@ -16,6 +16,7 @@ struct TrackerConfig {
   int most_width_px = 1280;          // wider images are shrunk to that
   double border_px = 8;              // tracks end this close to the image border
   std::string device = "auto";       // that works on the pixels, see agent/gpu/matcher_for.h
+  std::string mask;                  // image of the camera's size, black where nothing is to be tracked; empty: none
 };
 
 }  // namespace coslam

@@ -85,7 +85,7 @@ std::vector<TimeSpan> read_spans(const YamlValue& value) {
 }
 
 SequenceAgent read_agent(const YamlValue& value) {
-  value.allow_only({"name", "source", "calibration", "start_s", "duration_s", "covered", "truth"});
+  value.allow_only({"name", "source", "calibration", "start_s", "duration_s", "covered", "mask", "truth"});
   SequenceAgent agent;
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
@@ -102,6 +102,7 @@ SequenceAgent read_agent(const YamlValue& value) {
     if (*agent.duration_s == 0) duration->fail("must be more than 0");
   }
   if (const auto covered = value.find("covered")) agent.covered = read_spans(*covered);
+  agent.mask = optional_path(value, "mask");
   agent.truth = optional_path(value, "truth");
   return agent;
 }

@@ -24,6 +24,7 @@ struct SequenceAgent {
   std::optional<std::filesystem::path> truth;  // TUM, camera to world; its time 0 is this one of the source:
   double truth_start_s = 0;                    // start_s as the file has it
   std::vector<TimeSpan> covered;               // played times at which the lens is covered
+  std::optional<std::filesystem::path> mask;   // black where nothing is to be tracked
 
   // Where it was found to begin. How much of an open one is played counts from the beginning of its source.
   void begin_at(double found_s) {

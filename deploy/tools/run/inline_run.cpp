@@ -28,7 +28,7 @@ struct InlineAgent {
 };
 
 InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const SequenceAgent& agent, RunId run,
-                          const AgentConfig& config) {
+                          AgentConfig config) {
   Hello hello;
   hello.agent = agent.name;
   hello.agent_run = run;
@@ -42,6 +42,7 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   InlineAgent out;
   out.run = run;
   out.link = link.connect(hello);
+  if (agent.mask) config.tracker.mask = agent.mask->string();
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(images)), hello, config);
   out.loop->plays_from(agent.start_s);
   return out;

@@ -74,6 +74,7 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
     command.insert(command.end(), {"--covered", format_double(span.from_s), format_double(span.to_s)});
   }
   add_sets(options, "agent.", &command);
+  if (agent.mask) command.insert(command.end(), {"--mask", agent.mask->string()});
   return Child("agent " + agent.name, command);
 }
 

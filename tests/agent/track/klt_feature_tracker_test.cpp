@@ -2,14 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/track/klt_feature_tracker.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "agent/track/tags.h"
+#include "common/base/error.h"
 #include "tests/support/synthetic_view.h"
+#include "tests/support/temp_folder.h"
 
 namespace coslam {
 namespace {
@@ -23,6 +26,8 @@ CameraModel camera_of(const cv::Size& image) {
   c.cy = 0.5 * (image.height - 1);
   return c;
 }
+
+std::string mask_file(const test::TempFolder& folder) { return (folder / "mask.png").string(); }
 
 // Small images that are doubled, usual ones, and ones that are shrunk.
 class KltFeatureTrackerAtWidth : public testing::TestWithParam<int> {
@@ -58,6 +63,37 @@ TEST_P(KltFeatureTrackerAtWidth, TracksAreInRawPixels) {
   ASSERT_GT(errors_px.size(), 50U);
   std::ranges::nth_element(errors_px, errors_px.begin() + std::ssize(errors_px) / 2);
   EXPECT_LT(errors_px[errors_px.size() / 2], 0.15);
+}
+
+TEST_P(KltFeatureTrackerAtWidth, NothingIsTrackedWhereTheMaskIsBlack) {
+  test::TempFolder folder;
+  cv::Mat mask(size_, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(size_.height / 2, size_.height).setTo(0);  // a hood
+  cv::imwrite(mask_file(folder), mask);
+  const TrackerConfig config = {.most_width_px = 560, .mask = mask_file(folder)};
+  const auto tracker = klt_feature_tracker(camera_of(size_), config, kNoTags, cpu_matcher(config));
+  for (int i = 0; i < 6; ++i) {
+    const auto& live = tracker->step(image(i));
+    EXPECT_GT(live.size(), 40U);
+    for (const Track& t : live) EXPECT_LT(t.raw_px.y(), static_cast<float>(size_.height) / 2);
+  }
+  const auto described = tracker->describe_strongest(200)()(100);
+  EXPECT_GT(described.tracks.size(), 20U);
+  for (const Track& t : tracker->live()) EXPECT_LT(t.raw_px.y(), static_cast<float>(size_.height) / 2);
+}
+
+TEST(KltFeatureTrackerMask, OfAnotherSizeIsRefused) {
+  test::TempFolder folder;
+  cv::imwrite(mask_file(folder), cv::Mat(48, 64, CV_8UC1, cv::Scalar(255)));
+  const auto error = [&](const std::string& file) {
+    return test::error_of<UserError>([&] {
+      const TrackerConfig config = {.mask = file};
+      klt_feature_tracker(camera_of({640, 480}), config, kNoTags, cpu_matcher(config));
+    });
+  };
+  EXPECT_THAT(error(mask_file(folder)),
+              testing::HasSubstr("mask.png is 64x48 pixels, the camera's images are 640x480"));
+  EXPECT_THAT(error("nowhere.png"), testing::HasSubstr("the mask nowhere.png cannot be read"));
 }
 
 TEST_P(KltFeatureTrackerAtWidth, PatchesAreCutFromTheRawImage) {

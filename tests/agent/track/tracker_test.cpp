@@ -83,7 +83,7 @@ TEST(Tracker, WhatIsNewInTheViewGetsItsShareBesideTracksThatWereAdded) {
   tracker.add(places, 5);
   ASSERT_GT(tracker.live().size(), 450U);
   int begun = 0;
-  for (const Track& t : tracker.step(image_at(texture, 200, 0, 2))) begun += t.age_frames == 0;
+  for (const Track& t : tracker.step(image_at(texture, 260, 0, 2))) begun += t.age_frames == 0;
   EXPECT_GT(begun, 50) << "more were left than are kept usually";
 }
 
