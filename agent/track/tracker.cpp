@@ -31,8 +31,9 @@ constexpr float kApart_px = 0.7f;          // between the two motions; less says
 constexpr int kLeastComparisons = 3;       // images
 constexpr float kComparisonsKept = 0.9f;   // from image to image
 constexpr std::size_t kLeastMatches = 15;  // of features, to go by them; five by chance would be many
-constexpr double kMuchNew = 0.33;          // of the view, by the share of tracks that ended
-constexpr float kCornerInset_px = 4;       // new corners keep off the border, where they would end at once
+constexpr int kLongestWait_images = 30;
+constexpr double kMuchNew = 0.33;     // of the view, by the share of tracks that ended
+constexpr float kCornerInset_px = 4;  // new corners keep off the border, where they would end at once
 
 std::ptrdiff_t count_found(const Following& f) { return std::ranges::count(f.sightings, true, &TrackSighting::found); }
 
@@ -77,7 +78,9 @@ struct Tracker::State {
   std::unique_ptr<CornerFinder> finder;
   cv::Mat mask;
   std::uint32_t next_id = 1, next_key = 1;
-  double ended_share = 0;  // of the tracks, in the newest image
+  double ended_share = 0;     // of the tracks, in the newest image
+  int leaps_in_vain = 0;      // in succession
+  int images_until_leap = 0;  // in which looking farther would be in vain again: the lens is covered, say
 
   bool masked(const Eigen::Vector2f& px) const;
   void follow();
@@ -125,7 +128,11 @@ bool Tracker::State::masked(const Eigen::Vector2f& px) const {
 // Looks for all tracks where features that look alike say that they went, and takes what is found if it is more.
 void Tracker::State::look_farther(std::vector<Sought>* sought, Following* following) {
   MotionField motions = wide_baseline_motion(matcher->before().level(0).image(), matcher->newest().level(0).image());
-  if (motions.size() < kLeastMatches) return;
+  if (motions.size() < kLeastMatches) {
+    images_until_leap = std::min(kLongestWait_images, ++leaps_in_vain);
+    return;
+  }
+  leaps_in_vain = 0;
   for (Sought& s : *sought) s.motion_px = motions.near(s.from_px);
   Following farther = matcher->follow(*sought, shift_px);
   if (count_found(farther) > count_found(*following)) *following = std::move(farther);
@@ -140,7 +147,7 @@ void Tracker::State::follow() {
   }
   Following following = matcher->follow(sought, shift_px);
   shift_px = following.shift_px;
-  if (few_found(following)) look_farther(&sought, &following);
+  if (few_found(following) && images_until_leap-- <= 0) look_farther(&sought, &following);
   const auto sought_for = static_cast<double>(tracks.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {

@@ -13,6 +13,7 @@
 
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
+#include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <filesystem>
@@ -125,6 +126,17 @@ void warn_when_open(const WireConfig& c) {
            " can join it, read it and stop this process; set wire.key_file, see docs/security.md");
 }
 
+// The middleware obeys variables that are meant for the ROS 2 nodes beside: with a discovery server named there a fleet
+// never meets. Where this process talks is said in its own settings alone.
+void ignore_environment() {
+  for (const char* name : {"ROS_DISCOVERY_SERVER", "FASTDDS_ENVIRONMENT_FILE", "FASTDDS_DEFAULT_PROFILES_FILE",
+                           "FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_STATISTICS"}) {
+    if (std::getenv(name) == nullptr) continue;
+    unsetenv(name);
+    log_warn(std::string("the variable ") + name + " of the environment is ignored: see wire in the configuration");
+  }
+}
+
 // Participants of one process talk through the network like all others, so that tests within one process are true.
 void turn_off_intraprocess() {
   eprosima::fastrtps::LibrarySettingsAttributes settings;
@@ -218,6 +230,7 @@ Participant::Participant(const WireConfig& config, const std::string& name, std:
   impl_->rejections = std::move(rejections);
   warn_when_open(config);
   capture_middleware_log();
+  ignore_environment();
   turn_off_intraprocess();
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);

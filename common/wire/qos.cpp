@@ -134,6 +134,10 @@ dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(transport_of(c, refused));
+  // Of a peer with many addresses (containers, VPNs) all are tried: by default the fifth and later ones are not heard
+  // of.
+  constexpr std::size_t kMostAddresses = 64;
+  qos.allocation().locators.max_unicast_locators = kMostAddresses;
   qos.transport().listen_socket_buffer_size = c.receive_buffer_bytes;
   qos.transport().send_socket_buffer_size = c.send_buffer_bytes;
   set_discovery(c, qos);

@@ -3,6 +3,18 @@
 #include "server/covisibility/overlap.h"
 
 namespace coslam {
+namespace {
+
+// Of what the one camera sees, so much could be in the other's image at most: a long lens shows a small part of what a
+// wide one does.
+double most_shared(const CameraModel& of, const CameraModel& by) {
+  constexpr double kAlike = 0.5;
+  const auto solid = [](const CameraModel& c) { return (c.width_px / c.fx) * (c.height_px / c.fy); };
+  const double ratio = solid(by) / solid(of);
+  return ratio < kAlike ? ratio : 1;
+}
+
+}  // namespace
 
 int ViewOverlap::cell_of(const CameraModel& model, const Eigen::Vector2d& px) {
   const double x = px.x() / model.width_px, y = px.y() / model.height_px;
@@ -64,15 +76,6 @@ double ViewOverlap::share_seen(const MapCamera& of_camera, const Sight& of, cons
   }
   const auto all = std::count(there.begin(), there.end(), true);
   return all == 0 ? 0 : static_cast<double>(std::count(shared.begin(), shared.end(), true)) / static_cast<double>(all);
-}
-
-// Of what the one camera sees, so much could be in the other's image at most: a long lens shows a small part of what a
-// wide one does.
-static double most_shared(const CameraModel& of, const CameraModel& by) {
-  constexpr double kAlike = 0.5;
-  const auto solid = [](const CameraModel& c) { return (c.width_px / c.fx) * (c.height_px / c.fy); };
-  const double ratio = solid(by) / solid(of);
-  return ratio < kAlike ? ratio : 1;
 }
 
 OverlapShares ViewOverlap::between(CameraId first, CameraId second) {

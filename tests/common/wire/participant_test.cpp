@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "common/base/error.h"
 #include "tests/support/all_ports.h"
 #include "tests/support/temp_folder.h"
@@ -29,6 +31,13 @@ std::string error_of(const WireConfig& config) {
 TEST(Participant, DomainOutsideTheRangeIsAUserError) {
   EXPECT_THAT(error_of(loopback_config(233)), HasSubstr("DDS domain 233 is outside the range 0 to 232"));
   EXPECT_THAT(error_of(loopback_config(-1)), HasSubstr("DDS domain -1 is outside the range 0 to 232"));
+}
+
+TEST(Participant, VariablesForRosNodesAreNotObeyed) {
+  const TestDomain domain;
+  setenv("ROS_DISCOVERY_SERVER", "203.0.113.9:11811", 1);
+  EXPECT_EQ(error_of(loopback_config(domain.number())), "no error");
+  EXPECT_EQ(std::getenv("ROS_DISCOVERY_SERVER"), nullptr);
 }
 
 TEST(Participant, LargestDomainWorks) { EXPECT_EQ(error_of(loopback_config(232)), "no error"); }
