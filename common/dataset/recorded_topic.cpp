@@ -19,6 +19,21 @@ std::string listed(const std::vector<const mcap::Channel*>& channels) {
   return text.empty() ? "none" : text;
 }
 
+// The one that was meant, and whatever else has images or lenses, in forms that are not read.
+std::string in_other_forms(const mcap::Reader& reader, const RecordedTopic& topic,
+                           const std::vector<std::string>& types) {
+  std::string text;
+  for (const auto& [id, channel] : reader.channels()) {
+    if (fits(reader, channel, types)) continue;
+    const std::string& type = reader.schema_of(channel).name;
+    const bool like = type.find("Image") != type.npos || type.find("Video") != type.npos;
+    if (channel.topic != topic.topic && !like) continue;
+    text += (text.empty() ? "" : ", ") + channel.topic + " (" + (type.empty() ? "no type" : type) + " in " +
+            (channel.encoding.empty() ? "no encoding" : channel.encoding) + ")";
+  }
+  return text.empty() ? "" : "; there, but not in a form that is read: " + text;
+}
+
 }  // namespace
 
 RecordedTopic recorded_topic(const std::string& name) {
@@ -41,7 +56,7 @@ const mcap::Channel& recorded_channel(const mcap::Reader& reader, const Recorded
   for (const std::string& type : types) kinds += (kinds.empty() ? "" : " or ") + type;
   throw UserError(topic.file.string() + ": " +
                   (topic.topic.empty() ? "no topic is named (mcap:FILE#TOPIC)" : "there is no topic " + topic.topic) +
-                  " of " + kinds + "; of these there are: " + listed(there));
+                  " of " + kinds + "; of these there are: " + listed(there) + in_other_forms(reader, topic, types));
 }
 
 }  // namespace coslam

@@ -141,6 +141,20 @@ TEST_F(Recorded, SaysWhatIsWrong) {
   EXPECT_THAT(error(left, other), HasSubstr("is 64x48 pixels, but the calibration calib.yaml is for 640x48"));
 }
 
+TEST_F(Recorded, ImagesInAnotherFormAreNamed) {
+  const auto foxglove = writer_.add_channel("/front", "protobuf",
+                                            writer_.add_schema("foxglove.CompressedImage", "protobuf", "definition"));
+  writer_.write(foxglove, kStart_ns, "octets");
+  const auto words = writer_.add_channel("/words", "cdr", writer_.add_schema("std_msgs/msg/String", "ros2msg", ""));
+  writer_.write(words, kStart_ns, "octets");
+  const std::string uri = named("/front"), file = uri.substr(0, uri.find('#'));
+  const std::string form = "not in a form that is read: /front (foxglove.CompressedImage in protobuf)";
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source(uri, kOptions); }), HasSubstr(form));
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source(file, kOptions); }), testing::EndsWith(form));
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source(file + "#/words", kOptions); }),
+              HasSubstr("/words (std_msgs/msg/String in cdr)"));
+}
+
 TEST_F(Recorded, CameraInfoIsACalibration) {
   ros::CameraInfo info;
   info.width = 640;
