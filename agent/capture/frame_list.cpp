@@ -63,6 +63,7 @@ FrameList timed(const std::string& name, const std::vector<WrittenFrame>& writte
   for (std::size_t i = 0; i < written.size(); ++i) {
     if (meant.source_ns[i]) list.frames.push_back({*meant.source_ns[i], written[i].file});
   }
+  list.all_ns = std::move(meant.source_ns);
   list.zero_ns = meant.zero_ns;
   list.guesses = std::move(meant.guesses);
   return list;
@@ -126,7 +127,7 @@ std::optional<WrittenFrame> stamped(const fs::path& file) {
 std::optional<fs::path> times_of(const fs::path& folder) {
   const fs::path here = fs::absolute(folder / ".").lexically_normal().parent_path();
   const std::string name = here.filename().string();
-  std::vector<fs::path> candidates = {folder / "times.txt", folder / "timestamps.txt"};
+  std::vector<fs::path> candidates = {folder / "times.txt"};
   if (name.starts_with("image_")) candidates.push_back(here.parent_path() / "times.txt");
   if (name == "data") candidates.push_back(here.parent_path() / "timestamps.txt");
   const auto found = std::ranges::find_if(candidates, [](const fs::path& f) { return fs::exists(f); });
@@ -229,7 +230,13 @@ FrameList list_images(const fs::path& folder, double rate_hz) {
   }
   std::ranges::stable_sort(frames, {}, &WrittenFrame::time);
   const bool seconds = files.front().stem().string().find('.') != std::string::npos;
-  return timed(folder.string(), frames, seconds ? TimeUnit::kSeconds : TimeUnit::kNanoseconds);
+  try {
+    return timed(folder.string(), frames, seconds ? TimeUnit::kSeconds : TimeUnit::kNanoseconds);
+  } catch (const UserError& e) {
+    FrameList list = at_rate(folder, files, rate_hz);
+    list.guesses.push_back(std::string(e.what()) + "; the names of its images are not taken for times");
+    return list;
+  }
 }
 
 FrameList list_folder(const fs::path& folder, double rate_hz) {

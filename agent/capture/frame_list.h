@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct ListedFrame {
 // UserError with file and line.
 struct FrameList {
   std::vector<ListedFrame> frames;
-  TimeNs zero_ns = 0;                // where their times count from, as it was written
-  std::vector<std::string> guesses;  // sentences for the user
+  std::vector<std::optional<TimeNs>> all_ns;  // of all images that were there, with those that were left out
+  TimeNs zero_ns = 0;                         // where their times count from, as it was written
+  std::vector<std::string> guesses;           // sentences for the user
 };
 
 FrameList list_csv(const std::filesystem::path& file);             // `t_s,file[,...]`, paths relative to the CSV

@@ -45,9 +45,10 @@ std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) 
   if (is_live_uri(uri) || !std::filesystem::exists(uri)) return std::nullopt;
   const auto list = listed(uri, rate_hz);
   if (!list) return std::nullopt;
-  ListedTimes out;
-  for (const ListedFrame& frame : list->frames) out.source_ns.push_back(frame.source_ns);
-  out.zero_ns = list->zero_ns;
+  ListedTimes out{list->all_ns, list->zero_ns};
+  if (out.source_ns.empty()) {
+    for (const ListedFrame& frame : list->frames) out.source_ns.emplace_back(frame.source_ns);
+  }
   return out;
 }
 

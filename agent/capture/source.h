@@ -52,8 +52,8 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
 
 // Of the images of a source that is a list of them.
 struct ListedTimes {
-  std::vector<TimeNs> source_ns;
-  TimeNs zero_ns = 0;  // where these count from, as it was written: UTC where it is a date
+  std::vector<std::optional<TimeNs>> source_ns;  // by image; empty: it is left out
+  TimeNs zero_ns = 0;                            // where these count from, as it was written: UTC where it is a date
 };
 std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz);
 

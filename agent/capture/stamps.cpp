@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::int64_t kBillion = 1'000'000'000;
 constexpr double kSlowest_hz = 0.2, kFastest_hz = 1000;
+constexpr double kDates_s = 1e8, kDatesEnd_s = 1e10;  // since 1970: 1973 to 2286
 
 struct Unit {
   const char* name;
@@ -31,19 +32,24 @@ std::string short_number(double value) {
   return text.data();
 }
 
+bool only_digits(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Up to as many that no difference between two of them is too large.
 std::optional<std::int64_t> digits(std::string_view text) {
-  if (text.empty() || !std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; })) return std::nullopt;
-  return parse_integer(text);
+  constexpr std::int64_t kMost = 4'000'000'000'000'000'000;
+  if (text.empty() || !only_digits(text)) return std::nullopt;
+  const auto value = parse_integer(text);
+  return value && *value <= kMost ? value : std::nullopt;
 }
 
 // The part behind the point.
 std::optional<std::int64_t> billionths_of(std::string_view part) {
-  if (part.empty()) return 0;
+  if (!only_digits(part)) return std::nullopt;
   std::string nine(part.substr(0, 9));
   nine.resize(9, '0');
-  const auto value = digits(nine);
-  if (!value || (part.size() > 9 && !digits(part.substr(9, 1)))) return std::nullopt;
-  return *value + (part.size() > 9 && part[9] >= '5' ? 1 : 0);
+  return digits(nine).value_or(0) + (part.size() > 9 && part[9] >= '5' ? 1 : 0);
 }
 
 WrittenTime normalised(std::int64_t whole, std::int64_t billionths) {
@@ -95,7 +101,9 @@ const Unit& unit_of(const std::string& name, const std::vector<WrittenTime>& wri
   if (!interval) return expected;
   const auto rate_hz = [&](const Unit& u) { return static_cast<double>(u.per_second) / *interval; };
   const auto possible = [&](const Unit& u) { return rate_hz(u) >= kSlowest_hz && rate_hz(u) <= kFastest_hz; };
-  if (possible(expected)) return expected;
+  const double first_s = static_cast<double>(written.front().whole) / static_cast<double>(expected.per_second);
+  const bool dated = first_s > kDates_s && first_s < kDatesEnd_s;  // which it would be in no other unit
+  if (possible(expected) || (dated && rate_hz(expected) < kSlowest_hz)) return expected;
   constexpr double kLikely_hz = 20;
   const auto unlikely = [&](const Unit& u) { return std::abs(std::log(rate_hz(u) / kLikely_hz)); };
   const Unit& best = *std::ranges::min_element(kUnits, {}, unlikely);
@@ -121,21 +129,21 @@ std::optional<WrittenTime> parse_written_time(std::string_view text) {
   if (whole && part) return negative ? normalised(-*whole, -*part) : normalised(*whole, *part);
   if (const auto date = parse_date(text)) return date;
   const auto value = parse_double(text);  // with an exponent
-  constexpr double kMost = 9e18;
+  constexpr double kMost = 4e18;
   if (!value || std::abs(*value) > kMost) return std::nullopt;
   const double floor = std::floor(*value);
   return normalised(static_cast<std::int64_t>(floor), std::llround(1e9 * (*value - floor)));
 }
 
 SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual) {
-  constexpr double kHour_s = 3600, kDates_s = 1e8;  // 1973
+  constexpr double kHour_s = 3600;
   SourceTimes out;
   if (written.empty()) return out;
   const Unit& unit = unit_of(name, written, usual, &out.guesses);
   const std::int64_t ns_per_unit = kBillion / unit.per_second;
   const double first_s = units_since(written.front(), {}) / static_cast<double>(unit.per_second);
-  const bool from_first = usual == TimeUnit::kNanoseconds || first_s < 0 || first_s > kHour_s;
-  if (from_first && (first_s < 0 || (first_s > kHour_s && first_s < kDates_s && usual == TimeUnit::kSeconds))) {
+  const bool from_first = usual == TimeUnit::kNanoseconds || first_s > kHour_s;
+  if (from_first && first_s > kHour_s && first_s < kDates_s && usual == TimeUnit::kSeconds) {
     out.guesses.push_back(name + ": its first image is at " + short_number(first_s) + " s; times count from there");
   }
   const WrittenTime zero = from_first ? written.front() : WrittenTime();
@@ -153,6 +161,11 @@ SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>
       throw UserError(name + ": its times span more than 290 years");
     }
     out.source_ns.emplace_back(units * ns_per_unit + billionths * ns_per_unit / kBillion);
+  }
+  const auto early = std::ranges::count_if(out.source_ns, [](const auto& t) { return t && *t < 0; });
+  if (early > 0) {
+    out.guesses.push_back(name + ": of its images " + std::to_string(early) +
+                          " are before time 0, where play begins; left out");
   }
   if (repeated > 0) {
     out.guesses.push_back(name + ": " + std::to_string(repeated) + (repeated == 1 ? " image has" : " images have") +

@@ -33,10 +33,12 @@ struct SourceTimes {
 
 // Source times of images that come one after another, ascending; empty for an image whose time is that of the one
 // before, which is left out. What is guessed is said in `guesses`, with `name` in front:
-// - the unit, where in the usual one the images would come more seldom than every 5 s or more often than 1000 times a
-//   second: the one of s, ms, us, ns in which their rate is most like a camera's;
-// - that times are counted from the first image, where they begin before 0 or later than an hour (as clocks do that
-//   count since a machine was started). Dates are counted from the first without a word.
+// - the unit, where in the usual one the images would come more seldom than every 5 s (and are no dates) or more often
+// than
+//   1000 times a second: the one of s, ms, us, ns in which their rate is most like a camera's;
+// - that times are counted from the first image, where they begin later than an hour (as clocks do that count since a
+//   machine was started). Dates are counted from the first without a word;
+// - that images before 0 are not played.
 // Throws UserError where no unit makes a rate of them.
 SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual);
 

@@ -27,7 +27,7 @@ constexpr double kSiftBorderPx = 14;
 constexpr int kHalf = 127;  // grey: darker is masked
 
 cv::Mat read_mask(const std::string& file, const CameraModel& camera) {
-  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   if (mask.empty()) throw UserError("the mask " + file + " cannot be read");
   if (mask.cols != camera.width_px || mask.rows != camera.height_px) {
     throw UserError("the mask " + file + " is " + std::to_string(mask.cols) + "x" + std::to_string(mask.rows) +

@@ -28,6 +28,8 @@ bool is_kalibr(const YamlValue& root) {
 }
 
 CameraModel read_yaml(const YamlValue& root, const std::string& camera) {
+  const bool several = is_kalibr(root) || root.has("cameras");
+  if (!camera.empty() && !several) root.fail("of this form there is one camera in a file: leave out #" + camera);
   if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
   if (root.has("sensor_type")) return calibration::read_euroc(root);
   if (has_any(root, {"Camera.fx", "Camera1.fx", "Camera.type", "Camera"})) return calibration::read_orb_slam(root);

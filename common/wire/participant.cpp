@@ -230,10 +230,10 @@ Participant::Participant(const WireConfig& config, const std::string& name, std:
   impl_->rejections = std::move(rejections);
   warn_when_open(config);
   capture_middleware_log();
-  ignore_environment();
   turn_off_intraprocess();
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);
+  ignore_environment();
   dds::DomainParticipantQos qos = participant_qos(config, name, *impl_->rejections);
   const int id = free_participant_id(config.domain, ids.used);
   qos.wire_protocol().participant_id = id;

@@ -68,7 +68,8 @@ Eigen::Quaterniond unit(const Line& line, double w, double x, double y, double z
 }
 
 // T_BS of an EuRoC sensor.yaml.
-std::optional<Rigid3> body_from_camera(const std::filesystem::path& calibration) {
+std::optional<Rigid3> body_from_camera(const std::filesystem::path& name) {
+  const std::filesystem::path calibration = calibration_file(name).file;
   if (calibration.extension() != ".yaml" && calibration.extension() != ".yml") return std::nullopt;
   const YamlValue root = YamlValue::load(calibration);
   const auto at = root.find("T_BS");
@@ -96,17 +97,40 @@ Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent
   return out;
 }
 
-Trajectory read_kitti(const std::vector<Line>& lines, const std::optional<ListedTimes>& times, double rate_hz) {
+Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent,
+                      const std::optional<ListedTimes>& times, double rate_hz) {
+  if (!times) {
+    log_warn(agent.truth->string() + ": has a pose for each image, whose times are not known here; taken to come " +
+             format_double(rate_hz) + " times a second");
+  }
   Trajectory out;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (times && i >= times->source_ns.size()) break;
-    const TimeNs t_ns = times ? times->source_ns[i] : to_ns(static_cast<double>(i) / rate_hz);
+    const auto t_ns = times ? times->source_ns[i] : std::optional(to_ns(static_cast<double>(i) / rate_hz));
+    if (!t_ns) continue;  // its image is left out
     const auto v = numbers_of(lines[i], 0, 12);
     const Eigen::Matrix<double, 3, 4> m = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v.data());
     const Rigid3 world_from_cam(Eigen::Quaterniond(Eigen::Matrix3d(m.leftCols<3>())).normalized(), m.col(3));
-    out.push_back({t_ns, world_from_cam.inverse()});
+    out.push_back({*t_ns, world_from_cam.inverse()});
   }
   return out;
+}
+
+// A result may be judged where the images are no more.
+std::optional<ListedTimes> times_of(const SequenceAgent& agent, double rate_hz) {
+  try {
+    return listed_times(agent.source, rate_hz);
+  } catch (const UserError&) {
+    return std::nullopt;
+  }
+}
+
+// Whether these times are the source's as they were written, before they were counted from its first image.
+bool as_written(const Trajectory& truth, const ListedTimes& times) {
+  if (truth.empty() || times.zero_ns == 0) return false;
+  TimeNs last_ns = 0;
+  for (const auto& t : times.source_ns) last_ns = std::max(last_ns, t.value_or(0));
+  return truth.front().t_ns <= times.zero_ns + last_ns && truth.back().t_ns >= times.zero_ns;
 }
 
 std::string seconds(TimeNs t_ns) {
@@ -119,23 +143,22 @@ std::string seconds(TimeNs t_ns) {
 
 Trajectory load_truth(const SequenceAgent& agent, double rate_hz) {
   if (!agent.truth) return {};
-  constexpr double kDate_s = 1e8;  // 1973
   const auto lines = lines_of(*agent.truth);
   const Form form = form_of(*agent.truth, lines);
   Trajectory truth;
   if (form == Form::kTum) truth = load_tum(*agent.truth);
   if (form == Form::kEuroc) truth = read_euroc(lines, agent);
-  const bool dated = !truth.empty() && to_seconds(truth.front().t_ns) > kDate_s;
-  const auto times = dated || form == Form::kKitti ? listed_times(agent.source, rate_hz) : std::nullopt;
-  if (form == Form::kKitti) truth = read_kitti(lines, times, rate_hz);
+  const auto times = times_of(agent, rate_hz);
+  if (form == Form::kKitti) truth = read_kitti(lines, agent, times, rate_hz);
+  const bool written = form != Form::kKitti && times && as_written(truth, *times);
   for (std::size_t i = 1; i < truth.size(); ++i) {
     if (truth[i].t_ns <= truth[i - 1].t_ns)
       throw UserError(lines[i].where + "the time is not later than that of the line before");
   }
   // What has the source's times is brought to those that were played; else it has them.
-  const bool of_source = form == Form::kKitti || (dated && times);
-  const TimeNs zero_ns = dated && times ? times->zero_ns : 0;
-  const TimeNs later_ns = zero_ns + to_ns(of_source ? agent.start_s : agent.start_s - agent.truth_start_s);
+  const bool of_source = form == Form::kKitti || written;
+  const TimeNs later_ns =
+      (written ? times->zero_ns : 0) + to_ns(of_source ? agent.start_s : agent.start_s - agent.truth_start_s);
   for (StampedPose& pose : truth) pose.t_ns -= later_ns;
   if (agent.duration_s) std::erase_if(truth, [&](const StampedPose& p) { return p.t_ns >= to_ns(*agent.duration_s); });
   return truth;

@@ -129,6 +129,11 @@ TEST_F(Lists, NamesMayBeTimesInOtherUnits) {
   }
 }
 
+TEST_F(Lists, NamesThatAreNoTimesPlayAtTheRate) {
+  for (const char* name : {"20240101.120000.png", "20240101.120001.png"}) image(std::string("named/") + name, 9);
+  EXPECT_THAT(play(*open("named")), ElementsAre(Pair(0, 0), Pair(1, 100'000'000)));
+}
+
 TEST_F(Lists, CsvOfOtherPrograms) {
   for (const char* name : {"a.png", "b.png"}) image(name, 9);
   for (const char* text : {"0.0;a.png\n0.1;b.png\n", "0,0;a.png\n0,1;b.png\n", "0.0 a.png\n0.1 b.png\n",

@@ -143,6 +143,11 @@ TEST_F(CalibrationOfPrograms, ColmapsFisheyes) {
   EXPECT_THAT(error("1 FOV 752 480 458 457 367.5 248.5\n", "cameras.txt"), HasSubstr("number of parameters"));
 }
 
+TEST_F(CalibrationOfPrograms, ACameraIsNamedOnlyWhereThereMayBeSeveral) {
+  EXPECT_THAT(error("width: 640\nheight: 480\nfx: 1\nfy: 1\ncx: 1\ncy: 1\n", "calib.yaml", "#cam1"),
+              HasSubstr("of this form there is one camera in a file: leave out #cam1"));
+}
+
 TEST_F(CalibrationOfPrograms, XmlIsNamed) {
   EXPECT_THAT(error("<?xml version=\"1.0\"?>\n<opencv_storage></opencv_storage>\n", "calib.xml"),
               HasSubstr("OpenCV's XML is not read"));

@@ -64,6 +64,19 @@ TEST_F(Truth, InUtcCountsFromWhereTheSourceDoes) {
   EXPECT_EQ(t[2].t_ns, 50'000'000) << "of the played time";
 }
 
+TEST_F(Truth, OfAClockSinceTheMachineWasStartedCountsLikewise) {
+  for (const char* name : {"a.png", "b.png"}) image(std::string("boot/") + name);
+  folder_.write("boot/list.csv", "5461.6,a.png\n5461.7,b.png\n");
+  const std::string written = "5461.6 0 0 0 0 0 0 1\n5461.7 1 0 0 0 0 0 1\n",
+                    played = "0.0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n";
+  for (const std::string& text : {written, played}) {
+    const Trajectory t = load_truth(agent(text, "boot/list.csv"), 30);
+    ASSERT_EQ(t.size(), 2U);
+    EXPECT_EQ(t[0].t_ns, 0);
+    EXPECT_EQ(t[1].t_ns, 100'000'000);
+  }
+}
+
 TEST_F(Truth, EurocIsOfTheBody) {
   const std::string text =
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
@@ -90,6 +103,12 @@ TEST_F(Truth, KittiHasAPoseForEachImage) {
   ASSERT_EQ(t.size(), 2U) << "of as many images as there are";
   EXPECT_EQ(t[1].t_ns, 103'700'000);
   EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(0.1, 0, 1.2), 1e-9));
+  for (int i = 0; i < 3; ++i) image("07/image_0/00000" + std::to_string(i) + ".png");
+  folder_.write("07/times.txt", "0.0\n0.0\n0.1\n");
+  const Trajectory repeated =
+      load_truth(agent("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 9 0 1 0 0 0 0 1 9\n1 0 0 0 0 1 0 0 0 0 1 1\n", "07"), 10);
+  ASSERT_EQ(repeated.size(), 2U) << "an image is left out, and its pose";
+  EXPECT_THAT(repeated[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(0, 0, 1), 1e-9));
   const Trajectory at_rate = load_truth(agent("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n", "no.mp4"), 10);
   EXPECT_EQ(at_rate[1].t_ns, 100'000'000);
 }
