@@ -58,16 +58,17 @@ CameraModel read_camodocal(const YamlValue& root) {
   return camera;
 }
 
-CameraModel read_maplab(const YamlValue& root, const std::string& name) {
+CameraModel read_maplab(const YamlValue& root, const std::string& camera_name) {
   std::vector<YamlValue> cameras;
   std::string names;
   for (const YamlValue& item : root.at("cameras").items()) {
     const YamlValue camera = item.find("camera").value_or(item);
     const std::string label = camera.at("label").text();
     names += (names.empty() ? "" : ", ") + label;
-    if (name.empty() || label == name) cameras.push_back(camera);
+    if (camera_name.empty() || label == camera_name) cameras.push_back(camera);
   }
-  if (cameras.empty()) root.at("cameras").fail("there is no camera '" + name + "', of these there are: " + names);
+  if (cameras.empty())
+    root.at("cameras").fail("there is no camera '" + camera_name + "', of these there are: " + names);
   if (cameras.size() > 1) root.fail(several_cameras(names));
   const YamlValue& from = cameras.front();
   CameraModel camera;

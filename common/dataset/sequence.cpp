@@ -45,7 +45,7 @@ fs::path existing_path_or_topic(const YamlValue& value) {
 
 fs::path existing_calibration(const YamlValue& value) {
   if (value.text().starts_with(kMcapScheme)) return existing_path_or_topic(value);
-  const fs::path name = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
+  fs::path name = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
   const fs::path file = calibration_file(name).file;
   if (!fs::exists(file)) value.fail("there is no " + file.string());
   return name;
