@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -20,6 +21,10 @@ struct Layout {
   int coefficients;
 };
 
+// These two are not of our lenses: the nearest one stands for them.
+constexpr const char* kThinPrism = "THIN_PRISM_FISHEYE";
+constexpr const char* kFieldOfView = "FOV";
+
 const std::map<std::string, Layout, std::less<>> kLayouts = {
     {"SIMPLE_PINHOLE", {true, DistortionModel::kNone, 0}},
     {"PINHOLE", {false, DistortionModel::kNone, 0}},
@@ -28,71 +33,56 @@ const std::map<std::string, Layout, std::less<>> kLayouts = {
     {"OPENCV", {false, DistortionModel::kRadTan, 4}},
     {"FULL_OPENCV", {false, DistortionModel::kRadTan, 8}},
     {"OPENCV_FISHEYE", {false, DistortionModel::kEquidistant, 4}},
+    {"SIMPLE_RADIAL_FISHEYE", {true, DistortionModel::kEquidistant, 1}},
+    {"RADIAL_FISHEYE", {true, DistortionModel::kEquidistant, 2}},
+    {kThinPrism, {false, DistortionModel::kEquidistant, 8}},
+    {kFieldOfView, {false, DistortionModel::kNone, 1}},
 };
 
-// Lenses that bend rays by their angle: the equidistant one with fewer or more terms.
-std::optional<CameraModel> parse_fisheye(CameraModel camera, const std::string& model, const std::vector<double>& v,
-                                         const std::string& where) {
-  const auto take = [&](std::initializer_list<double> k) {
-    camera.distortion = DistortionModel::kEquidistant;
-    std::ranges::copy(k, camera.coefficients.begin());
-    return camera;
-  };
-  const bool one_focal = model == "SIMPLE_RADIAL_FISHEYE" || model == "RADIAL_FISHEYE";
-  const std::size_t first = one_focal ? 5 : 6;
-  const std::size_t terms = model == "SIMPLE_RADIAL_FISHEYE" || model == "FOV" ? 1
-                            : model == "RADIAL_FISHEYE"                        ? 2
-                            : model == "THIN_PRISM_FISHEYE"                    ? 8
-                                                                               : 0;
-  if (terms == 0) return std::nullopt;
-  if (v.size() != first + terms) throw UserError(where + "the number of parameters does not fit the camera model");
-  camera.fx = v[2], camera.fy = v[one_focal ? 2 : 3];
-  camera.cx = v[first - 2] - 0.5, camera.cy = v[first - 1] - 0.5;
-  if (model == "FOV") {
-    const FittedLens fit = fit_equidistant(camera, field_of_view_lens(v[first]));
-    log_info(where + fit_said(model, fit));
-    return fit.camera;
-  }
-  if (terms == 1) return take({v[first], 0, 0, 0});
-  if (terms == 2) return take({v[first], v[first + 1], 0, 0});
-  // What is left out moves places by p and s times the squared angle, at the farthest corner most.
-  const double x = std::max(camera.cx, camera.width_px - camera.cx) / camera.fx,
-               y = std::max(camera.cy, camera.height_px - camera.cy) / camera.fy, r2 = x * x + y * y;
-  const double p = std::abs(v[first + 2]) + std::abs(v[first + 3]), s = std::abs(v[first + 6]) + std::abs(v[first + 7]);
-  const FittedLens fit{take({v[first], v[first + 1], v[first + 4], v[first + 5]}),
-                       std::max(camera.fx, camera.fy) * (3 * p + s) * r2};
-  if (p + s > 0) log_warn(where + fit_said(model, fit));
-  return fit.camera;
+// Has k1 k2 p1 p2 k3 k4 sx1 sy1. What is left out moves places by p and s times the squared angle, at the farthest
+// corner most.
+CameraModel without_prism(CameraModel camera, const std::string& where) {
+  const auto k = camera.coefficients;
+  const double p = std::abs(k[2]) + std::abs(k[3]), s = std::abs(k[6]) + std::abs(k[7]);
+  camera.coefficients = {k[0], k[1], k[4], k[5]};
+  const double corner = farthest_corner(camera);
+  const FittedLens fit{camera, std::max(camera.fx, camera.fy) * (3 * p + s) * corner * corner};
+  if (p + s > 0) log_warn(where + fit_said(kThinPrism, fit));
+  return camera;
 }
 
 CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& where) {
+  const auto layout = kLayouts.find(fields[1]);
+  if (layout == kLayouts.end()) {
+    throw UserError(where + "the camera model '" + std::string(fields[1]) + "' is not supported");
+  }
   std::vector<double> v;
   for (std::size_t i = 2; i < fields.size(); ++i) {
     const auto number = parse_double(fields[i]);
     if (!number) throw UserError(where + "'" + std::string(fields[i]) + "' is not a number");
     v.push_back(*number);
   }
-  CameraModel camera;
-  camera.width_px = static_cast<int>(std::clamp(v[0], -1.0, 1e6));
-  camera.height_px = static_cast<int>(std::clamp(v[1], -1.0, 1e6));
-  if (const auto fisheye = parse_fisheye(camera, std::string(fields[1]), v, where)) return *fisheye;
-  const auto layout = kLayouts.find(fields[1]);
-  if (layout == kLayouts.end()) {
-    throw UserError(where + "the camera model '" + std::string(fields[1]) + "' is not supported");
-  }
   const auto& [one_focal, distortion, coefficients] = layout->second;
   const std::size_t first = 2 + (one_focal ? 3 : 4);
   if (v.size() != first + static_cast<std::size_t>(coefficients)) {
     throw UserError(where + "the number of parameters does not fit the camera model");
   }
+  CameraModel camera;
+  camera.width_px = static_cast<int>(std::clamp(v[0], -1.0, 1e6));
+  camera.height_px = static_cast<int>(std::clamp(v[1], -1.0, 1e6));
   camera.fx = v[2];
   camera.fy = one_focal ? v[2] : v[3];
   // The centre of COLMAP's first pixel is (0.5, 0.5), ours is (0, 0).
   camera.cx = v[first - 2] - 0.5;
   camera.cy = v[first - 1] - 0.5;
+  if (fields[1] == kFieldOfView) {
+    const FittedLens fit = fit_equidistant(camera, field_of_view_lens(v[first]));
+    log_info(where + fit_said(kFieldOfView, fit));
+    return fit.camera;
+  }
   camera.distortion = distortion;
   std::copy(v.begin() + static_cast<std::ptrdiff_t>(first), v.end(), camera.coefficients.begin());
-  return camera;
+  return fields[1] == kThinPrism ? without_prism(camera, where) : camera;
 }
 
 }  // namespace

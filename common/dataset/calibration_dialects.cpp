@@ -12,9 +12,10 @@
 #include "common/dataset/lens_fit.h"
 
 namespace coslam::calibration {
-namespace {
 
 int pixels(const YamlValue& value) { return static_cast<int>(std::clamp<std::int64_t>(value.integer(), -1, 1 << 20)); }
+
+namespace {
 
 void set_size(CameraModel& camera, const YamlValue& width_height) {
   const auto items = width_height.items();
@@ -57,8 +58,7 @@ YamlValue required(const YamlValue& root, const std::vector<std::string>& names)
 // its distance from the middle.
 void leave_out_prism(const CameraModel& camera, const YamlValue& place, std::vector<double>* k) {
   k->resize(12);
-  const double x = std::max(camera.cx, camera.width_px - camera.cx) / camera.fx,
-               y = std::max(camera.cy, camera.height_px - camera.cy) / camera.fy, r2 = x * x + y * y;
+  const double r2 = std::pow(farthest_corner(camera), 2);
   const double along_x = (*k)[8] * r2 + (*k)[9] * r2 * r2, along_y = (*k)[10] * r2 + (*k)[11] * r2 * r2;
   std::ostringstream miss;
   miss.precision(2);

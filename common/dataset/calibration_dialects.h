@@ -26,6 +26,9 @@ CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::str
 
 CameraModel read_recorded(const std::string& name);  // the first CameraInfo of mcap:FILE#TOPIC
 
+// A side of the image; what is far out of range stays so.
+int pixels(const YamlValue& value);
+
 // For a file from which nobody said which camera is meant.
 std::string several_cameras(const std::string& names);
 

@@ -17,8 +17,6 @@
 namespace coslam::calibration {
 namespace {
 
-int pixels(const YamlValue& value) { return static_cast<int>(std::clamp<std::int64_t>(value.integer(), -1, 1 << 20)); }
-
 std::vector<double> numbers_at(const YamlValue& of, std::initializer_list<const char*> keys) {
   std::vector<double> out;
   for (const char* key : keys) out.push_back(of.at(key).number());

@@ -10,16 +10,11 @@
 #include <numbers>
 
 namespace coslam {
-namespace {
-
-// Of the corner that is farthest from the principal point, in focal lengths.
 double farthest_corner(const CameraModel& c) {
   const double x = std::max(c.cx + 0.5, c.width_px - 0.5 - c.cx) / c.fx;
   const double y = std::max(c.cy + 0.5, c.height_px - 0.5 - c.cy) / c.fy;
   return std::hypot(x, y);
 }
-
-}  // namespace
 
 RadiusOfAngle field_of_view_lens(double w_rad) {
   return [w_rad](double angle) {

@@ -17,6 +17,9 @@ RadiusOfAngle field_of_view_lens(double w_rad);
 // The extended unified camera model (Khomutenko et al.), with fx, fy as its files have them.
 RadiusOfAngle extended_unified_lens(double alpha, double beta);
 
+// Of the corner of the image that is farthest from the principal point, in focal lengths.
+double farthest_corner(const CameraModel& camera);
+
 struct FittedLens {
   CameraModel camera;
   double miss_px = 0;  // the largest, in the image

@@ -25,6 +25,7 @@ enum class Form : std::uint8_t { kTum, kEuroc, kKitti };
 struct Line {
   std::string where;
   std::vector<std::string> fields;
+  bool commas = false;  // between them
 };
 
 std::vector<Line> lines_of(const std::filesystem::path& file) {
@@ -35,19 +36,18 @@ std::vector<Line> lines_of(const std::filesystem::path& file) {
   for (int number = 1; std::getline(stream, line); ++number) {
     const auto fields = split_fields(line, " ,\t\r");
     if (fields.empty() || fields[0].starts_with('#')) continue;
-    out.push_back({file.string() + ":" + std::to_string(number) + ": ", {fields.begin(), fields.end()}});
+    out.push_back({file.string() + ":" + std::to_string(number) + ": ",
+                   {fields.begin(), fields.end()},
+                   line.find(',') != line.npos});
   }
   return out;
 }
 
-Form form_of(const std::filesystem::path& file, const std::vector<Line>& lines) {
-  if (lines.empty() || lines.front().fields.size() == 8) {
-    std::ifstream stream(file);
-    std::string text;
-    while (std::getline(stream, text) && (text.empty() || text.front() == '#')) continue;
-    return text.find(',') == text.npos ? Form::kTum : Form::kEuroc;
-  }
-  return lines.front().fields.size() == 12 ? Form::kKitti : lines.front().fields.size() > 8 ? Form::kEuroc : Form::kTum;
+Form form_of(const std::vector<Line>& lines) {
+  if (lines.empty()) return Form::kTum;
+  const auto& [where, fields, commas] = lines.front();
+  if (fields.size() == 12) return Form::kKitti;
+  return commas || fields.size() > 8 ? Form::kEuroc : Form::kTum;
 }
 
 std::vector<double> numbers_of(const Line& line, std::size_t first, std::size_t count) {
@@ -144,7 +144,7 @@ std::string seconds(TimeNs t_ns) {
 Trajectory load_truth(const SequenceAgent& agent, double rate_hz) {
   if (!agent.truth) return {};
   const auto lines = lines_of(*agent.truth);
-  const Form form = form_of(*agent.truth, lines);
+  const Form form = form_of(lines);
   Trajectory truth;
   if (form == Form::kTum) truth = load_tum(*agent.truth);
   if (form == Form::kEuroc) truth = read_euroc(lines, agent);
