@@ -122,7 +122,8 @@ VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& conf
         ++report.outside;
       }
     }
-    edit.set_sparse(camera, proven < map.config().few_points);
+    // Where images are seldom, most points have left the view before they are proven.
+    edit.set_sparse(camera, proven < map.config().few_points || camera.seldom());
   }
   return report;
 }

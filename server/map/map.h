@@ -127,7 +127,7 @@ struct MapCamera {
   MapId map;                   // that it is being localised in; 0 = not placed
   bool corrected = false;      // its pose in this set rests on more than its agent has: the agent is to take it
   double scene_depth = 0;      // median of what it saw with its newest good pose; 0: not known yet
-  bool sparse = false;         // it sees so few proven points that it has to use the others too
+  bool sparse = false;         // it sees so few proven points for long that it has to use the others too
   int lost_sets = 0;           // frame sets in succession without a pose, while it has a map
   Similarity3 moved;           // how its world was moved since the last patch to its agent
   std::deque<ToldEpoch> told;  // of its present map, the newest ones
@@ -154,8 +154,10 @@ struct MapCamera {
   int frames_in_map(MapId in) const;
   // How many of its frames come in that time, by the newest ones; at least so many.
   int frames_in(double time_s, int least = 1) const;
-  // Of a track, to go by it: two of a camera whose images are so seldom that few things are in more than three.
-  int least_views() const { return frame_interval_s < kSeldom_s ? kLeastFrames : 2; }
+  // Its images are so seldom that few things are in more than three.
+  bool seldom() const { return frame_interval_s >= kSeldom_s; }
+  // Of a track, to go by it.
+  int least_views() const { return seldom() ? 2 : kLeastFrames; }
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
   // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
   // time; empty without poses in one map.

@@ -86,12 +86,16 @@ std::vector<Body> bodies_of(const Map& map, const FrameSet& set) {
   return out;
 }
 
-// sparse: of points that may move, too, as where there are few others.
+// Of points that may move, too, where few others are seen now; sparse: in any case.
 std::vector<PointObservation> observations_of(const Map& map, const Body& body, SetId set, bool sparse) {
   std::vector<PointObservation> all;
   for (std::size_t i = 0; i < body.frames.size(); ++i) {
     const MapCamera& camera = map.camera(body.frames[i]->camera);
-    auto observations = bound_observations(map, camera, set, camera.sparse || sparse);
+    const bool on_trial_too = camera.sparse || sparse;
+    auto observations = bound_observations(map, camera, set, on_trial_too);
+    if (!on_trial_too && static_cast<int>(observations.size()) < map.config().few_points) {
+      observations = bound_observations(map, camera, set, true);
+    }
     add_far(map, camera, set, &observations);
     for (PointObservation& o : observations) {
       o.camera = static_cast<int>(i);

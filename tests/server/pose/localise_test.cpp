@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
@@ -59,6 +63,23 @@ TEST_F(LocaliseTest, FollowsTruth) {
   }
   EXPECT_LT(camera(kCam0).sigma_px, 0.6) << "noise of 0.3 px, floor of 0.4";
   EXPECT_GT(camera(kCam0).sigma_px, 0.3);
+}
+
+TEST_F(LocaliseTest, UsesPointsOnTrialAtOnceWhereFewAreProven) {
+  const MapCamera& c = camera(kCam0);
+  sim_.edit.put_on_trial(sim_.id, Why::kMapIsNew);
+  // Those nearest to a corner of the image are proven: they alone hardly tell a turn from a step.
+  std::vector<std::pair<float, const MapPoint*>> from_corner;
+  for (const auto& [id, track] : c.tracks) {
+    const MapPoint* p = sim_.map.find(track.point);
+    if (p != nullptr) from_corner.emplace_back(track.seen.back().undistorted_px.norm(), p);
+  }
+  std::ranges::sort(from_corner, {}, &std::pair<float, const MapPoint*>::first);
+  ASSERT_GT(from_corner.size(), 60U);
+  for (int i = 0; i < 14; ++i) sim_.edit.prove(*from_corner[static_cast<std::size_t>(i)].second);
+  ASSERT_FALSE(c.sparse) << "it saw enough of them in the set before";
+  ASSERT_EQ(step().tracked, 2);
+  EXPECT_THAT(pose(kCam0).cam_from_world, PoseNear(sim_.truth(kCam0, sim_.set.id), 0.003, 0.015));
 }
 
 class LocaliseWithOutliers : public LocaliseTest {
