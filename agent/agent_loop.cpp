@@ -37,6 +37,11 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
 bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::optional<Image> image = feed_->next(stop);
   if (!image) return false;
+  judge(*image);
+  if (image->fault != ImageFault::kNone) {
+    leave_out();
+    return true;
+  }
   ++frames_;
   agent_.track(*image);
   const std::vector<MapPatch> patches = collect_patches(stop);
@@ -47,6 +52,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   if (sends) take_described();
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
   out.frame.narrow_link = narrow_link_;
+  out.frame.images_doubted = verdict_.verdict() != ImageFault::kNone;
+  out.frame.clock_set_ns = clock_set_ns_;
   if (!sends) {
     not_sent_ = std::move(out.frame);
   } else {
@@ -61,14 +68,32 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   }
   warn_when_slow();
   if (logs_state_) say_state();
-  const auto now = now_();
-  if (!last_status_ || now - *last_status_ > kStatusPeriod || agent_.pose_state() != last_pose_state_) {
-    last_status_ = now;
-    last_pose_state_ = agent_.pose_state();
-    throw_if_refused();
-    link_.send_status(status(AgentState::kRunning));
-  }
+  send_status_when_due();
   return true;
+}
+
+void AgentLoop::judge(const Image& image) {
+  verdict_.note(image.fault, image.capture_ns);
+  if (image.fault != ImageFault::kNone && image.fault != ImageFault::kMissing) {
+    ++left_out_[static_cast<std::size_t>(image.fault)];
+  }
+  if (stamps_are_utc_) clock_set_ns_ = coslam::clock_set_ns();
+}
+
+void AgentLoop::leave_out() {
+  if (logs_state_) say_state();
+  send_status_when_due();
+}
+
+void AgentLoop::send_status_when_due() {
+  const auto now = now_();
+  const bool changed = agent_.pose_state() != last_pose_state_ || verdict_.verdict() != last_verdict_;
+  if (last_status_ && now - *last_status_ <= kStatusPeriod && !changed) return;
+  last_status_ = now;
+  last_pose_state_ = agent_.pose_state();
+  last_verdict_ = verdict_.verdict();
+  throw_if_refused();
+  link_.send_status(status(AgentState::kRunning));
 }
 
 // New ones wait for the old ones. On a link that carries little an image is described in no more features than get
@@ -166,6 +191,8 @@ void AgentLoop::say_state() {
   if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
   if (const auto word = words_.working_width(agent_.working_width_px())) log_info(*word);
+  if (const auto word = words_.images(verdict_.verdict())) log_warn(*word);
+  if (const auto word = words_.clock(clock_set_ns_)) log_warn(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
 }
 
@@ -216,6 +243,7 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.pose_state = agent_.pose_state();
   s.frames = frames_;
   s.dropped = feed_->dropped();
+  s.image_fault = verdict_.verdict();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
   s.frame_ms = static_cast<float>(mean_frame_ms());
   s.exchange = exchange_;
@@ -237,7 +265,10 @@ std::string AgentLoop::report() const {
   nlohmann::ordered_json out;
   out["start_s"] = start_s_;
   out["frames"] = frames_ + feed_->dropped();
-  out["unreadable"] = feed_->unreadable();
+  out["left_out"] = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < left_out_.size(); ++i) {
+    if (left_out_[i] > 0) out["left_out"][std::string(words_of(static_cast<ImageFault>(i)).name)] = left_out_[i];
+  }
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
   out["ms_per_frame"] = mean_frame_ms();
   out["tracked_width_px"] = agent_.working_width_px();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "agent/agent.h"
+#include "agent/capture/image_check.h"
 #include "agent/feed.h"
 #include "agent/link/agent_link.h"
 #include "agent/link/reply_rate.h"
@@ -51,6 +53,9 @@ class AgentLoop {
   void finish(const std::atomic<bool>& stop);
 
  private:
+  void judge(const Image& image);
+  void leave_out();
+  void send_status_when_due();
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
   bool server_stops() const;
   Answers answers() const;
@@ -98,8 +103,12 @@ class AgentLoop {
   StageTimes times_;                                   // beside the agent's own
   ClockExchange exchange_;                             // begun by the newest patch
   std::uint32_t frames_ = 0;
+  ImageVerdict verdict_;
+  std::array<std::uint32_t, kImageFaults> left_out_{};  // images
+  TimeNs clock_set_ns_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;
   PoseState last_pose_state_ = PoseState::kNone;
+  ImageFault last_verdict_ = ImageFault::kNone;
 };
 
 }  // namespace coslam

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/feed.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <utility>
 
+#include "agent/capture/image_check.h"
 #include "common/flow/bounded_queue.h"
 #include "common/flow/clock.h"
 #include "common/flow/worker.h"
@@ -20,12 +22,40 @@ constexpr std::size_t kRealTimeQueue = 8;  // a quarter of a second: one slow st
 class DirectFeed final : public Feed {
  public:
   explicit DirectFeed(std::unique_ptr<ImageSource> source) : source_(std::move(source)) {}
-  std::optional<Image> next(const std::atomic<bool>&) override { return source_->next(); }
+  std::optional<Image> next(const std::atomic<bool>&) override {
+    auto image = source_->next();
+    if (image) image->fault = check_.check(*image);
+    return image;
+  }
   std::uint32_t dropped() const override { return 0; }
-  std::uint32_t unreadable() const override { return static_cast<std::uint32_t>(source_->unreadable()); }
 
  private:
   std::unique_ptr<ImageSource> source_;
+  ImageCheck check_;
+};
+
+// When a live source should have given its next image.
+class Due {
+ public:
+  void came(std::chrono::steady_clock::time_point now) {
+    const double interval_s = std::chrono::duration<double>(now - last_.value_or(now)).count();
+    usual_s_ = usual_s_ == 0 ? interval_s : usual_s_ + kFollow * (std::min(interval_s, 2 * usual_s_) - usual_s_);
+    last_ = now;
+    said_ = now;
+  }
+  // None came for longer than usual, and that was not said just now.
+  bool is_over(std::chrono::steady_clock::time_point now) {
+    const double patience_s = std::max(kLeast_s, kUsual * usual_s_);
+    if (!last_ || std::chrono::duration<double>(now - said_).count() < patience_s) return false;
+    said_ = now;
+    return true;
+  }
+
+ private:
+  static constexpr double kLeast_s = 0.2, kUsual = 2.5, kFollow = 0.1;
+  std::optional<std::chrono::steady_clock::time_point> last_;
+  std::chrono::steady_clock::time_point said_;
+  double usual_s_ = 0;
 };
 
 class ThreadedFeed final : public Feed {
@@ -35,6 +65,7 @@ class ThreadedFeed final : public Feed {
       : source_(std::move(source)),
         rate_(rate),
         start_(Clock::now() + std::chrono::nanoseconds(start_utc_ns - utc_now_ns())),
+        live_(rate > 0 && source_->live()),
         queue_(rate > 0 ? kRealTimeQueue : kReadAhead, rate > 0 ? QueuePolicy::kDropOldest : QueuePolicy::kBlock),
         worker_("capture", [this](const std::stop_token& stop) { read(stop); }) {}
   ~ThreadedFeed() override {
@@ -47,23 +78,31 @@ class ThreadedFeed final : public Feed {
 
   std::optional<Image> next(const std::atomic<bool>& stop) override {
     while (!stop) {
-      if (auto image = queue_.pop_for(std::chrono::milliseconds(100))) return image;
+      auto image = queue_.pop_for(std::chrono::milliseconds(live_ ? 50 : 100));
+      if (image && live_) due_.came(Clock::now());
+      if (image) return image;
       if (queue_.closed()) return queue_.try_pop();
+      if (live_ && due_.is_over(Clock::now())) return missing();
     }
     return std::nullopt;
   }
   std::uint32_t dropped() const override { return skipped_ + static_cast<std::uint32_t>(queue_.counts().dropped); }
-  std::uint32_t unreadable() const override { return unreadable_; }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  static Image missing() {
+    Image none{FrameId(), utc_now_ns(), {}};
+    none.fault = ImageFault::kMissing;
+    return none;
+  }
 
   void read(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       if (rate_ > 0 && !source_->live() && !wait_until_due(stop)) break;
       std::optional<Image> image = source_->next();
-      unreadable_ = static_cast<std::uint32_t>(source_->unreadable());
       if (!image) break;
+      image->fault = check_.check(*image);
       if (rate_ > 0) image->since = std::chrono::steady_clock::now();
       if (!queue_.push(std::move(*image))) break;
     }
@@ -92,7 +131,10 @@ class ThreadedFeed final : public Feed {
   std::unique_ptr<ImageSource> source_;
   double rate_;
   Clock::time_point start_;  // of played time
-  std::atomic<std::uint32_t> skipped_{0}, unreadable_{0};
+  ImageCheck check_;         // the worker's
+  const bool live_;
+  Due due_;  // the taker's
+  std::atomic<std::uint32_t> skipped_{0};
   std::condition_variable_any sleep_;
   BoundedQueue<Image> queue_;
   Worker worker_;  // last: joins before what it uses goes

@@ -14,10 +14,10 @@ namespace coslam {
 class Feed {
  public:
   virtual ~Feed() = default;
-  // Waits for the next image; empty at the end, and soon after `stop` is set.
+  // Waits for the next image; empty at the end, and soon after `stop` is set. What is wrong with it stands in `fault`.
+  // Of a live source that gives none when one is due: an image that is missing, again and again.
   virtual std::optional<Image> next(const std::atomic<bool>& stop) = 0;
   virtual std::uint32_t dropped() const = 0;
-  virtual std::uint32_t unreadable() const = 0;  // images passed over because they cannot be read
 };
 
 // As fast as they are taken, in the caller's thread.

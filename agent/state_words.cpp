@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 namespace coslam {
@@ -29,6 +30,23 @@ std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
   if (now - *gone_since_ < kPasses) return std::nullopt;
   said_lost_ = true;
   return lost_;
+}
+
+std::optional<std::string> StateWords::images(ImageFault verdict) {
+  if (std::exchange(said_fault_, verdict) == verdict) return std::nullopt;
+  if (verdict == ImageFault::kNone) return "its images are to be believed again";
+  return "its images are not to be believed: " + std::string(words_of(verdict).why);
+}
+
+std::optional<std::string> StateWords::clock(TimeNs set_ns) {
+  constexpr TimeNs kNoise_ns = 10'000'000;
+  const TimeNs by_ns = set_ns - said_set_ns_;
+  if (std::abs(by_ns) < kNoise_ns) return std::nullopt;
+  said_set_ns_ = set_ns;
+  char text[160];
+  std::snprintf(text, sizeof text, "the time of day was set %s by %.3f s; stamps go on without a jump",
+                by_ns < 0 ? "back" : "forward", std::abs(to_seconds(by_ns)));
+  return text;
 }
 
 std::optional<std::string> StateWords::working_width(int width_px) {

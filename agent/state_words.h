@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/time.h"
+#include "common/model/image_fault.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
@@ -20,6 +21,10 @@ class StateWords {
     return pose_.note(state == PoseState::kTracked, now);
   }
   std::optional<std::string> link(bool carries_all, Instant now) { return link_.note(carries_all, now); }
+  // Whether its images are to be believed, when that changes.
+  std::optional<std::string> images(ImageFault verdict);
+  // The time of day was set, when that changes.
+  std::optional<std::string> clock(TimeNs set_ns);
   // The width that its images are tracked at, when it changes.
   std::optional<std::string> working_width(int width_px);
   // The readout of its camera as it is found out, 0 while it is not; again when it turns out a third different.
@@ -41,6 +46,8 @@ class StateWords {
   Presence server_{nullptr, "the map server is silent; going on alone", "the map server is back"};
   Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
   Presence link_{nullptr, "the link does not carry all frames; sending fewer", "the link carries all frames again"};
+  ImageFault said_fault_ = ImageFault::kNone;
+  TimeNs said_set_ns_ = 0;
   int said_width_px_ = 0;
   double said_readout_s_ = 0;
 };

@@ -18,10 +18,10 @@ MapKeeper::MapKeeper(const std::filesystem::path& file, const KeepConfig& config
       server_(*server),
       file_(file, MapFile::Access::kWrite),
       saved_at_ns_(monotonic_now_ns()),
-      saver_([this](const std::vector<Row>& rows) { file_.write(rows, utc_now_ns()); }) {
+      saver_([this](const std::vector<Row>& rows) { file_.write(rows, time_of_day_ns()); }) {
   const Tables tables = file_.read();
   if (tables.empty()) return;
-  server_.restore(tables, to_seconds(utc_now_ns() - file_.saved_ns().value_or(0)));
+  server_.restore(tables, to_seconds(time_of_day_ns() - file_.saved_ns().value_or(0)));
   times_fit_ = false;
   log_info("going on with the map of " + file.string() + ": " + std::to_string(server_.map().points().size()) +
            " points, " + std::to_string(server_.map().cameras().size()) + " cameras");
@@ -29,7 +29,7 @@ MapKeeper::MapKeeper(const std::filesystem::path& file, const KeepConfig& config
 
 std::optional<TimeNs> MapKeeper::date_now_ns() const {
   if (!server_.restored_until()) return std::nullopt;
-  return server_.map().now_ns() + utc_now_ns() - file_.saved_ns().value_or(0);
+  return server_.map().now_ns() + time_of_day_ns() - file_.saved_ns().value_or(0);
 }
 
 void MapKeeper::before_frame(TimeNs capture_ns) {

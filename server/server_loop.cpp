@@ -224,6 +224,7 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
 void ServerLoop::on_status(const AgentStatus& status) {
   Agent* agent = find(status.agent, status.agent_run);
   if (agent == nullptr) return;
+  if (status.image_fault != agent->last_status.image_fault) say_images(status);
   agent->last_status = status;
   auto last_image = std::exchange(agent->last_status.last_image, std::nullopt);
   if (status.exchange.sent_ns != 0) stamps_.exchange(agent->camera, status.exchange);
@@ -231,6 +232,15 @@ void ServerLoop::on_status(const AgentStatus& status) {
   if (last_image) server_.take_last_image(agent->camera, std::move(*last_image));
   log_info("agent " + status.agent + " has ended");
   end(*agent);
+}
+
+void ServerLoop::say_images(const AgentStatus& status) {
+  if (status.image_fault == ImageFault::kNone) {
+    log_info("agent " + status.agent + ": its images are to be believed again");
+  } else {
+    log_warn("agent " + status.agent +
+             ": its images are not to be believed: " + std::string(words_of(status.image_fault).why));
+  }
 }
 
 void ServerLoop::on_silent(const std::string& name, RunId run) {

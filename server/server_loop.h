@@ -87,6 +87,7 @@ class ServerLoop {
   void on_hello(const Hello& hello);
   void on_frame(const JoinedFrame& joined);
   void on_status(const AgentStatus& status);
+  static void say_images(const AgentStatus& status);
   void on_silent(const std::string& name, RunId run);
   void on_gone(const std::string& name, RunId run);
   std::optional<std::string> why_not(const Hello& hello) const;

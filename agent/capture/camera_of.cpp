@@ -26,7 +26,7 @@ FoundCamera camera_of(const std::string& source, const std::string& calibration,
   if (!calibration.empty()) return {load_calibration(calibration), {}};
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;
-  const auto first = open_source(source, any_size)->next();
+  const auto first = next_readable(*open_source(source, any_size));
   if (!first) throw UserError(source + ": no image can be read");
   const int width_px = first->grey.cols, height_px = first->grey.rows;
   const auto noted_px = noted_focal_px(first_file(source, options.rate_hz), width_px, height_px);

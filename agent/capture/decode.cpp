@@ -24,26 +24,25 @@ Bytes read_bytes(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-bool is_cut_off(const Bytes& bytes, std::string_view start, std::string_view end) {
+bool begins_but_does_not_end(std::string_view all, std::string_view start, std::string_view end) {
   constexpr std::size_t kPadding = 1024;  // some cameras pad their files
-  const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return all.starts_with(start) && all.substr(all.size() - std::min(all.size(), kPadding)).find(end) == all.npos;
-}
-
-// Told by the end marker: libjpeg fills the missing rest with grey and reports success, libpng writes to standard
-// error.
-bool is_truncated(const Bytes& bytes) {
-  return is_cut_off(bytes, "\xff\xd8", "\xff\xd9") || is_cut_off(bytes, "\x89PNG", "IEND");
 }
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
 }  // namespace
 
+// libjpeg fills the missing rest with grey and reports success, libpng writes to standard error.
+bool is_cut_off(std::span<const std::uint8_t> octets) {
+  const std::string_view all(reinterpret_cast<const char*>(octets.data()), octets.size());
+  return begins_but_does_not_end(all, "\xff\xd8", "\xff\xd9") || begins_but_does_not_end(all, "\x89PNG", "IEND");
+}
+
 cv::Mat GreyReader::read(const std::filesystem::path& file) { return decode(read_bytes(file)); }
 
 cv::Mat GreyReader::decode(const Bytes& octets) {
-  if (octets.empty() || is_truncated(octets)) return {};
+  if (octets.empty() || is_cut_off(octets)) return {};
   try {
     // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
     cv::Mat grey = cv::imdecode(octets, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
@@ -120,6 +119,11 @@ cv::Mat to_grey(const cv::Mat& frame) {
     cv::cvtColor(frame, grey, cv::COLOR_BGRA2GRAY);
   }
   return grey;
+}
+
+ImageFault size_fault(const cv::Mat& image, cv::Size expected) {
+  if (image.empty()) return ImageFault::kUnreadable;
+  return image.size() == expected ? ImageFault::kNone : ImageFault::kResized;
 }
 
 void require_size(const cv::Mat& image, const SourceOptions& options, const std::string& image_name) {

@@ -2,15 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "agent/capture/source.h"
 
 namespace coslam {
+
+// Whether a JPEG or PNG lacks its end.
+bool is_cut_off(std::span<const std::uint8_t> octets);
 
 // Brings images of more than 8 bits a pixel to 8. Of a sensor's levels a scene takes few, in a thermal camera some
 // hundred of 16384: those from the 0.5th to the 99.5th percentile, and some on either side, are spread over 8 bits. The
@@ -50,6 +55,9 @@ cv::Mat read_color(const std::filesystem::path& file);
 
 // CV_8UC1 of a frame as a video or camera delivers it; empty for a format that is none.
 cv::Mat to_grey(const cv::Mat& frame);
+
+// kNone for an image of that size.
+ImageFault size_fault(const cv::Mat& image, cv::Size expected);
 
 // Throws UserError when the source's first image has not the calibration's size.
 void require_size(const cv::Mat& image, const SourceOptions& options, const std::string& image_name);

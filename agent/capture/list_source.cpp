@@ -32,20 +32,17 @@ class ListSource final : public ImageSource {
   }
 
   std::optional<Image> next() override {
-    while (position_ < frames_.size()) {
-      const std::size_t i = position_++;
-      cv::Mat grey = i == first_ ? std::exchange(first_image_, {}) : reader_.read(frames_[i].file);
-      if (grey.size() == size_) {
-        Image image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns, grey};
-        if (color_) image.color = read_color(frames_[i].file);
-        return image;
-      }
-      ++unreadable_;
-      if (!log_.pass()) continue;
+    if (position_ >= frames_.size()) return std::nullopt;
+    const std::size_t i = position_++;
+    Image image{FrameId(static_cast<std::uint32_t>(i)), frames_[i].source_ns,
+                i == first_ ? std::exchange(first_image_, {}) : reader_.read(frames_[i].file)};
+    image.fault = size_fault(image.grey, size_);
+    if (image.fault == ImageFault::kNone && color_) image.color = read_color(frames_[i].file);
+    if (image.fault != ImageFault::kNone && log_.pass()) {
       log_warn(frames_[i].file.string() +
-               (grey.empty() ? " cannot be read; passed over" : " has not the size of the first image; passed over"));
+               (image.grey.empty() ? " cannot be read" : " has not the size of the first image") + "; passed over");
     }
-    return std::nullopt;
+    return image;
   }
 
   bool skip() override {
@@ -57,7 +54,6 @@ class ListSource final : public ImageSource {
   std::optional<TimeNs> peek_ns() const override {
     return position_ < frames_.size() ? std::optional(frames_[position_].source_ns) : std::nullopt;
   }
-  std::size_t unreadable() const override { return unreadable_; }
 
  private:
   std::vector<ListedFrame> frames_;
@@ -67,7 +63,6 @@ class ListSource final : public ImageSource {
   std::size_t first_ = 0;
   cv::Mat first_image_;
   cv::Size size_;
-  std::size_t unreadable_ = 0;
   LogLimiter log_;
 };
 

@@ -4,11 +4,16 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <mutex>
 #include <opencv2/videoio.hpp>
+#include <string_view>
 #include <thread>
 
+#include "agent/capture/camera_mode.h"
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
+#include "agent/capture/stream_decoder.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
@@ -17,90 +22,174 @@
 namespace coslam {
 namespace {
 
-constexpr const char* kV4l2 = "v4l2:";
-constexpr const char* kGst = "gst:";
+constexpr std::string_view kV4l2 = "v4l2:", kGst = "gst:";
 
-bool open_v4l2(cv::VideoCapture& capture, const std::string& device) {
-  const auto index = parse_integer(device);
-  const bool open = index ? capture.open(static_cast<int>(*index), cv::CAP_V4L2) : capture.open(device, cv::CAP_V4L2);
+// What gives pictures until it fails.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  struct Picture {
+    cv::Mat grey;  // CV_8UC1; empty: it could not be read
+    bool concealed = false;
+  };
+  // The next one; empty: the camera has failed, or its end is reached.
+  virtual std::optional<Picture> read() = 0;
+  virtual void stop() {}  // from any thread
+};
+
+class CapturedByOpenCv final : public Camera {
+ public:
+  explicit CapturedByOpenCv(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+  std::optional<Picture> read() override {
+    cv::Mat frame;
+    if (!capture_.read(frame)) return std::nullopt;
+    return Picture{to_grey(frame)};
+  }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
+class Stream final : public Camera {
+ public:
+  explicit Stream(std::unique_ptr<StreamDecoder> decoder) : decoder_(std::move(decoder)) {}
+  std::optional<Picture> read() override {
+    if (!decoder_->grab()) return std::nullopt;
+    return Picture{to_grey(decoder_->bgr()), decoder_->concealed()};
+  }
+  void stop() override { decoder_->stop(); }
+
+ private:
+  std::unique_ptr<StreamDecoder> decoder_;
+};
+
+// v4l2:DEVICE[?size=WxH][&fps=N][&format=FOURCC]. Null: it cannot be opened. Throws UserError for what the device does
+// not do.
+std::unique_ptr<Camera> open_v4l2(const std::string& uri) {
+  const CameraMode mode = parse_camera_mode(uri);
+  const auto index = parse_integer(mode.device);
+  cv::VideoCapture capture;
+  const bool open =
+      index ? capture.open(static_cast<int>(*index), cv::CAP_V4L2) : capture.open(mode.device, cv::CAP_V4L2);
+  if (!open) return nullptr;
   capture.set(cv::CAP_PROP_BUFFERSIZE, 1);  // an old image is worth less than none
-  return open;
+  const auto number = [&](int property) { return static_cast<int>(std::lround(capture.get(property))); };
+  if (!mode.format.empty()) {  // first: it decides which sizes and rates there are
+    const int code = cv::VideoWriter::fourcc(mode.format[0], mode.format[1], mode.format[2], mode.format[3]);
+    capture.set(cv::CAP_PROP_FOURCC, code);
+    if (number(cv::CAP_PROP_FOURCC) != code)
+      throw UserError(uri + ": the camera does not give the format " + mode.format);
+  }
+  if (mode.width_px > 0) {
+    capture.set(cv::CAP_PROP_FRAME_WIDTH, mode.width_px);
+    capture.set(cv::CAP_PROP_FRAME_HEIGHT, mode.height_px);
+    const int width = number(cv::CAP_PROP_FRAME_WIDTH), height = number(cv::CAP_PROP_FRAME_HEIGHT);
+    if (width != mode.width_px || height != mode.height_px) {
+      throw UserError(uri + ": the camera gives " + std::to_string(width) + "x" + std::to_string(height) + " instead");
+    }
+  }
+  if (mode.rate_hz > 0) {
+    capture.set(cv::CAP_PROP_FPS, mode.rate_hz);
+    const double rate = capture.get(cv::CAP_PROP_FPS);
+    if (std::abs(rate - mode.rate_hz) > 0.05 * mode.rate_hz) {
+      log_warn(uri + ": the camera gives " + format_double(rate) + " images a second instead");
+    }
+  }
+  return std::make_unique<CapturedByOpenCv>(std::move(capture));
 }
 
-bool open_gst(cv::VideoCapture& capture, std::string pipeline) {
+std::unique_ptr<Camera> open_gst(std::string pipeline) {
   if (pipeline.find("appsink") == std::string::npos) {
     pipeline += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
   }
-  return capture.open(pipeline, cv::CAP_GSTREAMER);
+  cv::VideoCapture capture;
+  if (!capture.open(pipeline, cv::CAP_GSTREAMER)) return nullptr;
+  return std::make_unique<CapturedByOpenCv>(std::move(capture));
 }
 
-bool open_stream(cv::VideoCapture& capture, const std::string& url) {
-  constexpr int kTimeout_ms = 5000;
-  return capture.open(url, cv::CAP_FFMPEG,
-                      {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, kTimeout_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, kTimeout_ms});
+std::unique_ptr<Camera> open_camera(const std::string& uri) {
+  try {
+    if (uri.starts_with(kV4l2)) return open_v4l2(uri);
+    if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()));
+  } catch (const cv::Exception&) {
+    return nullptr;
+  }
+  auto decoder = StreamDecoder::open(uri, true);
+  return decoder ? std::make_unique<Stream>(std::move(decoder)) : nullptr;
 }
 
 // A camera or stream. It is opened again, ever more seldom, when it fails.
 class LiveSource final : public ImageSource {
  public:
-  LiveSource(std::string uri, const SourceOptions& options) : uri_(std::move(uri)), duration_s_(options.duration_s) {
-    if (!open()) throw UserError("the source '" + uri_ + "' cannot be opened");
-    cv::Mat first;
-    for (int i = 0; i < 10 && first.empty(); ++i) first = read();  // a camera may warm up with empty frames
-    if (first.empty()) throw UserError("the source '" + uri_ + "' gives no image");
-    require_size(first, options, "the image of '" + uri_ + "'");
-    size_ = first.size();
+  LiveSource(std::string uri, const SourceOptions& options)
+      : uri_(std::move(uri)), duration_s_(options.duration_s), camera_(open_camera(uri_)) {
+    if (!camera_) throw UserError("the source '" + uri_ + "' cannot be opened");
+    std::optional<Camera::Picture> first;
+    // A camera may warm up with empty frames.
+    for (int i = 0; i < 10 && (!first || first->grey.empty()); ++i) first = camera_->read();
+    if (!first || first->grey.empty()) throw UserError("the source '" + uri_ + "' gives no image");
+    require_size(first->grey, options, "the image of '" + uri_ + "'");
+    size_ = first->grey.size();
   }
 
   std::optional<Image> next() override {
-    while (!stopped_ && !ended_) {
-      cv::Mat grey = read();
-      const TimeNs now_ns = utc_now_ns();
-      if (!first_ns_) first_ns_ = now_ns;
-      if (duration_s_ && now_ns - *first_ns_ >= to_ns(*duration_s_)) ended_ = true;
-      if (ended_) break;
-      if (grey.size() == size_) return Image{FrameId(frame_++), now_ns, grey};
-      ++frame_;
-      ++unreadable_;
-      if (grey.empty()) reopen();
-    }
-    return std::nullopt;
+    if (failed_) reopen();
+    if (stopped_ || ended_) return std::nullopt;
+    auto picture = camera_->read();
+    const TimeNs now_ns = utc_now_ns();
+    if (!first_ns_) first_ns_ = now_ns;
+    if (duration_s_ && now_ns - *first_ns_ >= to_ns(*duration_s_)) ended_ = true;
+    if (!picture && uri_.starts_with(kGst)) ended_ = true;  // the end of a pipeline cannot be told from its failure
+    if (stopped_ || ended_) return std::nullopt;
+    Image image{FrameId(frame_++), now_ns, picture ? picture->grey : cv::Mat()};
+    image.fault = fault_of(picture);
+    failed_ = !picture;
+    if (image.fault != ImageFault::kNone && log_.pass()) warn(image);
+    return image;
   }
 
   bool skip() override { return next().has_value(); }
   std::optional<TimeNs> peek_ns() const override { return std::nullopt; }
   bool live() const override { return true; }
-  std::size_t unreadable() const override { return unreadable_; }
-  void stop() override { stopped_ = true; }
-
- private:
-  bool open() {
-    try {
-      if (uri_.starts_with(kV4l2)) return open_v4l2(capture_, uri_.substr(std::string_view(kV4l2).size()));
-      if (uri_.starts_with(kGst)) return open_gst(capture_, uri_.substr(std::string_view(kGst).size()));
-      return open_stream(capture_, uri_);
-    } catch (const cv::Exception&) {
-      return false;
-    }
+  void stop() override {
+    stopped_ = true;
+    const std::lock_guard lock(mutex_);
+    if (camera_) camera_->stop();
   }
 
-  cv::Mat read() {
-    cv::Mat frame;
-    return capture_.read(frame) ? to_grey(frame) : cv::Mat();
+ private:
+  ImageFault fault_of(const std::optional<Camera::Picture>& picture) const {
+    if (!picture) return ImageFault::kMissing;
+    const ImageFault fault = size_fault(picture->grey, size_);
+    return fault == ImageFault::kNone && picture->concealed ? ImageFault::kConcealed : fault;
+  }
+
+  void warn(const Image& image) const {
+    const std::string what = "the source '" + uri_ + "' ";
+    if (image.fault == ImageFault::kMissing) {
+      log_warn(what + "gives no image, opening it again");
+    } else if (image.fault == ImageFault::kResized) {
+      log_warn(what + "gives images of " + std::to_string(image.grey.cols) + "x" + std::to_string(image.grey.rows) +
+               " pixels instead of " + std::to_string(size_.width) + "x" + std::to_string(size_.height) +
+               ", as the calibration is for; they are left out");
+    } else {
+      log_warn(what + "gives a damaged image; it is left out");
+    }
   }
 
   void reopen() {
-    if (uri_.starts_with(kGst)) {
-      ended_ = true;  // the end of a pipeline cannot be told from its failure
-      return;
-    }
-    if (log_.pass()) log_warn("the source '" + uri_ + "' gives no image, opening it again");
-    capture_.release();
     auto wait = std::chrono::milliseconds(100);
+    const auto put = [&](std::unique_ptr<Camera> camera) {
+      const std::lock_guard lock(mutex_);
+      camera_ = std::move(camera);
+    };
+    put(nullptr);
     do {
       sleep(wait);
       wait = std::min(wait * 2, std::chrono::milliseconds(3000));
-    } while (!stopped_ && !open());
+      if (!stopped_) put(open_camera(uri_));
+    } while (!stopped_ && !camera_);
+    failed_ = false;
   }
 
   void sleep(std::chrono::milliseconds duration) const {
@@ -112,12 +201,12 @@ class LiveSource final : public ImageSource {
 
   std::string uri_;
   std::optional<double> duration_s_;
-  cv::VideoCapture capture_;
+  std::mutex mutex_;  // of the pointer, against stop()
+  std::unique_ptr<Camera> camera_;
   cv::Size size_;
   std::optional<TimeNs> first_ns_;
   std::uint32_t frame_ = 0;
-  std::size_t unreadable_ = 0;
-  bool ended_ = false;
+  bool failed_ = false, ended_ = false;
   LogLimiter log_;
   std::atomic<bool> stopped_ = false;
 };
@@ -125,8 +214,9 @@ class LiveSource final : public ImageSource {
 }  // namespace
 
 bool is_live_uri(const std::string& uri) {
-  constexpr std::array<const char*, 6> kSchemes = {kV4l2, kGst, "rtsp://", "rtsps://", "http://", "https://"};
-  return std::any_of(kSchemes.begin(), kSchemes.end(), [&](const char* scheme) { return uri.starts_with(scheme); });
+  constexpr std::array<std::string_view, 7> kSchemes = {kV4l2,      kGst,      "rtsp://", "rtsp+udp://",
+                                                        "rtsps://", "http://", "https://"};
+  return std::ranges::any_of(kSchemes, [&](std::string_view scheme) { return uri.starts_with(scheme); });
 }
 
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options) {

@@ -41,6 +41,12 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
   return options.covered.empty() ? std::move(source) : covered_at_times(std::move(source), options.covered);
 }
 
+std::optional<Image> next_readable(ImageSource& source) {
+  auto image = source.next();
+  while (image && image->fault != ImageFault::kNone) image = source.next();
+  return image;
+}
+
 std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) {
   if (is_live_uri(uri) || !std::filesystem::exists(uri)) return std::nullopt;
   const auto list = listed(uri, rate_hz);

@@ -13,11 +13,12 @@
 
 namespace coslam {
 
-// What a source yields next. A frame that cannot be read is counted and skipped, never the end of the source.
+// What a source yields next.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  // Next image, blocking; empty at the end of the source.
+  // Next image, blocking; empty at the end of the source. One that cannot be read, or that the source knows not to be
+  // what the camera saw, comes with its fault and perhaps without pixels; it never is the end of the source.
   virtual std::optional<Image> next() = 0;
   // Moves over the next image without decoding it (its frame id is used up); false at the end.
   virtual bool skip() = 0;
@@ -49,6 +50,9 @@ struct SourceOptions {
 // mcap:FILE#TOPIC (images of ROS 2; times count from the start of the recording), v4l2:N, gst:PIPELINE, rtsp://...
 // Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
+
+// Next image without a fault.
+std::optional<Image> next_readable(ImageSource& source);
 
 // Of the images of a source that is a list of them.
 struct ListedTimes {

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <opencv2/videoio.hpp>
+#include <opencv2/core.hpp>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
+#include "agent/capture/stream_decoder.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 
@@ -26,13 +27,13 @@ class VideoTimes {
   }
   // Of the sidecar; 0 without.
   std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
-  // stream_ms: that the container gives the frame. Empty where the sidecar leaves it out, and past its last line.
-  std::optional<TimeNs> at(std::size_t frame, double stream_ms) {
+  // stream_s: that the container gives the frame. Empty where the sidecar leaves it out, and past its last line.
+  std::optional<TimeNs> at(std::size_t frame, std::optional<double> stream_s) {
     if (stamps_) return frame < stamps_->size() ? (*stamps_)[frame] : std::nullopt;
     constexpr TimeNs kRounding_ns = 1'000'000;
-    if (frame == 0) first_ms_ = stream_ms;
+    if (frame == 0) first_s_ = stream_s.value_or(0);
     const TimeNs even_ns = to_ns(static_cast<double>(frame) / rate_hz_);
-    const TimeNs stream_ns = to_ns((stream_ms - first_ms_) / 1000);
+    const TimeNs stream_ns = stream_s ? to_ns(*stream_s - first_s_) : 0;
     const bool told = stream_ns > last_ns_ && std::abs(stream_ns - even_ns) > kRounding_ns;
     last_ns_ = told ? stream_ns : std::max(even_ns, last_ns_ + (frame == 0 ? 0 : 1));
     return last_ns_;
@@ -41,78 +42,80 @@ class VideoTimes {
  private:
   std::optional<std::vector<std::optional<TimeNs>>> stamps_;
   double rate_hz_;
-  double first_ms_ = 0;
+  double first_s_ = 0;
   TimeNs last_ns_ = 0;
 };
 
-// Only the readers of files: OpenCV would else ask cameras too.
-cv::VideoCapture open_file(const std::string& file) {
-  cv::VideoCapture capture(file, cv::CAP_FFMPEG);
-  if (!capture.isOpened()) capture.open(file, cv::CAP_OPENCV_MJPEG);
-  return capture;
-}
-
 // Phones note how they were held. The calibration is of the sensor's pixels, so that is not obeyed, unless only the
-// turned image has the calibration's size.
-void settle_rotation(const std::string& file, const SourceOptions& options, cv::VideoCapture* capture) {
-  const int turn_deg = (static_cast<int>(std::lround(capture->get(cv::CAP_PROP_ORIENTATION_META))) % 360 + 360) % 360;
-  if (turn_deg == 0) return;
-  capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
-  const auto width = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_WIDTH)),
-             height = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_HEIGHT));
+// turned image has the calibration's size. By how much frames are to be turned, clockwise.
+int turn_to_obey(const std::string& file, int turn_deg, cv::Size size, const SourceOptions& options) {
+  if (turn_deg == 0) return 0;
   const bool across = turn_deg % 180 != 0;
-  const bool turned = across && width != height && options.width_px == height && options.height_px == width;
-  if (turned) capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 1);
+  const bool turned =
+      across && size.width != size.height && options.width_px == size.height && options.height_px == size.width;
   log_warn(file + ": the video says that it is to be turned by " + std::to_string(turn_deg) + " degrees; " +
            (turned ? "it is, as only then it has the calibration's size"
                    : "its frames are used as the sensor gave them, which is what calibrations are for"));
+  return turned ? turn_deg : 0;
+}
+
+cv::Mat turned(const cv::Mat& frame, int turn_deg) {
+  if (frame.empty() || turn_deg == 0) return frame;
+  cv::Mat out;
+  cv::rotate(frame, out, turn_deg == 90 ? cv::ROTATE_90_CLOCKWISE : cv::ROTATE_90_COUNTERCLOCKWISE);
+  return out;
+}
+
+std::unique_ptr<StreamDecoder> open_file(const std::string& file) {
+  auto decoder = StreamDecoder::open(file, false);
+  if (!decoder) throw UserError(file + ": neither a list of images (.csv, .txt) nor a video");
+  return decoder;
 }
 
 // A video file. One frame is grabbed ahead, because only the grab tells whether there is another.
 class VideoSource final : public ImageSource {
  public:
   VideoSource(const std::filesystem::path& file, const SourceOptions& options)
-      : capture_(open_file(file.string())),
+      : name_(file.string()),
+        decoder_(open_file(name_)),
         span_(options),
         color_wanted_(options.color),
-        times_(file, capture_.get(cv::CAP_PROP_FPS), options.rate_hz) {
-    if (!capture_.isOpened()) throw UserError(file.string() + ": neither a list of images (.csv, .txt) nor a video");
-    settle_rotation(file.string(), options, &capture_);
+        times_(file, decoder_->rate_hz(), options.rate_hz) {
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
-    while (grabbed_ns_ && first_image_.empty()) {
-      first_image_ = retrieve();
-      if (first_image_.empty()) drop_unreadable();
+    cv::Mat frame;
+    while (grabbed_ns_ && (frame = decoder_->bgr()).empty()) {
+      ++frame_;
+      grab();
     }
-    if (first_image_.empty())
-      throw UserError(file.string() + ": there is no readable frame in the time span asked for");
-    require_size(first_image_, options, file.string());
-    size_ = first_image_.size();
-    const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);  // as far as the container knows
-    if (times_.count() > 0 && frames > 0 && frames != static_cast<double>(times_.count())) {
-      log_warn(file.string() + ": " + std::to_string(times_.count()) + " times beside it for " +
-               std::to_string(std::llround(frames)) + " frames; played as far as both go");
+    if (frame.empty()) throw UserError(name_ + ": there is no readable frame in the time span asked for");
+    turn_deg_ = turn_to_obey(name_, decoder_->turn_deg(), frame.size(), options);
+    frame = turned(frame, turn_deg_);
+    require_size(frame, options, name_);
+    size_ = frame.size();
+    const auto frames = static_cast<std::size_t>(decoder_->frames());  // as far as the container knows
+    if (times_.count() > 0 && frames > 0 && frames != times_.count()) {
+      log_warn(name_ + ": " + std::to_string(times_.count()) + " times beside it for " + std::to_string(frames) +
+               " frames; played as far as both go");
     }
   }
 
   std::optional<Image> next() override {
-    while (grabbed_ns_) {
-      cv::Mat grey = first_image_.empty() ? retrieve() : std::exchange(first_image_, {});
-      if (grey.size() != size_) {
-        drop_unreadable();
-        continue;
-      }
-      Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), grey};
-      image.color = std::exchange(color_, {});
-      grab();
-      return image;
+    if (!grabbed_ns_) return std::nullopt;
+    const cv::Mat frame = turned(decoder_->bgr(), turn_deg_);
+    Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), to_grey(frame)};
+    image.fault = size_fault(image.grey, size_);
+    if (image.fault == ImageFault::kNone && decoder_->concealed()) image.fault = ImageFault::kConcealed;
+    if (image.fault == ImageFault::kNone && color_wanted_) image.color = frame;
+    if (image.fault != ImageFault::kNone && log_.pass()) {
+      log_warn(name_ + ": frame " + std::to_string(image.frame.value) + " is damaged or of another size; passed over");
     }
-    return std::nullopt;
+    grab();
+    return image;
   }
 
   bool skip() override {
     if (!grabbed_ns_) return false;
-    first_image_.release();
     ++frame_;
     grab();
     return true;
@@ -121,40 +124,28 @@ class VideoSource final : public ImageSource {
   std::optional<TimeNs> peek_ns() const override {
     return grabbed_ns_ ? std::optional(span_.played_ns(*grabbed_ns_)) : std::nullopt;
   }
-  std::size_t unreadable() const override { return unreadable_; }
 
  private:
   void grab() {
     do {
-      const bool is = capture_.grab();
-      grabbed_ns_ = is ? times_.at(position_++, capture_.get(cv::CAP_PROP_POS_MSEC)) : std::nullopt;
+      const bool is = decoder_->grab();
+      grabbed_ns_ = is ? times_.at(position_++, decoder_->time_s()) : std::nullopt;
       if (!is) return;
     } while (!grabbed_ns_ && position_ < times_.count());
     if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();
   }
-  cv::Mat retrieve() {
-    cv::Mat frame;
-    if (!capture_.retrieve(frame)) return {};
-    if (color_wanted_ && frame.type() == CV_8UC3) color_ = frame.clone();
-    return to_grey(frame);
-  }
-  void drop_unreadable() {
-    ++unreadable_;
-    ++frame_;
-    grab();
-  }
 
-  cv::VideoCapture capture_;
+  const std::string name_;
+  std::unique_ptr<StreamDecoder> decoder_;
   PlayedSpan span_;
   bool color_wanted_;
-  cv::Mat color_;  // of the frame last retrieved
   VideoTimes times_;
+  int turn_deg_ = 0;
   std::size_t position_ = 0;          // frames grabbed from the file
   std::optional<TimeNs> grabbed_ns_;  // source time of the frame grabbed ahead; empty at the end
   std::uint32_t frame_ = 0;
-  cv::Mat first_image_;
   cv::Size size_;
-  std::size_t unreadable_ = 0;
+  LogLimiter log_;
 };
 
 }  // namespace

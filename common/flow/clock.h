@@ -13,7 +13,13 @@ TimeNs now_ns_of() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
 }
 
-inline TimeNs utc_now_ns() { return now_ns_of<std::chrono::system_clock>(); }
 inline TimeNs monotonic_now_ns() { return now_ns_of<std::chrono::steady_clock>(); }
+// UTC as this machine has it now. It may be set, and then jumps.
+inline TimeNs time_of_day_ns() { return now_ns_of<std::chrono::system_clock>(); }
+
+// UTC as this machine had it when it was first asked, and on from there without a jump: what stamps are made of.
+TimeNs utc_now_ns();
+// By so much the time of day was set since: 0 but for jumps of more than 10 ms.
+TimeNs clock_set_ns();
 
 }  // namespace coslam

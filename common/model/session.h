@@ -10,11 +10,12 @@
 #include "common/base/ids.h"
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
+#include "common/model/image_fault.h"
 #include "common/model/track_frame.h"
 
 namespace coslam {
 
-constexpr std::uint16_t kProtocolVersion = 13;
+constexpr std::uint16_t kProtocolVersion = 14;
 
 // How an agent plays its source.
 enum class Pacing : std::uint8_t {
@@ -48,8 +49,9 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  std::uint32_t frames = 0;   // images read
-  std::uint32_t dropped = 0;  // images skipped for lack of time
+  std::uint32_t frames = 0;                    // images read
+  std::uint32_t dropped = 0;                   // images skipped for lack of time
+  ImageFault image_fault = ImageFault::kNone;  // why its images are not to be believed now; none: they are
   std::uint32_t tracks = 0;
   float frame_ms = 0;       // mean time of one step
   ClockExchange exchange;   // of agents whose stamps are of their clock

@@ -59,6 +59,7 @@ struct TrackFrame {
   RunId agent_run;
   FrameId frame;
   TimeNs capture_ns = 0;
+  TimeNs clock_set_ns = 0;  // by so much the time of day was set since its agent began; capture_ns does not follow
 
   PoseState pose_state = PoseState::kNone;
   RunId server_run;  // whose map the pose is in; 0 before the first patch
@@ -73,6 +74,7 @@ struct TrackFrame {
 
   std::uint32_t applied_patch = 0;  // sequence number of the last map patch processed, 0 = none
   bool wants_snapshot = false;      // a patch was missed: send everything bound to my tracks again
+  bool images_doubted = false;      // as a whole the images of my camera are not to be believed now, see AgentStatus
   bool narrow_link = false;         // my link carries little: map patches of one datagram
   std::uint16_t patches_sent = 0;   // image patches that travel apart for this frame, see PatchReply
   DescriptorsSent descriptors_sent = DescriptorsSent::kNone;

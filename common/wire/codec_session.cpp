@@ -152,6 +152,7 @@ idl::AgentStatus encode(const AgentStatus& s) {
   m.sent_ns(s.exchange.replied_ns);
   m.state(static_cast<std::uint8_t>(s.state));
   m.pose_state(static_cast<std::uint8_t>(s.pose_state));
+  m.image_fault(static_cast<std::uint8_t>(s.image_fault));
   m.agent(s.agent);
   m.report_json().assign(s.report_json.begin(), s.report_json.end());
   if (!s.last_image) return m;
@@ -163,12 +164,14 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   AgentStatus s;
   s.agent = m.agent().to_string();
   s.agent_run = RunId(m.agent_run());
-  const Problem problem = first_of({check_sender(s.agent, s.agent_run), check_enum(m.state(), AgentState::kFinished),
-                                    check_enum(m.pose_state(), PoseState::kLost), check_number(m.frame_ms(), 0, 1e9),
-                                    check_count(m.report_json().size(), idl::MAX_REPORT_BYTES)});
+  const Problem problem =
+      first_of({check_sender(s.agent, s.agent_run), check_enum(m.state(), AgentState::kFinished),
+                check_enum(m.pose_state(), PoseState::kLost), check_enum(m.image_fault(), ImageFault::kFeatureless),
+                check_number(m.frame_ms(), 0, 1e9), check_count(m.report_json().size(), idl::MAX_REPORT_BYTES)});
   if (problem) return *problem;
   s.state = static_cast<AgentState>(m.state());
   s.pose_state = static_cast<PoseState>(m.pose_state());
+  s.image_fault = static_cast<ImageFault>(m.image_fault());
   s.frames = m.frames();
   s.dropped = m.dropped();
   s.tracks = m.tracks();

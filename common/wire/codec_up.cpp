@@ -154,6 +154,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReferenc
   m.agent_run(f.agent_run.value);
   m.server_run(f.server_run.value);
   m.capture_ns(f.capture_ns);
+  m.clock_set_ns(f.clock_set_ns);
   m.rotation({q.w(), q.x(), q.y(), q.z()});
   m.translation({t.x(), t.y(), t.z()});
   m.covariance(code_of_pose_covariance(f.pose_covariance));
@@ -170,6 +171,7 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReferenc
   m.descriptors_sent(static_cast<std::uint8_t>(f.descriptors_sent));
   m.on_own_points(f.on_own_points);
   m.narrow_link(f.narrow_link);
+  m.images_doubted(f.images_doubted);
   m.agent(f.agent);
   const bool has_one = reference.tracks != nullptr;
   m.reference_age(static_cast<std::uint16_t>(has_one ? f.frame.value - reference.frame.value : 0));
@@ -178,12 +180,18 @@ idl::TrackFrame encode(const TrackFrame& f, double px_scale, const TrackReferenc
   return m;
 }
 
+namespace {
+// A board without a clock of its own begins in 1970.
+constexpr double kMostClockSet_s = 2.5e9;
+}  // namespace
+
 Decoded<TrackFrame> decode_header(const idl::TrackFrame& m) {
   TrackFrame f;
   f.agent = m.agent().to_string();
   f.agent_run = RunId(m.agent_run());
   f.frame = FrameId(m.frame());
   f.capture_ns = m.capture_ns();
+  f.clock_set_ns = m.clock_set_ns();
   f.server_run = RunId(m.server_run());
   f.epoch = MapEpoch(m.epoch());
   f.cam_from_world.rotation = {m.rotation()[0], m.rotation()[1], m.rotation()[2], m.rotation()[3]};
@@ -196,11 +204,13 @@ Decoded<TrackFrame> decode_header(const idl::TrackFrame& m) {
   f.descriptors_sent = static_cast<DescriptorsSent>(m.descriptors_sent());
   f.on_own_points = m.on_own_points();
   f.narrow_link = m.narrow_link();
+  f.images_doubted = m.images_doubted();
   f.pose_state = static_cast<PoseState>(m.pose_state());
   // Undistorted pixels of a hull may lie outside the image, hence fractions above 1.
   const Problem problem =
       first_of({check_sender(f.agent, f.agent_run), check_enum(m.pose_state(), PoseState::kLost),
                 check_enum(m.descriptors_sent(), DescriptorsSent::kLater), check_pose(f.cam_from_world),
+                check_number(to_seconds(f.clock_set_ns), -kMostClockSet_s, kMostClockSet_s),
                 unpack_pose_covariance(m.covariance(), f.pose_covariance), check_number(f.hull_fraction, 0, 100),
                 check_count(f.pose_inliers, idl::MAX_TRACKS), check_count(f.patches_sent, idl::MAX_TRACKS)});
   if (problem) return *problem;

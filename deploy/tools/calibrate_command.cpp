@@ -70,6 +70,7 @@ ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessbo
   Progress progress(live ? "views" : "images");
   std::optional<TimeNs> searched_ns;
   while (const auto image = feed->next(stop_requested)) {
+    if (image->fault != ImageFault::kNone) continue;
     if (!searched_ns || image->capture_ns - *searched_ns >= kPeriod_ns) {
       searched_ns = image->capture_ns;
       views.add(image->grey);

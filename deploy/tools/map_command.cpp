@@ -89,7 +89,7 @@ int adjust(const MapArguments& arguments) {
   MapServer server = load_map(file);
   ProgressOfRun progress;
   server.finish_whole([&](int percent) { progress.adjusting(percent); });
-  file.write(server.changed_rows(), utc_now_ns());
+  file.write(server.changed_rows(), time_of_day_ns());
   for (const std::string& warning : server.take_warnings()) std::fprintf(stderr, "coslam map: %s\n", warning.c_str());
   std::printf("%s is adjusted\n", file.path().c_str());
   return 0;
@@ -159,7 +159,7 @@ int merge(const MapArguments& arguments) {
   }
   std::vector<Row> rows = server.changed_rows();
   rows.insert(rows.end(), std::make_move_iterator(past.begin()), std::make_move_iterator(past.end()));
-  file.write(rows, utc_now_ns());
+  file.write(rows, time_of_day_ns());
   return 0;
 }
 

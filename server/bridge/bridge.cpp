@@ -10,6 +10,7 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/flow/clock.h"
 #include "common/ros/cdr.h"
 #include "common/ros/convert.h"
 #include "common/ros/messages.h"
@@ -25,11 +26,6 @@ namespace {
 constexpr const char* kName = "coslam-bridge";
 constexpr std::chrono::milliseconds kTick{500};
 constexpr std::chrono::seconds kPatience{5};
-
-TimeNs utc_ns() {
-  using std::chrono::nanoseconds;
-  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 const BridgeOptions& checked(const BridgeOptions& options) {
   if (options.bridge.domain == options.wire.domain) {
@@ -108,7 +104,7 @@ struct Bridge::Impl {
   }
 
   void tell_px4(const TrackFrame& frame) {
-    const Px4Odometry::Answer answer = px4->on_frame(frame, utc_ns());
+    const Px4Odometry::Answer answer = px4->on_frame(frame, time_of_day_ns());
     px4_log.say(frame.agent, answer.refused);
     if (answer.odometry) px4_writer->write(ros::to_cdr(*answer.odometry));
   }

@@ -55,6 +55,12 @@ Variances variances_of(const TrackFrame& frame, const Rigid3& frd_from_body, con
   return {in_frd.diagonal().head<3>(), about_body.diagonal()};
 }
 
+// By the clock of the agent's machine as it is set now.
+TimeNs taken_ns(const TrackFrame& frame) {
+  constexpr TimeNs kFarthest_ns = 4'000'000'000'000'000'000;  // the year 2096: sums and differences stay in range
+  return std::clamp(frame.capture_ns, -kFarthest_ns, kFarthest_ns) + frame.clock_set_ns;
+}
+
 }  // namespace
 
 const char* sentence_of(Px4Refusal refusal) {
@@ -69,6 +75,8 @@ const char* sentence_of(Px4Refusal refusal) {
       return "its poses are older than 0.2 s by the clock of this machine";
     case Px4Refusal::kAhead:
       return "its stamps are ahead of the clock of this machine";
+    case Px4Refusal::kDoubted:
+      return "its images are not to be believed";
   }
   return "";
 }
@@ -83,12 +91,13 @@ void Px4Odometry::see(const AgentPose& pose) {
 // The server says what an epoch is before or when the agent takes it over.
 std::optional<Px4Refusal> Px4Odometry::refusal_of(const TrackFrame& frame, TimeNs now_ns) const {
   if (frame.pose_state != PoseState::kTracked) return Px4Refusal::kLost;
+  if (frame.images_doubted) return Px4Refusal::kDoubted;
   const bool told = told_ && told_->agent_run == frame.agent_run && told_->server_run == frame.server_run &&
                     told_->epoch >= frame.epoch;
   if (!told) return Px4Refusal::kNotTold;
   if (told_->state != PoseState::kTracked) return Px4Refusal::kLost;
   if (!told_->scale_known) return Px4Refusal::kScaleUnknown;
-  const double age_s = to_seconds(now_ns - frame.capture_ns);
+  const double age_s = to_seconds(now_ns - taken_ns(frame));
   if (age_s > kOldest_s) return Px4Refusal::kTooOld;
   if (age_s < -kOldest_s) return Px4Refusal::kAhead;
   return std::nullopt;
@@ -100,14 +109,14 @@ Px4Odometry::Answer Px4Odometry::on_frame(const TrackFrame& frame, TimeNs now_ns
     return {std::nullopt, refused};
   }
   const Rigid3 map_from_body = frame.cam_from_world.inverse() * body_from_cam_.inverse();
-  const Vehicle now{frame.capture_ns,
+  const Vehicle now{frame.capture_ns,  // without jumps
                     {(frd_from_map_ * map_from_body.rotation).normalized(), frd_from_map_ * map_from_body.translation}};
   const Variances variances = variances_of(frame, now.frd_from_body, body_from_cam_, frd_from_map_);
   count_jump(now, {frame.agent_run, frame.server_run, told_->map}, std::sqrt(std::max(0.0, variances.place.sum())));
 
   ros::VehicleOdometry out;
   out.timestamp = static_cast<std::uint64_t>(std::max<TimeNs>(now_ns, 0) / 1000);
-  out.timestamp_sample = static_cast<std::uint64_t>(std::max<TimeNs>(frame.capture_ns, 0) / 1000);
+  out.timestamp_sample = static_cast<std::uint64_t>(std::max<TimeNs>(taken_ns(frame), 0) / 1000);
   out.pose_frame = ros::VehicleOdometry::kFrd;
   out.position = floats(now.frd_from_body.translation);
   const Eigen::Quaternionf q = now.frd_from_body.rotation.cast<float>();

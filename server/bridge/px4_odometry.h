@@ -42,6 +42,7 @@ enum class Px4Refusal : std::uint8_t {
   kScaleUnknown,  // lengths are no metres
   kTooOld,        // by the clock of this machine
   kAhead,         // the same
+  kDoubted,       // the agent's images are not to be believed
 };
 const char* sentence_of(Px4Refusal refusal);
 

@@ -144,6 +144,10 @@ PublicAgent MapWatch::agent(const MapServer& server, const AgentFacts& facts) co
   out.group = server.graph().group_of(c.id);
   out.standing = standing_of(c);
   out.why = happenings_.why_lost(c);
+  if (facts.status.image_fault != ImageFault::kNone) {
+    if (out.standing != PublicStanding::kNone) out.standing = PublicStanding::kLost;
+    out.why = "its images are not to be believed: " + std::string(words_of(facts.status.image_fault).why);
+  }
   if (c.frames.size() >= kLeastFrames) out.rate_hz = 1 / c.frame_interval_s;
   const auto frames = frames_.find(c.id);
   if (frames != frames_.end() && frames->second.run == c.run) {

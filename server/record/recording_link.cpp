@@ -25,7 +25,7 @@ Recorder::Recorder(const std::filesystem::path& file, RecordingHead head)
     : file_(file), writer_(file), monotonic_ns_(monotonic_now_ns()) {
   head.version = version();
   head.monotonic_ns = monotonic_ns_;
-  head.utc_ns = utc_now_ns();
+  head.utc_ns = time_of_day_ns();
   if (const int error = writer_.write(encode_head(head))) {
     writer_.remove();
     throw UserError(file.string() + ": cannot be written: " + std::generic_category().message(error));

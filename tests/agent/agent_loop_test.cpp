@@ -101,20 +101,20 @@ class FakeLink final : public AgentLink {
 
 class FakeFeed final : public Feed {
  public:
-  // since: when the next image was there.
-  FakeFeed(std::uint32_t images, std::function<std::optional<Instant>()> since)
-      : images_(images), since_(std::move(since)) {}
+  // prepare: what it is to do with the next image.
+  FakeFeed(std::uint32_t images, std::function<void(Image&)> prepare) : images_(images), prepare_(std::move(prepare)) {}
   std::optional<Image> next(const std::atomic<bool>& stop) override {
     if (stop || next_ == images_) return std::nullopt;
     const std::uint32_t i = next_++;
-    return Image{FrameId(i), kPeriodNs * i, {}, since_()};
+    Image image{FrameId(i), kPeriodNs * i, {}};
+    prepare_(image);
+    return image;
   }
   std::uint32_t dropped() const override { return 7; }
-  std::uint32_t unreadable() const override { return 2; }
 
  private:
   std::uint32_t images_, next_ = 0;
-  std::function<std::optional<Instant>()> since_;
+  std::function<void(Image&)> prepare_;
 };
 
 class AgentLoopTest : public testing::Test {
@@ -125,8 +125,12 @@ class AgentLoopTest : public testing::Test {
     tracker_ = tracker.get();
     Hello hello = tracker->hello();
     hello.pacing = pacing;
-    loop_ = std::make_unique<AgentLoop>(link_, std::make_unique<FakeFeed>(images, [this] { return since_; }), hello,
-                                        AgentConfig{}, std::move(tracker), [this] { return time_.now; });
+    loop_ = std::make_unique<AgentLoop>(link_, std::make_unique<FakeFeed>(images, [this](Image& i) { prepare(i); }),
+                                        hello, AgentConfig{}, std::move(tracker), [this] { return time_.now; });
+  }
+  void prepare(Image& image) const {
+    image.since = since_;
+    image.fault = fault_;
   }
   bool step() { return loop_->step(stop_); }
   // Steps, each with the answer to the frame before.
@@ -145,7 +149,8 @@ class AgentLoopTest : public testing::Test {
 
   const test::SimWorld world_{{.points = 100}};
   Time time_;
-  std::optional<Instant> since_;
+  std::optional<Instant> since_;          // when the next image was there
+  ImageFault fault_ = ImageFault::kNone;  // of the next image
   FakeLink link_{time_};
   std::atomic<bool> stop_{false};
   test::SimTracker* tracker_ = nullptr;
@@ -229,6 +234,57 @@ TEST_F(AgentLoopTest, StatusOnceASecondAndWhenThePoseStateChanges) {
   EXPECT_EQ(link_.statuses[2].pose_state, PoseState::kLost) << "placed, but with no point to go by";
 }
 
+TEST_F(AgentLoopTest, AnImageThatIsNotToBeBelievedBecomesNoFrame) {
+  run(3);
+  fault_ = ImageFault::kConcealed;
+  ASSERT_TRUE(step());
+  fault_ = ImageFault::kNone;
+  run(2);
+  EXPECT_THAT(link_.sent, SizeIs(5));
+  EXPECT_EQ(link_.sent[2].frame, FrameId(2));
+  EXPECT_EQ(link_.sent[3].frame, FrameId(4));
+  EXPECT_FALSE(link_.sent[3].images_doubted) << "one alone says little";
+  EXPECT_THAT(link_.statuses, SizeIs(1));
+  link_.answer(FrameId(5));
+  loop_->finish(stop_);
+  EXPECT_EQ(nlohmann::json::parse(link_.statuses.back().report_json)["left_out"], nlohmann::json({{"concealed", 1}}));
+}
+
+TEST_F(AgentLoopTest, ThatImagesAreNotToBeBelievedIsToldAtOnceAndThatTheyAreAgain) {
+  run(3);
+  fault_ = ImageFault::kRepeated;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(step());
+  EXPECT_THAT(link_.sent, SizeIs(3));
+  ASSERT_THAT(link_.statuses, SizeIs(2)) << "within the second of the first";
+  EXPECT_EQ(link_.statuses[1].image_fault, ImageFault::kRepeated);
+  fault_ = ImageFault::kMissing;
+  ASSERT_TRUE(step());
+  ASSERT_THAT(link_.statuses, SizeIs(3));
+  EXPECT_EQ(link_.statuses[2].image_fault, ImageFault::kMissing);
+  time_.now += 1001ms;
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.statuses, SizeIs(4)) << "its heart beats on";
+  fault_ = ImageFault::kNone;
+  run(1);
+  ASSERT_THAT(link_.statuses, SizeIs(5));
+  EXPECT_EQ(link_.statuses[4].image_fault, ImageFault::kNone);
+  EXPECT_FALSE(link_.sent.back().images_doubted);
+}
+
+TEST_F(AgentLoopTest, SoundImagesBetweenManyDamagedOnesAreDoubted) {
+  run(3);
+  for (int i = 0; i < 6; ++i) {
+    fault_ = i % 2 == 0 ? ImageFault::kOutOfOrder : ImageFault::kNone;
+    if (i % 2 == 0) {
+      ASSERT_TRUE(step());
+    } else {
+      run(1);
+    }
+  }
+  EXPECT_THAT(link_.sent, SizeIs(6));
+  EXPECT_TRUE(link_.sent.back().images_doubted);
+}
+
 class AgentLoopOfFiveImages : public AgentLoopTest {
  protected:
   AgentLoopOfFiveImages() : AgentLoopTest(Pacing::kLockstep, 5) {}
@@ -247,7 +303,7 @@ TEST_F(AgentLoopOfFiveImages, EndsAndReports) {
   EXPECT_EQ(last.frames, 5U);
   const auto report = nlohmann::json::parse(last.report_json);
   EXPECT_EQ(report["frames"], 12) << "those dropped included";
-  EXPECT_EQ(report["unreadable"], 2);
+  EXPECT_EQ(report["left_out"], nlohmann::json::object());
   EXPECT_EQ(report["live_tracked_percent"], 0);
   EXPECT_TRUE(report["ms"].contains("track"));
   ASSERT_TRUE(last.last_image) << "nobody can ask for it any more";

@@ -60,21 +60,21 @@ class Log {
   bool ended_ = false, stopped_ = false;
 };
 
-enum class Kind { kFile, kLive, kStuckCamera };
+enum class Kind { kFile, kLive, kStuckCamera, kDyingCamera };
 
-// Images 0, 1, 2 ...; a stuck camera gives none until it is stopped.
+// Images 0, 1, 2 ...; a stuck camera gives none until it is stopped, a dying one no more.
 class FakeSource final : public ImageSource {
  public:
   FakeSource(Log& log, std::uint32_t images, Kind kind = Kind::kFile) : log_(log), images_(images), kind_(kind) {}
   std::optional<Image> next() override {
-    if (kind_ == Kind::kStuckCamera) log_.wait_stopped();
+    if (kind_ == Kind::kStuckCamera || (kind_ == Kind::kDyingCamera && next_ == images_)) log_.wait_stopped();
     if (kind_ == Kind::kStuckCamera || next_ == images_) {
       log_.ended();
       return std::nullopt;
     }
     const std::uint32_t i = next_++;
     log_.given(next_);
-    return Image{FrameId(i), kPeriodNs * i, {}};
+    return Image{FrameId(i), kPeriodNs * i, cv::Mat(48, 64, CV_8UC1, cv::Scalar(i / 2))};
   }
   bool skip() override {
     if (next_ == images_) return false;
@@ -85,7 +85,6 @@ class FakeSource final : public ImageSource {
     return kind_ != Kind::kFile || next_ == images_ ? std::nullopt : std::optional(kPeriodNs * next_);
   }
   bool live() const override { return kind_ != Kind::kFile; }
-  std::size_t unreadable() const override { return 3; }
   void stop() override { log_.stopped(); }
 
  private:
@@ -129,7 +128,6 @@ TEST_F(FeedTest, DirectReadsNothingAhead) {
   EXPECT_THAT(drain(*feed), ElementsAre(1, 2));
   EXPECT_FALSE(feed->next(stop_)) << "the end stays the end";
   EXPECT_EQ(feed->dropped(), 0U);
-  EXPECT_EQ(feed->unreadable(), 3U);
 }
 
 TEST_F(FeedTest, PrefetchingLosesNothingAndReadsALittleAhead) {
@@ -141,7 +139,6 @@ TEST_F(FeedTest, PrefetchingLosesNothingAndReadsALittleAhead) {
   }
   EXPECT_FALSE(feed->next(stop_));
   EXPECT_EQ(feed->dropped(), 0U);
-  EXPECT_EQ(feed->unreadable(), 3U);
 }
 
 TEST_F(FeedTest, ALiveSourceDropsTheOldestAndCounts) {
@@ -182,6 +179,26 @@ TEST_F(FeedTest, RealTimeThatHasNotBegunEndsAtOnce) {
 TEST_F(FeedTest, AStuckCameraDoesNotKeepTheFeedFromEnding) {
   { const auto feed = real_time_feed(source(4, Kind::kStuckCamera), 1, 0); }
   EXPECT_TRUE(log_.wait_stopped());
+}
+
+TEST_F(FeedTest, WhatIsWrongWithAnImageIsFoundInEachKindOfFeed) {
+  const auto direct = direct_feed(source(4)), ahead = prefetching_feed(source(4));
+  for (Feed* feed : {direct.get(), ahead.get()}) {
+    EXPECT_EQ(feed->next(stop_)->fault, ImageFault::kFeatureless);
+    EXPECT_EQ(feed->next(stop_)->fault, ImageFault::kRepeated);
+    EXPECT_EQ(feed->next(stop_)->fault, ImageFault::kFeatureless);
+  }
+}
+
+TEST_F(FeedTest, ThatALiveCameraGivesNoImageAnyMoreIsTold) {
+  const auto feed = real_time_feed(source(3, Kind::kDyingCamera), 1, 0);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(feed->next(stop_)->frame, FrameId(i));
+  for (int i = 0; i < 2; ++i) {
+    const auto none = feed->next(stop_);
+    ASSERT_TRUE(none);
+    EXPECT_EQ(none->fault, ImageFault::kMissing);
+    EXPECT_TRUE(none->grey.empty());
+  }
 }
 
 TEST_F(FeedTest, AnUntakenFeedEnds) {

@@ -102,5 +102,22 @@ TEST(StateWords, SaysWhenTheSizeChangesThatIsTracked) {
   EXPECT_TRUE(words.working_width(1280));
 }
 
+TEST_F(StateWordsTest, SaysWhyImagesAreNotToBeBelievedAndThatTheyAreAgain) {
+  StateWords words;
+  EXPECT_FALSE(words.images(ImageFault::kNone));
+  EXPECT_EQ(words.images(ImageFault::kRepeated), "its images are not to be believed: they are the same bit by bit");
+  EXPECT_FALSE(words.images(ImageFault::kRepeated));
+  EXPECT_EQ(words.images(ImageFault::kMissing), "its images are not to be believed: none come");
+  EXPECT_EQ(words.images(ImageFault::kNone), "its images are to be believed again");
+}
+
+TEST_F(StateWordsTest, SaysOnceThatTheTimeOfDayWasSet) {
+  StateWords words;
+  EXPECT_FALSE(words.clock(0));
+  EXPECT_EQ(words.clock(-3'600'000'000'000), "the time of day was set back by 3600.000 s; stamps go on without a jump");
+  EXPECT_FALSE(words.clock(-3'600'000'001'000));
+  EXPECT_EQ(words.clock(1'000'000'000), "the time of day was set forward by 3601.000 s; stamps go on without a jump");
+}
+
 }  // namespace
 }  // namespace coslam

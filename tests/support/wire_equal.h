@@ -51,6 +51,8 @@ inline void expect_same(const TrackFrame& a, const TrackFrame& b) {
   EXPECT_EQ(a.descriptors_sent, b.descriptors_sent);
   EXPECT_EQ(a.on_own_points, b.on_own_points);
   EXPECT_EQ(a.narrow_link, b.narrow_link);
+  EXPECT_EQ(a.images_doubted, b.images_doubted);
+  EXPECT_EQ(a.clock_set_ns, b.clock_set_ns);
   ASSERT_EQ(a.tracks.size(), b.tracks.size());
   for (std::size_t i = 0; i < a.tracks.size(); ++i) {
     EXPECT_EQ(a.tracks[i].track, b.tracks[i].track);
@@ -99,6 +101,7 @@ inline void expect_same(const AgentStatus& a, const AgentStatus& b) {
   EXPECT_EQ(a.pose_state, b.pose_state);
   EXPECT_EQ(a.frames, b.frames);
   EXPECT_EQ(a.dropped, b.dropped);
+  EXPECT_EQ(a.image_fault, b.image_fault);
   EXPECT_EQ(a.tracks, b.tracks);
   expect_same_bits(a.frame_ms, b.frame_ms, "frame_ms");
   EXPECT_EQ(a.report_json, b.report_json);

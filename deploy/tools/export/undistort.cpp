@@ -130,7 +130,7 @@ void write_images(const CameraModel& lens, double rate_hz, const std::filesystem
       at = FrameId(at.value + 1);
       continue;
     }
-    const auto image = source->next();
+    const auto image = next_readable(*source);
     if (!image) break;
     at = FrameId(image->frame.value + 1);
     const auto wanted = missing.find(image->frame);

@@ -123,7 +123,11 @@ std::string Census::line_of(RunId run, const Agent& agent, Instant now) const {
   const auto kilobytes_per_s = [&](std::uint64_t bytes) {
     return heard_s > 0 ? 1e-3 * static_cast<double>(bytes) / heard_s : 0.0;
   };
-  return line + format(" %8.1f %9.1f\n", kilobytes_per_s(agent.bytes_up), kilobytes_per_s(agent.bytes_down));
+  line += format(" %8.1f %9.1f\n", kilobytes_per_s(agent.bytes_up), kilobytes_per_s(agent.bytes_down));
+  if (s.image_fault != ImageFault::kNone) {
+    line += "  its images are not to be believed: " + std::string(words_of(s.image_fault).why) + "\n";
+  }
+  return line;
 }
 
 std::string Census::text(Instant now) const {

@@ -207,7 +207,7 @@ TEST_F(Lists, StartAndDurationCutTheSource) {
   EXPECT_THAT(error(".", options), HasSubstr("no image lies in the time span"));
 }
 
-TEST_F(Lists, BadImagesAreCountedAndSkipped) {
+TEST_F(Lists, BadImagesComeWithTheirFault) {
   for (int i = 0; i < 6; ++i) image("00000" + std::to_string(i) + ".png", i);
   for (int i = 6; i < 8; ++i) image("00000" + std::to_string(i) + ".jpg", i);
   folder_.write("000000.png", "no image");
@@ -216,10 +216,10 @@ TEST_F(Lists, BadImagesAreCountedAndSkipped) {
   image("000004.png", 4, kWidth / 2);  // another size in the middle
   truncate("000006.jpg");
   const auto source = open(".");
-  std::vector<std::uint32_t> frames;
-  for (const auto& [frame, t_ns] : play(*source)) frames.push_back(frame);
-  EXPECT_THAT(frames, ElementsAre(1, 5, 7));
-  EXPECT_EQ(source->unreadable(), 5u);
+  std::vector<ImageFault> faults;
+  while (const auto got = source->next()) faults.push_back(got->fault);
+  using enum ImageFault;
+  EXPECT_THAT(faults, ElementsAre(kUnreadable, kNone, kUnreadable, kUnreadable, kResized, kNone, kUnreadable, kNone));
 }
 
 TEST_F(Lists, WrongSizeNamesBothSizesAndBothFiles) {

@@ -39,6 +39,8 @@ TEST(CodecRoundTrip, TrackFrames) {
     frame.descriptors_sent = static_cast<DescriptorsSent>(i % 3);
     frame.on_own_points = i % 2 == 0;
     frame.narrow_link = i % 2 == 1;
+    frame.images_doubted = i % 3 == 1;
+    frame.clock_set_ns = (TimeNs{i} - 25) * 100'000'000'000'000'000;
     frame.patches_sent = static_cast<std::uint16_t>(i);
     expect_unharmed_px(frame);
   }

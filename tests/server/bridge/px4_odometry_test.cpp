@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/ros/cdr.h"
@@ -137,6 +138,23 @@ TEST_F(Px4Test, WhatIsNotSureIsNotSaid) {
   lost.pose_state = PoseState::kLost;
   EXPECT_EQ(px4_.on_frame(lost, lost.capture_ns).refused, Px4Refusal::kLost);
   EXPECT_TRUE(at(pose).odometry);
+  TrackFrame doubted = frame(pose);
+  doubted.images_doubted = true;
+  EXPECT_EQ(px4_.on_frame(doubted, doubted.capture_ns).refused, Px4Refusal::kDoubted);
+}
+
+TEST_F(Px4Test, StampsAreThoseOfTheClockAsItIsSetNow) {
+  constexpr TimeNs kBack_ns = -3'600'000'000'000;
+  const Rigid3 pose(kLevel, {0, 0, 0});
+  EXPECT_TRUE(at(pose).odometry);
+  TrackFrame f = frame(pose);
+  f.clock_set_ns = kBack_ns;
+  const auto answer = px4_.on_frame(f, f.capture_ns + kBack_ns + 20'000'000);
+  ASSERT_TRUE(answer.odometry) << sentence_of(*answer.refused);
+  EXPECT_EQ(answer.odometry->timestamp_sample, static_cast<std::uint64_t>((f.capture_ns + kBack_ns) / 1000));
+  EXPECT_EQ(answer.odometry->reset_counter, 0) << "the vehicle did not jump";
+  f.capture_ns = std::numeric_limits<TimeNs>::min();
+  EXPECT_EQ(px4_.on_frame(f, kStart_ns).refused, Px4Refusal::kTooOld);
 }
 
 TEST_F(Px4Test, AnEpochOrAServerThatIsNotKnownYetIsWaitedFor) {

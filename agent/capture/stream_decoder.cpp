@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/stream_decoder.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/display.h>
+#include <libswscale/swscale.h>
+}
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "agent/capture/decode.h"
+#include "agent/capture/quiet_ffmpeg.h"
+
+namespace coslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kPatience{5};
+constexpr double kHealed_s = 1;
+
+using Codec = std::unique_ptr<AVCodecContext, decltype([](AVCodecContext* c) { avcodec_free_context(&c); })>;
+using Packet = std::unique_ptr<AVPacket, decltype([](AVPacket* p) { av_packet_free(&p); })>;
+using Frame = std::unique_ptr<AVFrame, decltype([](AVFrame* f) { av_frame_free(&f); })>;
+using Scaler = std::unique_ptr<SwsContext, decltype([](SwsContext* s) { sws_freeContext(s); })>;
+
+class FfmpegDecoder final : public StreamDecoder {
+ public:
+  FfmpegDecoder(std::string url, bool live) : live_(live), url_(std::move(url)) {}
+  ~FfmpegDecoder() override { avformat_close_input(&container_); }
+  FfmpegDecoder(const FfmpegDecoder&) = delete;
+  FfmpegDecoder& operator=(const FfmpegDecoder&) = delete;
+
+  bool open() { return open_container() && open_codec(); }
+
+  bool grab() override {
+    decoded_ = false;
+    deadline_ = Clock::now() + kPatience;
+    for (;;) {
+      const int got = avcodec_receive_frame(codec_.get(), frame_.get());
+      if (got == 0) {
+        decoded_ = true;
+        note_damage();
+        return true;
+      }
+      if (got != AVERROR(EAGAIN) || stopped_) return false;
+      const int fed = feed();
+      if (fed == AVERROR_INVALIDDATA && is_of_single_images()) return true;  // this one cannot be decoded
+      if (fed == AVERROR_EOF) return false;
+    }
+  }
+
+  cv::Mat bgr() override {
+    if (!decoded_ || frame_->width <= 0 || frame_->height <= 0) return {};
+    const auto format = static_cast<AVPixelFormat>(frame_->format);
+    scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height, format, frame_->width,
+                                       frame_->height, AV_PIX_FMT_BGR24, SWS_BICUBIC, nullptr, nullptr, nullptr));
+    if (!scaler_) return {};
+    cv::Mat out(frame_->height, frame_->width, CV_8UC3);
+    // The scaler writes in steps of its vectors, past the end of a row.
+    constexpr int kSlack = 64;
+    cv::Mat rows(frame_->height, frame_->width + kSlack, CV_8UC3);
+    std::uint8_t* const to[4] = {rows.data, nullptr, nullptr, nullptr};
+    const int steps[4] = {static_cast<int>(rows.step), 0, 0, 0};
+    if (sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, to, steps) != frame_->height) {
+      return {};
+    }
+    rows.colRange(0, frame_->width).copyTo(out);
+    return out;
+  }
+
+  std::optional<double> time_s() const override {
+    const std::int64_t pts = frame_->best_effort_timestamp;
+    if (!decoded_ || pts == AV_NOPTS_VALUE) return std::nullopt;
+    const std::int64_t start = stream().start_time == AV_NOPTS_VALUE ? 0 : stream().start_time;
+    return static_cast<double>(pts - start) * av_q2d(stream().time_base);
+  }
+  bool concealed() const override { return decoded_ && damaged_; }
+
+  double rate_hz() const override {
+    const AVRational rate = av_guess_frame_rate(container_, container_->streams[video_], nullptr);
+    return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
+  }
+  std::int64_t frames() const override {
+    if (stream().nb_frames > 0 || container_->duration <= 0) return stream().nb_frames;
+    return std::llround(static_cast<double>(container_->duration) / AV_TIME_BASE * rate_hz());
+  }
+  int turn_deg() const override {
+    const std::uint8_t* matrix =
+        av_stream_get_side_data(container_->streams[video_], AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+    if (matrix == nullptr) return 0;
+    const double turn = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(matrix));
+    return std::isfinite(turn) ? static_cast<int>((std::lround(-turn) % 360 + 360) % 360) : 0;
+  }
+
+  void stop() override { stopped_ = true; }
+
+ private:
+  const AVStream& stream() const { return *container_->streams[video_]; }
+
+  static int interrupted(void* self) {
+    const auto& me = *static_cast<const FfmpegDecoder*>(self);
+    return me.stopped_ || (me.live_ && Clock::now() > me.deadline_) ? 1 : 0;
+  }
+
+  bool open_container() {
+    const QuietFfmpeg quiet;
+    static std::once_flag network;
+    std::call_once(network, [] { avformat_network_init(); });
+    container_ = avformat_alloc_context();
+    if (container_ == nullptr) return false;
+    container_->interrupt_callback = {&FfmpegDecoder::interrupted, this};
+    deadline_ = Clock::now() + kPatience;
+    AVDictionary* options = nullptr;
+    constexpr std::string_view kOverUdp = "rtsp+udp://";
+    const bool over_udp = url_.starts_with(kOverUdp);
+    if (over_udp) url_ = "rtsp://" + url_.substr(kOverUdp.size());
+    if (url_.starts_with("rtsp")) av_dict_set(&options, "rtsp_transport", over_udp ? "udp" : "tcp", 0);
+    if (live_) av_dict_set(&options, "fflags", "nobuffer", 0);
+    // A path may look like a protocol: clip:2.mp4.
+    const std::string name = live_ ? url_ : "file:" + url_;
+    const int opened = avformat_open_input(&container_, name.c_str(), nullptr, &options);  // frees it when it fails
+    av_dict_free(&options);
+    return opened == 0 && avformat_find_stream_info(container_, nullptr) >= 0;
+  }
+
+  bool open_codec() {
+    const QuietFfmpeg quiet;
+    const AVCodec* codec = nullptr;
+    video_ = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    if (video_ < 0 || codec == nullptr) return false;
+    codec_.reset(avcodec_alloc_context3(codec));
+    if (!codec_ || avcodec_parameters_to_context(codec_.get(), stream().codecpar) < 0) return false;
+    codec_->pkt_timebase = stream().time_base;
+    codec_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+    codec_->thread_count = 0;
+    if (live_) {  // threads by frames would hold some back
+      codec_->thread_type = FF_THREAD_SLICE;
+      codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;
+    }
+    return packet_ && frame_ && avcodec_open2(codec_.get(), codec, nullptr) == 0;
+  }
+
+  // Gives the decoder the next packet of the video.
+  int feed() {
+    do {
+      av_packet_unref(packet_.get());
+      if (av_read_frame(container_, packet_.get()) < 0) return avcodec_send_packet(codec_.get(), nullptr);
+    } while (packet_->stream_index != video_);
+    const QuietFfmpeg quiet;
+    cut_ =
+        (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0 ||
+        (codec_->codec_id == AV_CODEC_ID_MJPEG && is_cut_off({packet_->data, static_cast<std::size_t>(packet_->size)}));
+    return avcodec_send_packet(codec_.get(), packet_.get());
+  }
+
+  bool is_of_single_images() const {
+    const AVCodecDescriptor* d = avcodec_descriptor_get(codec_->codec_id);
+    return d != nullptr && (d->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
+  }
+
+  // What is made from a damaged frame is damaged, until one that is made from none, or until most of it has come anew.
+  void note_damage() {
+    const bool now =
+        std::exchange(cut_, false) || frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
+    const double rate = rate_hz();
+    if (now) {
+      heals_in_ = is_of_single_images() ? 1 : static_cast<int>(kHealed_s * (rate > 0 ? rate : 30));
+    } else if (heals_in_ > 0) {
+      heals_in_ = frame_->key_frame != 0 ? 0 : heals_in_ - 1;
+    }
+    damaged_ = heals_in_ > 0;
+  }
+
+  const bool live_;
+  std::string url_;
+  std::atomic<bool> stopped_ = false;
+  Clock::time_point deadline_;
+  AVFormatContext* container_ = nullptr;
+  int video_ = -1;
+  Codec codec_;
+  Packet packet_{av_packet_alloc()};
+  Frame frame_{av_frame_alloc()};
+  Scaler scaler_;
+  bool decoded_ = false, cut_ = false, damaged_ = false;
+  int heals_in_ = 0;  // frames
+};
+
+}  // namespace
+
+std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live) {
+  auto decoder = std::make_unique<FfmpegDecoder>(url, live);
+  if (!decoder->open()) return nullptr;
+  return decoder;
+}
+
+}  // namespace coslam

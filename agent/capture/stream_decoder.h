@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+namespace coslam {
+
+// The frames of a video file or of a stream from the network, by FFmpeg. For one thread, but for stop().
+class StreamDecoder {
+ public:
+  // live: of a stream that comes at its own pace; what has been decoded is given at once, and who is silent for 5 s has
+  // failed. Null: it cannot be opened, or there is no video in it.
+  static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live);
+  virtual ~StreamDecoder() = default;
+
+  // Decodes the next frame; false at the end, and when the stream has failed.
+  virtual bool grab() = 0;
+  // Of the frame that was grabbed last, CV_8UC3 as BGR. Empty: it could not be decoded.
+  virtual cv::Mat bgr() = 0;
+  // When it is to be shown, from the start of the stream on; empty: the container does not say.
+  virtual std::optional<double> time_s() const = 0;
+  // Parts of it did not arrive, or of one that it was made from: they are made up.
+  virtual bool concealed() const = 0;
+
+  virtual double rate_hz() const = 0;       // as the container says; 0: it does not
+  virtual std::int64_t frames() const = 0;  // the same
+  virtual int turn_deg() const = 0;         // by which frames are to be turned to stand upright, clockwise: 0 to 359
+
+  // From any thread: grab() returns false soon after, for good.
+  virtual void stop() = 0;
+};
+
+}  // namespace coslam

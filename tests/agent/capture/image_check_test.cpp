@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/image_check.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace coslam {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr TimeNs kPeriod_ns = 50'000'000;
+
+// Images of a camera that moves over a textured wall, with a sensor's noise.
+class ImageCheckTest : public testing::Test {
+ protected:
+  ImageCheckTest() : wall_(2 * kHeight, 2 * kWidth, CV_8UC1) {
+    cv::Mat coarse(60, 80, CV_8UC1);
+    random_.fill(coarse, cv::RNG::UNIFORM, 20, 230);
+    cv::resize(coarse, wall_, wall_.size(), 0, 0, cv::INTER_CUBIC);
+  }
+  cv::Mat seen(int at_px) {
+    cv::Mat image = wall_(cv::Rect(at_px, at_px / 2, kWidth, kHeight)).clone();
+    add_noise(image, 2);
+    return image;
+  }
+  cv::Mat even(double grey, double noise) {
+    cv::Mat image(kHeight, kWidth, CV_8UC1, cv::Scalar(grey));
+    add_noise(image, noise);
+    return image;
+  }
+  ImageFault check(const cv::Mat& grey, ImageFault known = ImageFault::kNone) {
+    Image image{FrameId(frame_++), 0, grey};
+    image.fault = known;
+    return check_.check(image);
+  }
+  void add_noise(cv::Mat& image, double sigma) {
+    cv::Mat noise(image.size(), CV_16SC1), sum;
+    random_.fill(noise, cv::RNG::NORMAL, 0, sigma);
+    cv::add(image, noise, image, cv::noArray(), CV_8U);
+  }
+  cv::RNG random_{7};
+  cv::Mat wall_;
+  ImageCheck check_;
+  std::uint32_t frame_ = 0;
+};
+
+TEST_F(ImageCheckTest, BelievesACameraThatMovesAndOneThatStands) {
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(check(seen(i)), ImageFault::kNone) << i;
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(check(seen(100)), ImageFault::kNone) << "its noise is new each time";
+}
+
+TEST_F(ImageCheckTest, AnImageThatComesAgain) {
+  const cv::Mat first = seen(0), second = seen(1), third = seen(2);
+  EXPECT_EQ(check(first), ImageFault::kNone);
+  EXPECT_EQ(check(second), ImageFault::kNone);
+  EXPECT_EQ(check(second.clone()), ImageFault::kRepeated);
+  EXPECT_EQ(check(second.clone()), ImageFault::kRepeated);
+  EXPECT_EQ(check(first.clone()), ImageFault::kOutOfOrder);
+  EXPECT_EQ(check(third), ImageFault::kNone);
+  EXPECT_EQ(check(second.clone()), ImageFault::kOutOfOrder);
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(check(seen(3 + i)), ImageFault::kNone);
+  EXPECT_EQ(check(first.clone()), ImageFault::kNone) << "that is long ago: who knows";
+}
+
+TEST_F(ImageCheckTest, OnePixelMakesAnotherImage) {
+  const cv::Mat first = seen(0);
+  cv::Mat second = first.clone();
+  ++second.at<std::uint8_t>(kHeight - 1, kWidth - 1);
+  EXPECT_EQ(check(first), ImageFault::kNone);
+  EXPECT_NE(check(second), ImageFault::kRepeated);
+}
+
+TEST_F(ImageCheckTest, RowsAtTheEndThatAreOneRow) {
+  EXPECT_EQ(check(seen(0)), ImageFault::kNone);
+  cv::Mat filled = seen(1), repeated = seen(2), little = seen(3);
+  filled.rowRange(kHeight - 40, kHeight).setTo(128);
+  for (int y = kHeight - 40; y < kHeight; ++y) repeated.row(kHeight - 41).copyTo(repeated.row(y));
+  for (int y = kHeight - 8; y < kHeight; ++y) little.row(kHeight - 9).copyTo(little.row(y));
+  EXPECT_EQ(check(filled), ImageFault::kCutOff);
+  EXPECT_EQ(check(repeated), ImageFault::kCutOff);
+  EXPECT_EQ(check(little), ImageFault::kNone) << "a few rows do not matter";
+}
+
+TEST_F(ImageCheckTest, ARimThatIsAlwaysThereIsNone) {
+  for (int i = 0; i < 20; ++i) {
+    cv::Mat rimmed = seen(i);
+    rimmed.rowRange(kHeight - 40, kHeight).setTo(64);
+    ASSERT_EQ(check(rimmed), ImageFault::kNone);
+  }
+}
+
+TEST_F(ImageCheckTest, AFloorInTheDarkIsBlackByNature) {
+  ASSERT_EQ(check(seen(0)), ImageFault::kNone);
+  cv::Mat dark = seen(1);
+  dark.rowRange(kHeight / 2, kHeight).setTo(0);
+  EXPECT_EQ(check(dark), ImageFault::kNone);
+}
+
+TEST_F(ImageCheckTest, NothingIsToBeSeen) {
+  EXPECT_EQ(check(even(4, 2.5)), ImageFault::kFeatureless) << "dark";
+  EXPECT_EQ(check(even(255, 0)), ImageFault::kFeatureless) << "dazzled";
+  EXPECT_EQ(check(even(120, 4)), ImageFault::kFeatureless) << "covered by paper";
+  cv::Mat dim;
+  seen(0).convertTo(dim, CV_8U, 0.1, 4);
+  EXPECT_EQ(check(dim), ImageFault::kNone) << "a tenth of the contrast is enough";
+}
+
+TEST_F(ImageCheckTest, WhatTheSourceKnowsStands) {
+  EXPECT_EQ(check({}, ImageFault::kUnreadable), ImageFault::kUnreadable);
+  EXPECT_EQ(check(seen(0), ImageFault::kConcealed), ImageFault::kConcealed);
+}
+
+class ImageVerdictTest : public testing::Test {
+ protected:
+  // The verdict after so many.
+  ImageFault note(ImageFault fault, int images = 1) {
+    for (int i = 0; i < images; ++i) verdict_.note(fault, t_ns_ += kPeriod_ns);
+    return verdict_.verdict();
+  }
+  ImageVerdict verdict_;
+  TimeNs t_ns_ = 0;
+};
+
+TEST_F(ImageVerdictTest, ComesAfterAFifthOfASecondAndGoesAtOnce) {
+  EXPECT_EQ(note(ImageFault::kNone, 20), ImageFault::kNone);
+  EXPECT_EQ(note(ImageFault::kRepeated, 3), ImageFault::kNone);
+  EXPECT_EQ(note(ImageFault::kRepeated), ImageFault::kRepeated);
+  EXPECT_EQ(note(ImageFault::kFeatureless), ImageFault::kFeatureless);
+  EXPECT_EQ(note(ImageFault::kNone), ImageFault::kNone);
+}
+
+TEST_F(ImageVerdictTest, EachImageTwiceIsSound) {
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_EQ(note(ImageFault::kNone), ImageFault::kNone);
+    ASSERT_EQ(note(ImageFault::kRepeated), ImageFault::kNone);
+  }
+}
+
+TEST_F(ImageVerdictTest, ManyDamagedOnesInASecond) {
+  note(ImageFault::kNone, 20);
+  for (int i = 0; i < 10; ++i) {
+    note(ImageFault::kNone, 2);
+    note(ImageFault::kOutOfOrder);
+  }
+  EXPECT_EQ(verdict_.verdict(), ImageFault::kOutOfOrder) << "those in between are doubted, too";
+  EXPECT_EQ(note(ImageFault::kNone, 20), ImageFault::kNone) << "a second later";
+}
+
+TEST_F(ImageVerdictTest, OneDamagedImageIsOnlyLeftOut) {
+  note(ImageFault::kNone, 20);
+  EXPECT_EQ(note(ImageFault::kConcealed), ImageFault::kNone);
+  EXPECT_EQ(note(ImageFault::kNone), ImageFault::kNone);
+}
+
+TEST_F(ImageVerdictTest, ACameraThatNeverGaveAGoodImage) {
+  EXPECT_EQ(note(ImageFault::kFeatureless), ImageFault::kNone);
+  EXPECT_EQ(note(ImageFault::kFeatureless, 4), ImageFault::kFeatureless);
+}
+
+}  // namespace
+}  // namespace coslam
