@@ -191,7 +191,9 @@ void AgentLoop::say_state() {
   if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
   if (const auto word = words_.working_width(agent_.working_width_px())) log_info(*word);
-  if (const auto word = words_.images(verdict_.verdict())) log_warn(*word);
+  if (const auto word = words_.images(verdict_.verdict())) {
+    verdict_.verdict() == ImageFault::kNone ? log_info(*word) : log_warn(*word);
+  }
   if (const auto word = words_.clock(clock_set_ns_)) log_warn(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
 }

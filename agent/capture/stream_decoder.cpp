@@ -18,7 +18,6 @@ extern "C" {
 #include <utility>
 
 #include "agent/capture/decode.h"
-#include "agent/capture/quiet_ffmpeg.h"
 
 namespace coslam {
 namespace {
@@ -112,9 +111,11 @@ class FfmpegDecoder final : public StreamDecoder {
   }
 
   bool open_container() {
-    const QuietFfmpeg quiet;
-    static std::once_flag network;
-    std::call_once(network, [] { avformat_network_init(); });
+    static std::once_flag once;
+    std::call_once(once, [] {
+      avformat_network_init();
+      av_log_set_level(AV_LOG_QUIET);  // what is wrong is said by who reads the frames
+    });
     container_ = avformat_alloc_context();
     if (container_ == nullptr) return false;
     container_->interrupt_callback = {&FfmpegDecoder::interrupted, this};
@@ -133,7 +134,6 @@ class FfmpegDecoder final : public StreamDecoder {
   }
 
   bool open_codec() {
-    const QuietFfmpeg quiet;
     const AVCodec* codec = nullptr;
     video_ = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (video_ < 0 || codec == nullptr) return false;
@@ -155,7 +155,6 @@ class FfmpegDecoder final : public StreamDecoder {
       av_packet_unref(packet_.get());
       if (av_read_frame(container_, packet_.get()) < 0) return avcodec_send_packet(codec_.get(), nullptr);
     } while (packet_->stream_index != video_);
-    const QuietFfmpeg quiet;
     cut_ =
         (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0 ||
         (codec_->codec_id == AV_CODEC_ID_MJPEG && is_cut_off({packet_->data, static_cast<std::size_t>(packet_->size)}));

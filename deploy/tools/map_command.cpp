@@ -95,6 +95,14 @@ int adjust(const MapArguments& arguments) {
   return 0;
 }
 
+int copy(const MapArguments& arguments) {
+  const MapFile file(arguments.file, Access::kRead);
+  file.copy_to(arguments.folder);
+  MapFile(arguments.folder, Access::kRead).check();
+  std::printf("%s\n", arguments.folder.c_str());
+  return 0;
+}
+
 int export_map(const MapArguments& arguments) {
   write_map_result(arguments.file, arguments.folder);
   std::printf("%s\n", arguments.folder.c_str());
@@ -187,6 +195,9 @@ void add_map_command(CLI::App& app, Command& chosen) {
       ->add_option("OTHER", arguments->others, "map files")
       ->required();
   add(*map, chosen, "compact", "Give room back to the disk", compact, arguments);
+  add(*map, chosen, "copy", "Copy it whole, also while a server writes it", copy, arguments)
+      ->add_option("TO", arguments->folder, "file to write")
+      ->required();
   add(*map, chosen, "export", "Write its paths and points as a result", export_map, arguments)
       ->add_option("DIR", arguments->folder, "folder to write")
       ->required();

@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <functional>
 #include <system_error>
 #include <utility>
@@ -25,12 +26,44 @@ const char* const kTables =
     "CREATE TABLE IF NOT EXISTS rows (name TEXT NOT NULL, number INTEGER NOT NULL, octets BLOB NOT NULL, "
     "crc32 INTEGER NOT NULL, PRIMARY KEY (name, number)) WITHOUT ROWID;"
     "CREATE TABLE IF NOT EXISTS saved (utc_ns INTEGER NOT NULL);";
+// Has a row while a process writes, in the file itself, so that a copy has it too.
+const char* const kMark =
+    "BEGIN; CREATE TABLE IF NOT EXISTS in_use (yes INTEGER NOT NULL); INSERT INTO in_use VALUES (1); COMMIT";
 
 std::int64_t check_sum(const void* octets, std::size_t size) {
   return static_cast<std::int64_t>(crc32_z(0, static_cast<const Bytef*>(octets), size));
 }
 
-std::string cause_of(const SQLite::Exception& e) {
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+std::filesystem::path log_of(std::filesystem::path file) { return file += "-wal"; }
+
+// What was written last is in it. Readers leave an empty one behind.
+bool has_log(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::exists(log_of(file), error) && std::filesystem::file_size(log_of(file), error) > 0;
+}
+
+// What is beside a file belongs to it as well.
+std::string access_cause(const std::filesystem::path& file) {
+  const std::filesystem::path folder = folder_of(file);
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return "cannot be there: there is no folder " + folder.string();
+  if (std::filesystem::is_directory(file, error)) return "is a folder";
+  const bool there = std::filesystem::exists(file, error);
+  if (there && access(file.c_str(), R_OK) != 0) return "may not be read by this user";
+  for (const auto& path : {file, folder}) {
+    if ((path == file && !there) || access(path.c_str(), W_OK) == 0) continue;
+    if (errno == EROFS) return "cannot be written: its disk is read-only";
+    return path == file ? "may not be written by this user"
+                        : "cannot be written: this user may not write in the folder " + folder.string();
+  }
+  return "cannot be opened";
+}
+
+std::string cause_of(const SQLite::Exception& e, const std::filesystem::path& file) {
   switch (e.getErrorCode()) {
     case SQLITE_NOTADB:
       return "is no map of CoSLAM";
@@ -42,11 +75,10 @@ std::string cause_of(const SQLite::Exception& e) {
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
-      return "may not be written by this user";
+    case SQLITE_CANTOPEN:
+      return access_cause(file);
     case SQLITE_FULL:
       return "cannot be written: the disk is full";
-    case SQLITE_CANTOPEN:
-      return "cannot be opened";
     default:
       return std::string("cannot be used: ") + e.what();
   }
@@ -86,16 +118,57 @@ class WriterLock {
 
 }  // namespace
 
-struct MapFile::Impl {
-  Impl(const std::filesystem::path& file, bool writes)
-      : lock(file, writes),
-        db(file.string(), writes ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READONLY, kPatience_ms) {
+namespace {
+
+// Where nothing may be written, SQLite reads a file only as one that nobody else changes.
+bool nobody_writes(const std::filesystem::path& file) {
+  return access(folder_of(file).c_str(), W_OK) != 0 && !has_log(file);
+}
+
+std::string uri_of(const std::filesystem::path& file) {
+  std::string out = "file:";
+  for (const char c : file.string()) {
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02x", static_cast<unsigned char>(c));
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/';
+    out += plain ? std::string(1, c) : code;
   }
-  static constexpr int kPatience_ms = 2000;  // with another process that is about to have written
+  return out + "?immutable=1";
+}
+
+SQLite::Database opened(const std::filesystem::path& file, bool writes) {
+  constexpr int kPatience_ms = 2000;  // with another process that is about to have written
+  if (writes) return {file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kPatience_ms};
+  if (nobody_writes(file)) return {uri_of(file), SQLite::OPEN_READONLY | SQLite::OPEN_URI, kPatience_ms};
+  return {file.string(), SQLite::OPEN_READONLY, kPatience_ms};
+}
+
+}  // namespace
+
+struct MapFile::Impl {
+  Impl(const std::filesystem::path& file, bool writes) : lock(file, writes), db(opened(file, writes)) {}
+  ~Impl() {
+    try {
+      if (marked) db.exec("DELETE FROM in_use");
+    } catch (const SQLite::Exception&) {
+      // As after a kill: the log stays.
+    }
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // Brings the mark into the file itself, which may take more than one time while others read it.
+  void mark() {
+    if (in_file) return;
+    if (!std::exchange(marked, true)) db.exec(kMark);
+    SQLite::Statement query(db, "PRAGMA wal_checkpoint(PASSIVE)");
+    in_file = query.executeStep() && query.getColumn(0).getInt() == 0 &&
+              query.getColumn(1).getInt() == query.getColumn(2).getInt();
+  }
 
   WriterLock lock;  // goes last: closing it would take the locks that SQLite has
   SQLite::Database db;
-  bool old_version = false;
+  bool old_version = false, marked = false, in_file = false;
   std::unique_ptr<SQLite::Statement> put, drop;
 };
 
@@ -107,8 +180,13 @@ auto in_words(const std::filesystem::path& path, Do work) {
   try {
     return work();
   } catch (const SQLite::Exception& e) {
-    throw UserError("map file " + path.string() + " " + cause_of(e));
+    throw UserError("map file " + path.string() + " " + cause_of(e, path));
   }
+}
+
+// A process writes the file, or wrote it when it was copied or when that process was killed.
+bool is_marked(SQLite::Database& db) {
+  return db.tableExists("in_use") && db.execAndGet("SELECT count(*) FROM in_use").getInt() > 0;
 }
 
 // Nothing is written to a file that is there already.
@@ -128,6 +206,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
   std::error_code error;
   const bool there = std::filesystem::exists(file, error) && std::filesystem::file_size(file, error) > 0;
   if (!there && access == Access::kRead) throw UserError("there is no map file " + file.string());
+  const bool log_was_there = has_log(file);
   in_words(path_, [&] {
     impl_ = std::make_unique<Impl>(file, access == Access::kWrite);
     SQLite::Database& db = impl_->db;
@@ -139,9 +218,18 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
         throw UserError("map file " + path_.string() + " is of version " + std::to_string(version) +
                         ", newer than this program's " + std::to_string(kVersion) + ": update it");
       }
+      if (!log_was_there && is_marked(db)) {
+        throw UserError("map file " + path_.string() +
+                        " was copied while it was written, and what was written last is missing: " +
+                        "copy it together with " + log_of(path_).filename().string() + ", or with coslam map copy");
+      }
       impl_->old_version = version < kVersion;
     }
     if (access == Access::kRead) return;
+    // SQLite opens what it may not write to be read.
+    if (sqlite3_db_readonly(db.getHandle(), "main") != 0) {
+      throw UserError("map file " + path_.string() + " " + access_cause(path_));
+    }
     open_for_writing(db, there);
     impl_->put = std::make_unique<SQLite::Statement>(
         db,
@@ -192,6 +280,7 @@ void MapFile::for_each_row(const std::string& table, std::int64_t first, std::in
 
 void MapFile::write(std::span<const Row> rows, TimeNs saved_ns) {
   in_words(path_, [&] {
+    impl_->mark();
     SQLite::Transaction transaction(impl_->db);
     for (const Row& row : rows) {
       SQLite::Statement& statement = row.bytes.empty() ? *impl_->drop : *impl_->put;
@@ -227,6 +316,19 @@ void MapFile::check() const {
     if (said != "ok") throw UserError("map file " + path_.string() + " is damaged: " + said);
     SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows");
     while (all.executeStep()) checked(path_, all);
+  });
+}
+
+void MapFile::copy_to(const std::filesystem::path& copy) const {
+  std::error_code error;
+  if (std::filesystem::exists(copy, error)) throw UserError(copy.string() + " is there already");
+  in_words(copy, [&] {
+    SQLite::Statement into(impl_->db, "VACUUM INTO ?");
+    into.bind(1, copy.string());
+    into.exec();
+    SQLite::Database whole(copy.string(), SQLite::OPEN_READWRITE);
+    if (whole.tableExists("in_use")) whole.exec("DELETE FROM in_use");
+    whole.exec("PRAGMA journal_mode=WAL");
   });
 }
 

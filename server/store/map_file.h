@@ -16,13 +16,16 @@ namespace coslam {
 
 // A map on disk: an SQLite database (write-ahead log) of rows with check sums. What was written before the process is
 // killed is there afterwards, each write() whole or not at all. One process at a time may write it; others may read it
-// meanwhile, and see it as it was written last. All functions throw UserError with one sentence that names the file and
-// the cause. Thread-compatible; for_each_row() may be called while another thread writes.
+// meanwhile, and see it as it was written last, also on a disk or in a folder that they may not write. What was written
+// last stands in FILE-wal until the writer ends: a file that was copied meanwhile without it is refused. All functions
+// throw UserError with one sentence that names the file and the cause. Thread-compatible; for_each_row() may be called
+// while another thread writes.
 class MapFile {
  public:
   enum class Access : std::uint8_t { kRead, kWrite };  // kWrite: makes it where there is none
 
-  // Refuses what is no map, of a newer version, of another user or, to write, in use; nothing is changed then.
+  // Refuses what is no map, of a newer version, of another user, not whole or, to write, in use; nothing is changed
+  // then.
   MapFile(const std::filesystem::path& file, Access access);
   ~MapFile();
   MapFile(const MapFile&) = delete;
@@ -41,6 +44,8 @@ class MapFile {
   std::optional<TimeNs> saved_ns() const;
   // Looks at every page and every row.
   void check() const;
+  // Writes a whole copy, to where there is no file, also while another process writes this one.
+  void copy_to(const std::filesystem::path& copy) const;
   // Gives room that is not used back to the disk.
   void compact();
 

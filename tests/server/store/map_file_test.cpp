@@ -125,6 +125,39 @@ TEST_F(MapFileTest, OutlivesAKill) {
   EXPECT_EQ(file.saved_ns(), rows == 4 ? 50 : 51);
 }
 
+TEST_F(MapFileTest, ACopyThatWasTakenWhileItWasWrittenIsWholeOrRefused) {
+  write_some(10);
+  const std::filesystem::path copy = folder_ / "copy.map", whole = folder_ / "whole.map";
+  const auto why_not_copy = [&](Access access) {
+    return test::error_of<UserError>([&] { MapFile(copy, access).check(); });
+  };
+  std::filesystem::copy_file(path_, copy);
+  EXPECT_EQ(why_not_copy(Access::kRead), "") << "nobody wrote it";
+  MapFile file(path_, Access::kWrite);
+  std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(why_not_copy(Access::kRead), "") << "nothing was written yet";
+  file.write(std::vector<Row>{{"point", 3, octets(6)}}, 43);
+  std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(why_not_copy(Access::kRead), HasSubstr("copy.map was copied while it was written"));
+  EXPECT_THAT(why_not_copy(Access::kWrite), HasSubstr("copy it together with copy.map-wal"));
+  std::filesystem::copy_file(folder_ / "a.map-wal", folder_ / "copy.map-wal");
+  EXPECT_EQ(why_not_copy(Access::kRead), "");
+  EXPECT_EQ(MapFile(copy, Access::kRead).saved_ns(), 43);
+  MapFile(path_, Access::kRead).copy_to(whole);
+  EXPECT_EQ(MapFile(whole, Access::kRead).saved_ns(), 43);
+  EXPECT_EQ(MapFile(whole, Access::kRead).read(), file.read());
+  MapFile(whole, Access::kWrite).write({}, 44);
+  EXPECT_THAT(test::error_of<UserError>([&] { file.copy_to(whole); }), HasSubstr("whole.map is there already"));
+}
+
+TEST_F(MapFileTest, OnceClosedItIsWholeByItself) {
+  write_some(10);
+  write_some(20);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.map-wal"));
+  std::filesystem::copy_file(path_, folder_ / "b.map");
+  EXPECT_EQ(MapFile(folder_ / "b.map", Access::kRead).read().at("point").size(), 20U);
+}
+
 TEST_F(MapFileTest, AFlippedBitIsNoticed) {
   write_some();
   std::string damaged = content();
@@ -165,8 +198,6 @@ TEST_F(MapFileTest, OfANewerVersion) {
 TEST_F(MapFileTest, NotThere) {
   EXPECT_THAT(why_not(Access::kRead), HasSubstr("there is no map file"));
   EXPECT_FALSE(std::filesystem::exists(path_));
-  EXPECT_THAT(test::error_of<UserError>([&] { MapFile(folder_ / "none" / "a.map", Access::kWrite); }),
-              HasSubstr("cannot be opened"));
 }
 
 TEST_F(MapFileTest, OfAnotherUser) {
@@ -174,6 +205,24 @@ TEST_F(MapFileTest, OfAnotherUser) {
   write_some();
   std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
   EXPECT_THAT(why_not(), HasSubstr("may not be written by this user"));
+}
+
+TEST_F(MapFileTest, SaysWhatIsInTheWay) {
+  const auto why = [&](const std::filesystem::path& file) {
+    return test::error_of<UserError>([&] { MapFile(file, Access::kWrite); });
+  };
+  EXPECT_THAT(why(folder_ / "not there" / "a.map"), HasSubstr("there is no folder"));
+  EXPECT_THAT(why(folder_.path()), HasSubstr("is a folder"));
+}
+
+TEST_F(MapFileTest, IsReadWhereNothingMayBeWritten) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+  write_some();
+  using std::filesystem::perms;
+  std::filesystem::permissions(folder_.path(), perms::owner_read | perms::owner_exec);
+  EXPECT_EQ(why_not(Access::kRead), "");
+  EXPECT_THAT(why_not(Access::kWrite), HasSubstr("this user may not write in the folder"));
+  std::filesystem::permissions(folder_.path(), perms::owner_all);
 }
 
 TEST_F(MapFileTest, GivesRoomBack) {
