@@ -46,6 +46,7 @@ Agent::Agent(std::string name, RunId run, const CameraModel& camera, const Agent
       pixel_scale_(pixel_scale(camera)),
       tracker_(std::move(tracker)),
       shutter_(camera, config.readout_s),
+      own_body_(camera),
       pose_(camera, config.pose),
       map_(run) {}
 
@@ -56,6 +57,7 @@ void Agent::track(const Image& image) {
     frame_ = image.frame;
     capture_ns_ = image.capture_ns;
     tracker_->step(image);
+    if (own_body_.step(image.capture_ns, tracker_->live())) tracker_->leave_out(own_body_.found());
     // Features that an answer to a descriptor request added had time to start the map; the link is made for max_tracks.
     if (++since_described_ > kShedAfterFrames) tracker_->thin(kShedPerFrame);
     observe();

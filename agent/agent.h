@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "agent/correct/local_map.h"
+#include "agent/pose/own_body.h"
 #include "agent/pose/pose_tracker.h"
 #include "agent/pose/rolling_shutter.h"
 #include "agent/track/feature_tracker.h"
@@ -85,6 +86,9 @@ class Agent {
   std::uint32_t tracked_frames() const { return tracked_frames_; }
   // Of a rolling shutter, when it is not given but found; else 0.
   double found_readout_s() const { return shutter_.found_s(); }
+  // Of the picture, that moves with the camera and is left out.
+  double own_body_share() const { return own_body_.share(); }
+  ImageParts own_body() const { return own_body_.found(); }
   // Of the images as they are tracked in.
   int working_width_px() const;
   std::size_t tracks() const { return observations_.size(); }
@@ -108,6 +112,7 @@ class Agent {
   double pixel_scale_;
   std::unique_ptr<FeatureTracker> tracker_;
   RollingShutter shutter_;
+  OwnBody own_body_;
   PoseTracker pose_;
   LocalMap map_;
 

@@ -191,6 +191,7 @@ void AgentLoop::say_state() {
   if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
   if (const auto word = words_.working_width(agent_.working_width_px())) log_info(*word);
+  if (const auto word = words_.own_body(agent_.own_body_share())) log_warn(*word);
   if (const auto word = words_.images(verdict_.verdict())) {
     verdict_.verdict() == ImageFault::kNone ? log_info(*word) : log_warn(*word);
   }
@@ -253,6 +254,14 @@ AgentStatus AgentLoop::status(AgentState state) const {
   return s;
 }
 
+nlohmann::json AgentLoop::own_body() const {
+  const ImageParts parts = agent_.own_body();
+  std::string cells;
+  for (const bool found : parts.cells) cells += found ? '1' : '0';
+  return {
+      {"percent", 100 * agent_.own_body_share()}, {"columns", parts.columns}, {"rows", parts.rows}, {"cells", cells}};
+}
+
 std::string AgentLoop::report() const {
   nlohmann::ordered_json ms = nlohmann::ordered_json::object();
   for (const StageTimes* times : {&agent_.times(), &times_}) {
@@ -274,6 +283,7 @@ std::string AgentLoop::report() const {
   out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
   out["ms_per_frame"] = mean_frame_ms();
   out["tracked_width_px"] = agent_.working_width_px();
+  if (agent_.own_body_share() > 0) out["own_body"] = own_body();
   out["ms"] = ms;
   out["peak_memory_mib"] = peak_memory_mib();
   return out.dump();

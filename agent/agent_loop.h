@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,7 @@ class AgentLoop {
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
   std::optional<DescriptorReply> last_image();
+  nlohmann::json own_body() const;
   std::string report() const;
 
   AgentLink& link_;

@@ -38,6 +38,18 @@ std::optional<std::string> StateWords::images(ImageFault verdict) {
   return "its images are not to be believed: " + std::string(words_of(verdict).why);
 }
 
+std::optional<std::string> StateWords::own_body(double share) {
+  constexpr double kMore = 1.25;
+  if (share <= kMore * said_body_) return std::nullopt;
+  said_body_ = share;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%.0f %% of its picture moves with the camera (a body, a mount, text?) and is left out; a mask says it "
+                "from the first image on",
+                100 * share);
+  return text;
+}
+
 std::optional<std::string> StateWords::clock(TimeNs set_ns) {
   constexpr TimeNs kNoise_ns = 10'000'000;
   const TimeNs by_ns = set_ns - said_set_ns_;

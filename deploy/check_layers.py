@@ -61,7 +61,7 @@ MAY_INCLUDE = {
     "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
     "server/store": [*MODEL, "common/flow", "server/map"],
     "server/record": [*MODEL, "common/flow", "common/wire", "server/link"],
-    "server/bridge": [*MODEL, "common/config", "common/ros", "common/wire"],
+    "server/bridge": [*MODEL, "common/config", "common/flow", "common/ros", "common/wire"],
     "server/observe": [*FILES, *SERVER_CORE],
     "server/explain": [*FILES, "server/map"],
     "server/publish": [*MODEL, "common/ros", *SERVER_CORE, "server/explain"],

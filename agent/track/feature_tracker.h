@@ -21,6 +21,12 @@ struct Track {
   std::uint32_t age_frames = 0;  // 0 in the image where it was found
 };
 
+// The cells of a grid over the image, by rows, that something is said of.
+struct ImageParts {
+  int columns = 0, rows = 0;
+  std::vector<bool> cells;
+};
+
 // Features of one image that have a descriptor, each at a live track.
 struct DescribedTracks {
   std::vector<TrackId> tracks;            // ascending
@@ -44,6 +50,9 @@ class FeatureTracker {
 
   // The size of the images that are tracked in, against the raw ones.
   virtual double working_scale() const { return 1; }
+
+  // Nothing is followed there from the next image on, beside what never is.
+  virtual void leave_out(const ImageParts& /*parts*/) {}
 
   // Ends tracks, those that are missed least first, until there are no more than step() would fill up to or `at_most`
   // were ended.

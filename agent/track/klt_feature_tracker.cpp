@@ -47,7 +47,7 @@ class KltFeatureTracker final : public FeatureTracker {
         config_(config),
         tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
-    if (!config.mask.empty()) mask_ = read_mask(config.mask, camera);
+    if (!config.mask.empty()) mask_ = given_mask_ = read_mask(config.mask, camera);
     tracker_.set_mask(scaled_mask());
   }
 
@@ -63,6 +63,16 @@ class KltFeatureTracker final : public FeatureTracker {
   }
   const std::vector<Track>& live() const override { return live_; }
   double working_scale() const override { return work_scale_; }
+  void leave_out(const ImageParts& parts) override {
+    cv::Mat mask(parts.rows, parts.columns, CV_8UC1, cv::Scalar(255));
+    for (int i = 0; i < parts.rows * parts.columns; ++i) {
+      if (parts.cells[static_cast<std::size_t>(i)]) mask.at<std::uint8_t>(i / parts.columns, i % parts.columns) = 0;
+    }
+    cv::Mat whole;  // memory of its own
+    cv::resize(mask, whole, grey_.size(), 0, 0, cv::INTER_NEAREST);
+    mask_ = given_mask_.empty() ? whole : cv::Mat(whole & given_mask_);
+    tracker_.set_mask(scaled_mask());
+  }
   void thin(int at_most) override {
     tracker_.thin(at_most);
     refresh();
@@ -203,8 +213,8 @@ class KltFeatureTracker final : public FeatureTracker {
   Tracker tracker_;
   std::vector<Track> live_;  // raw pixels
   std::optional<TagFinder> tag_finder_;
-  cv::Mat mask_;         // of raw images; empty: none
-  cv::Mat grey_, work_;  // the newest image, and as it is worked on
+  cv::Mat given_mask_, mask_;  // of raw images; empty: none
+  cv::Mat grey_, work_;        // the newest image, and as it is worked on
 };
 
 }  // namespace

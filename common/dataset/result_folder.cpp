@@ -16,6 +16,7 @@ namespace {
 constexpr std::array<const char*, 14> kOfARun{
     "trajectory", "live",       "tracks",  "calibration", "points.csv", "dynamic.csv",  "objects.csv",
     "groups.csv", "events.csv", "map.ply", "report.json", "eval.json",  "top_view.png", "sequence.yaml"};
+constexpr const char* kOwnBody = "own_body";  // is there before its run begins
 
 // Names of the files with this extension in a folder, without it.
 std::set<std::string> stems_in(const std::filesystem::path& folder, const char* extension) {
@@ -104,6 +105,7 @@ void ResultFolder::remove_run() const {
     if (error) throw UserError("cannot remove " + left.string() + ": " + error.message());
   };
   for (const MapId map : map_folders()) remove(of_map(map).path());
+  remove(run_ / kOwnBody);
   for (const std::string name : kOfARun) {
     remove(run_ / name);
     remove(run_ / (name + ".new"));

@@ -35,6 +35,8 @@ class ResultFolder {
 
   // Of the run.
   std::filesystem::path tracks(const std::string& agent) const { return run_ / "tracks" / (agent + ".csv"); }
+  // What was found to move with the camera, and left out: black.
+  std::filesystem::path own_body(const std::string& agent) const { return run_ / "own_body" / (agent + ".png"); }
   // The lens as it was found, where the calibration had it wrong or there was none.
   std::filesystem::path calibration(const std::string& agent) const { return run_ / "calibration" / (agent + ".yaml"); }
   std::filesystem::path groups() const { return run_ / "groups.csv"; }

@@ -16,6 +16,7 @@
 #include "common/dataset/result_folder.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/run/outcome.h"
+#include "deploy/tools/run/own_bodies.h"
 #include "deploy/tools/run/run.h"
 #include "deploy/tools/run/starts.h"
 #include "deploy/tools/sequence_argument.h"
@@ -119,15 +120,19 @@ int run(RunArguments arguments) {
   refuse_own_folder(options);
   make_result_folder(options.out, arguments.force);
   Starts starts(&options.sequence);
+  OwnBodies own_bodies(&options.sequence);
   const auto play = [&] { return arguments.in_one_process ? run_inline(options) : run_processes(options); };
   RunEnd end = play();
-  const bool improved = end.exit_code == 0 && !end.interrupted && starts.improve(options.out);
-  if (improved && options.map.empty() && options.record.empty()) {
-    log_info("run once more, with each source at the time that was found");
+  const bool whole = end.exit_code == 0 && !end.interrupted;
+  const bool other_times = whole && starts.improve(options.out), bodies = whole && own_bodies.improve(options.out);
+  if ((other_times || bodies) && options.map.empty() && options.record.empty()) {
+    if (other_times) log_info("run once more, with each source at the time that was found");
+    if (bodies) log_info("run once more, without what moves with the cameras");
     make_result_folder(options.out, true);
+    own_bodies.write(options.out);
     end = play();
-  } else if (improved) {
-    log_warn("this run played its sources at other times: what --map or --record keeps is of one run");
+  } else if (other_times || bodies) {
+    log_warn("this run is not repeated with what it found: what --map or --record keeps is of one run");
   }
   starts.say();
   starts.write(options.out);

@@ -111,6 +111,14 @@ TEST_F(StateWordsTest, SaysWhyImagesAreNotToBeBelievedAndThatTheyAreAgain) {
   EXPECT_EQ(words.images(ImageFault::kNone), "its images are to be believed again");
 }
 
+TEST_F(StateWordsTest, SaysHowMuchOfThePictureMovesWithTheCamera) {
+  StateWords words;
+  EXPECT_FALSE(words.own_body(0));
+  EXPECT_THAT(words.own_body(0.3).value_or(""), testing::StartsWith("30 % of its picture moves with the camera"));
+  EXPECT_FALSE(words.own_body(0.33));
+  EXPECT_THAT(words.own_body(0.4).value_or(""), testing::StartsWith("40 %"));
+}
+
 TEST_F(StateWordsTest, SaysOnceThatTheTimeOfDayWasSet) {
   StateWords words;
   EXPECT_FALSE(words.clock(0));

@@ -70,6 +70,11 @@ std::string sequence_text(const Sequence& sequence, const ResultFolder& result, 
     text += "  - name: " + in_quotes(a.name) + "\n    source: " + in_quotes(fs::absolute(a.source).string()) + "\n";
     if (fs::exists(result.calibration(a.name)))
       text += "    calibration: " + in_quotes("calibration/" + a.name + ".yaml") + "\n";
+    if (a.mask) {
+      const fs::path beside = result.own_body(a.name);
+      const bool found = fs::exists(beside) && fs::equivalent(*a.mask, beside);
+      text += "    mask: " + in_quotes(found ? "own_body/" + a.name + ".png" : fs::absolute(*a.mask).string()) + "\n";
+    }
     text += "    start_s: " + (tied(a.name) ? format_double(a.start_s) : "auto") + "\n";
   }
   return text;

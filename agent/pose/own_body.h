@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "agent/track/feature_tracker.h"
+#include "common/base/time.h"
+#include "common/geometry/camera_model.h"
+
+namespace coslam {
+
+// What moves with the camera: its vehicle's body, a gripper, a mount, text that was written into the picture. It stays
+// in place whenever the rest of the picture turns, while what is only far away turns with it. Believed where the
+// picture turned for seconds, about more than one axis or both ways, and where each part of it always did the same:
+// whoever stands in front of traffic sees the same road now stand and now move. Pure.
+class OwnBody {
+ public:
+  explicit OwnBody(const CameraModel& camera);
+
+  // The live tracks of each image. True when more was found.
+  bool step(TimeNs capture_ns, const std::vector<Track>& live);
+  ImageParts found() const;
+  // Of the picture.
+  double share() const;
+
+ private:
+  struct Cell {
+    int stood = 0, turned = 0;  // looks
+    bool found = false;
+  };
+  void look(const std::vector<Track>& live);
+  bool decide(TimeNs now_ns);
+  Cell& cell_at(const Eigen::Vector2f& raw_px);
+
+  const CameraModel camera_;
+  const double px_;  // of an image of 640 pixels across
+  std::vector<Cell> cells_;
+  std::vector<Track> before_;
+  std::optional<TimeNs> before_ns_;
+  int looks_ = 0;  // at pictures that turned
+  TimeNs first_look_ns_ = 0;
+  Eigen::Vector3d axes_ = Eigen::Vector3d::Zero();  // sum of the unit axes of their turns
+};
+
+}  // namespace coslam
