@@ -21,15 +21,20 @@ std::optional<FrameList> listed(const std::filesystem::path& path, double rate_h
   return std::nullopt;
 }
 
+bool is_list_or_video(const std::string& uri) {
+  return !is_live_uri(uri) && std::filesystem::exists(uri) && !recording::is_recording(uri);
+}
+
 std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const SourceOptions& options) {
   if (is_live_uri(uri)) return open_live(uri, options);
-  if (uri.starts_with(kMcapScheme)) return open_mcap(uri, options);
+  if (names_recorded_topic(uri)) return open_recorded(uri, options);
   const std::filesystem::path path = uri;
   if (uri.find("://") != std::string::npos) {
     throw UserError("the source '" + uri +
-                    "' is of no known kind: a path, mcap:FILE#TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is expected");
+                    "' is of no known kind: a path, bag:PATH#TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is expected");
   }
   if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
+  if (recording::is_recording(path)) return open_recorded(uri, options);
   if (const auto frames = listed(path, options.rate_hz)) return open_list(uri, *frames, options);
   return open_video(path, options);
 }
@@ -48,7 +53,7 @@ std::optional<Image> next_readable(ImageSource& source) {
 }
 
 std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) {
-  if (is_live_uri(uri) || !std::filesystem::exists(uri)) return std::nullopt;
+  if (!is_list_or_video(uri)) return std::nullopt;
   const auto list = listed(uri, rate_hz);
   if (!list) return std::nullopt;
   ListedTimes out{list->all_ns, list->zero_ns};
@@ -59,7 +64,7 @@ std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) 
 }
 
 std::filesystem::path first_file(const std::string& uri, double rate_hz) {
-  if (is_live_uri(uri) || !std::filesystem::exists(uri)) return {};
+  if (!is_list_or_video(uri)) return {};
   const auto frames = listed(uri, rate_hz);
   if (!frames) return uri;
   return frames->frames.empty() ? std::filesystem::path() : frames->frames.front().file;

@@ -47,7 +47,8 @@ struct SourceOptions {
 //
 // Opens: a folder of images (<6 digits>.jpg|png with times.txt, or names that are nanoseconds), a `t_s,file` CSV, a
 // video file (with an optional <file>.timestamps.csv), an EuRoC mav0 or camN folder, a TUM folder (rgb.txt),
-// mcap:FILE#TOPIC (images of ROS 2; times count from the start of the recording), v4l2:N, gst:PIPELINE, rtsp://...
+// bag:PATH#TOPIC or mcap:PATH#TOPIC (a recording, see common/recording; times count from its start) or its path alone,
+// v4l2:N, gst:PIPELINE, rtsp://...
 // Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
 

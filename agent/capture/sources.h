@@ -16,8 +16,8 @@ namespace coslam {
 // `name` is what the user called the source.
 std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
-// mcap:FILE#TOPIC
-std::unique_ptr<ImageSource> open_mcap(const std::string& uri, const SourceOptions& options);
+// bag:PATH#TOPIC, or a path.
+std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
 bool is_live_uri(const std::string& uri);

@@ -113,7 +113,8 @@ bool is_dso(const std::string& first) {
 }
 
 CameraModel read_any(const std::filesystem::path& file, const std::string& camera) {
-  if (file.string().starts_with(kMcapScheme)) return calibration::read_recorded(file.string());
+  if (names_recorded_topic(file.string())) return calibration::read_recorded(recorded_topic(file.string()));
+  if (recording::is_recording(file)) return calibration::read_recorded({"", file, camera});
   if (is_colmap(file)) return calibration::read_colmap(file, camera);
   const std::string first = first_line(file);
   if (first.starts_with("# oST") || first == "[image]") return calibration::read_ost(file);
@@ -129,7 +130,7 @@ CameraModel read_any(const std::filesystem::path& file, const std::string& camer
 CalibrationFile calibration_file(const std::filesystem::path& name) {
   const std::string text = name.string();
   const std::size_t mark = text.rfind('#');
-  if (text.starts_with(kMcapScheme) || mark == std::string::npos || std::filesystem::exists(name)) return {name, ""};
+  if (names_recorded_topic(text) || mark == std::string::npos || std::filesystem::exists(name)) return {name, ""};
   return {text.substr(0, mark), text.substr(mark + 1)};
 }
 

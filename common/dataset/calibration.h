@@ -11,8 +11,8 @@ namespace coslam {
 
 // Reads a camera from any of the dialects of docs/configuration.md, told apart by their keys: plain form, OpenCV YAML,
 // ROS camera_info, Kalibr camchain, EuRoC sensor.yaml, COLMAP cameras.txt, ORB-SLAM, stella_vslam, camodocal, maplab,
-// DSO; or a CameraInfo in a recording of ROS 2, named mcap:FILE#TOPIC. Of a file with several cameras one has to be
-// named: FILE#CAMERA. Throws UserError with file (and line) and what is wrong.
+// DSO; or the first CameraInfo of a topic in a recording, named bag:PATH#TOPIC. Of a file with several cameras one has
+// to be named: FILE#CAMERA. Throws UserError with file (and line) and what is wrong.
 CameraModel load_calibration(const std::filesystem::path& name);
 
 // FILE#CAMERA in its parts; camera is empty where none is named.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/yaml_value.h"
+#include "common/dataset/recorded_topic.h"
 #include "common/geometry/camera_model.h"
 
 // One reader per calibration dialect; each throws UserError with the place. Internal to calibration.cpp.
@@ -24,7 +25,7 @@ CameraModel read_ost(const std::filesystem::path& file);  // of ROS's camera_cal
 CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
-CameraModel read_recorded(const std::string& name);  // the first CameraInfo of mcap:FILE#TOPIC
+CameraModel read_recorded(const RecordedTopic& topic);  // its first CameraInfo
 
 // A side of the image; what is far out of range stays so.
 int pixels(const YamlValue& value);

@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <iomanip>
-#include <span>
 #include <sstream>
 
 #include "common/base/error.h"
 #include "common/dataset/calibration_dialects.h"
 #include "common/dataset/recorded_topic.h"
-#include "common/ros/cdr.h"
 #include "common/ros/sensor_messages.h"
-#include "common/ros/type.h"
 
 namespace coslam::calibration {
 namespace {
@@ -36,18 +33,16 @@ std::string as_file(const ros::CameraInfo& info) {
 
 }  // namespace
 
-CameraModel read_recorded(const std::string& name) {
-  const RecordedTopic topic = recorded_topic(name);
-  mcap::Reader reader(topic.file);
-  const mcap::Channel& channel = recorded_channel(reader, topic, {ros::type_text<ros::CameraInfo>().name});
-  reader.seek({channel.id});
-  const auto message = reader.next();
-  if (!message) throw UserError(name + ": there is no message of it in the file");
-  const auto* octets = reinterpret_cast<const std::uint8_t*>(message->octets.data());
-  const auto info = ros::from_cdr<ros::CameraInfo>(std::span(octets, message->octets.size()));
-  if (!info) throw UserError(name + ": its first message is damaged");
+CameraModel read_recorded(const RecordedTopic& topic) {
+  const auto recording = recording::open(topic.path);
+  const auto [place, reader] = find_topic(*recording, topic, Wanted::kLenses);
+  recording->play(place);
+  auto message = recording->next();
+  if (!message) throw UserError(topic.name() + ": there is no message of it in the recording");
+  const auto info = reader.camera_info(reader.unpacked(std::move(message->octets)));
+  if (!info) throw UserError(topic.name() + ": its first message is damaged");
   std::istringstream text(as_file(*info));
-  return read_ros(YamlValue::parse(text, name));
+  return read_ros(YamlValue::parse(text, topic.name()));
 }
 
 }  // namespace coslam::calibration

@@ -3,60 +3,91 @@
 #include "common/dataset/recorded_topic.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
 
 #include "common/base/error.h"
 
 namespace coslam {
 namespace {
 
-bool fits(const mcap::Reader& reader, const mcap::Channel& channel, const std::vector<std::string>& types) {
-  return channel.encoding == "cdr" && std::ranges::count(types, reader.schema_of(channel).name) > 0;
+constexpr std::array<std::string_view, 2> kSchemes = {"mcap:", "bag:"};
+
+std::string_view scheme_of(std::string_view name) {
+  const auto* found = std::ranges::find_if(kSchemes, [&](std::string_view s) { return name.starts_with(s); });
+  return found == kSchemes.end() ? std::string_view() : *found;
 }
 
-std::string listed(const std::vector<const mcap::Channel*>& channels) {
-  std::string text;
-  for (const mcap::Channel* c : channels) text += (text.empty() ? "" : ", ") + c->topic;
-  return text.empty() ? "none" : text;
+std::optional<recording::MessageReader> reader_of(const recording::Topic& topic, Wanted wanted) {
+  auto reader = recording::MessageReader::of(topic);
+  const bool is_lens = reader && reader->kind() == recording::MessageKind::kCameraInfo;
+  if (!reader || is_lens != (wanted == Wanted::kLenses)) return std::nullopt;
+  return reader;
 }
 
-// The one that was meant, and whatever else has images or lenses, in forms that are not read.
-std::string in_other_forms(const mcap::Reader& reader, const RecordedTopic& topic,
-                           const std::vector<std::string>& types) {
+std::string with_type(const recording::Topic& topic) {
+  return topic.name + " (" + (topic.type.empty() ? "no type" : topic.type) + " in " +
+         (topic.encoding.empty() ? "no encoding" : topic.encoding) + ")";
+}
+
+// What makes of such a topic one that is read; empty where nothing is known.
+std::string remedy(const recording::Topic& topic) {
+  if (topic.type.starts_with("theora_image_transport/")) {
+    return ": image_transport's node republish makes images of it (ros2 run image_transport republish theora raw)";
+  }
+  return topic.encoding == "ros2" ? ": ros2 bag convert writes it as cdr" : "";
+}
+
+// The one that was meant, and whatever else has images, in forms that are not read.
+std::string in_other_forms(const recording::Recording& recording, const RecordedTopic& wanted_topic, Wanted wanted) {
   std::string text;
-  for (const auto& [id, channel] : reader.channels()) {
-    if (fits(reader, channel, types)) continue;
-    const std::string& type = reader.schema_of(channel).name;
-    const bool like = type.find("Image") != type.npos || type.find("Video") != type.npos;
-    if (channel.topic != topic.topic && !like) continue;
-    text += (text.empty() ? "" : ", ") + channel.topic + " (" + (type.empty() ? "no type" : type) + " in " +
-            (channel.encoding.empty() ? "no encoding" : channel.encoding) + ")";
+  for (const recording::Topic& topic : recording.topics()) {
+    if (reader_of(topic, wanted)) continue;
+    const std::string& type = topic.type;
+    const bool like =
+        !recording::MessageReader::of(topic) && (type.find("Image") != type.npos || type.find("Video") != type.npos ||
+                                                 type.starts_with("theora_image_transport/"));
+    if (topic.name != wanted_topic.topic && !like) continue;
+    text += (text.empty() ? "" : ", ") + with_type(topic) + remedy(topic);
   }
   return text.empty() ? "" : "; there, but not in a form that is read: " + text;
 }
 
 }  // namespace
 
+bool names_recorded_topic(std::string_view name) { return !scheme_of(name).empty(); }
+
+std::string RecordedTopic::name() const { return scheme + path.string() + (topic.empty() ? "" : "#" + topic); }
+
 RecordedTopic recorded_topic(const std::string& name) {
-  const std::string rest = name.substr(kMcapScheme.size());
+  RecordedTopic topic{std::string(scheme_of(name)), {}, ""};
+  const std::string rest = name.substr(topic.scheme.size());
   const std::size_t mark = rest.rfind('#');
-  if (mark == std::string::npos) return {rest, ""};
-  return {rest.substr(0, mark), rest.substr(mark + 1)};
+  std::error_code ignored;
+  const bool whole = mark == std::string::npos || topic.scheme.empty() || std::filesystem::exists(rest, ignored);
+  topic.path = whole ? rest : rest.substr(0, mark);
+  if (!whole) topic.topic = rest.substr(mark + 1);
+  return topic;
 }
 
-const mcap::Channel& recorded_channel(const mcap::Reader& reader, const RecordedTopic& topic,
-                                      const std::vector<std::string>& types) {
-  std::vector<const mcap::Channel*> there;
-  for (const auto& [id, channel] : reader.channels()) {
-    if (!fits(reader, channel, types)) continue;
-    if (channel.topic == topic.topic) return channel;
-    there.push_back(&channel);
+FoundTopic find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted) {
+  std::vector<FoundTopic> there;
+  std::string listed;
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    const recording::Topic& candidate = recording.topics()[i];
+    const auto reader = reader_of(candidate, wanted);
+    if (!reader) continue;
+    if (candidate.name == topic.topic) return {i, *reader};
+    there.push_back({i, *reader});
+    listed += (listed.empty() ? "" : ", ") + candidate.name;
   }
-  if (topic.topic.empty() && there.size() == 1) return *there.front();
-  std::string kinds;
-  for (const std::string& type : types) kinds += (kinds.empty() ? "" : " or ") + type;
-  throw UserError(topic.file.string() + ": " +
-                  (topic.topic.empty() ? "no topic is named (mcap:FILE#TOPIC)" : "there is no topic " + topic.topic) +
-                  " of " + kinds + "; of these there are: " + listed(there) + in_other_forms(reader, topic, types));
+  if (topic.topic.empty() && there.size() == 1) return there.front();
+  const std::string kind = wanted == Wanted::kImages ? "images" : "lenses (CameraInfo)";
+  throw UserError(topic.path.string() + ": " +
+                  (topic.topic.empty() ? "no topic is named (bag:PATH#TOPIC)" : "there is no topic " + topic.topic) +
+                  " of " + kind + "; of these there are: " + (listed.empty() ? "none" : listed) +
+                  in_other_forms(recording, topic, wanted));
 }
 
 }  // namespace coslam

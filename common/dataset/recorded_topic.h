@@ -2,28 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "common/mcap/reader.h"
+#include "common/recording/message_reader.h"
+#include "common/recording/recording.h"
 
-// Topics of recordings of ROS 2, which users name mcap:FILE#TOPIC.
+// Topics of recordings, which users name bag:PATH#TOPIC, or mcap:PATH#TOPIC, which means the same.
 namespace coslam {
 
-inline constexpr std::string_view kMcapScheme = "mcap:";
+bool names_recorded_topic(std::string_view name);  // by how it begins
 
 struct RecordedTopic {
-  std::filesystem::path file;
+  std::string scheme;  // "bag:" or "mcap:"; empty: it was named by its path alone
+  std::filesystem::path path;
   std::string topic;  // empty: the only one that fits
+  std::string name() const;
 };
-// Of a name that begins with kMcapScheme.
+// Of a name that begins with a scheme, or of a path.
 RecordedTopic recorded_topic(const std::string& name);
 
-// The channel of that topic, of one of these types ("sensor_msgs/msg/Image"). Throws UserError, one sentence, when
-// there is none: which topics there are of these types.
-const mcap::Channel& recorded_channel(const mcap::Reader& reader, const RecordedTopic& topic,
-                                      const std::vector<std::string>& types);
+enum class Wanted : std::uint8_t { kImages, kLenses };
+struct FoundTopic {
+  std::size_t place = 0;  // among the recording's
+  recording::MessageReader reader;
+};
+// Throws UserError, one sentence, when there is none: which topics there are, and which in a form that is not read.
+FoundTopic find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted);
 
 }  // namespace coslam

@@ -33,18 +33,18 @@ fs::path existing_path(const YamlValue& value) {
   return path;
 }
 
-// A path, or mcap:PATH#TOPIC.
+// A path, or bag:PATH#TOPIC.
 fs::path existing_path_or_topic(const YamlValue& value) {
   const std::string text = value.text();
-  if (!text.starts_with(kMcapScheme)) return existing_path(value);
+  if (!names_recorded_topic(text)) return existing_path(value);
   RecordedTopic topic = recorded_topic(text);
-  topic.file = (fs::absolute(value.file()).parent_path() / topic.file).lexically_normal();
-  if (!fs::exists(topic.file)) value.fail("there is no " + topic.file.string());
-  return std::string(kMcapScheme) + topic.file.string() + (topic.topic.empty() ? "" : "#" + topic.topic);
+  topic.path = (fs::absolute(value.file()).parent_path() / topic.path).lexically_normal();
+  if (!fs::exists(topic.path)) value.fail("there is no " + topic.path.string());
+  return topic.name();
 }
 
 fs::path existing_calibration(const YamlValue& value) {
-  if (value.text().starts_with(kMcapScheme)) return existing_path_or_topic(value);
+  if (names_recorded_topic(value.text())) return existing_path_or_topic(value);
   fs::path name = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
   const fs::path file = calibration_file(name).file;
   if (!fs::exists(file)) value.fail("there is no " + file.string());

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/base/error.h"
-#include "common/mcap/compression.h"
+#include "common/compression/compression.h"
 
 namespace coslam::mcap {
 namespace {
@@ -21,10 +21,11 @@ TimeNs time_of(std::uint64_t ns) { return static_cast<TimeNs>(std::min(ns, kFart
 
 }  // namespace
 
-Reader::Reader(std::filesystem::path file) : file_(std::move(file)) {
-  stream_.open(file_, std::ios::binary);
+Reader::Reader(const std::filesystem::path& file, std::string name)
+    : name_(name.empty() ? file.string() : std::move(name)) {
+  stream_.open(file, std::ios::binary);
   std::error_code error;
-  size_ = std::filesystem::file_size(file_, error);
+  size_ = std::filesystem::file_size(file, error);
   if (!stream_ || error) fail("cannot be read");
   const std::string magic = octets_of(0, std::min<std::uint64_t>(size_, kMagic.size()));
   if (!magic.starts_with(kMagic.substr(0, 5))) fail("is no MCAP file");
@@ -47,7 +48,7 @@ const Schema& Reader::schema_of(const Channel& channel) const {
 
 TimeNs Reader::first_ns() const { return blocks_.empty() ? 0 : time_of(blocks_.front().first_ns); }
 
-void Reader::fail(const std::string& what) const { throw UserError(file_.string() + ": " + what); }
+void Reader::fail(const std::string& what) const { throw UserError(name_ + ": " + what); }
 
 std::string Reader::octets_of(std::uint64_t offset, std::uint64_t length) {
   if (offset > size_ || length > size_ - offset) fail("is damaged: a record lies outside of the file");
@@ -83,7 +84,7 @@ bool Reader::read_summary() {
   const std::string_view footer_without_crc =
       std::string_view(last).substr(0, kRecordHead + kFooterLength - sizeof footer.crc);
   if (footer.crc != 0 && footer.crc != crc32_of(footer_without_crc, crc32_of(summary))) {
-    warning_ = file_.string() + ": its summary is damaged, all of it is read instead";
+    warning_ = name_ + ": its summary is damaged, all of it is read instead";
     return false;
   }
   if (take_summary(summary)) return true;
@@ -136,7 +137,7 @@ void Reader::scan() {
   while (true) {
     const std::optional<Record> record = record_at(at);
     if (!record) {
-      warning_ = file_.string() + ": was cut off, what comes before octet " + std::to_string(at) + " is read";
+      warning_ = name_ + ": was cut off, what comes before octet " + std::to_string(at) + " is read";
       return;
     }
     if (record->opcode == Opcode::kDataEnd || record->opcode == Opcode::kFooter) return;
@@ -202,8 +203,10 @@ std::string Reader::messages_of_chunk(const Block& block) {
     if (octets.size() == size) records = octets;
   } else if (compression == "zstd") {
     records = zstd_decompressed(octets, size);
+  } else if (compression == "lz4") {
+    records = lz4_decompressed(octets, size);
   } else {
-    fail("is compressed with " + compression + ", which is not known here: only zstd is");
+    fail("is compressed with " + compression + ", which is not known here: zstd and lz4 are");
   }
   if (!records || (crc != 0 && crc != crc32_of(*records))) fail("is damaged: " + where + " is not what was written");
   return std::move(*records);

@@ -29,8 +29,9 @@ struct Message {
 // Reads an MCAP file, by its summary where it has one, else by going through it once first. Not thread-safe.
 class Reader {
  public:
-  // Throws UserError, one sentence: not there, no MCAP file, of another version, damaged.
-  explicit Reader(std::filesystem::path file);
+  // Throws UserError, one sentence: not there, no MCAP file, of another version, damaged. `name` is what it calls the
+  // file; empty: by its path.
+  explicit Reader(const std::filesystem::path& file, std::string name = {});
 
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   // The first one of that topic; null: there is none.
@@ -85,7 +86,7 @@ class Reader {
   void load(const Block& block);
   void add_message(const std::shared_ptr<const std::string>& octets, std::string_view message);
 
-  const std::filesystem::path file_;
+  const std::string name_;
   std::ifstream stream_;
   std::uint64_t size_ = 0;
   bool has_summary_ = false;

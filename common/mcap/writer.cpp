@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
-#include "common/mcap/compression.h"
+#include "common/compression/compression.h"
 
 namespace coslam::mcap {
 

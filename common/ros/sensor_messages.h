@@ -89,6 +89,28 @@ struct CompressedImage {
   }
 };
 
+// Of ffmpeg_image_transport for ROS 2: one frame of a video.
+struct FfmpegPacket {
+  static constexpr const char* kType = "ffmpeg_image_transport_msgs/FFMPEGPacket";
+  Header header;
+  std::int32_t width = 0, height = 0;
+  std::string encoding;  // the codec, then, each after a ';', formats of pixels
+  std::uint64_t pts = 0;
+  std::uint8_t flags = 0;
+  bool is_bigendian = false;
+  std::vector<std::uint8_t> data;
+  static void fields(auto& m, auto& visit) {
+    visit("header", m.header);
+    visit("width", m.width);
+    visit("height", m.height);
+    visit("encoding", m.encoding);
+    visit("pts", m.pts);
+    visit("flags", m.flags);
+    visit("is_bigendian", m.is_bigendian);
+    visit("data", m.data);
+  }
+};
+
 struct RegionOfInterest {
   static constexpr const char* kType = "sensor_msgs/RegionOfInterest";
   std::uint32_t x_offset = 0, y_offset = 0, height = 0, width = 0;

@@ -2,33 +2,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
-#include <span>
+#include <memory>
 #include <utility>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/encodings.h"
 #include "agent/capture/sources.h"
+#include "agent/capture/video_packets.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/dataset/recorded_topic.h"
-#include "common/ros/cdr.h"
-#include "common/ros/convert.h"
-#include "common/ros/messages.h"
-#include "common/ros/type.h"
 
 namespace coslam {
 namespace {
 
 // The images of one topic. One is read ahead, because only reading tells whether there is another.
-class McapSource final : public ImageSource {
+class RecordedSource final : public ImageSource {
  public:
-  McapSource(const std::string& uri, const SourceOptions& options)
-      : name_(uri), topic_(recorded_topic(uri)), reader_(topic_.file), span_(options) {
-    const mcap::Channel& channel = recorded_channel(
-        reader_, topic_, {ros::type_text<ros::Image>().name, ros::type_text<ros::CompressedImage>().name});
-    compressed_ = reader_.schema_of(channel).name == ros::type_text<ros::CompressedImage>().name;
-    if (!reader_.warning().empty()) log_warn(reader_.warning());
-    reader_.seek({channel.id});
+  RecordedSource(const std::string& uri, const SourceOptions& options)
+      : name_(uri),
+        topic_(recorded_topic(uri)),
+        recording_(recording::open(topic_.path)),
+        found_(find_topic(*recording_, topic_, Wanted::kImages)),
+        span_(options) {
+    if (!recording_->warning().empty()) log_warn(recording_->warning());
+    recording_->play(found_.place);
     advance();
     while (ahead_ && span_.before(ahead_->t_ns)) advance();
     while (ahead_ && decoded().empty()) drop_unreadable();
@@ -77,7 +75,7 @@ class McapSource final : public ImageSource {
     if (!by_stamps_) {
       by_stamps_ = stamp_ns != 0;
       const bool one_clock = std::abs(to_seconds(stamp_ns - noted_ns)) < kOneClock_s;
-      zero_ns_ = one_clock || !*by_stamps_ ? reader_.first_ns() - to_ns(kUnderWay_s) : stamp_ns;
+      zero_ns_ = one_clock || !*by_stamps_ ? recording_->first_ns() - to_ns(kUnderWay_s) : stamp_ns;
     }
     return (*by_stamps_ ? stamp_ns : noted_ns) - zero_ns_;
   }
@@ -85,30 +83,48 @@ class McapSource final : public ImageSource {
   void advance() {
     ahead_.reset();
     while (auto message = next_message()) {
-      const auto* octets = reinterpret_cast<const std::uint8_t*>(message->octets.data());
-      // Both kinds begin with a header.
-      const auto header = ros::from_cdr<ros::Header>(std::span(octets, message->octets.size()));
-      const TimeNs t_ns = header ? source_ns(ros::ns_of(header->stamp), message->noted_ns) : last_ns_;
-      if (!header || t_ns <= last_ns_) {
+      // Of a video all are decoded, as each needs those before.
+      std::optional<cv::Mat> grey;
+      if (is_video(message->octets)) grey = frame_of(message->octets);
+      const auto stamp_ns = found_.reader.stamp_ns(message->octets);
+      const TimeNs t_ns = stamp_ns ? source_ns(*stamp_ns, message->noted_ns) : last_ns_;
+      if (!stamp_ns || t_ns <= last_ns_) {
         ++unreadable_;
         if (log_.pass()) log_warn(name_ + ": an image without a stamp, or with one that is not later; passed over");
         continue;
       }
       last_ns_ = t_ns;
-      if (!span_.after(t_ns)) ahead_ = Ahead{t_ns, std::move(message->octets), std::nullopt};
+      if (!span_.after(t_ns)) ahead_ = Ahead{t_ns, std::move(message->octets), std::move(grey)};
       return;
     }
   }
 
   // What is damaged further on ends the source; at its start it is said to the user.
-  std::optional<mcap::Message> next_message() {
+  std::optional<recording::Message> next_message() {
     try {
-      return reader_.next();
+      auto message = recording_->next();
+      if (message) message->octets = found_.reader.unpacked(std::move(message->octets));
+      return message;
     } catch (const UserError& e) {
       if (size_.empty()) throw;
       log_warn(e.what());
       return std::nullopt;
     }
+  }
+
+  // By the first message of the topic that can be read.
+  bool is_video(const std::string& message) {
+    if (found_.reader.kind() != recording::MessageKind::kCompressedImage || asked_for_video_) return video_ != nullptr;
+    if (const auto image = found_.reader.compressed_image(message)) {
+      asked_for_video_ = true;
+      video_ = VideoPackets::of(image->format);
+    }
+    return video_ != nullptr;
+  }
+
+  cv::Mat frame_of(const std::string& message) {
+    const auto packet = found_.reader.compressed_image(message);
+    return packet ? grey_.in_8_bits(video_->decode(packet->data)) : cv::Mat();
   }
 
   const cv::Mat& decoded() {
@@ -117,12 +133,14 @@ class McapSource final : public ImageSource {
   }
 
   cv::Mat decode(const std::string& message) {
-    const std::span octets(reinterpret_cast<const std::uint8_t*>(message.data()), message.size());
-    if (compressed_) {
-      const auto image = ros::from_cdr<ros::CompressedImage>(octets);
-      return image ? grey_.decode(image->data) : cv::Mat();
+    if (found_.reader.kind() == recording::MessageKind::kCompressedImage) {
+      const auto image = found_.reader.compressed_image(message);
+      if (!image) return {};
+      cv::Mat grey = grey_.decode(image->data);
+      if (grey.empty()) hint_ = "; its format is " + (image->format.empty() ? "not named" : image->format);
+      return grey;
     }
-    auto image = ros::from_cdr<ros::Image>(octets);
+    const auto image = found_.reader.image(message);
     if (!image) return {};
     if (!is_known_encoding(image->encoding)) {
       hint_ = "; its encoding is " + image->encoding + ", known are " + known_encodings();
@@ -144,10 +162,12 @@ class McapSource final : public ImageSource {
 
   const std::string name_;
   const RecordedTopic topic_;
-  mcap::Reader reader_;
+  const std::unique_ptr<recording::Recording> recording_;
+  const FoundTopic found_;
   PlayedSpan span_;
   GreyReader grey_;
-  bool compressed_ = false;
+  bool asked_for_video_ = false;
+  std::unique_ptr<VideoPackets> video_;  // null: each image stands for itself
   std::optional<bool> by_stamps_;
   TimeNs zero_ns_ = 0, last_ns_ = std::numeric_limits<TimeNs>::min();
   std::optional<Ahead> ahead_;
@@ -160,8 +180,8 @@ class McapSource final : public ImageSource {
 
 }  // namespace
 
-std::unique_ptr<ImageSource> open_mcap(const std::string& uri, const SourceOptions& options) {
-  return std::make_unique<McapSource>(uri, options);
+std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options) {
+  return std::make_unique<RecordedSource>(uri, options);
 }
 
 }  // namespace coslam

@@ -142,13 +142,13 @@ TEST_F(Recorded, SaysWhatIsWrong) {
 }
 
 TEST_F(Recorded, ImagesInAnotherFormAreNamed) {
-  const auto foxglove = writer_.add_channel("/front", "protobuf",
-                                            writer_.add_schema("foxglove.CompressedImage", "protobuf", "definition"));
+  const auto foxglove = writer_.add_channel("/front", "flatbuffer",
+                                            writer_.add_schema("foxglove.CompressedImage", "flatbuffer", "definition"));
   writer_.write(foxglove, kStart_ns, "octets");
   const auto words = writer_.add_channel("/words", "cdr", writer_.add_schema("std_msgs/msg/String", "ros2msg", ""));
   writer_.write(words, kStart_ns, "octets");
   const std::string uri = named("/front"), file = uri.substr(0, uri.find('#'));
-  const std::string form = "not in a form that is read: /front (foxglove.CompressedImage in protobuf)";
+  const std::string form = "not in a form that is read: /front (foxglove.CompressedImage in flatbuffer)";
   EXPECT_THAT(test::error_of<UserError>([&] { open_source(uri, kOptions); }), HasSubstr(form));
   EXPECT_THAT(test::error_of<UserError>([&] { open_source(file, kOptions); }), testing::EndsWith(form));
   EXPECT_THAT(test::error_of<UserError>([&] { open_source(file + "#/words", kOptions); }),
