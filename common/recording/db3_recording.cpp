@@ -65,12 +65,22 @@ class Db3Recording final : public Recording {
                                                   "SELECT rowid, topic_id, timestamp FROM messages ORDER BY " + order);
       octets_ = std::make_unique<SQLite::Statement>(*database_, "SELECT data FROM messages WHERE rowid = ?");
       played_ = ids_.at(topic);
+      ahead_.reset();
     } catch (const SQLite::Exception& e) {
       fail(e);
     }
   }
 
   std::optional<Message> next() override {
+    if (whole_) return read_next();
+    // The last message of what was cut off may lack its end, which reads as zeros.
+    std::optional<Message> message = std::exchange(ahead_, read_next());
+    if (!message) message = std::exchange(ahead_, read_next());
+    return ahead_ ? std::move(message) : std::nullopt;
+  }
+
+ private:
+  std::optional<Message> read_next() {
     try {
       while (list_ && list_->executeStep()) {
         if (!played_.contains(list_->getColumn(1).getInt64())) continue;
@@ -86,7 +96,6 @@ class Db3Recording final : public Recording {
     }
   }
 
- private:
   [[noreturn]] void fail(const SQLite::Exception& e) const {
     throw UserError(name_ + ": is damaged, or no recording of rosbag2: " + e.what());
   }
@@ -149,6 +158,7 @@ class Db3Recording final : public Recording {
   TimeNs first_ns_ = 0;
 
   std::set<std::int64_t> played_;
+  std::optional<Message> ahead_;  // while not whole_
   std::unique_ptr<SQLite::Statement> list_, octets_;
 };
 
