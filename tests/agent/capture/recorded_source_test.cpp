@@ -6,12 +6,17 @@
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/compression/compression.h"
 #include "common/dataset/calibration.h"
 #include "common/mcap/writer.h"
 #include "common/ros/cdr.h"
 #include "common/ros/convert.h"
 #include "common/ros/sensor_messages.h"
 #include "common/ros/type.h"
+#include "tests/common/mcap/mcap_file.h"
+#include "tests/common/recording/bag_file.h"
+#include "tests/common/recording/db3_file.h"
+#include "tests/common/recording/ros1_octets.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam {
@@ -23,6 +28,9 @@ constexpr int kWidth = 64, kHeight = 48;
 constexpr TimeNs kStart_ns = 1'700'000'000'000'000'000, kPeriod_ns = 50'000'000, kDelay_ns = 2'000'000,
                  kBefore_ns = 100'000'000;
 const SourceOptions kOptions{0, {}, 10, kWidth, kHeight, "calib.yaml"};
+
+using recording::test::to_cdr_text;
+using recording::test::to_ros1;
 
 // A recording of ROS 2: ten images, each noted a little after it was taken.
 class Recorded : public ::testing::Test {
@@ -169,6 +177,116 @@ TEST_F(Recorded, CameraInfoIsACalibration) {
   EXPECT_EQ(camera.cx, 320.5);
   EXPECT_EQ(camera.distortion, DistortionModel::kRadTan);
   EXPECT_EQ(camera.coefficients[4], 0.05);
+}
+
+// The same images and lens, in every container and form.
+class RecordedIn : public Recorded {
+ protected:
+  static ros::CameraInfo lens() {
+    ros::CameraInfo info;
+    info.width = kWidth;
+    info.height = kHeight;
+    info.distortion_model = "plumb_bob";
+    info.d = {0.1, -0.2, 0.001, 0.002, 0.05};
+    info.k = {50, 0, 32.5, 0, 51, 24.25, 0, 0, 1};
+    return info;
+  }
+  static TimeNs noted_ns(int i) { return kStart_ns + i * kPeriod_ns + kDelay_ns; }
+
+  std::string bag(const std::string& compression) {
+    recording::test::BagFile file(compression, 3);
+    file.add("/left/camera_info", "sensor_msgs/CameraInfo", noted_ns(0), to_ros1(lens()));
+    for (int i = 0; i < 10; ++i) {
+      file.add("/left/image_raw", "sensor_msgs/Image", noted_ns(i), to_ros1(image(i, "mono8", 1)));
+    }
+    return folder_.write("a.bag", file.closed()).string();
+  }
+  // compressed: each message with zstd.
+  std::string db3(bool compressed = false) {
+    const auto packed = [&](const std::string& octets) { return compressed ? zstd_compressed(octets) : octets; };
+    recording::test::Db3File file(folder_ / "a.db3");
+    const auto info = file.add_topic("/left/camera_info", "sensor_msgs/msg/CameraInfo");
+    const auto images = file.add_topic("/left/image_raw", "sensor_msgs/msg/Image");
+    file.add(info, noted_ns(0), packed(to_cdr_text(lens())));
+    for (int i = 0; i < 10; ++i) file.add(images, noted_ns(i), packed(to_cdr_text(image(i, "mono8", 1))));
+    return (folder_ / "a.db3").string();
+  }
+  std::string mcap_of_ros1() {
+    const auto add = [&](const std::string& topic, const std::string& type) {
+      return writer_.add_channel(topic, "ros1", writer_.add_schema(type, "ros1msg", ""));
+    };
+    const auto info = add("/left/camera_info", "sensor_msgs/CameraInfo");
+    const auto images = add("/left/image_raw", "sensor_msgs/Image");
+    writer_.write(info, noted_ns(0), to_ros1(lens()));
+    for (int i = 0; i < 10; ++i) writer_.write(images, noted_ns(i), to_ros1(image(i, "mono8", 1)));
+    writer_.close();
+    return folder_.write("a.mcap", octets_).string();
+  }
+
+  static void expect_all(const std::string& uri) {
+    const auto source = open_source(uri, kOptions);
+    for (int i = 0; i < 10; ++i) {
+      const auto got = source->next();
+      ASSERT_TRUE(got) << uri << " " << i;
+      EXPECT_EQ(got->capture_ns, kBefore_ns - kDelay_ns + i * kPeriod_ns);
+      EXPECT_EQ(got->grey.at<std::uint8_t>(kHeight - 1, kWidth - 1), 20 * i);
+    }
+    EXPECT_FALSE(source->next());
+    EXPECT_EQ(source->unreadable(), 0U);
+  }
+  static void expect_read(const std::string& path) {
+    expect_all("bag:" + path + "#/left/image_raw");
+    expect_all("mcap:" + path + "#/left/image_raw");
+    expect_all("bag:" + path);
+    expect_all(path);
+    for (const std::string& name :
+         {"bag:" + path, path + "#/left/camera_info", "mcap:" + path + "#/left/camera_info"}) {
+      const CameraModel camera = load_calibration(name);
+      EXPECT_EQ(camera.fy, 51);
+      EXPECT_EQ(camera.coefficients[4], 0.05);
+    }
+  }
+};
+
+TEST_F(RecordedIn, BagsOfRos1) {
+  for (const char* compression : {"none", "bz2", "lz4"}) expect_read(bag(compression));
+}
+
+TEST_F(RecordedIn, TheSqliteOfRosbag2) {
+  expect_read(db3());
+  const std::string packed = zstd_compressed(mcap::test::octets_in(folder_ / "a.db3"));
+  expect_read(folder_.write("b.db3.zstd", packed).string());
+}
+
+TEST_F(RecordedIn, MessagesCompressedEach) { expect_read(db3(true)); }
+
+TEST_F(RecordedIn, McapOfRos1) { expect_read(mcap_of_ros1()); }
+
+TEST_F(RecordedIn, AFolderOfRosbag2) {
+  const std::string file = db3();
+  std::filesystem::create_directory(folder_ / "walk");
+  std::filesystem::rename(file, folder_ / "walk" / "walk_0.db3");
+  folder_.write("walk/metadata.yaml",
+                "rosbag2_bagfile_information:\n  version: 4\n  relative_file_paths: [walk_0.db3]\n");
+  expect_read((folder_ / "walk").string());
+}
+
+TEST_F(RecordedIn, APathWithSeveralTopicsNamesThem) {
+  write_images("/left", "mono8", 1);
+  write_images("/right", "mono8", 1);
+  const std::string file = named("").substr(std::string("mcap:").size());
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source(file, kOptions); }),
+              HasSubstr("no topic is named (bag:PATH#TOPIC) of images; of these there are: /left, /right"));
+  EXPECT_FALSE(listed_times(file, 30));
+  EXPECT_EQ(first_file(file, 30), "");
+}
+
+TEST_F(RecordedIn, TopicsInOtherFormsAreListedWithWhatConvertsThem) {
+  const auto theora = writer_.add_channel("/left/theora", "cdr",
+                                          writer_.add_schema("theora_image_transport/msg/Packet", "ros2msg", ""));
+  writer_.write(theora, kStart_ns, "octets");
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source(named(""), kOptions); }),
+              HasSubstr("/left/theora (theora_image_transport/msg/Packet in cdr): image_transport's node republish"));
 }
 
 }  // namespace

@@ -40,6 +40,19 @@ TEST_F(SequenceFile, RecordedTopics) {
               HasSubstr("none.mcap"));
 }
 
+TEST_F(SequenceFile, RecordingsOfEveryKind) {
+  folder_.write("walk/metadata.yaml", "");
+  folder_.write("a#1.bag", "");
+  const Sequence s = load(
+      "agents: [{name: a, source: 'bag:walk#/left/image_raw', calibration: 'walk#/left/camera_info'},\n"
+      "         {name: b, source: 'bag:a#1.bag', calibration: 'bag:a#1.bag#/left/camera_info'}]\n");
+  const std::string walk = (folder_ / "walk").string(), bag = (folder_ / "a#1.bag").string();
+  EXPECT_EQ(s.agents[0].source, "bag:" + walk + "#/left/image_raw");
+  EXPECT_EQ(s.agents[0].calibration.string(), walk + "#/left/camera_info");
+  EXPECT_EQ(s.agents[1].source, "bag:" + bag) << "a name may have a # itself, as long as there is such a file";
+  EXPECT_EQ(s.agents[1].calibration.string(), "bag:" + bag + "#/left/camera_info");
+}
+
 TEST_F(SequenceFile, BlockStyle) {
   const Sequence s = load(R"(
 name: walking-man

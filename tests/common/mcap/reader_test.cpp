@@ -7,6 +7,7 @@
 
 #include "common/base/error.h"
 #include "tests/common/mcap/mcap_file.h"
+#include "tests/common/recording/bag_file.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::mcap {
@@ -158,6 +159,45 @@ TEST(Reader, MessagesMayStandOutsideOfChunks) {
   Reader reader(folder.write("a.mcap", octets));
   EXPECT_EQ(reader.warning(), "");
   EXPECT_EQ(rest_of(reader), numbers(0, 2));
+}
+
+TEST(Reader, ChunksMayBeOfLz4) {
+  const TempFolder folder;
+  std::string records = record_of(Channel{1, 0, "/a", "json", {}});
+  for (int i = 0; i < 100; ++i) {
+    OctetWriter message;
+    message.put(std::uint16_t{1});
+    message.put(static_cast<std::uint32_t>(i));
+    message.put(static_cast<std::uint64_t>(i));
+    message.put(static_cast<std::uint64_t>(i));
+    message.put_octets(std::to_string(i));
+    records += record(Opcode::kMessage, message.octets());
+  }
+  const auto file = [&](const std::string& packed) {
+    OctetWriter header, chunk;
+    header.put_text("");
+    header.put_text("");
+    chunk.put(std::uint64_t{0});
+    chunk.put(std::uint64_t{99});
+    chunk.put(static_cast<std::uint64_t>(records.size()));
+    chunk.put(crc32_of(records));
+    chunk.put_text("lz4");
+    chunk.put(static_cast<std::uint64_t>(packed.size()));
+    chunk.put_octets(packed);
+    return folder.write("a.mcap", std::string(kMagic) + record(Opcode::kHeader, header.octets()) +
+                                      record(Opcode::kChunk, chunk.octets()));
+  };
+  const std::string packed = recording::test::lz4_frame(records);
+  Reader reader(file(packed));
+  EXPECT_EQ(rest_of(reader), numbers(0, 100));
+  EXPECT_THAT([&] { Reader(file(packed.substr(0, packed.size() / 2))); },
+              ThrowsMessage<UserError>(HasSubstr("is not what was written")));
+}
+
+TEST(Reader, IsCalledWhatItIsNamed) {
+  const TempFolder folder;
+  EXPECT_THAT([&] { Reader(folder.write("a.mcap", ""), "walk.mcap.zstd"); },
+              ThrowsMessage<UserError>(HasSubstr("walk.mcap.zstd: is no MCAP file")));
 }
 
 TEST(Reader, SaysWhatAFileIsNot) {
