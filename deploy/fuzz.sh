@@ -4,8 +4,8 @@
 # deploy/fuzz.sh [SECONDS] [TARGET]...
 #
 # What reads the words of strangers, under libFuzzer with the address and undefined behaviour sanitizers, each target for
-# SECONDS (600): decoders loaders settings mcap recording map_file web (all). Needs clang and its runtime (Debian: clang
-# libclang-rt-14-dev). What was found lies in build-fuzz/fuzz/, and stays in the corpus there.
+# SECONDS (600): decoders loaders settings mcap bag db3 messages recording map_file web (all). Needs clang and its
+# runtime (Debian: clang libclang-rt-14-dev). What was found lies in build-fuzz/fuzz/, and stays in the corpus there.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
@@ -14,7 +14,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 seconds=${1:-600}
 [[ $seconds =~ ^[1-9][0-9]*$ ]] || die_usage "SECONDS is a positive number, not '$seconds'"
 names=("${@:2}")
-[[ ${#names[@]} -gt 0 ]] || names=(decoders loaders settings mcap recording map_file web)
+[[ ${#names[@]} -gt 0 ]] || names=(decoders loaders settings mcap bag db3 messages recording map_file web)
 targets=()
 for name in "${names[@]}"; do
   targets+=(--target "fuzz_$name")

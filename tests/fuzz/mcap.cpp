@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A recording of ROS 2 as a source, mcap:FILE: all of its images are read, or it is refused with a sentence.
+// A recording in MCAP as a source: all of its images are read, or it is refused with a sentence.
 #include <cstring>
 #include <string>
 
