@@ -10,6 +10,7 @@ extern "C" {
 #include <cstdint>
 #include <cstring>
 #include <opencv2/core.hpp>
+#include <string_view>
 #include <vector>
 
 namespace coslam::test {
@@ -28,8 +29,11 @@ inline std::vector<std::vector<std::uint8_t>> encoded_video(const std::vector<cv
   context->max_b_frames = 0;
   context->thread_count = 1;
   context->log_level_offset = 64;
-  av_opt_set(context->priv_data, "tune", "zerolatency", 0);
-  av_opt_set(context->priv_data, "crf", "1", 0);
+  const bool is_x26 = std::string_view(encoder).starts_with("libx26");
+  if (is_x26) av_opt_set(context->priv_data, "tune", "zerolatency", 0);
+  av_opt_set(context->priv_data, "crf", "4", 0);
+  av_opt_set(context->priv_data, "x265-params", "log-level=none", 0);
+  av_opt_set(context->priv_data, "lag-in-frames", "0", 0);
   std::vector<std::vector<std::uint8_t>> packets;
   if (avcodec_open2(context, codec, nullptr) == 0) {
     AVPacket* packet = av_packet_alloc();

@@ -21,24 +21,35 @@ constexpr int kWidth = 64, kHeight = 48, kFrames = 12;
 constexpr TimeNs kStart_ns = 1'700'000'000'000'000'000, kPeriod_ns = 50'000'000;
 
 // Frame i is evenly 20 + 10 i; every fifth is a key frame.
-std::vector<std::vector<std::uint8_t>> packets() {
+std::vector<std::vector<std::uint8_t>> packets(const char* encoder = "libx264") {
   std::vector<cv::Mat> frames;
   for (int i = 0; i < kFrames; ++i) frames.emplace_back(kHeight, kWidth, CV_8UC1, cv::Scalar(20 + 10 * i));
-  return test::encoded_video(frames, "libx264");
+  return test::encoded_video(frames, encoder);
 }
 
-TEST(VideoPackets, FramesComeOnePacketEach) {
-  const auto video = packets();
+struct Codec {
+  const char *encoder, *name;
+};
+class VideoPacketsOf : public ::testing::TestWithParam<Codec> {};
+
+TEST_P(VideoPacketsOf, FramesComeOnePacketEach) {
+  const auto video = packets(GetParam().encoder);
   if (video.empty()) GTEST_SKIP() << "FFmpeg has no encoder for it";
-  const auto decoder = VideoPackets::of("h264");
+  ASSERT_EQ(video.size(), std::size_t{kFrames});
+  const auto decoder = VideoPackets::of(GetParam().name);
   ASSERT_TRUE(decoder);
   for (int i = 0; i < kFrames; ++i) {
     const cv::Mat luma = decoder->decode(video[static_cast<std::size_t>(i)]);
     ASSERT_EQ(luma.size(), cv::Size(kWidth, kHeight)) << i;
     EXPECT_EQ(luma.type(), CV_8UC1);
-    EXPECT_NEAR(luma.at<std::uint8_t>(20, 20), 20 + 10 * i, 1);
+    EXPECT_NEAR(luma.at<std::uint8_t>(20, 20), 20 + 10 * i, 2);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Codecs, VideoPacketsOf,
+                         ::testing::Values(Codec{"libx264", "h264"}, Codec{"libx265", "h265"},
+                                           Codec{"libvpx-vp9", "vp9"}, Codec{"libaom-av1", "av1"}),
+                         [](const auto& codec) { return std::string(codec.param.name); });
 
 TEST(VideoPackets, BeforeTheFirstKeyFrameThereIsNone) {
   const auto video = packets();
