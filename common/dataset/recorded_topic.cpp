@@ -60,13 +60,14 @@ bool names_recorded_topic(std::string_view name) { return !scheme_of(name).empty
 
 std::string RecordedTopic::name() const { return scheme + path.string() + (topic.empty() ? "" : "#" + topic); }
 
-RecordedTopic recorded_topic(const std::string& name) {
+RecordedTopic recorded_topic(const std::string& name, const std::filesystem::path& folder) {
   RecordedTopic topic{std::string(scheme_of(name)), {}, ""};
   const std::string rest = name.substr(topic.scheme.size());
   const std::size_t mark = rest.rfind('#');
   std::error_code ignored;
-  const bool whole = mark == std::string::npos || topic.scheme.empty() || std::filesystem::exists(rest, ignored);
-  topic.path = whole ? rest : rest.substr(0, mark);
+  const bool whole =
+      mark == std::string::npos || topic.scheme.empty() || std::filesystem::exists(folder / rest, ignored);
+  topic.path = folder / (whole ? rest : rest.substr(0, mark));
   if (!whole) topic.topic = rest.substr(mark + 1);
   return topic;
 }

@@ -21,8 +21,8 @@ struct RecordedTopic {
   std::string topic;  // empty: the only one that fits
   std::string name() const;
 };
-// Of a name that begins with a scheme, or of a path.
-RecordedTopic recorded_topic(const std::string& name);
+// Of a name that begins with a scheme, or of a path; relative ones are from that folder.
+RecordedTopic recorded_topic(const std::string& name, const std::filesystem::path& folder = {});
 
 enum class Wanted : std::uint8_t { kImages, kLenses };
 struct FoundTopic {

@@ -37,8 +37,8 @@ fs::path existing_path(const YamlValue& value) {
 fs::path existing_path_or_topic(const YamlValue& value) {
   const std::string text = value.text();
   if (!names_recorded_topic(text)) return existing_path(value);
-  RecordedTopic topic = recorded_topic(text);
-  topic.path = (fs::absolute(value.file()).parent_path() / topic.path).lexically_normal();
+  RecordedTopic topic = recorded_topic(text, fs::absolute(value.file()).parent_path());
+  topic.path = topic.path.lexically_normal();
   if (!fs::exists(topic.path)) value.fail("there is no " + topic.path.string());
   return topic.name();
 }
