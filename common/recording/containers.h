@@ -28,8 +28,9 @@ bool is_folder_of_recordings(const std::filesystem::path& folder);
 // By the first octets of a file.
 enum class Container : std::uint8_t { kNone, kMcap, kDb3, kBag, kZstd };
 Container container_of(const std::filesystem::path& file);
-// Whether a name ends as those of recordings do: ".mcap", ".db3", ".bag", and these with ".zstd".
+// Whether a name ends as those of recordings do: ".mcap", ".db3", ".bag", and these with ".zstd" or ".zst".
 bool has_name_of_recording(const std::filesystem::path& file);
+bool has_name_of_compressed(const std::filesystem::path& file);
 
 // The place of a topic among `topics`, added where it is new.
 std::size_t place_of(const Topic& topic, std::vector<Topic>& topics);

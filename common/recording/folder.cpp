@@ -27,12 +27,13 @@ bool has_metadata(const fs::path& folder) {
 // Where a file that the metadata names lies, decompressed meanwhile or compressed. Early versions wrote the path from
 // where the recorder ran. Empty: it is missing.
 std::optional<fs::path> found(const fs::path& folder, const fs::path& named) {
+  std::error_code ignored;
   for (const fs::path& base : {folder / named, folder / named.filename()}) {
     fs::path compressed = base, decompressed = base;
     compressed += ".zstd";
     if (base.extension() == ".zstd") decompressed.replace_extension();
     for (const fs::path& file : {base, decompressed, compressed}) {
-      if (fs::is_regular_file(file)) return file;
+      if (fs::is_regular_file(file, ignored)) return file;
     }
   }
   return std::nullopt;
@@ -67,7 +68,7 @@ std::vector<fs::path> recordings_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const fs::path& file = entry.path();
     if (!entry.is_regular_file(error) || !has_name_of_recording(file)) continue;
-    const bool twice = file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension());
+    const bool twice = has_name_of_compressed(file) && fs::exists(fs::path(file).replace_extension());
     if (!twice) files.push_back(file);
   }
   std::ranges::sort(files);

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/compression/compression.h"
 #include "common/mcap/records.h"
 #include "common/recording/bag_records.h"
@@ -51,6 +52,7 @@ std::unique_ptr<Recording> open_as_it_is(const std::filesystem::path& file, cons
 // By way of a temporary file, since readers go back and forth.
 std::unique_ptr<Recording> open_compressed(const std::filesystem::path& file) {
   TemporaryFile decompressed;
+  log_info(file.string() + ": is decompressed first, to " + decompressed.path().parent_path().string());
   std::ifstream stream(file, std::ios::binary);
   const bool whole = zstd_decompress(stream, [&](std::string_view octets) { decompressed.write(octets); });
   auto recording = open_as_it_is(decompressed.path(), file.string());
@@ -80,8 +82,12 @@ Container container_of(const std::filesystem::path& file) {
   return is_zstd(start) ? Container::kZstd : Container::kNone;
 }
 
+bool has_name_of_compressed(const std::filesystem::path& file) {
+  return file.extension() == ".zstd" || file.extension() == ".zst";
+}
+
 bool has_name_of_recording(const std::filesystem::path& file) {
-  const std::filesystem::path inner = file.extension() == ".zstd" ? file.stem() : file.filename();
+  const std::filesystem::path inner = has_name_of_compressed(file) ? file.stem() : file.filename();
   const std::string ending = inner.extension();
   return ending == ".mcap" || ending == ".db3" || ending == ".bag";
 }
@@ -91,12 +97,14 @@ std::unique_ptr<Recording> open_file(const std::filesystem::path& file) {
 }
 
 std::unique_ptr<Recording> open(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) ? open_folder(path) : open_file(path);
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? open_folder(path) : open_file(path);
 }
 
 bool is_recording(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return is_folder_of_recordings(path);
-  if (!std::filesystem::is_regular_file(path)) return false;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return is_folder_of_recordings(path);
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
   const Container container = container_of(path);
   return container == Container::kZstd ? has_name_of_recording(path) : container != Container::kNone;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "agent/capture/source.h"
+#include "common/compression/compression.h"
 #include "common/mcap/writer.h"
 #include "common/ros/cdr.h"
 #include "common/ros/convert.h"
@@ -66,6 +67,7 @@ void fuzz::write_seeds(const WriteSeed& write) {
   write("image", recorded(image));
   write("image_packed", recorded(image, true, mcap::Compression::kZstd));
   write("image_cut_off", recorded(image, false));
+  write("image_in_zstd", zstd_compressed(recorded(image)));
   ros::CompressedImage compressed;
   compressed.format = "pgm";
   for (const char c : std::string("P5 3 2 255\nabcdef")) compressed.data.push_back(static_cast<std::uint8_t>(c));

@@ -196,6 +196,7 @@ TEST_F(Recordings, WhatLooksLikeOne) {
   EXPECT_TRUE(is_recording(folder_.write("bags/named_wrongly.txt", bag(0, 1))));
   EXPECT_FALSE(is_recording(folder_ / "bags")) << "there is something else";
   EXPECT_TRUE(is_recording(folder_.write("a.db3.zstd", zstd_compressed("anything"))));
+  EXPECT_TRUE(is_recording(folder_.write("a.bag.zst", zstd_compressed("anything"))));
   EXPECT_FALSE(is_recording(folder_.write("a.tar.zst", zstd_compressed("anything"))));
   EXPECT_FALSE(is_recording(folder_.write("a.txt", "0 a.png\n")));
   EXPECT_FALSE(is_recording(folder_ / "none"));
