@@ -12,6 +12,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/dataset/recorded_topic.h"
+#include "common/recording/message_reader.h"
 
 namespace coslam {
 namespace {
@@ -23,10 +24,11 @@ class RecordedSource final : public ImageSource {
       : name_(uri),
         topic_(recorded_topic(uri)),
         recording_(recording::open(topic_.path)),
-        found_(find_topic(*recording_, topic_, Wanted::kImages)),
+        place_(find_topic(*recording_, topic_, Wanted::kImages)),
+        reader_(recording::MessageReader::of(recording_->topics()[place_]).value()),
         span_(options) {
     if (!recording_->warning().empty()) log_warn(recording_->warning());
-    recording_->play(found_.place);
+    recording_->play(place_);
     advance();
     while (ahead_ && span_.before(ahead_->t_ns)) advance();
     while (ahead_ && decoded().empty()) drop_unreadable();
@@ -86,7 +88,7 @@ class RecordedSource final : public ImageSource {
       // Of a video all are decoded, as each needs those before.
       std::optional<cv::Mat> grey;
       if (is_video(message->octets)) grey = frame_of(message->octets);
-      const auto stamp_ns = found_.reader.stamp_ns(message->octets);
+      const auto stamp_ns = reader_.stamp_ns(message->octets);
       const TimeNs t_ns = stamp_ns ? source_ns(*stamp_ns, message->noted_ns) : last_ns_;
       if (!stamp_ns || t_ns <= last_ns_) {
         ++unreadable_;
@@ -103,7 +105,7 @@ class RecordedSource final : public ImageSource {
   std::optional<recording::Message> next_message() {
     try {
       auto message = recording_->next();
-      if (message) message->octets = found_.reader.unpacked(std::move(message->octets));
+      if (message) message->octets = reader_.unpacked(std::move(message->octets));
       return message;
     } catch (const UserError& e) {
       if (size_.empty()) throw;
@@ -114,8 +116,8 @@ class RecordedSource final : public ImageSource {
 
   // By the first message of the topic that can be read.
   bool is_video(const std::string& message) {
-    if (found_.reader.kind() != recording::MessageKind::kCompressedImage || asked_for_video_) return video_ != nullptr;
-    if (const auto image = found_.reader.compressed_image(message)) {
+    if (reader_.kind() != recording::MessageKind::kCompressedImage || asked_for_video_) return video_ != nullptr;
+    if (const auto image = reader_.compressed_image(message)) {
       asked_for_video_ = true;
       video_ = VideoPackets::of(image->format);
     }
@@ -123,7 +125,7 @@ class RecordedSource final : public ImageSource {
   }
 
   cv::Mat frame_of(const std::string& message) {
-    const auto packet = found_.reader.compressed_image(message);
+    const auto packet = reader_.compressed_image(message);
     return packet ? grey_.in_8_bits(video_->decode(packet->data)) : cv::Mat();
   }
 
@@ -133,14 +135,14 @@ class RecordedSource final : public ImageSource {
   }
 
   cv::Mat decode(const std::string& message) {
-    if (found_.reader.kind() == recording::MessageKind::kCompressedImage) {
-      const auto image = found_.reader.compressed_image(message);
+    if (reader_.kind() == recording::MessageKind::kCompressedImage) {
+      const auto image = reader_.compressed_image(message);
       if (!image) return {};
       cv::Mat grey = grey_.decode(image->data);
       if (grey.empty()) hint_ = "; its format is " + (image->format.empty() ? "not named" : image->format);
       return grey;
     }
-    const auto image = found_.reader.image(message);
+    const auto image = reader_.image(message);
     if (!image) return {};
     if (!is_known_encoding(image->encoding)) {
       hint_ = "; its encoding is " + image->encoding + ", known are " + known_encodings();
@@ -163,7 +165,8 @@ class RecordedSource final : public ImageSource {
   const std::string name_;
   const RecordedTopic topic_;
   const std::unique_ptr<recording::Recording> recording_;
-  const FoundTopic found_;
+  const std::size_t place_;  // of the topic in the recording
+  const recording::MessageReader reader_;
   PlayedSpan span_;
   GreyReader grey_;
   bool asked_for_video_ = false;

@@ -52,6 +52,9 @@ struct VideoPackets::Impl {
   AVPacket* packet = av_packet_alloc();
   AVFrame* frame = av_frame_alloc();
   std::int64_t sent = 0;
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
   ~Impl() {
     avcodec_free_context(&decoder);
     av_packet_free(&packet);
@@ -77,11 +80,11 @@ std::unique_ptr<VideoPackets> VideoPackets::of(std::string_view codec) {
   return std::unique_ptr<VideoPackets>(new VideoPackets(std::move(impl)));
 }
 
-cv::Mat VideoPackets::decode(std::span<const std::uint8_t> octets) {
+cv::Mat VideoPackets::decode(std::span<const std::uint8_t> packet) {
   const std::int64_t number = impl_->sent++;
-  if (octets.empty() || octets.size() > kMostPacketOctets) return {};
-  if (av_new_packet(impl_->packet, static_cast<int>(octets.size())) < 0) return {};
-  std::memcpy(impl_->packet->data, octets.data(), octets.size());
+  if (packet.empty() || packet.size() > kMostPacketOctets) return {};
+  if (av_new_packet(impl_->packet, static_cast<int>(packet.size())) < 0) return {};
+  std::memcpy(impl_->packet->data, packet.data(), packet.size());
   impl_->packet->pts = impl_->packet->dts = number;
   avcodec_send_packet(impl_->decoder, impl_->packet);  // what cannot be decoded gives no frame
   av_packet_unref(impl_->packet);

@@ -6,6 +6,7 @@
 #include "common/base/error.h"
 #include "common/dataset/calibration_dialects.h"
 #include "common/dataset/recorded_topic.h"
+#include "common/recording/message_reader.h"
 #include "common/ros/sensor_messages.h"
 
 namespace coslam::calibration {
@@ -35,7 +36,8 @@ std::string as_file(const ros::CameraInfo& info) {
 
 CameraModel read_recorded(const RecordedTopic& topic) {
   const auto recording = recording::open(topic.path);
-  const auto [place, reader] = find_topic(*recording, topic, Wanted::kLenses);
+  const std::size_t place = find_topic(*recording, topic, Wanted::kLenses);
+  const auto reader = recording::MessageReader::of(recording->topics()[place]).value();
   recording->play(place);
   auto message = recording->next();
   if (!message) throw UserError(topic.name() + ": there is no message of it in the recording");

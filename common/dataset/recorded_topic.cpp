@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "common/base/error.h"
+#include "common/recording/message_reader.h"
 
 namespace coslam {
 namespace {
@@ -19,11 +19,9 @@ std::string_view scheme_of(std::string_view name) {
   return found == kSchemes.end() ? std::string_view() : *found;
 }
 
-std::optional<recording::MessageReader> reader_of(const recording::Topic& topic, Wanted wanted) {
-  auto reader = recording::MessageReader::of(topic);
-  const bool is_lens = reader && reader->kind() == recording::MessageKind::kCameraInfo;
-  if (!reader || is_lens != (wanted == Wanted::kLenses)) return std::nullopt;
-  return reader;
+bool is_read(const recording::Topic& topic, Wanted wanted) {
+  const auto reader = recording::MessageReader::of(topic);
+  return reader && (reader->kind() == recording::MessageKind::kCameraInfo) == (wanted == Wanted::kLenses);
 }
 
 std::string with_type(const recording::Topic& topic) {
@@ -43,7 +41,7 @@ std::string remedy(const recording::Topic& topic) {
 std::string in_other_forms(const recording::Recording& recording, const RecordedTopic& wanted_topic, Wanted wanted) {
   std::string text;
   for (const recording::Topic& topic : recording.topics()) {
-    if (reader_of(topic, wanted)) continue;
+    if (is_read(topic, wanted)) continue;
     const std::string& type = topic.type;
     const bool like =
         !recording::MessageReader::of(topic) && (type.find("Image") != type.npos || type.find("Video") != type.npos ||
@@ -72,15 +70,14 @@ RecordedTopic recorded_topic(const std::string& name, const std::filesystem::pat
   return topic;
 }
 
-FoundTopic find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted) {
-  std::vector<FoundTopic> there;
+std::size_t find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted) {
+  std::vector<std::size_t> there;
   std::string listed;
   for (std::size_t i = 0; i < recording.topics().size(); ++i) {
     const recording::Topic& candidate = recording.topics()[i];
-    const auto reader = reader_of(candidate, wanted);
-    if (!reader) continue;
-    if (candidate.name == topic.topic) return {i, *reader};
-    there.push_back({i, *reader});
+    if (!is_read(candidate, wanted)) continue;
+    if (candidate.name == topic.topic) return i;
+    there.push_back(i);
     listed += (listed.empty() ? "" : ", ") + candidate.name;
   }
   if (topic.topic.empty() && there.size() == 1) return there.front();

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-#include "common/recording/message_reader.h"
 #include "common/recording/recording.h"
 
 // Topics of recordings, which users name bag:PATH#TOPIC, or mcap:PATH#TOPIC, which means the same.
@@ -25,11 +25,8 @@ struct RecordedTopic {
 RecordedTopic recorded_topic(const std::string& name, const std::filesystem::path& folder = {});
 
 enum class Wanted : std::uint8_t { kImages, kLenses };
-struct FoundTopic {
-  std::size_t place = 0;  // among the recording's
-  recording::MessageReader reader;
-};
-// Throws UserError, one sentence, when there is none: which topics there are, and which in a form that is not read.
-FoundTopic find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted);
+// The place of a topic among the recording's, of one for which there is a MessageReader. Throws UserError, one
+// sentence, when there is none: which topics there are, and which in a form that is not read.
+std::size_t find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted);
 
 }  // namespace coslam

@@ -59,8 +59,9 @@ std::optional<BagReader::Record> BagReader::record_at(std::uint64_t offset) {
   if (!length) return std::nullopt;
   const std::uint64_t data = header_at + *header_length + sizeof(std::uint32_t);
   if (*length > size_ - data) return std::nullopt;
-  Record record{std::make_unique<const std::string>(octets_of(header_at, *header_length)), {}, data, *length};
-  auto fields = BagFields::read(*record.header);
+  const std::string header = octets_of(header_at, *header_length);
+  Record record{{header.begin(), header.end()}, {}, data, *length};
+  auto fields = BagFields::read({record.header.data(), record.header.size()});
   if (!fields) return std::nullopt;
   record.fields = std::move(*fields);
   return record;

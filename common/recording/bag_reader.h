@@ -34,8 +34,8 @@ class BagReader final : public Recording {
  private:
   using Connection = std::uint32_t;
   struct Record {
-    std::unique_ptr<const std::string> header;
-    BagFields fields;                    // of the header
+    std::vector<char> header;
+    BagFields fields;                    // views of the header, which stays in its place when it is moved
     std::uint64_t data = 0, length = 0;  // where its data lies
     std::uint64_t end() const { return data + length; }
   };

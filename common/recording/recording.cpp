@@ -93,12 +93,14 @@ bool has_name_of_recording(const std::filesystem::path& file) {
 }
 
 std::unique_ptr<Recording> open_file(const std::filesystem::path& file) {
-  return container_of(file) == Container::kZstd ? open_compressed(file) : open_as_it_is(file, file.string());
+  if (container_of(file) == Container::kZstd) return open_compressed(file);
+  return open_as_it_is(file, file.string());
 }
 
 std::unique_ptr<Recording> open(const std::filesystem::path& path) {
   std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) ? open_folder(path) : open_file(path);
+  if (std::filesystem::is_directory(path, ignored)) return open_folder(path);
+  return open_file(path);
 }
 
 bool is_recording(const std::filesystem::path& path) {
