@@ -27,7 +27,7 @@ BagReader::BagReader(const std::filesystem::path& file, std::string name) : name
   if (!stream_ || error) fail("cannot be read");
   const std::string magic = octets_of(0, std::min<std::uint64_t>(size_, kBagMagic.size()));
   if (!magic.starts_with(kBagMagic.substr(0, kBagMagic.find('V')))) fail("is no bag of ROS 1");
-  if (magic != kBagMagic) fail("is a bag of an older version than 2.0, which is not read; rosbag fix converts it");
+  if (magic != kBagMagic) fail("is a bag of an older version than 2.0, which is not read; rosbag reindex converts it");
   const auto bag_header = record_at(kBagMagic.size());
   if (!bag_header || bag_header->fields.op() != BagOp::kBagHeader) fail("is damaged: it has no header");
   if (!bag_header->fields.text("encryptor").empty()) fail("is an encrypted bag, which is not read");
