@@ -25,8 +25,10 @@ template <class V>
 void describe(V& v, AgentOptions& o) {
   v.field("id", o.id, "name of this agent, unique among those of one server");
   v.field("source", o.source,
-          "image folder, list.csv, video, EuRoC or TUM folder, bag:PATH#TOPIC, v4l2:N, gst:PIPELINE, rtsp://...");
-  v.field("calibration", o.calibration, "camera calibration file; empty: found out from the images");
+          "image folder, list.csv, video, EuRoC or TUM folder, bag:PATH#TOPIC, ros2:/TOPIC, v4l2:N, gst:PIPELINE, "
+          "rtsp://...");
+  v.field("calibration", o.calibration,
+          "camera calibration: a file, bag:PATH#TOPIC or ros2:/TOPIC; empty: found out from the images");
   v.field("rate", o.rate, "speed of replay: a factor, or max (waits for the server, drops nothing)");
   v.field("start_s", o.play.start_s, {-3600, 1e9}, "offset into the source; negative: it plays so much later");
   v.field("rate_hz", o.play.rate_hz, {0.01, 1000}, "nominal frame rate");

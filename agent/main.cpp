@@ -14,6 +14,7 @@
 #include "agent/agent_loop.h"
 #include "agent/agent_options.h"
 #include "agent/capture/camera_of.h"
+#include "agent/capture/ros2_topic.h"
 #include "agent/link/dds_agent_link.h"
 #include "agent/play_start.h"
 #include "common/base/error.h"
@@ -65,8 +66,18 @@ std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate
   return real_time_feed(std::move(source), rate, start_utc_ns);
 }
 
+// What nodes say must not reach the fleet.
+void require_apart(const AgentOptions& o) {
+  for (const std::string& name : {o.source, o.calibration}) {
+    if (ros2_domain(name) != o.wire.domain) continue;
+    throw UserError("DDS domain " + std::to_string(o.wire.domain) + " is that of the fleet and of " + name +
+                    ": give one of them another with --domain or ?domain=N");
+  }
+}
+
 void run(AgentOptions& o) {
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
+  require_apart(o);
   const double rate = parse_replay_rate(o.rate);
   Hello hello;
   hello.agent = o.id;

@@ -40,7 +40,7 @@ MAY_INCLUDE = {
     "common/recording": [*MODEL, "common/config", "common/ros", "common/compression", "common/mcap"],
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": [*FILES, "common/ros", "common/recording"],
-    "agent/capture": [*FILES, "common/ros", "common/recording", "common/flow", "agent/track"],
+    "agent/capture": [*FILES, "common/ros", "common/recording", "common/flow", "common/wire", "agent/track"],
     "agent/track": [*MODEL, *AGENT_CORE],
     "agent/gpu": [*MODEL, "agent/track"],
     "agent/pose": [*MODEL, *AGENT_CORE],

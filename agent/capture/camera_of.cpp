@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "agent/capture/noted_focal.h"
+#include "agent/capture/ros2_topic.h"
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
+#include "common/dataset/live_topic.h"
 
 namespace coslam {
 
@@ -23,6 +25,7 @@ CameraModel guessed_camera(int width_px, int height_px, std::optional<double> no
 }
 
 FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options) {
+  if (calibration.starts_with(kRos2Scheme)) return {heard_camera(calibration), {}};
   if (!calibration.empty()) return {load_calibration(calibration), {}};
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;

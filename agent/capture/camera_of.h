@@ -15,8 +15,8 @@ namespace coslam {
 // else that of a usual wide lens, to be found out from the images.
 CameraModel guessed_camera(int width_px, int height_px, std::optional<double> noted_focal_px = {});
 
-// The camera of a source: as its calibration file says, or without one guessed from what its files note and the size of
-// its first image. Throws UserError.
+// The camera of a source: as its calibration says, a file or ros2:/TOPIC, or without one guessed from what its files
+// note and the size of its first image. Throws UserError.
 struct FoundCamera {
   CameraModel camera;
   std::string guess;  // a sentence for the user; empty: the camera is calibrated

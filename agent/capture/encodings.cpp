@@ -80,11 +80,15 @@ cv::Mat grey_of(const RawImage& image) {
   const std::size_t row = image.width_px * static_cast<std::size_t>(e->channels * e->bits / 8);
   const std::size_t step = image.octets_per_row;
   if (step < row || step > image.octets.size() || image.octets.size() - row < step * (image.height_px - 1)) return {};
-  // Copied, as values of 16 bits need not lie at even addresses there.
-  cv::Mat pixels(static_cast<int>(image.height_px), static_cast<int>(image.width_px),
-                 CV_MAKETYPE(e->bits == 16 ? CV_16U : CV_8U, e->channels));
-  for (std::size_t y = 0; y < image.height_px; ++y) {
-    std::memcpy(pixels.ptr(static_cast<int>(y)), image.octets.data() + y * step, row);
+  const cv::Size size(static_cast<int>(image.width_px), static_cast<int>(image.height_px));
+  cv::Mat pixels;
+  if (e->bits == 8) {
+    pixels = cv::Mat(size, CV_MAKETYPE(CV_8U, e->channels), const_cast<std::uint8_t*>(image.octets.data()), step);
+  } else {  // values of 16 bits need not lie at even addresses there
+    pixels.create(size, CV_MAKETYPE(CV_16U, e->channels));
+    for (int y = 0; y < size.height; ++y) {
+      std::memcpy(pixels.ptr(y), image.octets.data() + static_cast<std::size_t>(y) * step, row);
+    }
   }
   const bool swapped = image.big_endian != (std::endian::native == std::endian::big);
   if (e->bits == 16 && swapped) swap_octets(&pixels);
@@ -92,9 +96,13 @@ cv::Mat grey_of(const RawImage& image) {
   if (e->luma >= 0) {
     cv::extractChannel(pixels, grey, e->luma);
   } else if (e->to_grey != kAsItIs) {
-    cv::cvtColor(pixels, grey, e->to_grey);
+    try {
+      cv::cvtColor(pixels, grey, e->to_grey);
+    } catch (const cv::Exception&) {
+      return {};  // it is smaller than its pattern of colours
+    }
   } else {
-    grey = pixels;
+    grey = e->bits == 8 ? pixels.clone() : pixels;
   }
   return grey;
 }

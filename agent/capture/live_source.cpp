@@ -17,6 +17,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
+#include "common/dataset/live_topic.h"
 #include "common/flow/clock.h"
 
 namespace coslam {
@@ -214,8 +215,8 @@ class LiveSource final : public ImageSource {
 }  // namespace
 
 bool is_live_uri(const std::string& uri) {
-  constexpr std::array<std::string_view, 7> kSchemes = {kV4l2,      kGst,      "rtsp://", "rtsp+udp://",
-                                                        "rtsps://", "http://", "https://"};
+  constexpr auto kSchemes = std::to_array<std::string_view>(
+      {kV4l2, kGst, kRos2Scheme, "rtsp://", "rtsp+udp://", "rtsps://", "http://", "https://"});
   return std::ranges::any_of(kSchemes, [&](std::string_view scheme) { return uri.starts_with(scheme); });
 }
 

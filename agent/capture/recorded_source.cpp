@@ -39,16 +39,12 @@ class RecordedSource final : public ImageSource {
   }
 
   std::optional<Image> next() override {
-    while (ahead_) {
-      if (decoded().size() != size_) {
-        drop_unreadable();
-        continue;
-      }
-      Image image{FrameId(frame_++), span_.played_ns(ahead_->t_ns), std::move(*ahead_->grey)};
-      advance();
-      return image;
-    }
-    return std::nullopt;
+    if (!ahead_) return std::nullopt;
+    Image image{FrameId(frame_++), span_.played_ns(ahead_->t_ns), decoded()};
+    image.fault = size_fault(image.grey, size_);
+    if (image.fault != ImageFault::kNone) warn_unreadable();
+    advance();
+    return image;
   }
 
   bool skip() override {
@@ -61,7 +57,7 @@ class RecordedSource final : public ImageSource {
   std::optional<TimeNs> peek_ns() const override {
     return ahead_ ? std::optional(span_.played_ns(ahead_->t_ns)) : std::nullopt;
   }
-  std::size_t unreadable() const override { return unreadable_; }
+  std::size_t undated() const override { return undated_; }
 
  private:
   struct Ahead {
@@ -91,7 +87,7 @@ class RecordedSource final : public ImageSource {
       const auto stamp_ns = reader_.stamp_ns(message->octets);
       const TimeNs t_ns = stamp_ns ? source_ns(*stamp_ns, message->noted_ns) : last_ns_;
       if (!stamp_ns || t_ns <= last_ns_) {
-        ++unreadable_;
+        ++undated_;
         if (log_.pass()) log_warn(name_ + ": an image without a stamp, or with one that is not later; passed over");
         continue;
       }
@@ -156,10 +152,12 @@ class RecordedSource final : public ImageSource {
   }
 
   void drop_unreadable() {
-    ++unreadable_;
     ++frame_;
-    if (log_.pass()) log_warn(name_ + ": an image that cannot be read, or of another size, is passed over");
+    warn_unreadable();
     advance();
+  }
+  void warn_unreadable() {
+    if (log_.pass()) log_warn(name_ + ": an image that cannot be read, or of another size, is left out");
   }
 
   const std::string name_;
@@ -177,7 +175,7 @@ class RecordedSource final : public ImageSource {
   std::uint32_t frame_ = 0;
   cv::Size size_;
   std::string hint_;
-  std::size_t unreadable_ = 0;
+  std::size_t undated_ = 0;
   LogLimiter log_;
 };
 

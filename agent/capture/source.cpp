@@ -7,6 +7,7 @@
 
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
+#include "common/dataset/live_topic.h"
 #include "common/dataset/recorded_topic.h"
 
 namespace coslam {
@@ -26,12 +27,14 @@ bool is_list_or_video(const std::string& uri) {
 }
 
 std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const SourceOptions& options) {
+  if (uri.starts_with(kRos2Scheme)) return open_ros2(uri, options);
   if (is_live_uri(uri)) return open_live(uri, options);
   if (names_recorded_topic(uri)) return open_recorded(uri, options);
   const std::filesystem::path path = uri;
   if (uri.find("://") != std::string::npos) {
     throw UserError("the source '" + uri +
-                    "' is of no known kind: a path, bag:PATH#TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is expected");
+                    "' is of no known kind: a path, bag:PATH#TOPIC, ros2:/TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is "
+                    "expected");
   }
   if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
   if (recording::is_recording(path)) return open_recorded(uri, options);

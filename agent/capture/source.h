@@ -25,7 +25,8 @@ class ImageSource {
   // Capture time of the next image without reading it; empty at the end or for live sources.
   virtual std::optional<TimeNs> peek_ns() const = 0;
   virtual bool live() const { return false; }
-  virtual std::size_t unreadable() const { return 0; }  // images counted as bad so far
+  // Images passed over so far, as they have no time of their own: no stamp, or one that is not later.
+  virtual std::size_t undated() const { return 0; }
   // From any thread: a next() that waits for a live camera returns empty soon after. The rest is for one thread.
   virtual void stop() {}
 };
@@ -48,7 +49,7 @@ struct SourceOptions {
 // Opens: a folder of images (<6 digits>.jpg|png with times.txt, or names that are nanoseconds), a `t_s,file` CSV, a
 // video file (with an optional <file>.timestamps.csv), an EuRoC mav0 or camN folder, a TUM folder (rgb.txt),
 // bag:PATH#TOPIC or mcap:PATH#TOPIC (a recording, see common/recording; times count from its start) or its path alone,
-// v4l2:N, gst:PIPELINE, rtsp://...
+// ros2:/TOPIC (by the stamps of its messages), v4l2:N, gst:PIPELINE, rtsp://...
 // Throws UserError: nothing there, no image readable, size not that of the calibration.
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options);
 

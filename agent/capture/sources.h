@@ -18,8 +18,11 @@ std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, 
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 // bag:PATH#TOPIC, or a path.
 std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options);
+// ros2:/TOPIC, see live_topic.h.
+std::unique_ptr<ImageSource> open_ros2(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
+// Any kind that plays from now on.
 bool is_live_uri(const std::string& uri);
 
 // Whether a source time is played, and as what.

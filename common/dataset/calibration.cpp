@@ -10,6 +10,7 @@
 #include "common/base/text.h"
 #include "common/dataset/calibration_dialects.h"
 #include "common/dataset/file.h"
+#include "common/dataset/live_topic.h"
 #include "common/dataset/recorded_topic.h"
 
 namespace coslam {
@@ -115,6 +116,10 @@ bool is_dso(const std::string& first) {
 CameraModel read_any(const std::filesystem::path& file, const std::string& camera) {
   if (names_recorded_topic(file.string())) return calibration::read_recorded(recorded_topic(file.string()));
   if (recording::is_recording(file)) return calibration::read_recorded({"", file, camera});
+  if (file.string().starts_with(kRos2Scheme)) {
+    throw UserError(file.string() +
+                    " is heard by agents at work alone: report.json of their result has what they heard");
+  }
   if (is_colmap(file)) return calibration::read_colmap(file, camera);
   const std::string first = first_line(file);
   if (first.starts_with("# oST") || first == "[image]") return calibration::read_ost(file);
@@ -125,20 +130,28 @@ CameraModel read_any(const std::filesystem::path& file, const std::string& camer
   return read_yaml(YamlValue::load(file), camera);
 }
 
+CameraModel checked(CameraModel model, const std::string& name) {
+  if (const auto problem = problem_of(model)) throw UserError(name + ": " + *problem);
+  return model;
+}
+
 }  // namespace
 
 CalibrationFile calibration_file(const std::filesystem::path& name) {
   const std::string text = name.string();
   const std::size_t mark = text.rfind('#');
-  if (names_recorded_topic(text) || mark == std::string::npos || std::filesystem::exists(name)) return {name, ""};
+  const bool topic = names_recorded_topic(text) || text.starts_with(kRos2Scheme);
+  if (topic || mark == std::string::npos || std::filesystem::exists(name)) return {name, ""};
   return {text.substr(0, mark), text.substr(mark + 1)};
 }
 
 CameraModel load_calibration(const std::filesystem::path& name) {
   const auto [file, camera] = calibration_file(name);
-  const CameraModel model = read_any(file, camera);
-  if (const auto problem = problem_of(model)) throw UserError(name.string() + ": " + *problem);
-  return model;
+  return checked(read_any(file, camera), name.string());
+}
+
+CameraModel load_calibration(const ros::CameraInfo& info, const std::string& name) {
+  return checked(calibration::read_info(info, name), name);
 }
 
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {

@@ -9,11 +9,18 @@
 
 namespace coslam {
 
+namespace ros {
+struct CameraInfo;
+}
+
 // Reads a camera from any of the dialects of docs/configuration.md, told apart by their keys: plain form, OpenCV YAML,
 // ROS camera_info, Kalibr camchain, EuRoC sensor.yaml, COLMAP cameras.txt, ORB-SLAM, stella_vslam, camodocal, maplab,
 // DSO; or the first CameraInfo of a topic in a recording, named bag:PATH#TOPIC. Of a file with several cameras one has
 // to be named: FILE#CAMERA. Throws UserError with file (and line) and what is wrong.
 CameraModel load_calibration(const std::filesystem::path& name);
+
+// A camera as a node says it; `name` is what the user called it. Throws UserError.
+CameraModel load_calibration(const ros::CameraInfo& info, const std::string& name);
 
 // FILE#CAMERA in its parts; camera is empty where none is named.
 struct CalibrationFile {

@@ -9,6 +9,7 @@
 #include "common/config/yaml_value.h"
 #include "common/dataset/recorded_topic.h"
 #include "common/geometry/camera_model.h"
+#include "common/ros/sensor_messages.h"
 
 // One reader per calibration dialect; each throws UserError with the place. Internal to calibration.cpp.
 namespace coslam::calibration {
@@ -26,6 +27,7 @@ CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
 CameraModel read_recorded(const RecordedTopic& topic);  // its first CameraInfo
+CameraModel read_info(const ros::CameraInfo& info, const std::string& name);
 
 // A side of the image; what is far out of range stays so.
 int pixels(const YamlValue& value);

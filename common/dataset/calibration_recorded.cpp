@@ -43,8 +43,12 @@ CameraModel read_recorded(const RecordedTopic& topic) {
   if (!message) throw UserError(topic.name() + ": there is no message of it in the recording");
   const auto info = reader.camera_info(reader.unpacked(std::move(message->octets)));
   if (!info) throw UserError(topic.name() + ": its first message is damaged");
-  std::istringstream text(as_file(*info));
-  return read_ros(YamlValue::parse(text, topic.name()));
+  return read_info(*info, topic.name());
+}
+
+CameraModel read_info(const ros::CameraInfo& info, const std::string& name) {
+  std::istringstream text(as_file(info));
+  return read_ros(YamlValue::parse(text, name));
 }
 
 }  // namespace coslam::calibration

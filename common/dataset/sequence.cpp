@@ -9,6 +9,7 @@
 #include "common/config/rigs.h"
 #include "common/config/yaml_value.h"
 #include "common/dataset/calibration.h"
+#include "common/dataset/live_topic.h"
 #include "common/dataset/recorded_topic.h"
 
 namespace coslam {
@@ -20,7 +21,7 @@ constexpr double kMaxSeconds = 1e9;
 constexpr double kMostLater_s = 3600;  // that a source plays later than the others
 
 bool is_uri(const std::string& source) {
-  for (const char* scheme : {"v4l2:", "gst:"}) {
+  for (const std::string_view scheme : {std::string_view("v4l2:"), std::string_view("gst:"), kRos2Scheme}) {
     if (source.starts_with(scheme)) return true;
   }
   return source.find("://") != std::string::npos;
@@ -45,6 +46,7 @@ fs::path existing_path_or_topic(const YamlValue& value) {
 
 fs::path existing_calibration(const YamlValue& value) {
   if (names_recorded_topic(value.text())) return existing_path_or_topic(value);
+  if (value.text().starts_with(kRos2Scheme)) return value.text();
   fs::path name = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
   const fs::path file = calibration_file(name).file;
   if (!fs::exists(file)) value.fail("there is no " + file.string());

@@ -132,6 +132,12 @@ class CdrReader {
       while (ok_ && list.size() < count) get(list.emplace_back());
     }
   }
+  // Where they lie in what is read.
+  void get(std::span<const std::uint8_t>& octets) {
+    const std::size_t count = get_count();
+    const std::uint8_t* from = take(count);
+    octets = from == nullptr ? std::span<const std::uint8_t>() : std::span(from, count);
+  }
   template <class T, std::size_t kCount>
   void get(std::array<T, kCount>& list) {
     for (T& item : list) get(item);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,14 +59,15 @@ struct PointCloud2 {
   }
 };
 
-struct Image {
+template <class Octets>
+struct ImageWith {
   static constexpr const char* kType = "sensor_msgs/Image";
   Header header;
   std::uint32_t height = 0, width = 0;
   std::string encoding;
   std::uint8_t is_bigendian = 0;
   std::uint32_t step = 0;  // octets a row
-  std::vector<std::uint8_t> data;
+  Octets data;
   static void fields(auto& m, auto& visit) {
     visit("header", m.header);
     visit("height", m.height);
@@ -76,6 +78,8 @@ struct Image {
     visit("data", m.data);
   }
 };
+using Image = ImageWith<std::vector<std::uint8_t>>;
+using ImageView = ImageWith<std::span<const std::uint8_t>>;  // only read: its octets stay where they are
 
 struct CompressedImage {
   static constexpr const char* kType = "sensor_msgs/CompressedImage";

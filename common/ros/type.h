@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -89,5 +90,12 @@ const TypeText& type_text() {
 
 // Of the messages in messages.h, by their name; null: not one of them.
 const TypeText* find_type(std::string_view name);
+
+// What ROS 2 nodes name "/left/image_raw" is "rt/left/image_raw" over DDS.
+std::string dds_topic_of(const std::string& topic);
+// The other way round; empty: not a topic of messages.
+std::optional<std::string> topic_of_dds(std::string_view dds_topic);
+// "sensor_msgs/msg/Image" of "sensor_msgs::msg::dds_::Image_"; other names stay as they are.
+std::string type_of_dds(const std::string& dds_type);
 
 }  // namespace coslam::ros

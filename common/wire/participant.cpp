@@ -111,8 +111,9 @@ void require_usable(const WireConfig& c) {
     throw UserError("DDS domain " + std::to_string(c.domain) + " is outside the range 0 to " +
                     std::to_string(kMaxDomain));
   }
-  if (c.max_message_bytes < 512 || c.max_message_bytes > 65000) {
-    throw UserError("max_message_bytes " + std::to_string(c.max_message_bytes) + " is outside the range 512 to 65000");
+  if (c.max_message_bytes < 512 || c.max_message_bytes > kMostMessageBytes) {
+    throw UserError("max_message_bytes " + std::to_string(c.max_message_bytes) + " is outside the range 512 to " +
+                    std::to_string(kMostMessageBytes));
   }
   require_addresses(c);
   require_certificates(c.certificates);
@@ -271,6 +272,13 @@ std::vector<std::string> Participant::addresses_of_others() const {
   std::set<std::string> addresses;
   for (const auto& [guid, other] : impl_->others) addresses.insert(other.addresses.begin(), other.addresses.end());
   return {addresses.begin(), addresses.end()};
+}
+
+std::vector<OfferedTopic> Participant::offered() const {
+  const std::lock_guard lock(impl_->others_mutex);
+  std::set<OfferedTopic> offered;
+  for (const auto& [guid, topic] : impl_->offered) offered.insert(topic);
+  return {offered.begin(), offered.end()};
 }
 
 RejectionCounts& Participant::rejections() const { return *impl_->rejections; }

@@ -29,6 +29,13 @@ std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_byt
 // The IPv4 addresses of this machine now.
 std::vector<std::string> local_addresses();
 
+// What a writer of somebody else offers.
+struct OfferedTopic {
+  std::string name, type;  // as DDS has them
+  bool reliable = false;
+  friend auto operator<=>(const OfferedTopic&, const OfferedTopic&) = default;
+};
+
 // This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
 class Participant {
  public:
@@ -48,6 +55,8 @@ class Participant {
   std::vector<std::string> others() const;
   // Where they say that they can be reached.
   std::vector<std::string> addresses_of_others() const;
+  // What their writers offer now, whether it is read here or not; in order, each once.
+  std::vector<OfferedTopic> offered() const;
   // Samples that could not be decoded and datagrams without the key are counted here; links add what they turn down
   // later.
   RejectionCounts& rejections() const;

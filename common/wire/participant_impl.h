@@ -44,18 +44,31 @@ struct Participant::Impl : dds::DomainParticipantListener {
     std::vector<std::string> addresses;
   };
   std::map<eprosima::fastrtps::rtps::GUID_t, Other> others;
+  std::map<eprosima::fastrtps::rtps::GUID_t, OfferedTopic> offered;  // by writer
 
-  // Takes note, on a thread of the middleware.
+  // Both take note, on threads of the middleware.
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
     const std::lock_guard lock(others_mutex);
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
       others.erase(info.info.m_guid);
+      std::erase_if(offered,
+                    [&](const auto& writer) { return writer.first.guidPrefix == info.info.m_guid.guidPrefix; });
     } else {
       Other& other = others[info.info.m_guid] = {info.info.m_participantName.to_string(), {}};
       for (const auto& locator : info.info.metatraffic_locators.unicast)
         other.addresses.push_back(eprosima::fastrtps::rtps::IPLocator::toIPv4string(locator));
+    }
+  }
+
+  void on_publisher_discovery(dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+    const std::lock_guard lock(others_mutex);
+    if (info.status == eprosima::fastrtps::rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+      offered.erase(info.info.guid());
+    } else {
+      offered[info.info.guid()] = {info.info.topicName().to_string(), info.info.typeName().to_string(),
+                                   info.info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS};
     }
   }
 

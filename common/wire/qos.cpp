@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/wire/guarded_transport.h"
+#include "common/wire/own_host_transport.h"
 
 namespace coslam {
 namespace {
@@ -55,6 +56,7 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> carrier_of(const WireConfig& c) 
 }
 
 std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, RejectionCounts& refused) {
+  if (c.own_host) return own_host_transport(carrier_of(c));
   if (c.key_file.empty()) return carrier_of(c);
   return guarded_transport(carrier_of(c), load_fleet_key(c.key_file, c.domain), refused);
 }

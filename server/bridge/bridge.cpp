@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/bridge/bridge.h"
 
-#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -18,6 +17,7 @@
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
+#include "common/wire/ros_domain.h"
 #include "server/bridge/ros_topics.h"
 
 namespace coslam {
@@ -61,20 +61,10 @@ class Px4Log {
 
 }  // namespace
 
-WireConfig ros_wire(const BridgeConfig& config) {
-  const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
-  const bool here = !config.interfaces.empty() && std::ranges::all_of(config.interfaces, is_loopback);
-  WireConfig wire = here ? loopback_config(config.domain) : WireConfig{.domain = config.domain};
-  wire.interfaces = config.interfaces;
-  wire.bulk_bytes_per_s = 0;
-  if (here) wire.max_message_bytes = 65'000;  // nothing is lost within a machine, and large datagrams cost less
-  return wire;
-}
-
 struct Bridge::Impl {
   explicit Impl(const BridgeOptions& options)
       : fleet_domain(checked(options).wire.domain),
-        ros(ros_wire(options.bridge), kName),
+        ros(ros_wire(options.bridge.domain, options.bridge.interfaces), kName),
         topics(ros),
         fleet(options.wire, kName),
         loop(fleet, kName, kTick, [this] { tick(); }) {

@@ -4,13 +4,9 @@
 
 #include <memory>
 
-#include "common/wire/wire_config.h"
 #include "server/bridge/bridge_config.h"
 
 namespace coslam {
-
-// How the nodes' domain is joined.
-WireConfig ros_wire(const BridgeConfig& config);
 
 // Hands on what the map server tells the public to ROS 2 nodes, and an agent's poses to PX4, until it is destroyed.
 // Hears the fleet in one DDS domain and speaks in another, with threads of its own.

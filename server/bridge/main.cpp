@@ -1,28 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
-#include <cstdlib>
 #include <optional>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/program.h"
+#include "common/wire/ros_domain.h"
 #include "server/bridge/bridge.h"
 
 namespace coslam {
 namespace {
-
-// Empty: not set, or no number of a domain.
-std::optional<int> domain_of_ros() {
-  const char* text = std::getenv("ROS_DOMAIN_ID");
-  if (text == nullptr || *text == '\0') return std::nullopt;
-  char* end = nullptr;
-  const long number = std::strtol(text, &end, 10);
-  if (*end != '\0' || number < 0 || number > 232) {
-    throw UserError("ROS_DOMAIN_ID is '" + std::string(text) + "', which is no DDS domain (0 to 232)");
-  }
-  return static_cast<int>(number);
-}
 
 struct Arguments {
   CommonArguments common;
@@ -61,7 +49,7 @@ BridgeOptions options_of(const Arguments& a) {
 
 // Until SIGINT or SIGTERM, which every thread leaves to this one.
 void run(BridgeOptions options, const sigset_t& signals) {
-  if (options.bridge.domain < 0) options.bridge.domain = domain_of_ros().value_or(0);
+  if (options.bridge.domain < 0) options.bridge.domain = ros_domain_id().value_or(0);
   const Bridge bridge(options);
   log_info("from DDS domain " + std::to_string(options.wire.domain) + " to ROS 2 in domain " +
            std::to_string(options.bridge.domain));

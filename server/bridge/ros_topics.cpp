@@ -37,7 +37,7 @@ std::optional<OctetTopic> ros_topic(const std::string& topic, const std::string&
   const ros::TypeText* text = ros::find_type(ros_type);
   if (text == nullptr || !topic.starts_with('/')) return std::nullopt;
   const Delivery delivery = delivery_of(topic, ros_type);
-  return OctetTopic{"rt" + topic, text->dds_name, delivery.reliable, delivery.late_joiners, delivery.depth};
+  return OctetTopic{ros::dds_topic_of(topic), text->dds_name, delivery.reliable, delivery.late_joiners, delivery.depth};
 }
 
 std::vector<std::uint8_t> ros_octets(const PublicSample& sample) {

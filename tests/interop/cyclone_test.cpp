@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -18,6 +17,7 @@
 #include "common/ros/views.h"
 #include "common/wire/codec.h"
 #include "common/wire/participant.h"
+#include "tests/interop/cyclone_here.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
@@ -88,13 +88,7 @@ TEST(Cyclone, ANodeHearsTheBridge) {
   const test::TempFolder folder;
   const std::string from = std::to_string(fleet.number()), to = std::to_string(nodes.number());
   test::ChildProcess bridge({COSLAM_BRIDGE, "--loopback", "--from", from, "--domain", to, "--px4", "cam0"});
-  // As ROS_LOCALHOST_ONLY=1 has it: Cyclone leaves the loopback device out unless told.
-  setenv("CYCLONEDDS_URI",
-         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-         "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-         "<MaxAutoParticipantIndex>30</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
-         "</Domain></CycloneDDS>",
-         1);
+  test::keep_cyclone_here();
   const std::string heard = (folder / "heard").string();
   test::ChildProcess node({"/bin/sh", "-c", "exec \"$0\" \"$@\" > " + heard, CYCLONE_NODE, to, "odom",
                            "rt/coslam/cam0/odom", "cloud", "rt/coslam/map/points", "text", "rt/coslam/state", "px4",

@@ -74,6 +74,11 @@ TEST_F(BadInput, MissingSource) {
   expect_sentence(camera, kFailed, {"coslam-agent: ", "v4l2:99"});
 }
 
+TEST_F(BadInput, TheDomainOfTheFleetForNodes) {
+  Program agent("coslam-agent", this->agent("ros2:/image?domain=" + domain()));
+  expect_sentence(agent, kFailed, {"DDS domain " + domain() + " is that of the fleet and of ros2:/image"});
+}
+
 TEST_F(BadInput, ATrackingDeviceThatIsNotThere) {
   const std::string no_drivers = scene_.folder().path().string();
   ::setenv("OCL_ICD_VENDORS", no_drivers.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)

@@ -17,6 +17,7 @@
 #include "common/ros/messages.h"
 #include "common/ros/type.h"
 #include "common/wire/octet_topic.h"
+#include "common/wire/ros_domain.h"
 #include "server/bridge/bridge.h"
 #include "server/bridge/ros_topics.h"
 #include "tests/support/eventually.h"
@@ -69,7 +70,7 @@ class Heard {
 };
 
 TEST_F(BridgeRun, ABridgeThatDiesLeavesTheMapAsItIs) {
-  Participant node(ros_wire({.domain = nodes_.number()}), "node");
+  Participant node(ros_wire(nodes_.number()), "node");
   Heard<ros::Odometry> odometry(node, "/coslam/cam0/odom");
   Heard<ros::PoseWithCovarianceStamped> poses(node, "/coslam/cam0/pose");
   Heard<ros::PointCloud2> points(node, "/coslam/map/points");

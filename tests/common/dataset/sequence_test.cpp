@@ -117,6 +117,13 @@ TEST_F(SequenceFile, WhenARecordingBeganMayBeLeftOpen) {
   EXPECT_THAT(error("agents: [{name: a, source: 'v4l2:0', start_s: auto}]"), HasSubstr("auto is for recordings"));
 }
 
+TEST_F(SequenceFile, TopicsOfNodesAreTakenAsTheyAre) {
+  const Sequence s = load("agents: [{name: a, source: 'ros2:/image?domain=3', calibration: 'ros2:/camera_info'}]");
+  EXPECT_EQ(s.agents[0].source, "ros2:/image?domain=3");
+  EXPECT_EQ(s.agents[0].calibration, "ros2:/camera_info");
+  EXPECT_THAT(error("agents: [{name: a, source: 'ros2:/image', start_s: auto}]"), HasSubstr("auto is for recordings"));
+}
+
 TEST_F(SequenceFile, TheScaleMayComeFromTags) {
   Sequence s = load("scale: {tag_m: 0.16}\n" + agent_);
   EXPECT_EQ(s.tag_m, 0.16);

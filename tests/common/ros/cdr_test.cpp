@@ -48,6 +48,16 @@ TEST(Cdr, EmptyListsAlignNothingThatFollows) {
   EXPECT_EQ(read->k[0], 1.0);
 }
 
+TEST(Cdr, AViewOfAnImageLeavesItsOctetsWhereTheyLie) {
+  const Octets octets = to_cdr(Image{{{1, 2}, "camera"}, 2, 3, "mono8", 0, 3, {1, 2, 3, 4, 5, 6}});
+  const auto view = from_cdr<ImageView>(octets);
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->encoding, "mono8");
+  EXPECT_EQ((Octets{view->data.begin(), view->data.end()}), (Octets{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(view->data.data(), octets.data() + octets.size() - 6);
+  EXPECT_FALSE(from_cdr<ImageView>(std::span(octets).first(octets.size() - 1)));
+}
+
 TEST(Cdr, TheOdometryOfPx4Has118Octets) {
   VehicleOdometry odometry;
   odometry.timestamp = 0x0102030405060708;

@@ -18,6 +18,16 @@ TEST(Type, HasTheNamesOfToolsAndOfNodes) {
   EXPECT_EQ(find_type("px4_msgs/msg/VehicleOdometry")->dds_name, "px4_msgs::msg::dds_::VehicleOdometry_");
 }
 
+TEST(Type, NamesOfDdsAreThoseOfTools) {
+  EXPECT_EQ(dds_topic_of("/left/image_raw"), "rt/left/image_raw");
+  EXPECT_EQ(topic_of_dds("rt/left/image_raw"), "/left/image_raw");
+  EXPECT_EQ(topic_of_dds("rq/left/set_parametersRequest"), std::nullopt);
+  EXPECT_EQ(topic_of_dds("rtx"), std::nullopt);
+  EXPECT_EQ(type_of_dds("sensor_msgs::msg::dds_::Image_"), "sensor_msgs/msg/Image");
+  EXPECT_EQ(type_of_dds("a::b::srv::dds_::C_Request_"), "a/b/srv/C_Request");
+  EXPECT_EQ(type_of_dds("ParticipantEntitiesInfo"), "ParticipantEntitiesInfo");
+}
+
 TEST(Type, TheDefinitionHasAllPartsOnce) {
   const std::string line(80, '=');
   EXPECT_EQ(type_text<PoseStamped>().schema,

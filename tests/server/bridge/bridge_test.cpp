@@ -15,6 +15,7 @@
 #include "common/ros/convert.h"
 #include "common/ros/messages.h"
 #include "common/wire/codec.h"
+#include "common/wire/ros_domain.h"
 #include "server/bridge/ros_topics.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
@@ -37,7 +38,7 @@ class BridgeTest : public testing::Test {
     o.bridge.px4.agent = px4_agent;
     return o;
   }
-  WireConfig nodes() const { return ros_wire({.domain = nodes_.number()}); }
+  WireConfig nodes() const { return ros_wire(nodes_.number()); }
 
   const test::TestDomain fleet_, nodes_;
   Participant server_{loopback_config(fleet_.number()), "coslam-server"};
@@ -144,15 +145,6 @@ TEST_F(BridgeTest, OneDomainForBothIsRefused) {
   BridgeOptions o = options();
   o.bridge.domain = o.wire.domain;
   EXPECT_THAT([&] { Bridge bridge(o); }, ThrowsMessage<UserError>(HasSubstr("is that of the fleet and of ROS 2")));
-}
-
-TEST(RosWire, IsTheLoopbackUnlessToldOtherwise) {
-  const WireConfig here = ros_wire({.domain = 3});
-  EXPECT_EQ(here.interfaces, std::vector<std::string>{"127.0.0.1"});
-  EXPECT_EQ(here.peers, std::vector<std::string>{"127.0.0.1"});
-  EXPECT_EQ(here.domain, 3);
-  const WireConfig all = ros_wire({.domain = 3, .interfaces = {}});
-  EXPECT_TRUE(all.interfaces.empty() && all.peers.empty());
 }
 
 }  // namespace

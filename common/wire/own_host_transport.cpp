@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/own_host_transport.h"
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/wire/participant.h"
+
+namespace coslam {
+namespace {
+
+namespace rtps = eprosima::fastdds::rtps;
+using eprosima::fastrtps::rtps::IPLocator;
+using eprosima::fastrtps::rtps::octet;
+using eprosima::fastrtps::rtps::SenderResource;
+using Clock = std::chrono::steady_clock;
+
+struct Descriptor : rtps::ChainingTransportDescriptor {
+  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  rtps::TransportInterface* create_transport() const override;
+  std::uint32_t max_message_size() const override { return maxMessageSize; }
+};
+
+// The addresses of this machine. Thread-safe.
+class OwnAddresses {
+ public:
+  bool has(const rtps::Locator& locator) const {
+    constexpr octet kLoopback = 127;
+    if (IPLocator::getIPv4(locator)[0] == kLoopback) return true;
+    const std::string address = IPLocator::toIPv4string(locator);
+    const std::lock_guard lock(mutex_);
+    if (known_.contains(address)) return true;
+    const auto now = Clock::now();
+    if (now - looked_ < std::chrono::seconds(1)) return false;
+    looked_ = now;
+    const std::vector<std::string> all = local_addresses();
+    known_ = {all.begin(), all.end()};
+    return known_.contains(address);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::set<std::string> known_;
+  mutable Clock::time_point looked_{};
+};
+
+class Transport : public rtps::ChainingTransport {
+ public:
+  explicit Transport(const Descriptor& descriptor) : ChainingTransport(descriptor), descriptor_(descriptor) {}
+
+  rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+  void shutdown() override { low_level_transport_->shutdown(); }
+
+  bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
+            rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
+    return carrier->send(data, size, begin, end, timeout);
+  }
+  // On several threads of the middleware.
+  void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
+               const rtps::Locator& local, const rtps::Locator& remote) override {
+    if (own_.has(remote)) receiver->OnDataReceived(data, size, local, remote);
+  }
+
+  bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result) const override {
+    rtps::Locator near = remote;
+    if (own_.has(remote)) IPLocator::setIPv4(near, "127.0.0.1");
+    return ChainingTransport::transform_remote_locator(near, result);
+  }
+
+ private:
+  Descriptor descriptor_;
+  OwnAddresses own_;
+};
+
+rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+
+}  // namespace
+
+std::shared_ptr<rtps::TransportDescriptorInterface> own_host_transport(
+    std::shared_ptr<rtps::TransportDescriptorInterface> carrier) {
+  return std::make_shared<Descriptor>(std::move(carrier));
+}
+
+}  // namespace coslam

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+#include <memory>
+
+// Only for the sources of this folder: the headers are heavy.
+namespace coslam {
+
+// A transport for participants of the loopback device alone. Others of this machine that name its other addresses, as
+// all do by default, are reached at 127.0.0.1: `carrier` takes them for hosts that it cannot reach. What other hosts
+// send is not read: a group that somebody on this machine has joined on a network is heard on the loopback device too.
+std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> own_host_transport(
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier);
+
+}  // namespace coslam
