@@ -73,7 +73,9 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
 }
 
 void AgentLoop::judge(const Image& image) {
-  verdict_.note(image.fault, image.capture_ns);
+  // Stamps may be of any clock.
+  const TimeNs now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now_().time_since_epoch()).count();
+  verdict_.note(image.fault, hello_.pacing == Pacing::kLive ? now_ns : image.capture_ns);
   if (image.fault != ImageFault::kNone && image.fault != ImageFault::kMissing) {
     ++left_out_[static_cast<std::size_t>(image.fault)];
   }
@@ -246,6 +248,7 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.pose_state = agent_.pose_state();
   s.frames = frames_;
   s.dropped = feed_->dropped();
+  for (const std::uint32_t n : left_out_) s.left_out += n;
   s.image_fault = verdict_.verdict();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
   s.frame_ms = static_cast<float>(mean_frame_ms());

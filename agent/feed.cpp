@@ -3,6 +3,7 @@
 #include "agent/feed.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -38,24 +39,23 @@ class DirectFeed final : public Feed {
 class Due {
  public:
   void came(std::chrono::steady_clock::time_point now) {
-    const double interval_s = std::chrono::duration<double>(now - last_.value_or(now)).count();
-    usual_s_ = usual_s_ == 0 ? interval_s : usual_s_ + kFollow * (std::min(interval_s, 2 * usual_s_) - usual_s_);
-    last_ = now;
-    said_ = now;
+    if (last_) intervals_s_[count_++ % intervals_s_.size()] = std::chrono::duration<double>(now - *last_).count();
+    last_ = said_ = now;
   }
   // None came for longer than usual, and that was not said just now.
   bool is_over(std::chrono::steady_clock::time_point now) {
-    const double patience_s = std::max(kLeast_s, kUsual * usual_s_);
+    const double patience_s = std::max(kLeast_s, kUsual * *std::ranges::max_element(intervals_s_));
     if (!last_ || std::chrono::duration<double>(now - said_).count() < patience_s) return false;
     said_ = now;
     return true;
   }
 
  private:
-  static constexpr double kLeast_s = 0.2, kUsual = 2.5, kFollow = 0.1;
+  static constexpr double kLeast_s = 0.2, kUsual = 2.5;
   std::optional<std::chrono::steady_clock::time_point> last_;
   std::chrono::steady_clock::time_point said_;
-  double usual_s_ = 0;
+  std::array<double, 8> intervals_s_{};  // the newest ones
+  std::size_t count_ = 0;
 };
 
 class ThreadedFeed final : public Feed {
@@ -79,7 +79,7 @@ class ThreadedFeed final : public Feed {
   std::optional<Image> next(const std::atomic<bool>& stop) override {
     while (!stop) {
       auto image = queue_.pop_for(std::chrono::milliseconds(live_ ? 50 : 100));
-      if (image && live_) due_.came(Clock::now());
+      if (image && live_ && image->fault != ImageFault::kMissing) due_.came(Clock::now());
       if (image) return image;
       if (queue_.closed()) return queue_.try_pop();
       if (live_ && due_.is_over(Clock::now())) return missing();

@@ -36,9 +36,24 @@ void warn_of_clock(double ahead_s) {
            (ahead_s > 0 ? "ahead of" : "behind") + " the server's; set it");
 }
 
+// Why nobody is heard, in the end of a sentence.
+std::string likely_cause(const WireConfig& wire) {
+  const std::string key = wire.key_file.empty() ? "has it a key, which this agent lacks?" : "has it the same key?";
+  const std::string ports = "UDP ports from " + std::to_string(7400 + 250 * wire.domain) + " on";
+  if (wire.peers.empty()) {
+    return "is it in another domain? " + key + " Networks that carry no multicast want its address: wire.peers=[HOST]";
+  }
+  std::string peers;
+  for (const std::string& peer : wire.peers) peers += (peers.empty() ? "" : ", ") + peer;
+  return "nothing comes from " + peers + ": does it run there, in this domain? " + key + " Does a firewall let " +
+         ports + " pass, both ways?";
+}
+
 // Waits until the server says that everybody is here, this agent among them. Returns when to start, or nothing when
 // told to stop.
 std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
+  constexpr int kUnheard = 2;  // times that it was said; then with a cause
+  int unheard = 0;
   auto told = std::chrono::steady_clock::now();
   PlayStart start;
   while (!stop_requested) {
@@ -54,8 +69,13 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
     }
     if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
       told = std::chrono::steady_clock::now();
-      log_info(link.server_status() ? "waiting for the other agents"
-                                    : "waiting for a map server in domain " + std::to_string(wire.domain));
+      if (link.server_status()) {
+        log_info("waiting for the other agents");
+      } else {
+        ++unheard;
+        log_info("waiting for a map server in domain " + std::to_string(wire.domain) +
+                 (unheard >= kUnheard ? ": " + likely_cause(wire) : ""));
+      }
     }
   }
   return std::nullopt;

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <opencv2/imgproc.hpp>
-#include <vector>
+#include <utility>
 
 namespace coslam {
 namespace {
+
+constexpr std::size_t kPairs = 20;  // of images that show the same, that tell whether there is noise
 
 bool same_rows(const cv::Mat& a, int row_a, const cv::Mat& b, int row_b) {
   return std::memcmp(a.ptr(row_a), b.ptr(row_b), static_cast<std::size_t>(a.cols)) == 0;
@@ -23,18 +26,19 @@ bool same_image(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-// FNV-1a over words of every 16th row.
+// FNV-1a over its words.
 std::uint64_t print_of(const cv::Mat& grey) {
-  constexpr int kRows = 16;
   constexpr std::uint64_t kBasis = 14695981039346656037U, kPrime = 1099511628211U;
   std::uint64_t print = kBasis;
-  for (int y = kRows / 2; y < grey.rows; y += kRows) {
+  for (int y = 0; y < grey.rows; ++y) {
     const std::uint8_t* row = grey.ptr(y);
-    for (int x = 0; x + 8 <= grey.cols; x += 8) {
+    int x = 0;
+    for (; x + 8 <= grey.cols; x += 8) {
       std::uint64_t word = 0;
       std::memcpy(&word, row + x, sizeof word);
       print = (print ^ word) * kPrime;
     }
+    for (; x < grey.cols; ++x) print = (print ^ row[x]) * kPrime;
   }
   return print;
 }
@@ -50,21 +54,35 @@ int band_at_end(const cv::Mat& grey) {
   return most <= kBlack || least >= kWhite ? 0 : rows;
 }
 
-// Noise is gone in means of 8x8 pixels; what is left of a scene that can be followed is more than this.
-bool is_featureless(const cv::Mat& grey) {
+// Neighbouring rows above the band that are the same: it has no noise, and a plain floor is a band by nature.
+bool has_equal_neighbours(const cv::Mat& grey, int band) {
+  constexpr int kStep = 4;
+  for (int y = 1; y < grey.rows - band; y += kStep) {
+    if (same_rows(grey, y, grey, y - 1)) return true;
+  }
+  return false;
+}
+
+cv::Mat means_of_blocks(const cv::Mat& grey) {
   constexpr int kBlock = 8;
-  constexpr double kLeastSpread = 4, kTail = 0.01;  // grey values
   cv::Mat blocks;
   cv::resize(grey, blocks, {std::max(1, grey.cols / kBlock), std::max(1, grey.rows / kBlock)}, 0, 0, cv::INTER_AREA);
+  return blocks;
+}
+
+// Noise is gone in means of 8x8 pixels; what is left of a scene that can be followed is more than this. A few lights in
+// the dark are something.
+bool is_featureless(const cv::Mat& blocks) {
+  constexpr int kLeastSpread = 4, kFew = 15;  // grey values, blocks
   std::array<int, 256> histogram{};
   for (int y = 0; y < blocks.rows; ++y) {
     const std::uint8_t* row = blocks.ptr(y);
     for (int x = 0; x < blocks.cols; ++x) ++histogram[row[x]];
   }
-  const int tail = static_cast<int>(kTail * static_cast<double>(blocks.total()));
+  const int few = std::min(kFew, static_cast<int>(blocks.total()) / 50);
   int low = 0, high = 255;
-  for (int below = histogram[0]; below <= tail && low < 255;) below += histogram[static_cast<std::size_t>(++low)];
-  for (int above = histogram[255]; above <= tail && high > 0;) above += histogram[static_cast<std::size_t>(--high)];
+  for (int below = histogram[0]; below <= few && low < 255;) below += histogram[static_cast<std::size_t>(++low)];
+  for (int above = histogram[255]; above <= few && high > 0;) above += histogram[static_cast<std::size_t>(--high)];
   return high - low < kLeastSpread;
 }
 
@@ -74,44 +92,92 @@ ImageFault ImageCheck::check(const Image& image) {
   if (image.fault != ImageFault::kNone) return image.fault;
   const cv::Mat& grey = image.grey;
   if (grey.empty()) return ImageFault::kUnreadable;
-  const bool repeated = same_image(grey, last_);
+  if (same_image(grey, last_)) {
+    left_out_repeats_ = never_repeats();
+    if (left_out_repeats_) return ImageFault::kRepeated;
+    compare(grey, last_blocks_);
+    return is_featureless(last_blocks_) ? ImageFault::kFeatureless : ImageFault::kNone;
+  }
+  const cv::Mat blocks = means_of_blocks(grey);
+  // What came again may do so by nature; it is not called noise soon.
+  if (std::exchange(left_out_repeats_, false)) note_noise(false);
+  const bool old = was_seen(grey) && never_repeats();
+  compare(grey, blocks);
   last_ = grey;
-  if (repeated) return ImageFault::kRepeated;
-  if (is_from_earlier(grey)) return ImageFault::kOutOfOrder;
+  last_blocks_ = blocks;
+  if (old) return ImageFault::kOutOfOrder;
+  if (is_cut_off(grey)) return ImageFault::kCutOff;
+  return is_featureless(blocks) ? ImageFault::kFeatureless : ImageFault::kNone;
+}
+
+// A picture of which all moves, or noise in all the newest that show the same.
+bool ImageCheck::never_repeats() const {
+  return whole_moved_ || (noise_.size() == kPairs && std::ranges::all_of(noise_, std::identity()));
+}
+
+void ImageCheck::compare(const cv::Mat& grey, const cv::Mat& blocks) {
+  constexpr int kRows = 16;
+  constexpr double kMoves = 1;  // mean change of a block, grey values
+  if (last_.size() != grey.size()) return;
+  bool all_rows_change = true;
+  for (int y = kRows / 2; y < grey.rows && all_rows_change; y += kRows) all_rows_change = !same_rows(grey, y, last_, y);
+  const double change = cv::norm(blocks, last_blocks_, cv::NORM_L1) / static_cast<double>(blocks.total());
+  whole_moved_ = all_rows_change && change > kMoves;
+  if (change > kMoves) return;
+  note_noise(all_rows_change);
+}
+
+void ImageCheck::note_noise(bool noise) {
+  noise_.push_back(noise);
+  if (noise_.size() > kPairs) noise_.pop_front();
+}
+
+bool ImageCheck::is_cut_off(const cv::Mat& grey) {
   const int band = band_at_end(grey);
   const int usual = std::min(usual_band_.value_or(band), band);
   usual_band_ = usual;
-  if (band - usual >= std::max(16, grey.rows / 16)) return ImageFault::kCutOff;
-  return is_featureless(grey) ? ImageFault::kFeatureless : ImageFault::kNone;
+  return band - usual >= std::max(16, grey.rows / 16) && !has_equal_neighbours(grey, band);
 }
 
-bool ImageCheck::is_from_earlier(const cv::Mat& grey) {
+bool ImageCheck::was_seen(const cv::Mat& grey) {
   const std::uint64_t print = print_of(grey);
-  const std::size_t kept = std::min(images_, earlier_.size());
-  const bool known = std::find(earlier_.begin(), earlier_.begin() + static_cast<std::ptrdiff_t>(kept), print) !=
-                     earlier_.begin() + static_cast<std::ptrdiff_t>(kept);
+  const auto end = earlier_.begin() + static_cast<std::ptrdiff_t>(std::min(images_, earlier_.size()));
+  const bool known = std::find(earlier_.begin(), end, print) != end;
   earlier_[images_++ % earlier_.size()] = print;
   return known;
 }
 
+TimeNs ImageVerdict::patience_ns() const {
+  constexpr TimeNs kLeast_ns = 200'000'000;
+  return std::max(kLeast_ns, 5 * *std::ranges::max_element(good_intervals_ns_) / 2);
+}
+
 void ImageVerdict::note(ImageFault fault, TimeNs t_ns) {
-  constexpr TimeNs kPatience_ns = 200'000'000, kWindow_ns = 1'000'000'000;
+  constexpr TimeNs kWindow_ns = 1'000'000'000;
+  if (!last_second_.empty() && t_ns < last_second_.back().t_ns) last_second_.clear();
   last_second_.push_back({t_ns, fault});
   while (last_second_.front().t_ns <= t_ns - kWindow_ns) last_second_.pop_front();
-  if (fault == ImageFault::kNone || !good_ns_) good_ns_ = t_ns;
+  const bool good = fault == ImageFault::kNone;
+  if (!good_ns_ || t_ns < *good_ns_) good_ns_ = t_ns;
+  const TimeNs since_good_ns = t_ns - *good_ns_;
+  const bool too_long = !good && since_good_ns >= patience_ns();
+  if (good) {
+    // A time in which none was to be believed is no usual one.
+    if (good_ > 0 && verdict_ == ImageFault::kNone)
+      good_intervals_ns_[good_ % good_intervals_ns_.size()] = since_good_ns;
+    ++good_;
+    good_ns_ = t_ns;
+  }
   // Damaged now and then: what is not noticed may be damaged, too. A stream that gives every image twice is sound.
   const auto damaged = [](const Noted& n) {
     return n.fault == ImageFault::kUnreadable || n.fault == ImageFault::kConcealed || n.fault == ImageFault::kCutOff ||
            n.fault == ImageFault::kOutOfOrder;
   };
-  const auto often = std::ranges::count_if(last_second_, damaged);
-  if (t_ns - *good_ns_ >= kPatience_ns) {
-    verdict_ = fault;
-  } else if (often >= 2 && often * 4 > std::ssize(last_second_)) {
-    verdict_ = std::find_if(last_second_.rbegin(), last_second_.rend(), damaged)->fault;
-  } else if (fault == ImageFault::kNone || verdict_ == ImageFault::kNone) {
-    verdict_ = ImageFault::kNone;
-  }
+  const auto count = std::ranges::count_if(last_second_, damaged);
+  const bool often = count >= 2 && count * 4 > std::ssize(last_second_);
+  if (!too_long && !often && good) verdict_ = ImageFault::kNone;
+  if (verdict_ != ImageFault::kNone || (!too_long && !often)) return;
+  verdict_ = too_long ? fault : std::find_if(last_second_.rbegin(), last_second_.rend(), damaged)->fault;
 }
 
 }  // namespace coslam

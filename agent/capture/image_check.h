@@ -13,29 +13,39 @@
 
 namespace coslam {
 
-// What an image tells of itself, next to those of the same camera before it. A sensor's noise makes no two images the
-// same, so an image that was there before, bit by bit, is not what the camera sees now. Pure; for one thread.
+// What an image tells of itself, next to those of the same camera before it. A sensor's noise makes no two the same,
+// and so does motion: an image that was there before, bit by bit, is not what a camera sees that was moving, or whose
+// noise was seen. A simulator's, or that of a video that codes what stands still as the same, may be. Pure; for one
+// thread.
 class ImageCheck {
  public:
   // Images in their order; what the source found wrong already stands.
   ImageFault check(const Image& image);
 
  private:
-  bool is_from_earlier(const cv::Mat& grey);
+  bool was_seen(const cv::Mat& grey);
+  bool is_cut_off(const cv::Mat& grey);
+  void compare(const cv::Mat& grey, const cv::Mat& blocks);
+  void note_noise(bool noise);
+  bool never_repeats() const;
 
-  cv::Mat last_;
+  cv::Mat last_, last_blocks_;  // the newest image that was not the one before, and the means of its blocks
   std::array<std::uint64_t, 32> earlier_{};  // prints of the newest images
   std::size_t images_ = 0;
+  bool left_out_repeats_ = false;  // just now
+  bool whole_moved_ = false;       // from the one before to last_ all of the picture did
+  std::deque<bool> noise_;         // of the newest pairs that show the same: whether each row was another
   std::optional<int> usual_band_;  // rows at the end that are alike, in the best image so far: a rim
 };
 
-// Whether a camera's images as a whole are to be believed. They are not, from when none was good for 0.2 s, or from
-// when more than a quarter of those of the last second came damaged or out of order. Pure; for one thread.
+// Whether a camera's images as a whole are to be believed. They are not, from when none was good for 0.2 s or much
+// longer than usual, or from when more than a quarter of those of the last second came damaged or out of order. Pure;
+// for one thread.
 class ImageVerdict {
  public:
-  // t_ns: capture times, or any other clock that does not go back.
+  // t_ns: of a clock that does not go back.
   void note(ImageFault fault, TimeNs t_ns);
-  // kNone: they are.
+  // kNone: they are. The reason stays the first one until they are again.
   ImageFault verdict() const { return verdict_; }
 
  private:
@@ -43,8 +53,12 @@ class ImageVerdict {
     TimeNs t_ns = 0;
     ImageFault fault = ImageFault::kNone;
   };
+  TimeNs patience_ns() const;
+
   std::deque<Noted> last_second_;
-  std::optional<TimeNs> good_ns_;  // the newest good one, or the first of all
+  std::optional<TimeNs> good_ns_;              // the newest good one, or the first of all
+  std::array<TimeNs, 8> good_intervals_ns_{};  // the newest ones
+  std::size_t good_ = 0;
   ImageFault verdict_ = ImageFault::kNone;
 };
 

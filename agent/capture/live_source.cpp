@@ -108,14 +108,15 @@ std::unique_ptr<Camera> open_gst(std::string pipeline) {
   return std::make_unique<CapturedByOpenCv>(std::move(capture));
 }
 
-std::unique_ptr<Camera> open_camera(const std::string& uri) {
+// Null: it cannot be opened. Throws UserError for what it does not do. stopped: opening ends soon after that is set.
+std::unique_ptr<Camera> open_camera(const std::string& uri, const std::atomic<bool>& stopped) {
   try {
     if (uri.starts_with(kV4l2)) return open_v4l2(uri);
     if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()));
   } catch (const cv::Exception&) {
     return nullptr;
   }
-  auto decoder = StreamDecoder::open(uri, true);
+  auto decoder = StreamDecoder::open(uri, true, &stopped);
   return decoder ? std::make_unique<Stream>(std::move(decoder)) : nullptr;
 }
 
@@ -123,7 +124,7 @@ std::unique_ptr<Camera> open_camera(const std::string& uri) {
 class LiveSource final : public ImageSource {
  public:
   LiveSource(std::string uri, const SourceOptions& options)
-      : uri_(std::move(uri)), duration_s_(options.duration_s), camera_(open_camera(uri_)) {
+      : uri_(std::move(uri)), duration_s_(options.duration_s), camera_(open_camera(uri_, stopped_)) {
     if (!camera_) throw UserError("the source '" + uri_ + "' cannot be opened");
     std::optional<Camera::Picture> first;
     // A camera may warm up with empty frames.
@@ -178,6 +179,16 @@ class LiveSource final : public ImageSource {
     }
   }
 
+  // It may have come back in another mode, which waits for a better one.
+  std::unique_ptr<Camera> opened_again() {
+    try {
+      return open_camera(uri_, stopped_);
+    } catch (const UserError& e) {
+      if (log_.pass()) log_warn(e.what());
+      return nullptr;
+    }
+  }
+
   void reopen() {
     auto wait = std::chrono::milliseconds(100);
     const auto put = [&](std::unique_ptr<Camera> camera) {
@@ -188,7 +199,7 @@ class LiveSource final : public ImageSource {
     do {
       sleep(wait);
       wait = std::min(wait * 2, std::chrono::milliseconds(3000));
-      if (!stopped_) put(open_camera(uri_));
+      if (!stopped_) put(opened_again());
     } while (!stopped_ && !camera_);
     failed_ = false;
   }
@@ -202,6 +213,7 @@ class LiveSource final : public ImageSource {
 
   std::string uri_;
   std::optional<double> duration_s_;
+  std::atomic<bool> stopped_ = false;
   std::mutex mutex_;  // of the pointer, against stop()
   std::unique_ptr<Camera> camera_;
   cv::Size size_;
@@ -209,7 +221,6 @@ class LiveSource final : public ImageSource {
   std::uint32_t frame_ = 0;
   bool failed_ = false, ended_ = false;
   LogLimiter log_;
-  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace

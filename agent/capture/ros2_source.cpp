@@ -125,7 +125,7 @@ class Ros2Source final : public ImageSource {
       compressed_ ? read_compressed(octets, &heard) : read_image(octets, &heard);
     });
     if (!came_ns) return std::nullopt;
-    heard.came_ns = *came_ns;
+    heard.came_ns = utc_now_ns();
     heard.grey = compressed_ ? grey_.decode(heard.compressed) : grey_.in_8_bits(heard.grey);
     if (heard.stamp_ns == 0) {
       if (heard.whole && !std::exchange(unstamped_, true))

@@ -9,6 +9,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -33,7 +34,8 @@ using Scaler = std::unique_ptr<SwsContext, decltype([](SwsContext* s) { sws_free
 
 class FfmpegDecoder final : public StreamDecoder {
  public:
-  FfmpegDecoder(std::string url, bool live) : live_(live), url_(std::move(url)) {}
+  FfmpegDecoder(std::string url, bool live, const std::atomic<bool>* stopped)
+      : live_(live), also_stopped_(stopped), url_(std::move(url)) {}
   ~FfmpegDecoder() override { avformat_close_input(&container_); }
   FfmpegDecoder(const FfmpegDecoder&) = delete;
   FfmpegDecoder& operator=(const FfmpegDecoder&) = delete;
@@ -41,20 +43,29 @@ class FfmpegDecoder final : public StreamDecoder {
   bool open() { return open_container() && open_codec(); }
 
   bool grab() override {
+    constexpr int kMostErrors = 100;  // in succession
     decoded_ = false;
-    deadline_ = Clock::now() + kPatience;
-    for (;;) {
+    for (int errors = 0; errors < kMostErrors;) {
       const int got = avcodec_receive_frame(codec_.get(), frame_.get());
       if (got == 0) {
         decoded_ = true;
         note_damage();
         return true;
       }
+      if (got == AVERROR_INVALIDDATA) {  // of a frame that was fed before; others follow
+        ++errors;
+        cut_ = true;
+        continue;
+      }
       if (got != AVERROR(EAGAIN) || stopped_) return false;
       const int fed = feed();
-      if (fed == AVERROR_INVALIDDATA && is_of_single_images()) return true;  // this one cannot be decoded
+      if (fed == AVERROR_INVALIDDATA && is_of_single_images()) {  // this one cannot be decoded
+        cut_ = false;
+        return true;
+      }
       if (fed == AVERROR_EOF) return false;
     }
+    return false;
   }
 
   cv::Mat bgr() override {
@@ -107,7 +118,8 @@ class FfmpegDecoder final : public StreamDecoder {
 
   static int interrupted(void* self) {
     const auto& me = *static_cast<const FfmpegDecoder*>(self);
-    return me.stopped_ || (me.live_ && Clock::now() > me.deadline_) ? 1 : 0;
+    const bool stopped = me.stopped_ || (me.also_stopped_ != nullptr && *me.also_stopped_);
+    return stopped || (me.live_ && Clock::now() > me.deadline_) ? 1 : 0;
   }
 
   bool open_container() {
@@ -130,6 +142,7 @@ class FfmpegDecoder final : public StreamDecoder {
     const std::string name = live_ ? url_ : "file:" + url_;
     const int opened = avformat_open_input(&container_, name.c_str(), nullptr, &options);  // frees it when it fails
     av_dict_free(&options);
+    deadline_ = Clock::now() + kPatience;
     return opened == 0 && avformat_find_stream_info(container_, nullptr) >= 0;
   }
 
@@ -153,9 +166,10 @@ class FfmpegDecoder final : public StreamDecoder {
   int feed() {
     do {
       av_packet_unref(packet_.get());
+      deadline_ = Clock::now() + kPatience;
       if (av_read_frame(container_, packet_.get()) < 0) return avcodec_send_packet(codec_.get(), nullptr);
     } while (packet_->stream_index != video_);
-    cut_ =
+    cut_ |=
         (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0 ||
         (codec_->codec_id == AV_CODEC_ID_MJPEG && is_cut_off({packet_->data, static_cast<std::size_t>(packet_->size)}));
     return avcodec_send_packet(codec_.get(), packet_.get());
@@ -170,9 +184,10 @@ class FfmpegDecoder final : public StreamDecoder {
   void note_damage() {
     const bool now =
         std::exchange(cut_, false) || frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
-    const double rate = rate_hz();
+    constexpr double kSlowest_hz = 1, kFastest_hz = 120;  // what containers say may be no rate
     if (now) {
-      heals_in_ = is_of_single_images() ? 1 : static_cast<int>(kHealed_s * (rate > 0 ? rate : 30));
+      heals_in_ =
+          is_of_single_images() ? 1 : static_cast<int>(kHealed_s * std::clamp(rate_hz(), kSlowest_hz, kFastest_hz));
     } else if (heals_in_ > 0) {
       heals_in_ = frame_->key_frame != 0 ? 0 : heals_in_ - 1;
     }
@@ -180,6 +195,7 @@ class FfmpegDecoder final : public StreamDecoder {
   }
 
   const bool live_;
+  const std::atomic<bool>* const also_stopped_;
   std::string url_;
   std::atomic<bool> stopped_ = false;
   Clock::time_point deadline_;
@@ -195,8 +211,9 @@ class FfmpegDecoder final : public StreamDecoder {
 
 }  // namespace
 
-std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live) {
-  auto decoder = std::make_unique<FfmpegDecoder>(url, live);
+std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live,
+                                                   const std::atomic<bool>* stopped) {
+  auto decoder = std::make_unique<FfmpegDecoder>(url, live, stopped);
   if (!decoder->open()) return nullptr;
   return decoder;
 }

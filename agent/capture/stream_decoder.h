@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -15,7 +16,9 @@ class StreamDecoder {
  public:
   // live: of a stream that comes at its own pace; what has been decoded is given at once, and who is silent for 5 s has
   // failed. Null: it cannot be opened, or there is no video in it.
-  static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live);
+  // stopped: where it is set, that ends soon, here as in grab().
+  static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live,
+                                             const std::atomic<bool>* stopped = nullptr);
   virtual ~StreamDecoder() = default;
 
   // Decodes the next frame; false at the end, and when the stream has failed.

@@ -52,6 +52,7 @@ struct VideoPackets::Impl {
   AVPacket* packet = av_packet_alloc();
   AVFrame* frame = av_frame_alloc();
   std::int64_t sent = 0;
+  int heals_in = 0;  // frames, after a damaged one
   Impl() = default;
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -72,7 +73,7 @@ std::unique_ptr<VideoPackets> VideoPackets::of(std::string_view codec) {
   auto impl = std::make_unique<Impl>();
   impl->decoder = avcodec_alloc_context3(found);
   if (impl->decoder == nullptr || impl->packet == nullptr || impl->frame == nullptr) return nullptr;
-  impl->decoder->flags |= AV_CODEC_FLAG_LOW_DELAY;
+  impl->decoder->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
   impl->decoder->thread_count = 1;  // several would hold frames back
   impl->decoder->log_level_offset = kQuiet;
   impl->decoder->max_pixels = kMostPixels;
@@ -90,8 +91,14 @@ cv::Mat VideoPackets::decode(std::span<const std::uint8_t> packet) {
   av_packet_unref(impl_->packet);
   cv::Mat luma;
   while (avcodec_receive_frame(impl_->decoder, impl_->frame) == 0) {
-    const bool is_whole = (impl_->frame->flags & AV_FRAME_FLAG_CORRUPT) == 0;
-    if (impl_->frame->pts == number && is_whole) luma = luma_of(*impl_->frame);
+    constexpr int kHealsIn = 30;  // frames, without a key frame before
+    const bool damaged = (impl_->frame->flags & AV_FRAME_FLAG_CORRUPT) != 0 || impl_->frame->decode_error_flags != 0;
+    if (damaged) {
+      impl_->heals_in = kHealsIn;
+    } else if (impl_->heals_in > 0) {
+      impl_->heals_in = impl_->frame->key_frame != 0 ? 0 : impl_->heals_in - 1;
+    }
+    if (impl_->frame->pts == number && impl_->heals_in == 0) luma = luma_of(*impl_->frame);
     av_frame_unref(impl_->frame);
   }
   return luma;

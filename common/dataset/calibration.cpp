@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iomanip>
+#include <sstream>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
@@ -124,9 +125,7 @@ CameraModel read_any(const std::filesystem::path& file, const std::string& camer
   const std::string first = first_line(file);
   if (first.starts_with("# oST") || first == "[image]") return calibration::read_ost(file);
   if (is_dso(first)) return calibration::read_dso(file);
-  if (first.starts_with("<?xml")) {
-    throw UserError(file.string() + ": OpenCV's XML is not read; its YAML is (cv2.FileStorage writes it to a .yaml)");
-  }
+  if (first.starts_with("<?xml")) return calibration::read_opencv_xml(file);
   return read_yaml(YamlValue::load(file), camera);
 }
 
@@ -154,16 +153,22 @@ CameraModel load_calibration(const ros::CameraInfo& info, const std::string& nam
   return checked(calibration::read_info(info, name), name);
 }
 
+std::string plain_text(const CameraModel& camera) {
+  std::ostringstream text;
+  text << std::setprecision(17);
+  text << "width: " << camera.width_px << "\nheight: " << camera.height_px;
+  const double sphere = calibration::sphere_scale(camera);
+  text << "\nfx: " << camera.fx * sphere << "\nfy: " << camera.fy * sphere << "\ncx: " << camera.cx
+       << "\ncy: " << camera.cy;
+  text << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
+  for (std::size_t i = 0; i < coefficient_count(camera); ++i) text << (i == 0 ? "" : ", ") << camera.coefficients[i];
+  text << "]\n";
+  return text.str();
+}
+
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {
   std::ofstream stream = create_file(file);
-  stream << std::setprecision(17);
-  stream << "width: " << camera.width_px << "\nheight: " << camera.height_px;
-  const double sphere = calibration::sphere_scale(camera);
-  stream << "\nfx: " << camera.fx * sphere << "\nfy: " << camera.fy * sphere << "\ncx: " << camera.cx
-         << "\ncy: " << camera.cy;
-  stream << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
-  for (std::size_t i = 0; i < coefficient_count(camera); ++i) stream << (i == 0 ? "" : ", ") << camera.coefficients[i];
-  stream << "]\n";
+  stream << plain_text(camera);
   close_file(stream, file);
 }
 

@@ -13,7 +13,7 @@ namespace ros {
 struct CameraInfo;
 }
 
-// Reads a camera from any of the dialects of docs/configuration.md, told apart by their keys: plain form, OpenCV YAML,
+// Reads a camera from any of the dialects of docs/inputs.md, told apart by their keys: plain form, OpenCV YAML,
 // ROS camera_info, Kalibr camchain, EuRoC sensor.yaml, COLMAP cameras.txt, ORB-SLAM, stella_vslam, camodocal, maplab,
 // DSO; or the first CameraInfo of a topic in a recording, named bag:PATH#TOPIC. Of a file with several cameras one has
 // to be named: FILE#CAMERA. Throws UserError with file (and line) and what is wrong.
@@ -29,7 +29,8 @@ struct CalibrationFile {
 };
 CalibrationFile calibration_file(const std::filesystem::path& name);
 
-// Writes the plain form.
+// The plain form.
+std::string plain_text(const CameraModel& camera);
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera);
 
 }  // namespace coslam

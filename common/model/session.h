@@ -51,6 +51,7 @@ struct AgentStatus {
   PoseState pose_state = PoseState::kNone;
   std::uint32_t frames = 0;                    // images read
   std::uint32_t dropped = 0;                   // images skipped for lack of time
+  std::uint32_t left_out = 0;                  // images that were not to be believed
   ImageFault image_fault = ImageFault::kNone;  // why its images are not to be believed now; none: they are
   std::uint32_t tracks = 0;
   float frame_ms = 0;       // mean time of one step

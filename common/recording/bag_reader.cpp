@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/compression/compression.h"
 #include "common/mcap/records.h"
 #include "common/recording/containers.h"
@@ -219,7 +220,13 @@ void BagReader::load(const Chunk& chunk) {
 
 std::optional<Message> BagReader::next() {
   while (next_chunk_ < chunks_.size() && (waiting_.empty() || chunks_[next_chunk_].first_ns <= waiting_.top().t_ns)) {
-    load(chunks_[next_chunk_++]);
+    try {
+      load(chunks_[next_chunk_++]);
+    } catch (const UserError& e) {
+      if (order_ == 0) throw;
+      // The chunks behind it may be sound.
+      log_warn(std::string(e.what()) + "; passed over");
+    }
   }
   if (waiting_.empty()) return std::nullopt;
   Message message{waiting_.top().t_ns, std::string(waiting_.top().message)};

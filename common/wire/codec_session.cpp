@@ -145,6 +145,7 @@ idl::AgentStatus encode(const AgentStatus& s) {
   m.agent_run(s.agent_run.value);
   m.frames(s.frames);
   m.dropped(s.dropped);
+  m.left_out(s.left_out);
   m.tracks(s.tracks);
   m.frame_ms(s.frame_ms);
   m.patch_sent_ns(s.exchange.sent_ns);
@@ -174,6 +175,7 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& m) {
   s.image_fault = static_cast<ImageFault>(m.image_fault());
   s.frames = m.frames();
   s.dropped = m.dropped();
+  s.left_out = m.left_out();
   s.tracks = m.tracks();
   s.frame_ms = m.frame_ms();
   s.exchange = {m.patch_sent_ns(), m.patch_received_ns(), m.sent_ns(), 0};

@@ -4,6 +4,7 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -45,9 +46,39 @@ constexpr std::uint64_t kReserved = 176;  // what the middleware keeps free of m
 
 constexpr int kMaxDomain = 232;  // the UDP ports of higher ones would be above 65535
 
-bool is_ipv4(const std::string& text) {
-  in_addr address{};
-  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+bool is_address(int family, const std::string& text) {
+  in6_addr address{};
+  return inet_pton(family, text.c_str(), &address) == 1;
+}
+
+// The IPv4 addresses of a peer, which may be a name.
+std::vector<std::string> addresses_of(const std::string& peer) {
+  if (is_address(AF_INET, peer)) return {peer};
+  if (is_address(AF_INET6, peer)) throw UserError("peer '" + peer + "' is an IPv6 address: the fleet speaks IPv4");
+  addrinfo wanted{}, *list = nullptr;
+  wanted.ai_family = AF_INET;
+  wanted.ai_socktype = SOCK_DGRAM;
+  const int error = getaddrinfo(peer.c_str(), nullptr, &wanted, &list);
+  if (error != 0) {
+    throw UserError("peer '" + peer + "' is no IPv4 address and no name of one: " + gai_strerror(error));
+  }
+  std::vector<std::string> out;
+  for (const addrinfo* i = list; i != nullptr; i = i->ai_next) {
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ai_addr)->sin_addr, text.data(), text.size());
+    out.emplace_back(text.data());
+  }
+  freeaddrinfo(list);
+  return out;
+}
+
+WireConfig with_addresses(WireConfig config) {
+  std::vector<std::string> peers;
+  for (const std::string& peer : config.peers) {
+    for (std::string& address : addresses_of(peer)) peers.push_back(std::move(address));
+  }
+  config.peers = std::move(peers);
+  return config;
 }
 
 void require_addresses(const WireConfig& c) {
@@ -59,9 +90,6 @@ void require_addresses(const WireConfig& c) {
     for (const std::string& a : mine) known.append(known.empty() ? "" : ", ").append(a);
     throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " + known +
                     ")");
-  }
-  for (const std::string& peer : c.peers) {
-    if (!is_ipv4(peer)) throw UserError("peer '" + peer + "' is not an IPv4 address");
   }
 }
 
@@ -217,16 +245,17 @@ WireConfig loopback_config(int domain) {
 
 std::string partition_of(RunId agent_run) { return "run-" + format_hex(agent_run.value); }
 
-std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key) {
+std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool with_key) {
   const std::uint64_t seal = with_key ? kSealBytes : 0;
-  const std::uint64_t room = max_message_bytes - kReserved - seal;
+  const std::uint64_t room = static_cast<std::uint64_t>(max_message_bytes) - kReserved - seal;
   if (sample_bytes <= room) return sample_bytes + kDatagramOverhead + seal;
   return sample_bytes + (sample_bytes + room - 1) / room * (kFragmentOverhead + seal);
 }
 
-Participant::Participant(const WireConfig& config, const std::string& name, std::shared_ptr<RejectionCounts> rejections)
+Participant::Participant(const WireConfig& asked, const std::string& name, std::shared_ptr<RejectionCounts> rejections)
     : impl_(std::make_unique<Impl>()) {
-  require_usable(config);
+  require_usable(asked);
+  const WireConfig config = with_addresses(asked);
   impl_->config = config;
   impl_->rejections = std::move(rejections);
   warn_when_open(config);

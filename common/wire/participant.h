@@ -24,7 +24,7 @@ struct TopicCounts {
 
 // Bytes that a sample costs on the network: its serialized form and the headers of the datagrams that carry it, with
 // the seals where there is a key.
-std::uint64_t link_bytes(std::size_t sample_bytes, std::uint32_t max_message_bytes, bool with_key = false);
+std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool with_key = false);
 
 // The IPv4 addresses of this machine now.
 std::vector<std::string> local_addresses();

@@ -31,7 +31,7 @@ constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5, kSoonHeartbeat_s =
 constexpr const char* kMulticast = "239.255.0.1";
 constexpr std::uint32_t kFirstPort = 7400, kPortsADomain = 250;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
-constexpr std::uint32_t kSecureMessageBytes = 8192;
+constexpr int kSecureMessageBytes = 8192;
 
 Duration_t duration(double seconds) { return Duration_t(static_cast<long double>(seconds)); }
 
@@ -46,8 +46,8 @@ Locator_t udp(const std::string& address, std::uint32_t port) {
 std::shared_ptr<rtps::UDPv4TransportDescriptor> carrier_of(const WireConfig& c) {
   auto udp4 = std::make_shared<rtps::UDPv4TransportDescriptor>();
   // Above the MTU (default 65500) the loss of one IP fragment loses the whole datagram: nothing large gets through.
-  udp4->maxMessageSize =
-      c.certificates.empty() ? c.max_message_bytes : std::max(c.max_message_bytes, kSecureMessageBytes);
+  udp4->maxMessageSize = static_cast<std::uint32_t>(
+      c.certificates.empty() ? c.max_message_bytes : std::max(c.max_message_bytes, kSecureMessageBytes));
   udp4->receiveBufferSize = c.receive_buffer_bytes;
   udp4->sendBufferSize = c.send_buffer_bytes;
   udp4->maxInitialPeersRange = static_cast<std::uint32_t>(c.peer_range);

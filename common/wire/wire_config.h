@@ -9,14 +9,14 @@
 namespace coslam {
 
 // What a UDP datagram holds, as the middleware counts.
-constexpr std::uint32_t kMostMessageBytes = 65'500;
+constexpr int kMostMessageBytes = 65'500;
 
 // Where and how a process joins the network. Times and rates must be the same on all hosts unless the comment says
 // otherwise.
 struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
-  std::vector<std::string> peers;       // IPv4 addresses to call instead of multicast: on agents, the server's
+  std::vector<std::string> peers;       // IPv4 addresses or names to call instead of multicast: on agents, the server's
   std::vector<std::string> also_call;   // besides: where others were before this process joined anew; no setting
   bool own_host = false;                // those of this host that name its other addresses are reached on the loopback
                                         // device; for ROS 2 alone, no setting
@@ -31,7 +31,7 @@ struct WireConfig {
   double silent_after_s = 0.5;  // no sign of life from an agent or server for this long: silent
 
   std::uint32_t bulk_bytes_per_s = 1'250'000;  // pace of patches and descriptors; below the uplink's rate; 0 = no limit
-  std::uint32_t max_message_bytes = 1400;      // largest datagram: below the MTU, or one loss costs a whole sample
+  int max_message_bytes = 1400;                // largest datagram: below the MTU, or one loss costs a whole sample
   std::uint32_t receive_buffer_bytes = 4u << 20;  // kernel buffers; the kernel cuts them to net.core.rmem_max, wmem_max
   std::uint32_t send_buffer_bytes = 1u << 20;
 };

@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
   coslam::add_status_command(app, chosen);
   coslam::add_view_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);
+  coslam::add_calibration_command(app, chosen);
   if (const auto code = coslam::parse_arguments(app, argc, argv)) return *code;
   return chosen();
 }

@@ -60,6 +60,7 @@ Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates
   out["lag_s"] = a.facts.wait_s;
   out["lost_percent"] = tenths(rate.lost_percent);
   out["dropped"] = status.dropped;
+  out["left_out"] = status.left_out;
   out["images"] = words_of(status.image_fault).name;
   out["tracks"] = a.tracks;
   out["bound"] = a.bound;

@@ -92,6 +92,8 @@ void put_agents(const PublicState& state, MetricsText* text) {
        [](const auto& a) { return static_cast<double>(a.facts.status.frames); });
   each("coslam_agent_dropped_total", Kind::kCounter, "Images it had no time for",
        [](const auto& a) { return static_cast<double>(a.facts.status.dropped); });
+  each("coslam_agent_left_out_total", Kind::kCounter, "Images that were not to be believed",
+       [](const auto& a) { return static_cast<double>(a.facts.status.left_out); });
   each("coslam_agent_images_doubted", Kind::kGauge, "1: its images are not to be believed now",
        [](const auto& a) { return a.facts.status.image_fault == ImageFault::kNone ? 0.0 : 1.0; });
   each("coslam_agent_frames_used_total", Kind::kCounter, "Its frames that became part of frame sets",

@@ -29,7 +29,8 @@ void Rates::see(const PublicState& state) {
   for (const PublicAgent& a : state.agents) {
     auto& sums = agents_[a.facts.name];
     if (!sums.empty() && sums.back().run != a.run) sums.clear();
-    const double due = static_cast<double>(a.frames_due) - static_cast<double>(a.facts.status.dropped);
+    const double due = static_cast<double>(a.frames_due) - static_cast<double>(a.facts.status.dropped) -
+                       static_cast<double>(a.facts.status.left_out);
     sums.push_back(
         {state.wall_ns, a.run, a.facts.bytes_up, a.facts.bytes_down, due, static_cast<double>(a.frames_used)});
     forget(sums, state.wall_ns, kLossOf_s);

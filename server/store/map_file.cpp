@@ -231,6 +231,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
       throw UserError("map file " + path_.string() + " " + access_cause(path_));
     }
     open_for_writing(db, there);
+    impl_->marked = is_marked(db);  // by a process that was killed
     impl_->put = std::make_unique<SQLite::Statement>(
         db,
         "INSERT INTO rows VALUES (?, ?, ?, ?) ON CONFLICT DO UPDATE SET octets = excluded.octets, "

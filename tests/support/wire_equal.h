@@ -101,6 +101,7 @@ inline void expect_same(const AgentStatus& a, const AgentStatus& b) {
   EXPECT_EQ(a.pose_state, b.pose_state);
   EXPECT_EQ(a.frames, b.frames);
   EXPECT_EQ(a.dropped, b.dropped);
+  EXPECT_EQ(a.left_out, b.left_out);
   EXPECT_EQ(a.image_fault, b.image_fault);
   EXPECT_EQ(a.tracks, b.tracks);
   expect_same_bits(a.frame_ms, b.frame_ms, "frame_ms");

@@ -111,7 +111,7 @@ class WireValues {
   }
 
   AgentStatus agent_status(const std::string& agent, RunId run, AgentState state = AgentState::kRunning) {
-    AgentStatus s{agent, run, state, PoseState::kTracked, below(1000), below(10), ImageFault::kCutOff, 300, 8.5f,
+    AgentStatus s{agent, run, state, PoseState::kTracked, below(1000), below(10), 5, ImageFault::kCutOff, 300, 8.5f,
                   {},    {},  {}};
     if (state != AgentState::kFinished) return s;
     s.report_json = R"({"tracked_percent":99.5})";

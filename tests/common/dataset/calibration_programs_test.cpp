@@ -148,9 +148,26 @@ TEST_F(CalibrationOfPrograms, ACameraIsNamedOnlyWhereThereMayBeSeveral) {
               HasSubstr("of this form there is one camera in a file: leave out #cam1"));
 }
 
-TEST_F(CalibrationOfPrograms, XmlIsNamed) {
+TEST_F(CalibrationOfPrograms, XmlOfOpenCv) {
+  const std::string head =
+                        "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"
+                        "<image_height>480</image_height>\n<camera_name>\"left\"</camera_name>\n",
+                    matrix =
+                        "<camera_matrix type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt>"
+                        "<data>500. 0. 320. 0. 501. 240. 0. 0. 1.</data></camera_matrix>\n",
+                    bent =
+                        "<distortion_coefficients type_id=\"opencv-matrix\"><rows>1</rows><cols>5</cols><dt>d</dt>"
+                        "<data>-1.0e-01 0.02 0.003 0. 0.</data></distortion_coefficients>\n",
+                    end = "</opencv_storage>\n";
+  const CameraModel camera = load(head + matrix + bent + end, "calib.xml");
+  EXPECT_EQ(camera.width_px, 640);
+  EXPECT_EQ(camera.fy, 501);
+  EXPECT_EQ(camera.cx, 320);
+  EXPECT_THAT(camera.coefficients, ElementsAre(-0.1, 0.02, 0.003, 0, 0, 0, 0, 0));
+  EXPECT_THAT(error(head + bent + end, "calib.xml"), HasSubstr("camera_matrix"));
   EXPECT_THAT(error("<?xml version=\"1.0\"?>\n<opencv_storage></opencv_storage>\n", "calib.xml"),
-              HasSubstr("OpenCV's XML is not read"));
+              HasSubstr("there is no camera in it"));
+  EXPECT_THAT(error("<?xml version=\"1.0\"?>\n<opencv_storage><a>", "calib.xml"), HasSubstr("calib.xml"));
 }
 
 TEST_F(CalibrationOfPrograms, APartOfTheSensor) {

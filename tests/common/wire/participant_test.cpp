@@ -50,8 +50,12 @@ TEST(Participant, UnknownInterfaceIsNamedBesideTheKnownOnes) {
 
 TEST(Participant, PeersMustBeAddresses) {
   WireConfig config = loopback_config(10);
-  config.peers = {"server.local"};
-  EXPECT_THAT(error_of(config), HasSubstr("peer 'server.local' is not an IPv4 address"));
+  config.peers = {"server.invalid"};
+  EXPECT_THAT(error_of(config), HasSubstr("peer 'server.invalid' is no IPv4 address and no name of one"));
+  config.peers = {"::1"};
+  EXPECT_THAT(error_of(config), HasSubstr("peer '::1' is an IPv6 address: the fleet speaks IPv4"));
+  config.peers = {"localhost"};
+  EXPECT_EQ(error_of(config), "");
 }
 
 TEST(Participant, TakenPortsAreAUserErrorNotSilence) {

@@ -70,7 +70,8 @@ TEST_F(CoslamCommand, AWrongRateIsSaidBeforeAnythingStarts) {
 
 TEST_F(CoslamCommand, Usage) {
   EXPECT_EQ(coslam("--help").exit_code, 0);
-  for (const char* command : {"run", "replay", "eval", "explain", "render", "export", "status", "calibrate"}) {
+  for (const char* command :
+       {"run", "replay", "eval", "explain", "render", "export", "status", "calibrate", "calibration"}) {
     const Outcome help = coslam(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage: coslam " + std::string(command)));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <fstream>
 
@@ -148,6 +149,21 @@ TEST_F(MapFileTest, ACopyThatWasTakenWhileItWasWrittenIsWholeOrRefused) {
   EXPECT_EQ(MapFile(whole, Access::kRead).read(), file.read());
   MapFile(whole, Access::kWrite).write({}, 44);
   EXPECT_THAT(test::error_of<UserError>([&] { file.copy_to(whole); }), HasSubstr("whole.map is there already"));
+}
+
+TEST_F(MapFileTest, WhoOpensItAfterAKillLeavesItWhole) {
+  write_some(3);
+  const pid_t child = fork();
+  if (child == 0) {
+    MapFile file(path_, Access::kWrite);
+    file.write(std::vector<Row>{{"point", 100, octets(1)}}, 50);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  { MapFile file(path_, Access::kWrite); }  // writes nothing
+  EXPECT_EQ(why_not(Access::kRead), "");
+  EXPECT_EQ(MapFile(path_, Access::kRead).saved_ns(), 50);
 }
 
 TEST_F(MapFileTest, OnceClosedItIsWholeByItself) {
