@@ -101,7 +101,7 @@ ImageFault ImageCheck::check(const Image& image) {
   const cv::Mat blocks = means_of_blocks(grey);
   // What came again may do so by nature; it is not called noise soon.
   if (std::exchange(left_out_repeats_, false)) note_noise(false);
-  const bool old = was_seen(grey) && never_repeats();
+  const bool old = is_out_of_order(grey) && never_repeats();
   compare(grey, blocks);
   last_ = grey;
   last_blocks_ = blocks;
@@ -139,12 +139,17 @@ bool ImageCheck::is_cut_off(const cv::Mat& grey) {
   return band - usual >= std::max(16, grey.rows / 16) && !has_equal_neighbours(grey, band);
 }
 
-bool ImageCheck::was_seen(const cv::Mat& grey) {
+// A recording that is played back and forth goes two images farther back with each, from two where it turns; a driver's
+// buffers do not.
+bool ImageCheck::is_out_of_order(const cv::Mat& grey) {
   const std::uint64_t print = print_of(grey);
-  const auto end = earlier_.begin() + static_cast<std::ptrdiff_t>(std::min(images_, earlier_.size()));
-  const bool known = std::find(earlier_.begin(), end, print) != end;
+  const std::size_t last_back = std::exchange(back_, 0);
+  for (std::size_t back = 1; back <= std::min(images_, earlier_.size()) && back_ == 0; ++back) {
+    if (earlier_[(images_ - back) % earlier_.size()] == print) back_ = back;
+  }
   earlier_[images_++ % earlier_.size()] = print;
-  return known;
+  const bool turns = back_ == 2 && last_back != 2;
+  return back_ > 0 && !turns && back_ != last_back + 2;
 }
 
 TimeNs ImageVerdict::patience_ns() const {

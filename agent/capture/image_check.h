@@ -23,7 +23,7 @@ class ImageCheck {
   ImageFault check(const Image& image);
 
  private:
-  bool was_seen(const cv::Mat& grey);
+  bool is_out_of_order(const cv::Mat& grey);
   bool is_cut_off(const cv::Mat& grey);
   void compare(const cv::Mat& grey, const cv::Mat& blocks);
   void note_noise(bool noise);
@@ -32,6 +32,7 @@ class ImageCheck {
   cv::Mat last_, last_blocks_;  // the newest image that was not the one before, and the means of its blocks
   std::array<std::uint64_t, 32> earlier_{};  // prints of the newest images
   std::size_t images_ = 0;
+  std::size_t back_ = 0;           // how many images before the newest one it was there already; 0: it was not
   bool left_out_repeats_ = false;  // just now
   bool whole_moved_ = false;       // from the one before to last_ all of the picture did
   std::deque<bool> noise_;         // of the newest pairs that show the same: whether each row was another

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iomanip>
-#include <sstream>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
@@ -154,16 +152,15 @@ CameraModel load_calibration(const ros::CameraInfo& info, const std::string& nam
 }
 
 std::string plain_text(const CameraModel& camera) {
-  std::ostringstream text;
-  text << std::setprecision(17);
-  text << "width: " << camera.width_px << "\nheight: " << camera.height_px;
   const double sphere = calibration::sphere_scale(camera);
-  text << "\nfx: " << camera.fx * sphere << "\nfy: " << camera.fy * sphere << "\ncx: " << camera.cx
-       << "\ncy: " << camera.cy;
-  text << "\ndistortion_model: " << name_of(camera.distortion) << "\ndistortion: [";
-  for (std::size_t i = 0; i < coefficient_count(camera); ++i) text << (i == 0 ? "" : ", ") << camera.coefficients[i];
-  text << "]\n";
-  return text.str();
+  std::string bent;
+  for (std::size_t i = 0; i < coefficient_count(camera); ++i) {
+    bent += (i == 0 ? "" : ", ") + format_double(camera.coefficients[i]);
+  }
+  return "width: " + std::to_string(camera.width_px) + "\nheight: " + std::to_string(camera.height_px) +
+         "\nfx: " + format_double(camera.fx * sphere) + "\nfy: " + format_double(camera.fy * sphere) +
+         "\ncx: " + format_double(camera.cx) + "\ncy: " + format_double(camera.cy) +
+         "\ndistortion_model: " + name_of(camera.distortion) + "\ndistortion: [" + bent + "]\n";
 }
 
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {

@@ -107,8 +107,8 @@ TEST_F(BadInput, BrokenImagesAreNamedAndPassedOver) {
   EXPECT_THAT(lines_with(run.err(), "cannot be read"), SizeIs(1)) << run.err();  // one a second at most
   EXPECT_THAT(run.err(), HasSubstr(scene_.image(1, 7) + " cannot be read"));
   const auto report = read_json(result_.report());
-  EXPECT_EQ(report["agents"]["cam0"]["unreadable"], 0);
-  EXPECT_EQ(report["agents"]["cam1"]["unreadable"], 2);
+  EXPECT_EQ(report["agents"]["cam0"]["left_out"], nlohmann::json::object());
+  EXPECT_EQ(report["agents"]["cam1"]["left_out"]["unreadable"], 2);
   EXPECT_EQ(report["agents"]["cam1"]["frames"], 18);
 }
 
