@@ -55,7 +55,7 @@ TEST(Participant, PeersMustBeAddresses) {
   config.peers = {"::1"};
   EXPECT_THAT(error_of(config), HasSubstr("peer '::1' is an IPv6 address: the fleet speaks IPv4"));
   config.peers = {"localhost"};
-  EXPECT_EQ(error_of(config), "");
+  EXPECT_EQ(error_of(config), "no error");
 }
 
 TEST(Participant, TakenPortsAreAUserErrorNotSilence) {
