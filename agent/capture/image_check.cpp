@@ -93,14 +93,15 @@ ImageFault ImageCheck::check(const Image& image) {
   const cv::Mat& grey = image.grey;
   if (grey.empty()) return ImageFault::kUnreadable;
   if (same_image(grey, last_)) {
-    left_out_repeats_ = never_repeats();
-    if (left_out_repeats_) return ImageFault::kRepeated;
-    compare(grey, last_blocks_);
+    ++repeats_;
+    // A camera that is late now and then gives one again, which is used as ever.
+    if (never_repeats() && repeats_ > 1) return ImageFault::kRepeated;
+    if (!never_repeats()) compare(grey, last_blocks_);
     return is_featureless(last_blocks_) ? ImageFault::kFeatureless : ImageFault::kNone;
   }
   const cv::Mat blocks = means_of_blocks(grey);
   // What came again may do so by nature; it is not called noise soon.
-  if (std::exchange(left_out_repeats_, false)) note_noise(false);
+  if (std::exchange(repeats_, 0) > 1) note_noise(false);
   const bool old = is_out_of_order(grey) && never_repeats();
   compare(grey, blocks);
   last_ = grey;

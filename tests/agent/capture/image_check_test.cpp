@@ -57,6 +57,7 @@ TEST_F(ImageCheckTest, AnImageThatComesAgain) {
   const cv::Mat first = seen(0), second = seen(1), third = seen(2);
   EXPECT_EQ(check(first), ImageFault::kNone);
   EXPECT_EQ(check(second), ImageFault::kNone);
+  EXPECT_EQ(check(second.clone()), ImageFault::kNone) << "once may be chance";
   EXPECT_EQ(check(second.clone()), ImageFault::kRepeated);
   EXPECT_EQ(check(second.clone()), ImageFault::kRepeated);
   EXPECT_EQ(check(third), ImageFault::kNone);
@@ -94,6 +95,7 @@ TEST_F(ImageCheckTest, ACameraWithNoiseThatStandsAndFreezes) {
   for (int i = 0; i < 30; ++i) ASSERT_EQ(check(seen(40)), ImageFault::kNone);
   const cv::Mat frozen = seen(40);
   EXPECT_EQ(check(frozen), ImageFault::kNone);
+  EXPECT_EQ(check(frozen.clone()), ImageFault::kNone) << "once may be chance";
   for (int i = 0; i < 50; ++i) ASSERT_EQ(check(frozen.clone()), ImageFault::kRepeated) << i;
   for (int i = 0; i < 30; ++i) ASSERT_EQ(check(seen(40)), ImageFault::kNone);
 }
