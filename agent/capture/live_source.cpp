@@ -40,7 +40,7 @@ class Camera {
 
 class CapturedByOpenCv final : public Camera {
  public:
-  explicit CapturedByOpenCv(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+  explicit CapturedByOpenCv(const cv::VideoCapture& capture) : capture_(capture) {}
   std::optional<Picture> read() override {
     cv::Mat frame;
     if (!capture_.read(frame)) return std::nullopt;
@@ -96,7 +96,7 @@ std::unique_ptr<Camera> open_v4l2(const std::string& uri) {
       log_warn(uri + ": the camera gives " + format_double(rate) + " images a second instead");
     }
   }
-  return std::make_unique<CapturedByOpenCv>(std::move(capture));
+  return std::make_unique<CapturedByOpenCv>(capture);
 }
 
 std::unique_ptr<Camera> open_gst(std::string pipeline) {
@@ -105,7 +105,7 @@ std::unique_ptr<Camera> open_gst(std::string pipeline) {
   }
   cv::VideoCapture capture;
   if (!capture.open(pipeline, cv::CAP_GSTREAMER)) return nullptr;
-  return std::make_unique<CapturedByOpenCv>(std::move(capture));
+  return std::make_unique<CapturedByOpenCv>(capture);
 }
 
 // Null: it cannot be opened. Throws UserError for what it does not do. stopped: opening ends soon after that is set.

@@ -75,6 +75,7 @@ void OwnBody::look(const std::vector<Track>& live) {
   }
   if (moved.size() < kFewest || stood.empty()) return;
   DirectionPairs pairs;
+  pairs.reserve(moved.size());
   for (const Pair& p : moved) pairs.emplace_back(p.before, p.now);
   const auto turn_rad = common_turn_rad(pairs);
   if (!turn_rad) return;
@@ -98,7 +99,7 @@ void OwnBody::look(const std::vector<Track>& live) {
     if (way_px(direction) >= kTurns_px * px_) seen.emplace_back(&cell_at(px), true);
   }
   std::ranges::sort(seen);
-  seen.erase(std::ranges::unique(seen).begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   for (const auto& [cell, is_stood] : seen) ++(is_stood ? cell->stood : cell->turned);
 }
 

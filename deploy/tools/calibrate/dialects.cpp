@@ -124,9 +124,9 @@ std::string orbslam(const CameraModel& c) {
 }
 
 struct Dialect {
-  const char* name;
+  const char* name = nullptr;
   Reach reach;
-  std::string (*write)(const CameraModel&);
+  std::string (*write)(const CameraModel&) = nullptr;
 };
 constexpr int kAll = 8;
 constexpr std::array<Dialect, 6> kDialects{{{"plain", {kAll, true}, plain_text},
@@ -140,6 +140,7 @@ constexpr std::array<Dialect, 6> kDialects{{{"plain", {kAll, true}, plain_text},
 
 std::vector<std::string> calibration_dialects() {
   std::vector<std::string> out;
+  out.reserve(kDialects.size());
   for (const Dialect& d : kDialects) out.emplace_back(d.name);
   return out;
 }
