@@ -19,6 +19,7 @@ extern "C" {
 #include <utility>
 
 #include "agent/capture/decode.h"
+#include "agent/capture/decoded_damage.h"
 
 namespace coslam {
 namespace {
@@ -180,18 +181,11 @@ class FfmpegDecoder final : public StreamDecoder {
     return d != nullptr && (d->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
   }
 
-  // What is made from a damaged frame is damaged, until one that is made from none, or until most of it has come anew.
   void note_damage() {
-    const bool now =
-        std::exchange(cut_, false) || frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
     constexpr double kSlowest_hz = 1, kFastest_hz = 120;  // what containers say may be no rate
-    if (now) {
-      heals_in_ =
-          is_of_single_images() ? 1 : static_cast<int>(kHealed_s * std::clamp(rate_hz(), kSlowest_hz, kFastest_hz));
-    } else if (heals_in_ > 0) {
-      heals_in_ = frame_->key_frame != 0 ? 0 : heals_in_ - 1;
-    }
-    damaged_ = heals_in_ > 0;
+    const int heals_in =
+        is_of_single_images() ? 1 : static_cast<int>(kHealed_s * std::clamp(rate_hz(), kSlowest_hz, kFastest_hz));
+    damaged_ = damage_.note(*frame_, std::exchange(cut_, false), heals_in);
   }
 
   const bool live_;
@@ -206,7 +200,7 @@ class FfmpegDecoder final : public StreamDecoder {
   Frame frame_{av_frame_alloc()};
   Scaler scaler_;
   bool decoded_ = false, cut_ = false, damaged_ = false;
-  int heals_in_ = 0;  // frames
+  DecodedDamage damage_;
 };
 
 }  // namespace

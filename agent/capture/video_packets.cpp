@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/capture/video_packets.h"
 
+#include "agent/capture/decoded_damage.h"
+
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavutil/pixdesc.h>
@@ -52,7 +54,7 @@ struct VideoPackets::Impl {
   AVPacket* packet = av_packet_alloc();
   AVFrame* frame = av_frame_alloc();
   std::int64_t sent = 0;
-  int heals_in = 0;  // frames, after a damaged one
+  DecodedDamage damage;
   Impl() = default;
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -92,13 +94,8 @@ cv::Mat VideoPackets::decode(std::span<const std::uint8_t> packet) {
   cv::Mat luma;
   while (avcodec_receive_frame(impl_->decoder, impl_->frame) == 0) {
     constexpr int kHealsIn = 30;  // frames, without a key frame before
-    const bool damaged = (impl_->frame->flags & AV_FRAME_FLAG_CORRUPT) != 0 || impl_->frame->decode_error_flags != 0;
-    if (damaged) {
-      impl_->heals_in = kHealsIn;
-    } else if (impl_->heals_in > 0) {
-      impl_->heals_in = impl_->frame->key_frame != 0 ? 0 : impl_->heals_in - 1;
-    }
-    if (impl_->frame->pts == number && impl_->heals_in == 0) luma = luma_of(*impl_->frame);
+    const bool damaged = impl_->damage.note(*impl_->frame, false, kHealsIn);
+    if (impl_->frame->pts == number && !damaged) luma = luma_of(*impl_->frame);
     av_frame_unref(impl_->frame);
   }
   return luma;

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+extern "C" {
+#include <libavutil/frame.h>
+}
+
+namespace coslam {
+
+// Which frames of a video are made up, as FFmpeg's decoders tell: what is made from a damaged frame is damaged too,
+// until a key frame, or until most of it has come anew.
+class DecodedDamage {
+ public:
+  // The next frame. cut: its packet was damaged. heals_in: frames, this one included, that damage lasts. True: it is
+  // made up.
+  bool note(const AVFrame& frame, bool cut, int heals_in) {
+    if (cut || frame.decode_error_flags != 0 || (frame.flags & AV_FRAME_FLAG_CORRUPT) != 0) {
+      left_ = heals_in;
+    } else if (left_ > 0) {
+      left_ = frame.key_frame != 0 ? 0 : left_ - 1;
+    }
+    return left_ > 0;
+  }
+
+ private:
+  int left_ = 0;
+};
+
+}  // namespace coslam
