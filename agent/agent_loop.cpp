@@ -39,7 +39,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   if (!image) return false;
   judge(*image);
   if (image->fault != ImageFault::kNone) {
-    leave_out();
+    tell_state();
     return true;
   }
   ++frames_;
@@ -67,8 +67,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     if (sent_.size() > kSentKept) sent_.pop_front();
   }
   warn_when_slow();
-  if (logs_state_) say_state();
-  send_status_when_due();
+  tell_state();
   return true;
 }
 
@@ -82,12 +81,9 @@ void AgentLoop::judge(const Image& image) {
   if (stamps_are_utc_) clock_set_ns_ = coslam::clock_set_ns();
 }
 
-void AgentLoop::leave_out() {
+// To the log and, when something changed or a second is over, to the server.
+void AgentLoop::tell_state() {
   if (logs_state_) say_state();
-  send_status_when_due();
-}
-
-void AgentLoop::send_status_when_due() {
   const auto now = now_();
   const bool changed = agent_.pose_state() != last_pose_state_ || verdict_.verdict() != last_verdict_;
   if (last_status_ && now - *last_status_ <= kStatusPeriod && !changed) return;

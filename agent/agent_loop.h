@@ -55,8 +55,7 @@ class AgentLoop {
 
  private:
   void judge(const Image& image);
-  void leave_out();
-  void send_status_when_due();
+  void tell_state();
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
   bool server_stops() const;
   Answers answers() const;
