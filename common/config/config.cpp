@@ -203,7 +203,16 @@ std::string Fields::problem_of_text(const Field& field, std::string_view text) {
     if (!allowed) return quoted + " is none of " + list_text(field.allowed);
     **word = text;
   } else if (auto* const* words = std::get_if<Words*>(&field.value)) {
-    **words = parse_words(text);
+    if (!trimmed(text).starts_with('[')) {
+      **words = parse_words(text);
+      return "";
+    }
+    std::istringstream file("list: " + std::string(text));
+    try {
+      read_value(field, YamlValue::parse(file, "").at("list"));
+    } catch (const UserError&) {
+      return quoted + " is not a list, as a,b or [a, b]";
+    }
   }
   return "";
 }

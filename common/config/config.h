@@ -103,7 +103,7 @@ void load_text(Config& config, const std::string& text, const std::filesystem::p
   fields_of(config).load_text(text, file);
 }
 
-// "agent.tracker.max_tracks=200", a list as "a,b". Throws UsageError.
+// "agent.tracker.max_tracks=200", a list as "a,b" or as in a file, "[a, b]". Throws UsageError.
 template <class Config>
 void apply_set(Config& config, std::string_view assignment) {
   fields_of(config).apply_set(assignment);

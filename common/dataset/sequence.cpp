@@ -20,13 +20,6 @@ namespace fs = std::filesystem;
 constexpr double kMaxSeconds = 1e9;
 constexpr double kMostLater_s = 3600;  // that a source plays later than the others
 
-bool is_uri(const std::string& source) {
-  for (const std::string_view scheme : {std::string_view("v4l2:"), std::string_view("gst:"), kRos2Scheme}) {
-    if (source.starts_with(scheme)) return true;
-  }
-  return source.find("://") != std::string::npos;
-}
-
 // Paths are relative to the file that names them.
 fs::path existing_path(const YamlValue& value) {
   fs::path path = (fs::absolute(value.file()).parent_path() / value.text()).lexically_normal();
@@ -91,11 +84,11 @@ SequenceAgent read_agent(const YamlValue& value) {
   SequenceAgent agent;
   agent.name = agent_name(value.at("name"));
   const YamlValue source = value.at("source");
-  agent.source = is_uri(source.text()) ? source.text() : existing_path_or_topic(source).string();
+  agent.source = is_live_source(source.text()) ? source.text() : existing_path_or_topic(source).string();
   if (const auto calibration = value.find("calibration")) agent.calibration = existing_calibration(*calibration);
   if (const auto start = value.find("start_s")) {
     agent.start_is_open = start->text() == "auto";
-    if (agent.start_is_open && is_uri(agent.source)) start->fail("auto is for recordings");
+    if (agent.start_is_open && is_live_source(agent.source)) start->fail("auto is for recordings");
     if (!agent.start_is_open) agent.start_s = start->number(-kMostLater_s, kMaxSeconds);
   }
   agent.truth_start_s = agent.start_s;
@@ -140,6 +133,13 @@ std::vector<RigCamera> read_rigs(const YamlValue& rigs, const std::vector<Sequen
 }
 
 }  // namespace
+
+bool is_live_source(std::string_view source) {
+  for (const std::string_view scheme : {std::string_view("v4l2:"), std::string_view("gst:"), kRos2Scheme}) {
+    if (source.starts_with(scheme)) return true;
+  }
+  return source.find("://") != std::string_view::npos;
+}
 
 std::string agent_name_like(std::string_view text) {
   std::string name(text.substr(0, kMaxLength));

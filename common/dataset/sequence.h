@@ -54,6 +54,9 @@ struct Sequence {
 // key and reason: unknown key, missing key, bad value, missing file.
 Sequence load_sequence(const std::filesystem::path& path);
 
+// A camera, stream or topic at work, by how its name begins; else a file, a folder or a topic of a recording.
+bool is_live_source(std::string_view source);
+
 // A name that an agent may have, as like this text as can be: names become file names and travel in every frame.
 std::string agent_name_like(std::string_view text);
 

@@ -148,7 +148,8 @@ void add_run_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("run", "Build one map from all cameras of a sequence");
   command
       ->add_option("SEQUENCE", arguments->sequence,
-                   "a YAML file, a folder with sequence.yaml, sim:NAME, or one video or folder of images a camera")
+                   "a YAML file, a folder with sequence.yaml, sim:NAME, or one source a camera: a video, a folder of "
+                   "images, bag:PATH#TOPIC, ros2:/TOPIC, v4l2:N, rtsp://...")
       ->required();
   command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
   command->add_flag("--force", arguments->force, "replace the run that the folder holds");

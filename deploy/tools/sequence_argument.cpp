@@ -12,6 +12,7 @@
 #include "common/dataset/result.h"
 #include "deploy/scene/scene.h"
 #include "deploy/tools/console.h"
+#include "deploy/tools/run/sources.h"
 
 namespace coslam {
 
@@ -24,45 +25,9 @@ Sequence sequence_argument(const std::string& text) {
   return load_sequence(cached_sequence(options, std::ref(progress)));
 }
 
-namespace {
-
-bool names_sequence(const std::string& text) {
-  const std::filesystem::path path(text);
-  return text.starts_with("sim:") || path.extension() == ".yaml" || path.extension() == ".yml" ||
-         std::filesystem::exists(path / "sequence.yaml") || !std::filesystem::exists(path);
-}
-
-// Two of one name are told apart by a number, for which there is room.
-std::string agent_name(const std::filesystem::path& source, const std::vector<SequenceAgent>& others) {
-  constexpr std::size_t kMost = 28;
-  const std::filesystem::path named = source.filename().empty() ? source.parent_path() : source;
-  const std::string name = agent_name_like(named.stem().string().substr(0, kMost));
-  const auto taken = [&](const std::string& n) {
-    return std::ranges::any_of(others, [&](const SequenceAgent& a) { return a.name == n; });
-  };
-  std::string own = name;
-  for (int i = 2; taken(own); ++i) own = name + "-" + std::to_string(i);
-  return own;
-}
-
-}  // namespace
-
 Sequence sequence_argument(const std::vector<std::string>& texts) {
-  if (texts.size() == 1 && names_sequence(texts.front())) return sequence_argument(texts.front());
-  Sequence sequence;
-  for (const std::string& text : texts) {
-    const std::filesystem::path source(text);
-    if (!std::filesystem::exists(source)) throw UserError(text + ": there is no such file or folder");
-    if (names_sequence(text))
-      throw UserError(text + ": a sequence is given alone, or else videos and folders of images");
-    SequenceAgent agent;
-    agent.name = agent_name(source, sequence.agents);
-    agent.source = std::filesystem::absolute(source).lexically_normal().string();
-    agent.start_is_open = !sequence.agents.empty();
-    sequence.agents.push_back(std::move(agent));
-  }
-  sequence.name = sequence.agents.front().name;
-  return sequence;
+  return texts.size() == 1 && names_sequence(texts.front()) ? sequence_argument(texts.front())
+                                                            : sequence_of_sources(texts);
 }
 
 Sequence as_played(Sequence sequence, const ResultFolder& result) {

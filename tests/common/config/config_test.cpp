@@ -191,6 +191,17 @@ TEST_F(Config, DumpReadsBackToTheSameTexts) {
   }
 }
 
+TEST_F(Config, ListIsSetWithAndWithoutBrackets) {
+  for (const std::string text : {"10.0.0.1,10.0.0.2", "10.0.0.1, 10.0.0.2", "[10.0.0.1,10.0.0.2]",
+                                 " [ 10.0.0.1, 10.0.0.2 ]", "[\"10.0.0.1\", '10.0.0.2']"}) {
+    config::apply_set(config_, "peers=" + text);
+    EXPECT_EQ(config_.peers, (std::vector<std::string>{"10.0.0.1", "10.0.0.2"})) << text;
+  }
+  config::apply_set(config_, "peers=[]");
+  EXPECT_TRUE(config_.peers.empty());
+  EXPECT_THAT(set_error("peers=[10.0.0.1"), HasSubstr("is not a list"));
+}
+
 TEST_F(Config, DumpReadsBackToTheSameNumbers) {
   for (const double number : {0.0, 1.0, 0.1, 1e-5, 1.0 / 3, 0.1 + 0.2, 5e-324, 2.2250738585072014e-308, 0.02}) {
     config_.agent.tracker.min_quality = number;

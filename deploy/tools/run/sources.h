@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/dataset/sequence.h"
+
+namespace coslam {
+
+// A YAML file, a folder with sequence.yaml or sim:NAME; a path that is not there counts as one, too.
+bool names_sequence(const std::string& text);
+
+// An agent for each source (one or more: videos, folders of images, topics, cameras), named for it, without
+// calibrations. When sources of different clocks began against the first is left open. Throws UserError.
+Sequence sequence_of_sources(const std::vector<std::string>& sources);
+
+}  // namespace coslam
