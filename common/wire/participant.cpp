@@ -264,7 +264,7 @@ Participant::Participant(const WireConfig& asked, const std::string& name, std::
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);
   ignore_environment();
-  dds::DomainParticipantQos qos = participant_qos(config, name, *impl_->rejections);
+  dds::DomainParticipantQos qos = participant_qos(config, name, *impl_->rejections, impl_->paths);
   const int id = free_participant_id(config.domain, ids.used);
   qos.wire_protocol().participant_id = id;
   ErrorWatch errors;
@@ -273,6 +273,7 @@ Participant::Participant(const WireConfig& asked, const std::string& name, std::
                                                    dds::StatusMask::none());
   if (impl_->participant != nullptr) {
     impl_->id = id;
+    impl_->paths.set_own(participant_key(impl_->participant->guid()));
     ids.used.insert(id);
     return;
   }

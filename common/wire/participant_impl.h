@@ -5,6 +5,7 @@
 #include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
 
 #include <fastrtps/utils/IPLocator.h>
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -17,6 +18,8 @@
 #include <vector>
 
 #include "common/wire/participant.h"
+#include "common/wire/peer_paths.h"
+#include "common/wire/single_path_transport.h"
 
 // Shared by the sources of this folder.
 namespace coslam {
@@ -24,6 +27,12 @@ namespace coslam {
 namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::Duration_t;
 using eprosima::fastrtps::types::ReturnCode_t;
+
+inline ParticipantKey participant_key(const eprosima::fastrtps::rtps::GUID_t& guid) {
+  ParticipantKey key;
+  std::ranges::copy(guid.guidPrefix.value, key.begin());
+  return key;
+}
 
 struct Participant::Impl : dds::DomainParticipantListener {
   struct Counts {
@@ -35,6 +44,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
   int id = 0;  // its number, which gives its ports
   std::array<Counts, kTopicCount> counts;
   std::shared_ptr<RejectionCounts> rejections;
+  PeerPaths paths;
   std::atomic<bool> given_up{false};
   std::mutex topics_mutex;
 
@@ -50,6 +60,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+    note_paths(info);
     const std::lock_guard lock(others_mutex);
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
       others.erase(info.info.m_guid);
@@ -70,6 +81,21 @@ struct Participant::Impl : dds::DomainParticipantListener {
       offered[info.info.guid()] = {info.info.topicName().to_string(), info.info.typeName().to_string(),
                                    info.info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS};
     }
+  }
+
+  // Addresses of the loopback device are nobody's in particular.
+  void note_paths(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info) {
+    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+    const ParticipantKey key = participant_key(info.info.m_guid);
+    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) return paths.forget(key);
+    std::vector<Ipv4Endpoint> endpoints;
+    for (const auto* locators : {&info.info.default_locators.unicast, &info.info.metatraffic_locators.unicast}) {
+      for (const auto& locator : *locators) {
+        using eprosima::fastrtps::rtps::IPLocator;
+        if (!IPLocator::isLocal(locator)) endpoints.push_back(ipv4_endpoint(locator));
+      }
+    }
+    paths.set_peer(key, endpoints);
   }
 
   // One of kTopics, created at first use.

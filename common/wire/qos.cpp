@@ -13,6 +13,7 @@
 
 #include "common/wire/guarded_transport.h"
 #include "common/wire/own_host_transport.h"
+#include "common/wire/single_path_transport.h"
 
 namespace coslam {
 namespace {
@@ -55,10 +56,14 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> carrier_of(const WireConfig& c) 
   return udp4;
 }
 
-std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, RejectionCounts& refused) {
-  if (c.own_host) return own_host_transport(carrier_of(c));
-  if (c.key_file.empty()) return carrier_of(c);
-  return guarded_transport(carrier_of(c), load_fleet_key(c.key_file, c.domain), refused);
+std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, RejectionCounts& refused,
+                                                                 PeerPaths& paths) {
+  std::shared_ptr<rtps::TransportDescriptorInterface> transport = carrier_of(c);
+  if (c.own_host) return own_host_transport(transport);
+  if (!c.key_file.empty()) {
+    transport = guarded_transport(transport, load_fleet_key(c.key_file, c.domain), refused);
+  }
+  return single_path_transport(transport, paths, c.interfaces);
 }
 
 // A period must have room for one datagram, since fragments are cut to it: slow paces get longer periods.
@@ -130,12 +135,13 @@ void set_common(const Topic& topic, const WireConfig& c, Qos& qos) {
 
 }  // namespace
 
-dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name, RejectionCounts& refused) {
+dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string& name, RejectionCounts& refused,
+                                          PeerPaths& paths) {
   dds::DomainParticipantQos qos;
   qos.name(name.c_str());
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(transport_of(c, refused));
+  qos.transport().user_transports.push_back(transport_of(c, refused, paths));
   // Of a peer with many addresses (containers, VPNs) all are tried: by default the fifth and later ones are not heard
   // of.
   constexpr std::size_t kMostAddresses = 64;

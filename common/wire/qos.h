@@ -10,6 +10,7 @@
 
 #include "common/wire/counters.h"
 #include "common/wire/messages.h"
+#include "common/wire/peer_paths.h"
 #include "common/wire/wire_config.h"
 
 // Every QoS setting of the project, with its reason; what the topics differ in stands in messages.h. Only for the
@@ -19,10 +20,10 @@ namespace coslam {
 // Participants of one domain on one host: what callers on the loopback device reach.
 constexpr int kMostPerHost = 32;
 
-// Datagrams without the key of `config` are counted in `refused`, which outlives the participant. Throws UserError: the
-// file of the key.
+// Datagrams without the key of `config` are counted in `refused`; by which of their addresses others are written to
+// stands in `paths`. Both outlive the participant. Throws UserError: the file of the key.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name,
-                                                             RejectionCounts& refused);
+                                                             RejectionCounts& refused, PeerPaths& paths);
 eprosima::fastdds::dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& config,
                                                  Repeat repeat = Repeat::kUsual);
 eprosima::fastdds::dds::DataReaderQos reader_qos(const Topic& topic, const WireConfig& config);

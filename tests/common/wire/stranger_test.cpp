@@ -68,9 +68,10 @@ TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
   loop.start();
 
   RejectionCounts refused;
+  PeerPaths paths;
   auto* factory = dds::DomainParticipantFactory::get_instance();
   auto* stranger = factory->create_participant(static_cast<std::uint32_t>(domain.number()),
-                                               participant_qos(config, "stranger", refused));
+                                               participant_qos(config, "stranger", refused, paths));
   const dds::TypeSupport type(new Forger());
   type.register_type(stranger);
   dds::Topic* topic =

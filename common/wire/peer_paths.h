@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace coslam {
+
+// The prefix of the GUIDs of a participant of DDS.
+using ParticipantKey = std::array<std::uint8_t, 12>;
+
+struct Ipv4Endpoint {
+  std::uint32_t address = 0;  // in the host's byte order
+  std::uint16_t port = 0;
+  auto operator<=>(const Ipv4Endpoint&) const = default;
+};
+
+// By which of its addresses a peer is written to that has several, as of Wi-Fi and a radio: by one of those at which
+// it was heard of late, or every byte would go as often as there are ways to it. By all of them as long as none was.
+//
+// Of two participants the one with the smaller key leads. It keeps to the first way on which it hears the other. The
+// other answers on the way on which it heard the leader last. Where that one is silent for kFresh, as after a cable was
+// pulled, both write on all ways until they hear each other again. A peer that writes on all ways to a leader does
+// not hear it: the leader then tries the next way. Thread-safe.
+class PeerPaths {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::milliseconds kFresh{1000};
+
+  void set_own(const ParticipantKey& own);
+  void set_peer(const ParticipantKey& peer, const std::vector<Ipv4Endpoint>& endpoints);
+  void forget(const ParticipantKey& peer);
+  void heard(const ParticipantKey& peer, std::uint32_t address, TimePoint now);
+  // Whether a datagram to this endpoint is to be sent.
+  bool goes(const Ipv4Endpoint& destination, TimePoint now);
+
+ private:
+  struct Path {
+    std::optional<TimePoint> heard;
+    std::optional<TimePoint> tried_in_vain;
+    int datagrams = 0, datagrams_before = 0;  // in this second and in the one before
+  };
+  struct Peer {
+    std::map<std::uint32_t, Path> paths;  // by address
+    std::optional<std::uint32_t> chosen;
+    TimePoint chosen_at, second;
+  };
+
+  static bool is_fresh(const Path& path, TimePoint now) { return path.heard && now - *path.heard < kFresh; }
+  static bool is_deaf(const Peer& peer, TimePoint now);
+  static void lead(Peer* peer, TimePoint now);
+  static void follow(Peer* peer, TimePoint now);
+
+  std::mutex mutex_;
+  ParticipantKey own_{};
+  std::map<ParticipantKey, Peer> peers_;
+  std::map<Ipv4Endpoint, ParticipantKey> by_endpoint_;
+};
+
+}  // namespace coslam

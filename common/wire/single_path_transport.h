@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+
+#include <fastdds/rtps/common/Locator.h>
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/wire/peer_paths.h"
+
+// Only for the sources of this folder: the headers are heavy.
+namespace coslam {
+
+// A transport that sends each datagram once to a peer that has several addresses, by `paths`, which outlives it, and
+// once where this host uses several `interfaces` (as in WireConfig). `carrier`, left alone, would send it from each
+// interface to each address.
+std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> single_path_transport(
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
+    const std::vector<std::string>& interfaces);
+
+Ipv4Endpoint ipv4_endpoint(const eprosima::fastrtps::rtps::Locator_t& locator);
+
+}  // namespace coslam
