@@ -14,7 +14,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 seconds=${1:-600}
 [[ $seconds =~ ^[1-9][0-9]*$ ]] || die_usage "SECONDS is a positive number, not '$seconds'"
 names=("${@:2}")
-[[ ${#names[@]} -gt 0 ]] || names=(decoders loaders settings mcap bag db3 messages recording map_file web)
+[[ ${#names[@]} -gt 0 ]] || names=(decoders loaders calibrations settings mcap bag db3 messages recording map_file web)
 targets=()
 for name in "${names[@]}"; do
   targets+=(--target "fuzz_$name")

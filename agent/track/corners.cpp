@@ -27,6 +27,7 @@ CornerFinder::CornerFinder(const CornerConfig& config, int image_cols, int image
       scale_(static_cast<float>(1 << level)),
       image_cols_((image_cols + (1 << level) - 1) >> level),
       image_rows_((image_rows + (1 << level) - 1) >> level) {
+  config_.min_distance_px *= std::sqrt(config_.free_share);
   const float area = static_cast<float>(image_cols_) * static_cast<float>(image_rows_);
   const float side = std::sqrt(area * kTracksPerCell / static_cast<float>(std::max(1, config_.max_tracks)));
   // Neighbouring cells must hold all that is closer than min_distance_px, see has_room().

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <utility>
 
 #include "agent/track/corners.h"
@@ -45,8 +46,12 @@ bool few_found(const Following& f) {
          static_cast<double>(count_found(f)) < kFew * static_cast<double>(f.sightings.size());
 }
 
-CornerConfig corner_config(const TrackerConfig& config, int image_cols) {
+CornerConfig corner_config(const TrackerConfig& config, int image_cols, const cv::Mat& mask) {
+  constexpr float kLeastFree = 0.1F;  // where less is left to be seen, tracks would crowd
   CornerConfig c;
+  if (!mask.empty()) {
+    c.free_share = std::max(kLeastFree, static_cast<float>(cv::countNonZero(mask)) / static_cast<float>(mask.total()));
+  }
   c.max_tracks = config.max_tracks;
   c.min_distance_px = static_cast<float>(config.min_distance_px * image_cols / 640.0);
   c.min_eigenvalue = static_cast<float>(config.min_eigenvalue);
@@ -243,7 +248,7 @@ void Tracker::State::replenish() {
   if (!finder) {
     const int cols = matcher->newest().level(0).cols(), rows = matcher->newest().level(0).rows();
     const int level = corner_level(pyramid_levels(cols, rows, config.levels));
-    finder = std::make_unique<CornerFinder>(corner_config(config, cols), cols, rows, level);
+    finder = std::make_unique<CornerFinder>(corner_config(config, cols, mask), cols, rows, level);
     matcher->watch(finder->cells());
   }
   std::vector<Eigen::Vector2f> live_px, moving_px;
@@ -340,6 +345,7 @@ void Tracker::resize(const cv::Mat& grey, double ratio) {
 void Tracker::set_mask(const cv::Mat& mask) {
   COSLAM_CHECK(mask.empty() || mask.type() == CV_8UC1, "a grey 8-bit image");
   state_->mask = mask;
+  state_->finder.reset();
 }
 
 void Tracker::reset() {

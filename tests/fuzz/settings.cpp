@@ -39,6 +39,7 @@ void fuzz::write_seeds(const WriteSeed& write) {
                     "bridge:\n  interfaces: [127.0.0.1]\n  px4: {agent: cam0, pitch_deg: -30.5}\n");
   write("set", "\1bridge.px4.topic=/uav_1/fmu/in/vehicle_visual_odometry");
   write("set_list", "\1bridge.interfaces=127.0.0.1,10.0.0.1");
+  write("set_list_in_brackets", "\1bridge.interfaces=[127.0.0.1, '10.0.0.1']");
 }
 
 }  // namespace coslam

@@ -18,10 +18,11 @@ cv::Mat plane_image(std::uint64_t seed, bool outlines = true) {
 }
 
 std::vector<Eigen::Vector2f> corners_of(const cv::Mat& image, int wanted = 300,
-                                        const std::vector<Eigen::Vector2f>& live = {}) {
+                                        const std::vector<Eigen::Vector2f>& live = {},
+                                        const CornerConfig& config = {}) {
   Pyramid p;
   p.build(image, 3);
-  CornerFinder finder({}, image.cols, image.rows, 1);
+  CornerFinder finder(config, image.cols, image.rows, 1);
   CornerScore score;
   const std::vector<CornerCell> cells = finder.cells();
   return finder.find([&](std::size_t i) { return corners_in(cells[i], p.level(1), score); }, live, {}, wanted);
@@ -89,6 +90,17 @@ TEST(Corners, ComeWhereNoTrackLives) {
   const auto corners = corners_of(plane_image(4), 20, live);
   ASSERT_EQ(corners.size(), 20U);
   for (const Eigen::Vector2f& c : corners) EXPECT_GT(c.x(), 310);
+}
+
+TEST(Corners, AreAsManyInTheFreePartOfAnImageAndThereforeCloser) {
+  cv::Mat image = plane_image(6);
+  image.rowRange(216, 480).setTo(128);
+  const std::size_t sparse = corners_of(image, 1000).size();
+  const auto dense = corners_of(image, 1000, {}, {.free_share = 0.45F});
+  EXPECT_GT(static_cast<double>(dense.size()), 1.3 * static_cast<double>(sparse));
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GE((dense[i] - dense[j]).norm(), 8);
+  }
 }
 
 TEST(Corners, FindNoMoreThanWanted) {
