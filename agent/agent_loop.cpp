@@ -193,6 +193,9 @@ void AgentLoop::say_state() {
   if (const auto word = words_.images(verdict_.verdict())) {
     verdict_.verdict() == ImageFault::kNone ? log_info(*word) : log_warn(*word);
   }
+  if (const auto word = words_.alternating(left_out_[static_cast<std::size_t>(ImageFault::kAlternating)] > 0)) {
+    log_warn(*word);
+  }
   if (const auto word = words_.clock(clock_set_ns_)) log_warn(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
 }

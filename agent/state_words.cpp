@@ -38,6 +38,14 @@ std::optional<std::string> StateWords::images(ImageFault verdict) {
   return "its images are not to be believed: " + std::string(words_of(verdict).why);
 }
 
+std::optional<std::string> StateWords::alternating(bool left_out_some) {
+  if (!left_out_some || std::exchange(said_alternating_, true)) return std::nullopt;
+  return "its images are taken in turn at two or three settings, as exposures that are bracketed, dots that are "
+         "projected into every second one, or two cameras in one stream: those of one setting are used, the others "
+         "left "
+         "out; take all at one";
+}
+
 std::optional<std::string> StateWords::own_body(double share) {
   constexpr double kMore = 1.25;
   if (share <= kMore * said_body_) return std::nullopt;

@@ -23,6 +23,8 @@ class StateWords {
   std::optional<std::string> link(bool carries_all, Instant now) { return link_.note(carries_all, now); }
   // Whether its images are to be believed, when that changes.
   std::optional<std::string> images(ImageFault verdict);
+  // Its images alternate between settings, the first time.
+  std::optional<std::string> alternating(bool left_out_some);
   // How much of the picture moves with the camera, when that was found.
   std::optional<std::string> own_body(double share);
   // The time of day was set, when that changes.
@@ -49,6 +51,7 @@ class StateWords {
   Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
   Presence link_{nullptr, "the link does not carry all frames; sending fewer", "the link carries all frames again"};
   ImageFault said_fault_ = ImageFault::kNone;
+  bool said_alternating_ = false;
   double said_body_ = 0;
   TimeNs said_set_ns_ = 0;
   int said_width_px_ = 0;

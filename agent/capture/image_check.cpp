@@ -3,6 +3,7 @@
 #include "agent/capture/image_check.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <opencv2/imgproc.hpp>
@@ -70,9 +71,22 @@ cv::Mat means_of_blocks(const cv::Mat& grey) {
   return blocks;
 }
 
-// Noise is gone in means of 8x8 pixels; what is left of a scene that can be followed is more than this. A few lights in
-// the dark are something.
-bool is_featureless(const cv::Mat& blocks) {
+// By how much neighbouring pixels differ in the mean.
+double mean_step(const cv::Mat& grey) {
+  constexpr int kStep = 16;  // rows
+  const int rows = (grey.rows + kStep - 1) / kStep;
+  std::int64_t sum = 0;
+  for (int y = 0; y < grey.rows; y += kStep) {
+    const std::uint8_t* row = grey.ptr(y);
+    for (int x = 1; x < grey.cols; ++x) sum += std::abs(row[x] - row[x - 1]);
+  }
+  return static_cast<double>(sum) / std::max(1, rows * (grey.cols - 1));
+}
+
+// Noise is gone in means of 8x8 pixels, but for an eighth: where blocks differ by less than neighbouring pixels do, as
+// in the picture of no signal, nothing else is there. What is left of a scene that can be followed is more. A few
+// lights in the dark are something.
+bool is_featureless(const cv::Mat& blocks, double step) {
   constexpr int kLeastSpread = 4, kFew = 15;  // grey values, blocks
   std::array<int, 256> histogram{};
   for (int y = 0; y < blocks.rows; ++y) {
@@ -83,7 +97,7 @@ bool is_featureless(const cv::Mat& blocks) {
   int low = 0, high = 255;
   for (int below = histogram[0]; below <= few && low < 255;) below += histogram[static_cast<std::size_t>(++low)];
   for (int above = histogram[255]; above <= few && high > 0;) above += histogram[static_cast<std::size_t>(--high)];
-  return high - low < kLeastSpread;
+  return high - low < std::max<double>(kLeastSpread, step);
 }
 
 }  // namespace
@@ -97,7 +111,7 @@ ImageFault ImageCheck::check(const Image& image) {
     // A camera that is late now and then gives one again, which is used as ever.
     if (never_repeats() && repeats_ > 1) return ImageFault::kRepeated;
     if (!never_repeats()) compare(grey, last_blocks_);
-    return is_featureless(last_blocks_) ? ImageFault::kFeatureless : ImageFault::kNone;
+    return is_featureless(last_blocks_, mean_step(grey)) ? ImageFault::kFeatureless : ImageFault::kNone;
   }
   const cv::Mat blocks = means_of_blocks(grey);
   // What came again may do so by nature; it is not called noise soon.
@@ -108,7 +122,9 @@ ImageFault ImageCheck::check(const Image& image) {
   last_blocks_ = blocks;
   if (old) return ImageFault::kOutOfOrder;
   if (is_cut_off(grey)) return ImageFault::kCutOff;
-  return is_featureless(blocks) ? ImageFault::kFeatureless : ImageFault::kNone;
+  const double step = mean_step(grey);
+  if (is_featureless(blocks, step)) return ImageFault::kFeatureless;
+  return alternation_.leaves_out(blocks, step) ? ImageFault::kAlternating : ImageFault::kNone;
 }
 
 // A picture of which all moves, or noise in all the newest that show the same.
@@ -160,6 +176,7 @@ TimeNs ImageVerdict::patience_ns() const {
 
 void ImageVerdict::note(ImageFault fault, TimeNs t_ns) {
   constexpr TimeNs kWindow_ns = 1'000'000'000;
+  if (fault == ImageFault::kAlternating) return;  // it is sound, and so are those beside it
   if (!last_second_.empty() && t_ns < last_second_.back().t_ns) last_second_.clear();
   last_second_.push_back({t_ns, fault});
   while (last_second_.front().t_ns <= t_ns - kWindow_ns) last_second_.pop_front();

@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
+#include "agent/capture/alternation.h"
 #include "agent/track/image.h"
 #include "common/model/image_fault.h"
 
@@ -32,10 +33,11 @@ class ImageCheck {
   cv::Mat last_, last_blocks_;  // the newest image that was not the one before, and the means of its blocks
   std::array<std::uint64_t, 32> earlier_{};  // prints of the newest images
   std::size_t images_ = 0;
-  std::size_t back_ = 0;           // how many images before the newest one it was there already; 0: it was not
-  int repeats_ = 0;                // of last_, in succession
-  bool whole_moved_ = false;       // from the one before to last_ all of the picture did
-  std::deque<bool> noise_;         // of the newest pairs that show the same: whether each row was another
+  std::size_t back_ = 0;      // how many images before the newest one it was there already; 0: it was not
+  int repeats_ = 0;           // of last_, in succession
+  bool whole_moved_ = false;  // from the one before to last_ all of the picture did
+  std::deque<bool> noise_;    // of the newest pairs that show the same: whether each row was another
+  Alternation alternation_;
   std::optional<int> usual_band_;  // rows at the end that are alike, in the best image so far: a rim
 };
 

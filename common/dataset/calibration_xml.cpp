@@ -19,14 +19,20 @@ void put_numbers(std::ostream& text, const cv::Mat& values) {
   text << "]";
 }
 
+// A matrix is made as large as it says, whatever it holds.
+bool holds_what_it_says(const cv::FileNode& matrix) {
+  const double size = matrix["rows"].real() * matrix["cols"].real();
+  return size > 0 && size == static_cast<double>(matrix["data"].size());
+}
+
 // A value as YAML has it; nothing for what no calibration goes by.
 void put(std::ostream& text, const cv::FileNode& node) {
   if (node.isInt() || node.isReal()) {
     text << node.name() << ": " << format_double(node.real()) << "\n";
-  } else if (node.isMap() && !node["rows"].empty() && !node["data"].empty()) {
+  } else if (node.isMap() && holds_what_it_says(node)) {
     cv::Mat values;
     node >> values;
-    if (values.empty() || values.channels() != 1) return;
+    if (values.channels() != 1) return;
     values.convertTo(values, CV_64F);
     text << node.name() << ": {rows: " << values.rows << ", cols: " << values.cols << ", data: ";
     put_numbers(text, values);

@@ -20,8 +20,9 @@ enum class ImageFault : std::uint8_t {
   kRepeated,     // the image before, bit by bit
   kOutOfOrder,   // an image from earlier, bit by bit
   kFeatureless,  // nothing is to be seen: dark, dazzled or covered
+  kAlternating,  // of another setting of a camera that takes its images in turn at two or three; the others are good
 };
-inline constexpr std::size_t kImageFaults = 9;
+inline constexpr std::size_t kImageFaults = 10;
 
 struct ImageFaultWords {
   std::string_view name;  // in files and on the wire of others
@@ -38,6 +39,7 @@ constexpr ImageFaultWords words_of(ImageFault fault) {
       {"repeated", "they are the same bit by bit"},
       {"out_of_order", "images from earlier come again"},
       {"featureless", "nothing is to be seen in them: it is dark, dazzling, or the lens is covered"},
+      {"alternating", "they are of another setting"},
   }};
   return kWords[static_cast<std::size_t>(fault)];
 }

@@ -114,11 +114,7 @@ void MapEdit::restart_camera(CameraId id, RunId run, const CameraModel& model) {
   c.tracks.clear();
   c.run = run;
   c.run_since = SetId(map_.now_.value + 1);
-  if (!(c.model == model)) {
-    c.lens = {};
-    c.lens_sigma.setZero();
-  }
-  c.model = model;
+  change_model(&c, model);
   c.map = MapId();
   c.clock_offset_ns = 0;
   c.alive = true;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -219,6 +220,10 @@ class MapEdit {
   void set_phase(MapPoint& point, PointPhase phase, Why why, Figures figures = {});
   void touch(MapPoint& point);
   void observe(MapPoint& point, const KeyObservation& seen);
+  // All places in images at which it saw something.
+  void move_observations(MapCamera* camera, const std::function<void(Eigen::Vector2f*)>& move);
+  // What it saw before is where the new one would have seen it.
+  void change_model(MapCamera* camera, const CameraModel& model);
   void end_track(CameraId camera, ServerTrack& track, Why why);
   void let_go(CameraId camera, ServerTrack& track);
   void erase_point(PointId id);

@@ -16,16 +16,33 @@ void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens, 
   c.lens.values = lens.values.cast<float>().cast<double>();  // as its agent is told
   c.lens_sigma = sigma;
   const LensStep step(c.model, before, c.lens);
+  move_observations(&c, [&](Eigen::Vector2f* px) { step.move(px); });
+  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.centre_px().norm()});
+}
+
+void MapEdit::change_model(MapCamera* c, const CameraModel& model) {
+  if (c->model == model) return;
+  move_observations(c, [&, before = c->model](Eigen::Vector2f* px) {
+    *px = model.pixel_from_normalized(before.normalized_from_pixel(px->cast<double>())).cast<float>();
+  });
+  c->model = model;
+  c->lens = {};
+  c->lens_sigma.setZero();
+  c->breathing = 0;
+}
+
+void MapEdit::move_observations(MapCamera* camera, const std::function<void(Eigen::Vector2f*)>& move) {
+  MapCamera& c = *camera;
   ++map_.lens_changes_;
   for (auto& [id, track] : c.tracks) {
-    for (TrackPoint& p : track.seen) step.move(&p.undistorted_px);
+    for (TrackPoint& p : track.seen) move(&p.undistorted_px);
   }
   for (FramePose& frame : c.frames) {
-    for (HeldTrack& held : frame.held) step.move(&held.undistorted_px);
+    for (HeldTrack& held : frame.held) move(&held.undistorted_px);
   }
   for (auto& [id, point] : map_.points_) {
     for (KeyObservation& o : point.key_observations) {
-      if (o.camera == c.id) step.move(&o.undistorted_px);
+      if (o.camera == c.id) move(&o.undistorted_px);
     }
   }
   for (auto& [id, samples] : map_.motions_) {
@@ -33,13 +50,12 @@ void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens, 
       for (Sighting& s : sample.seen) {
         if (s.camera != c.id) continue;
         Eigen::Vector2f earlier = s.undistorted_px - s.step_px;
-        step.move(&earlier);
-        step.move(&s.undistorted_px);
+        move(&earlier);
+        move(&s.undistorted_px);
         s.step_px = s.step_px.isZero(0) ? s.step_px : Eigen::Vector2f(s.undistorted_px - earlier);
       }
     }
   }
-  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.centre_px().norm()});
 }
 
 namespace {

@@ -111,6 +111,13 @@ TEST_F(StateWordsTest, SaysWhyImagesAreNotToBeBelievedAndThatTheyAreAgain) {
   EXPECT_EQ(words.images(ImageFault::kNone), "its images are to be believed again");
 }
 
+TEST_F(StateWordsTest, SaysOnceThatImagesAreTakenInTurnAtSeveralSettings) {
+  StateWords words;
+  EXPECT_FALSE(words.alternating(false));
+  EXPECT_THAT(words.alternating(true), testing::Optional(testing::HasSubstr("take all at one")));
+  EXPECT_FALSE(words.alternating(true));
+}
+
 TEST_F(StateWordsTest, SaysHowMuchOfThePictureMovesWithTheCamera) {
   StateWords words;
   EXPECT_FALSE(words.own_body(0));

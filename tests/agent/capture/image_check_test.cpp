@@ -162,6 +162,7 @@ TEST_F(ImageCheckTest, NothingIsToBeSeen) {
   for (int i = 0; i < 20; ++i) night(cv::Rect(12 * i + 8, 8 * (i % 9) + 16, 10, 10)).setTo(180);
   EXPECT_EQ(check(night), ImageFault::kNone) << "a few lights can be followed";
   EXPECT_EQ(check(even(120, 4)), ImageFault::kFeatureless) << "covered by paper";
+  EXPECT_EQ(check(even(128, 60)), ImageFault::kFeatureless) << "the snow of no signal";
   cv::Mat dim;
   seen(0).convertTo(dim, CV_8U, 0.1, 4);
   EXPECT_EQ(check(dim), ImageFault::kNone) << "a tenth of the contrast is enough";

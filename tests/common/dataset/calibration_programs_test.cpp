@@ -165,6 +165,9 @@ TEST_F(CalibrationOfPrograms, XmlOfOpenCv) {
   EXPECT_EQ(camera.cx, 320);
   EXPECT_THAT(camera.coefficients, ElementsAre(-0.1, 0.02, 0.003, 0, 0, 0, 0, 0));
   EXPECT_THAT(error(head + bent + end, "calib.xml"), HasSubstr("camera_matrix"));
+  std::string huge = matrix;
+  huge.replace(huge.find("<cols>3"), 7, "<cols>1073741824");
+  EXPECT_THAT(error(head + huge + bent + end, "calib.xml"), HasSubstr("camera_matrix"));
   EXPECT_THAT(error("<?xml version=\"1.0\"?>\n<opencv_storage></opencv_storage>\n", "calib.xml"),
               HasSubstr("there is no camera in it"));
   EXPECT_THAT(error("<?xml version=\"1.0\"?>\n<opencv_storage><a>", "calib.xml"), HasSubstr("calib.xml"));

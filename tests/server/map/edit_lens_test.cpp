@@ -113,6 +113,30 @@ TEST_F(EditLensTest, AnAgentThatComesBackWithAnotherCalibrationStartsWithThat) {
   EXPECT_TRUE(camera(0).lens.none());
 }
 
+// An image of half the size, say.
+TEST_F(EditLensTest, WhatWasSeenThroughAnotherCalibrationStaysInItsDirection) {
+  const auto directions = [&] {
+    std::vector<Eigen::Vector2d> n;
+    for (const auto& [id, p] : sim_.map.points()) {
+      for (const KeyObservation& o : p.key_observations) {
+        if (o.camera == camera(0).id)
+          n.push_back(camera(0).model.normalized_from_pixel(o.undistorted_px.cast<double>()));
+      }
+    }
+    return n;
+  };
+  const std::vector<Eigen::Vector2d> before = directions();
+  CameraModel half = camera(0).model;
+  for (double* v : {&half.fx, &half.fy, &half.cx, &half.cy}) *v /= 2;
+  half.width_px /= 2;
+  half.height_px /= 2;
+  sim_.edit.restart_camera(camera(0).id, RunId(79), half);
+  const std::vector<Eigen::Vector2d> after = directions();
+  ASSERT_GT(before.size(), 20U);
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_LT((after[i] - before[i]).norm(), 1e-6) << i;
+}
+
 TEST_F(EditLensTest, OutlivesTheServer) {
   sim_.edit.correct_lens(camera(0), lens_, LensCorrection::Values::Zero());
   Tables tables;

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/capture/alternation.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace coslam {
+namespace {
+
+class AlternationTest : public testing::Test {
+ protected:
+  AlternationTest() : wall_(240, 400, CV_8UC1) {
+    cv::Mat coarse(30, 50, CV_8UC1);
+    cv::RNG(7).fill(coarse, cv::RNG::UNIFORM, 20, 230);
+    cv::resize(coarse, wall_, wall_.size(), 0, 0, cv::INTER_CUBIC);
+  }
+  cv::Mat seen(int i, double gain = 1, double offset = 0) const {
+    cv::Mat out;
+    wall_(cv::Rect(i, i / 2, 94, 60)).convertTo(out, CV_8U, gain, offset);
+    return out;
+  }
+  // Which of the images are used.
+  std::vector<bool> used(int count, const std::function<cv::Mat(int)>& image) {
+    std::vector<bool> out;
+    for (int i = 0; i < count; ++i) out.push_back(!alternation_.leaves_out(image(i), step_ ? step_(i) : 20));
+    return out;
+  }
+  cv::Mat wall_;
+  std::function<double(int)> step_;
+  Alternation alternation_;
+};
+
+TEST_F(AlternationTest, WhatMovesHowFastEverIsUsedWhole) {
+  for (const int speed : {0, 1, 3}) {
+    for (const bool u : used(60, [&](int i) { return seen(speed * i); })) EXPECT_TRUE(u) << speed;
+  }
+}
+
+TEST_F(AlternationTest, OfBracketedExposuresTheOneWithTheMostContrast) {
+  for (const int settings : {2, 3}) {
+    alternation_ = {};
+    const auto u = used(60, [&](int i) { return seen(i, i % settings == 1 ? 1.0 : 0.2 * (1 + i % settings)); });
+    for (int i = 20; i < 60; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % settings == 1) << i;
+  }
+}
+
+TEST_F(AlternationTest, WithoutTheLightThatComesInEverySecond) {
+  const auto u = used(60, [&](int i) { return seen(i / 4, 0.8, i % 2 == 0 ? 25 : 0); });
+  for (int i = 20; i < 60; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % 2 == 1) << i;
+}
+
+TEST_F(AlternationTest, WithoutDotsThatChangeLittleButHowMuchNeighboursDiffer) {
+  step_ = [](int i) { return 20 + 0.1 * i + (i % 2 == 0 ? 8 : 0); };
+  const auto u = used(60, [&](int i) { return seen(i, 0.8, i % 2 == 0 ? 3 : 0); });
+  for (int i = 20; i < 60; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % 2 == 1) << i;
+}
+
+TEST_F(AlternationTest, FlickerIsNoSetting) {
+  step_ = [](int i) { return 20 * (1 + 0.05 * (i % 3)); };
+  for (const bool u : used(60, [&](int i) { return seen(i / 4, 1 + 0.05 * (i % 3)); })) EXPECT_TRUE(u);
+}
+
+TEST_F(AlternationTest, AnImageThatIsMissingTurnsNothingRound) {
+  const auto u = used(80, [&](int i) { return seen(i, (i < 40 ? i : i + 1) % 2 == 1 ? 1.0 : 0.2); });
+  for (int i = 20; i < 80; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], (i < 40 ? i : i + 1) % 2 == 1) << i;
+}
+
+TEST_F(AlternationTest, EndsWhenAllAreTakenAtOneSetting) {
+  const auto u = used(80, [&](int i) { return seen(i, i % 2 == 1 || i > 40 ? 1.0 : 0.2); });
+  for (int i = 60; i < 80; ++i) EXPECT_TRUE(u[static_cast<std::size_t>(i)]) << i;
+}
+
+}  // namespace
+}  // namespace coslam
