@@ -116,11 +116,12 @@ ImageFault ImageCheck::check(const Image& image) {
   const cv::Mat blocks = means_of_blocks(grey);
   // What came again may do so by nature; it is not called noise soon.
   if (std::exchange(repeats_, 0) > 1) note_noise(false);
-  const bool old = is_out_of_order(grey) && never_repeats();
+  const bool old = is_out_of_order(grey) && never_repeats(), torn = is_torn(grey);
   compare(grey, blocks);
   last_ = grey;
   last_blocks_ = blocks;
   if (old) return ImageFault::kOutOfOrder;
+  if (torn) return ImageFault::kConcealed;
   if (is_cut_off(grey)) return ImageFault::kCutOff;
   const double step = mean_step(grey);
   if (is_featureless(blocks, step)) return ImageFault::kFeatureless;
@@ -154,6 +155,22 @@ bool ImageCheck::is_cut_off(const cv::Mat& grey) {
   const int usual = std::min(usual_band_.value_or(band), band);
   usual_band_ = usual;
   return band - usual >= std::max(16, grey.rows / 16) && !has_equal_neighbours(grey, band);
+}
+
+// Rows of the image before, bit by bit, beside others of which all moved: a buffer was read while it was written.
+bool ImageCheck::is_torn(const cv::Mat& grey) {
+  constexpr int kStep = 16;
+  if (last_.size() != grey.size()) return false;
+  int same = 0;
+  for (int y = kStep / 2; y < grey.rows; y += kStep) {
+    const std::uint8_t* row = grey.ptr(y);
+    const bool plain = std::memcmp(row, row + 1, static_cast<std::size_t>(grey.cols) - 1) == 0;  // a white sky
+    same += !plain && same_rows(grey, y, last_, y) ? 1 : 0;
+  }
+  const int usual = std::min(usual_same_.value_or(same), same);
+  usual_same_ = usual;
+  const bool many = same - usual >= std::max(2, grey.rows / kStep / 8);
+  return many && whole_moved_;
 }
 
 // A recording that is played back and forth goes two images farther back with each, from two where it turns; a driver's

@@ -26,6 +26,7 @@ class ImageCheck {
  private:
   bool is_out_of_order(const cv::Mat& grey);
   bool is_cut_off(const cv::Mat& grey);
+  bool is_torn(const cv::Mat& grey);
   void compare(const cv::Mat& grey, const cv::Mat& blocks);
   void note_noise(bool noise);
   bool never_repeats() const;
@@ -38,6 +39,7 @@ class ImageCheck {
   bool whole_moved_ = false;  // from the one before to last_ all of the picture did
   std::deque<bool> noise_;    // of the newest pairs that show the same: whether each row was another
   Alternation alternation_;
+  std::optional<int> usual_same_;  // rows of 16 that are as in the image before, in the best image so far: a rim
   std::optional<int> usual_band_;  // rows at the end that are alike, in the best image so far: a rim
 };
 

@@ -73,6 +73,26 @@ TEST_F(ImageCheckTest, BuffersThatComeAgainAndAgain) {
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(check(ring[i % 4].clone()), ImageFault::kOutOfOrder) << i;
 }
 
+TEST_F(ImageCheckTest, AnImageThatIsInPartTheOneBefore) {
+  cv::Mat before;
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat image = seen(4 * i);
+    const bool torn = i % 5 == 4;
+    if (torn) before.rowRange(kHeight / 2, kHeight).copyTo(image.rowRange(kHeight / 2, kHeight));
+    EXPECT_EQ(check(image), torn ? ImageFault::kConcealed : ImageFault::kNone) << i;
+    before = image;
+  }
+}
+
+TEST_F(ImageCheckTest, ARimThatIsAlwaysTheSameOrASkyThatIsWhiteIsNoTear) {
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat image = seen(4 * i);
+    wall_(cv::Rect(0, 0, kWidth, 60)).copyTo(image.rowRange(0, 60));
+    if (i > 10) image.rowRange(120, 200).setTo(255);
+    EXPECT_EQ(check(image), ImageFault::kNone) << i;
+  }
+}
+
 TEST_F(ImageCheckTest, ARecordingThatIsPlayedBackAndForthIsSound) {
   std::vector<cv::Mat> images;
   for (int i = 0; i < 12; ++i) images.push_back(seen(3 * i));
