@@ -8,6 +8,8 @@
 
 #include "agent/gpu/matcher_for.h"
 #include "agent/track/klt_feature_tracker.h"
+#include "agent/track/mask.h"
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -34,7 +36,13 @@ DescriptorReply reply_of(DescriptorReply reply, const DescribedTracks& described
 }  // namespace
 
 std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config) {
-  return klt_feature_tracker(camera, config.tracker, config.tags.family, matcher_for(config.tracker));
+  const std::string& mask = config.tracker.mask;
+  auto tracker = klt_feature_tracker(camera, config.tracker, config.tags.family, matcher_for(config.tracker));
+  if (!mask.empty()) {
+    const MaskWord word = word_of(mask, read_mask(mask));
+    word.doubtful ? log_warn(word.text) : log_info(word.text);
+  }
+  return tracker;
 }
 
 Agent::Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "agent/track/descriptors.h"
+#include "agent/track/mask.h"
 #include "agent/track/tags.h"
 #include "agent/track/working_scale.h"
 #include "common/base/error.h"
@@ -26,15 +26,14 @@ constexpr double kSiftBorderPx = 14;
 // of the raw image.
 constexpr int kHalf = 127;  // grey: darker is masked
 
-cv::Mat read_mask(const std::string& file, const CameraModel& camera) {
-  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  if (mask.empty()) throw UserError("the mask " + file + " cannot be read");
+cv::Mat mask_for(const CameraModel& camera, const std::string& file) {
+  const cv::Mat mask = read_mask(file);
   if (mask.cols != camera.width_px || mask.rows != camera.height_px) {
     throw UserError("the mask " + file + " is " + std::to_string(mask.cols) + "x" + std::to_string(mask.rows) +
                     " pixels, the camera's images are " + std::to_string(camera.width_px) + "x" +
                     std::to_string(camera.height_px));
   }
-  return mask > kHalf;
+  return mask;
 }
 
 class KltFeatureTracker final : public FeatureTracker {
@@ -47,7 +46,7 @@ class KltFeatureTracker final : public FeatureTracker {
         config_(config),
         tracker_(config, std::move(matcher)) {
     if (tag_family != kNoTags) tag_finder_.emplace(camera, tag_family);
-    if (!config.mask.empty()) mask_ = given_mask_ = read_mask(config.mask, camera);
+    if (!config.mask.empty()) mask_ = given_mask_ = mask_for(camera, config.mask);
     tracker_.set_mask(scaled_mask());
   }
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "agent/track/mask.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/dataset/result.h"
@@ -40,7 +41,7 @@ bool OwnBodies::improve(const std::filesystem::path& result) {
     cv::Mat mask = mask_of(own["own_body"], {camera["width_px"].get<int>(), camera["height_px"].get<int>()});
     if (mask.empty()) continue;
     if (agent.mask) {
-      const cv::Mat given = cv::imread(agent.mask->string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+      const cv::Mat given = read_mask(agent.mask->string());
       if (given.size() == mask.size()) mask &= given;
     }
     masks_[agent.name] = mask;

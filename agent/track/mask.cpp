@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "agent/track/mask.h"
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+constexpr double kHalf = 127.0 / 255;  // what is darker than this share of white is masked
+
+double largest(const cv::Mat& image) {
+  double most = 0;
+  cv::minMaxLoc(image, nullptr, &most);
+  return most;
+}
+
+// Of the opaque part of a picture, which is neither empty nor all of it.
+cv::Mat by_transparency(const std::string& file, const cv::Mat& opaque, const cv::Mat& bright) {
+  constexpr double kFew = 0.01;
+  const double bright_share = cv::countNonZero(bright & opaque) / static_cast<double>(cv::countNonZero(opaque));
+  if (bright_share < kFew) return ~opaque;
+  if (bright_share > 1 - kFew) return opaque;
+  throw UserError("the mask " + file +
+                  " has transparent parts beside dark and bright ones: save it without transparency, black where "
+                  "nothing is to be followed");
+}
+
+cv::Mat followed(const std::string& file, const cv::Mat& image) {
+  if (image.channels() == 1) return image > kHalf * largest(image);
+  cv::Mat grey, alpha;
+  cv::cvtColor(image, grey, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+  if (image.channels() == 3) return followed(file, grey);
+  cv::extractChannel(image, alpha, 3);
+  const double full = largest(alpha);
+  const cv::Mat opaque = alpha > kHalf * full;
+  if (full == 0 || cv::countNonZero(opaque) == static_cast<int>(opaque.total())) return followed(file, grey);
+  return by_transparency(file, opaque, grey > kHalf * full);
+}
+
+}  // namespace
+
+cv::Mat read_mask(const std::string& file) {
+  const cv::Mat image = cv::imread(file, cv::IMREAD_UNCHANGED);
+  if (image.empty() || (image.channels() != 1 && image.channels() < 3))
+    throw UserError("the mask " + file + " cannot be read");
+  cv::Mat out = followed(file, image);
+  if (cv::countNonZero(out) == 0)
+    throw UserError("the mask " + file + " leaves out the whole image: it is to be white where something is followed");
+  return out;
+}
+
+MaskWord word_of(const std::string& file, const cv::Mat& mask) {
+  constexpr double kMost = 0.6;  // of an image that a camera is of use with
+  const double left_out = 1 - cv::countNonZero(mask) / static_cast<double>(mask.total());
+  const std::string percent = std::to_string(std::lround(100 * left_out));
+  const std::string text =
+      "the mask " + file + " leaves out " + (left_out > 0 ? percent + " %" : "nothing") + " of the image";
+  if (left_out > 0 && left_out <= kMost) return {text};
+  return {text + ": perhaps it is inverted; black is where nothing is to be followed", true};
+}
+
+}  // namespace coslam
