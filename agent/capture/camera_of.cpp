@@ -24,9 +24,10 @@ CameraModel guessed_camera(int width_px, int height_px, std::optional<double> no
   return camera;
 }
 
-FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options) {
-  if (calibration.starts_with(kRos2Scheme)) return {heard_camera(calibration), {}};
-  if (!calibration.empty()) return {load_calibration(calibration), {}};
+namespace {
+
+// With the size of its first image.
+FoundCamera guessed_for(const std::string& source, const SourceOptions& options) {
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;
   const auto first = next_readable(*open_source(source, any_size));
@@ -39,6 +40,23 @@ FoundCamera camera_of(const std::string& source, const std::string& calibration,
               (noted_px ? "its files note it" : "cameras of phones and robots have it") +
               ", and found out from the images";
   return out;
+}
+
+// A calibration that no lens can have says at most how large the images are, and perhaps the focal length.
+FoundCamera without(const ReadCalibration& read) {
+  FoundCamera out{guessed_camera(read.camera.width_px, read.camera.height_px, read.doubt.focal_px), {}};
+  out.guess = read.doubt.text + " It is left aside, and the lens found out from the images, from a focal length of " +
+              std::to_string(std::lround(out.camera.fx)) + " px on";
+  return out;
+}
+
+}  // namespace
+
+FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options) {
+  if (calibration.empty()) return guessed_for(source, options);
+  const ReadCalibration read =
+      calibration.starts_with(kRos2Scheme) ? heard_camera(calibration) : read_calibration(calibration);
+  return read.doubt.hopeless ? without(read) : FoundCamera{read.camera, read.doubt.text};
 }
 
 CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options) {

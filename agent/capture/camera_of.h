@@ -15,11 +15,11 @@ namespace coslam {
 // else that of a usual wide lens, to be found out from the images.
 CameraModel guessed_camera(int width_px, int height_px, std::optional<double> noted_focal_px = {});
 
-// The camera of a source: as its calibration says, a file or ros2:/TOPIC, or without one guessed from what its files
-// note and the size of its first image. Throws UserError.
+// The camera of a source: as its calibration says, a file or ros2:/TOPIC, or without one, or with one that no lens can
+// have, guessed from what its files note and the size of its first image. Throws UserError.
 struct FoundCamera {
   CameraModel camera;
-  std::string guess;  // a sentence for the user; empty: the camera is calibrated
+  std::string guess;  // a sentence for the user: what is guessed or doubted; empty: the camera is calibrated
 };
 FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
 

@@ -119,7 +119,7 @@ std::string Ros2Topic::no_topic() const {
          joined(types_, " or ") + " is read; " + others;
 }
 
-CameraModel heard_camera(const std::string& name) {
+ReadCalibration heard_camera(const std::string& name) {
   Ros2Topic topic(name, {ros::type_text<ros::CameraInfo>().name}, "CameraInfo");
   std::optional<ros::CameraInfo> info;
   const auto read = [&](std::span<const std::uint8_t> octets) { info = ros::from_cdr<ros::CameraInfo>(octets); };
@@ -128,7 +128,7 @@ CameraModel heard_camera(const std::string& name) {
     if (std::chrono::steady_clock::now() > until) throw UserError(name + ": " + topic.why_silent());
   }
   if (!info) throw UserError(name + ": its first message is damaged");
-  return load_calibration(*info, name);
+  return read_calibration(*info, name);
 }
 
 }  // namespace coslam

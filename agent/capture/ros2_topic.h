@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/base/time.h"
+#include "common/dataset/calibration.h"
 #include "common/dataset/live_topic.h"
-#include "common/geometry/camera_model.h"
 #include "common/wire/octet_inbox.h"
 #include "common/wire/participant.h"
 
@@ -57,6 +57,6 @@ class Ros2Topic {
 };
 
 // The camera of ros2:/TOPIC, from the first sensor_msgs/msg/CameraInfo that comes. Throws UserError.
-CameraModel heard_camera(const std::string& name);
+ReadCalibration heard_camera(const std::string& name);
 
 }  // namespace coslam

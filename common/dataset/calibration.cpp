@@ -27,7 +27,7 @@ bool is_kalibr(const YamlValue& root) {
          !has_any(root, {"camera_matrix", "cameraMatrix"});
 }
 
-CameraModel read_yaml(const YamlValue& root, const std::string& camera) {
+calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& camera) {
   const bool several = is_kalibr(root) || root.has("cameras");
   if (!camera.empty() && !several) root.fail("of this form there is one camera in a file: leave out #" + camera);
   if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
@@ -112,7 +112,7 @@ bool is_dso(const std::string& first) {
          std::ranges::all_of(fields, [](std::string_view f) { return parse_double(f).has_value(); });
 }
 
-CameraModel read_any(const std::filesystem::path& file, const std::string& camera) {
+calibration::SensorCamera read_any(const std::filesystem::path& file, const std::string& camera) {
   if (names_recorded_topic(file.string())) return calibration::read_recorded(recorded_topic(file.string()));
   if (recording::is_recording(file)) return calibration::read_recorded({"", file, camera});
   if (file.string().starts_with(kRos2Scheme)) {
@@ -127,9 +127,12 @@ CameraModel read_any(const std::filesystem::path& file, const std::string& camer
   return read_yaml(YamlValue::load(file), camera);
 }
 
-CameraModel checked(CameraModel model, const std::string& name) {
-  if (const auto problem = problem_of(model)) throw UserError(name + ": " + *problem);
-  return model;
+ReadCalibration checked(const calibration::SensorCamera& camera, const std::string& name) {
+  if (const auto problem = problem_of(camera.model)) throw UserError(name + ": " + *problem);
+  if (const auto problem = unit_problem_of(camera.model); !problem.empty()) throw UserError(name + ": " + problem);
+  ReadCalibration out{camera.model, doubt_of(camera.model, camera.part)};
+  if (!out.doubt.text.empty()) out.doubt.text.insert(0, name + ": ");
+  return out;
 }
 
 }  // namespace
@@ -142,14 +145,16 @@ CalibrationFile calibration_file(const std::filesystem::path& name) {
   return {text.substr(0, mark), text.substr(mark + 1)};
 }
 
-CameraModel load_calibration(const std::filesystem::path& name) {
+ReadCalibration read_calibration(const std::filesystem::path& name) {
   const auto [file, camera] = calibration_file(name);
   return checked(read_any(file, camera), name.string());
 }
 
-CameraModel load_calibration(const ros::CameraInfo& info, const std::string& name) {
+ReadCalibration read_calibration(const ros::CameraInfo& info, const std::string& name) {
   return checked(calibration::read_info(info, name), name);
 }
+
+CameraModel load_calibration(const std::filesystem::path& name) { return read_calibration(name).camera; }
 
 std::string plain_text(const CameraModel& camera) {
   const double sphere = calibration::sphere_scale(camera);

@@ -38,6 +38,9 @@ std::vector<double> matrix_data(const YamlValue& value) {
 void set_camera_matrix(CameraModel& camera, const YamlValue& value) {
   const auto k = matrix_data(value);
   if (k.size() != 9) value.fail("nine elements of a 3x3 matrix are expected");
+  if (std::ranges::all_of(k, [](double v) { return v == 0; }))
+    value.fail(
+        "this camera is not calibrated, its matrix is zero: leave the calibration out, and the lens is found out");
   if (k[1] != 0) value.fail("a camera with skew is not supported");
   camera.fx = k[0], camera.cx = k[2], camera.fy = k[4], camera.cy = k[5];
 }
@@ -271,15 +274,18 @@ CameraModel read_orb_slam(const YamlValue& root) {
 
 namespace {
 
-// Its lens is that of the whole sensor; its images may be a part of that, in which pixels were taken together.
-void take_region(CameraModel& camera, const YamlValue& root) {
+// Its lens is that of the whole sensor; its images may be a part of that (which is told), in which pixels were taken
+// together.
+bool take_region(CameraModel& camera, const YamlValue& root) {
   const auto count = [](const std::optional<YamlValue>& value, int without) {
     return value ? std::max(without, pixels(*value)) : without;
   };
+  bool part = false;
   if (const auto region = root.find("roi"); region && region->is_map()) {
     const int x = count(region->find("x_offset"), 0), y = count(region->find("y_offset"), 0);
     const int width = count(region->find("width"), 0), height = count(region->find("height"), 0);
     if (width > 0 && height > 0) {
+      part = width < camera.width_px || height < camera.height_px;
       camera.width_px = width, camera.height_px = height;
       camera.cx -= x, camera.cy -= y;
     }
@@ -290,11 +296,12 @@ void take_region(CameraModel& camera, const YamlValue& root) {
   // The centre of the first pixel is that of those that it is made of.
   camera.cx = (camera.cx + 0.5) / along_x - 0.5;
   camera.cy = (camera.cy + 0.5) / along_y - 0.5;
+  return part;
 }
 
 }  // namespace
 
-CameraModel read_ros(const YamlValue& root) {
+SensorCamera read_ros(const YamlValue& root) {
   CameraModel camera;
   camera.width_px = pixels(required(root, {"image_width", "width"}));
   camera.height_px = pixels(required(root, {"image_height", "height"}));
@@ -304,8 +311,8 @@ CameraModel read_ros(const YamlValue& root) {
   const auto values = matrix_data(coefficients);
   // An undistorted camera is published with an empty model and no coefficients.
   set_distortion(camera, model, model.text().empty() ? "none" : model.text(), values);
-  take_region(camera, root);
-  return camera;
+  const bool part = take_region(camera, root);
+  return {camera, part};
 }
 
 CameraModel read_kalibr(const YamlValue& root, const std::string& camera_name) {

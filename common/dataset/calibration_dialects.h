@@ -14,10 +14,17 @@
 // One reader per calibration dialect; each throws UserError with the place. Internal to calibration.cpp.
 namespace coslam::calibration {
 
+// part: its image is a region of interest of the sensor's.
+struct SensorCamera {
+  SensorCamera(const CameraModel& camera, bool is_part = false) : model(camera), part(is_part) {}
+  CameraModel model;
+  bool part;
+};
+
 CameraModel read_plain(const YamlValue& root);
 CameraModel read_opencv(const YamlValue& root);    // camera_matrix as !!opencv-matrix
 CameraModel read_orb_slam(const YamlValue& root);  // Camera.fx or Camera1.fx; also of stella_vslam, flat or nested
-CameraModel read_ros(const YamlValue& root);       // camera_info, from a file or from a topic
+SensorCamera read_ros(const YamlValue& root);      // camera_info, from a file or from a topic
 CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
 CameraModel read_euroc(const YamlValue& root);
 CameraModel read_camodocal(const YamlValue& root);
@@ -27,8 +34,8 @@ CameraModel read_opencv_xml(const std::filesystem::path& file);
 CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
-CameraModel read_recorded(const RecordedTopic& topic);  // its first CameraInfo
-CameraModel read_info(const ros::CameraInfo& info, const std::string& name);
+SensorCamera read_recorded(const RecordedTopic& topic);  // its first CameraInfo that is calibrated
+SensorCamera read_info(const ros::CameraInfo& info, const std::string& name);
 
 // A side of the image; what is far out of range stays so.
 int pixels(const YamlValue& value);

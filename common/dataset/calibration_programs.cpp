@@ -130,7 +130,7 @@ CameraModel read_ost(const std::filesystem::path& file) {
   text << "distortion_model: " << (terms == 4 || terms == 5 || terms == 0 ? "plumb_bob" : "rational_polynomial")
        << '\n';
   std::istringstream as_yaml(text.str());
-  return read_ros(YamlValue::parse(as_yaml, file));
+  return read_ros(YamlValue::parse(as_yaml, file)).model;
 }
 
 // `[Model] fx fy cx cy [terms]`, and the size; a focal length and a principal point below 1 are shares of the size.

@@ -34,19 +34,23 @@ std::string as_file(const ros::CameraInfo& info) {
 
 }  // namespace
 
-CameraModel read_recorded(const RecordedTopic& topic) {
+SensorCamera read_recorded(const RecordedTopic& topic) {
   const auto recording = recording::open(topic.path);
   const std::size_t place = find_topic(*recording, topic, Wanted::kLenses);
   const auto reader = recording::MessageReader::of(recording->topics()[place]).value();
   recording->play(place);
-  auto message = recording->next();
-  if (!message) throw UserError(topic.name() + ": there is no message of it in the recording");
-  const auto info = reader.camera_info(reader.unpacked(std::move(message->octets)));
-  if (!info) throw UserError(topic.name() + ": its first message is damaged");
-  return read_info(*info, topic.name());
+  std::optional<ros::CameraInfo> first;
+  while (auto message = recording->next()) {
+    const auto info = reader.camera_info(reader.unpacked(std::move(message->octets)));
+    if (info && info->k[0] != 0) return read_info(*info, topic.name());
+    if (!first && !info) throw UserError(topic.name() + ": its first message is damaged");
+    if (!first) first = info;
+  }
+  if (!first) throw UserError(topic.name() + ": there is no message of it in the recording");
+  return read_info(*first, topic.name());
 }
 
-CameraModel read_info(const ros::CameraInfo& info, const std::string& name) {
+SensorCamera read_info(const ros::CameraInfo& info, const std::string& name) {
   std::istringstream text(as_file(info));
   return read_ros(YamlValue::parse(text, name));
 }

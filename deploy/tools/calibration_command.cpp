@@ -123,7 +123,8 @@ cv::Mat drawn(const CameraModel& c) {
 }
 
 int calibration(const CalibrationArguments& arguments) {
-  const CameraModel camera = load_calibration(arguments.file);
+  const auto [camera, doubt] = read_calibration(arguments.file);
+  if (!doubt.text.empty()) log_warn(doubt.text + (doubt.hopeless ? " A run leaves it aside" : ""));
   if (!arguments.drawing.empty() && !cv::imwrite(arguments.drawing, drawn(camera))) {
     throw UserError("cannot write " + arguments.drawing);
   }

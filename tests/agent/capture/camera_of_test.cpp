@@ -44,6 +44,23 @@ TEST_F(CameraOf, IsElseGuessedFromTheSizeOfTheFirstImage) {
   EXPECT_EQ(load_calibration(folder_ / "guess.yaml"), guess) << "it may be written down";
 }
 
+TEST_F(CameraOf, IsGuessedWhereNoLensIsAsTheCalibrationSays) {
+  save_calibration(folder_ / "calib.yaml", {64, 48, 50, 51, 62, 23, DistortionModel::kNone, {}});
+  const FoundCamera found = camera_of(source(), folder_ / "calib.yaml", {});
+  EXPECT_EQ(found.camera, guessed_camera(64, 48));
+  EXPECT_THAT(found.guess,
+              ::testing::HasSubstr("another size? It is left aside, and the lens found out from the images, "
+                                   "from a focal length of 51 px on"));
+}
+
+TEST_F(CameraOf, IsTheCalibrationWhereThatIsOnlyUnusual) {
+  const CameraModel given{64, 48, 50, 68, 31, 23, DistortionModel::kNone, {}};
+  save_calibration(folder_ / "calib.yaml", given);
+  const FoundCamera found = camera_of(source(), folder_ / "calib.yaml", {});
+  EXPECT_EQ(found.camera, given);
+  EXPECT_THAT(found.guess, ::testing::HasSubstr("fx 50.0 and fy 68.0 px, are far apart"));
+}
+
 TEST_F(CameraOf, NamesASourceThatIsNotThere) {
   EXPECT_THAT(test::error_of<UserError>([&] { camera_of((folder_ / "nowhere").string(), "", {}); }),
               ::testing::HasSubstr("nowhere"));

@@ -169,8 +169,9 @@ TEST_F(Recorded, CameraInfoIsACalibration) {
   info.height = 480;
   info.distortion_model = "plumb_bob";
   info.d = {0.1, -0.2, 0.001, 0.002, 0.05};
+  put("/left/camera_info", kStart_ns, info);  // of a driver that has not been told yet
   info.k = {500, 0, 320.5, 0, 501, 240.25, 0, 0, 1};
-  put("/left/camera_info", kStart_ns, info);
+  put("/left/camera_info", kStart_ns + kPeriod_ns, info);
   const CameraModel camera = load_calibration(named("/left/camera_info"));
   EXPECT_EQ(camera.width_px, 640);
   EXPECT_EQ(camera.fy, 501);

@@ -120,6 +120,21 @@ camera_matrix:
                      "k: [458.5, 0, 367, 0, 457.5, 248, 0, 0, 1]\n"),
                 DistortionModel::kRadTan);
   EXPECT_THAT(error(head + tail("thin_prism", "1,2,3,4")), HasSubstr("'thin_prism' is not supported"));
+  EXPECT_THAT(
+      error("width: 752\nheight: 480\ndistortion_model: plumb_bob\nd: []\nk: [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"),
+      HasSubstr("calib.yaml:5: k: this camera is not calibrated, its matrix is zero: leave the calibration out"));
+}
+
+TEST_F(Calibration, IsDoubtedWithTheNameOfItsFile) {
+  const auto doubt = [&](const std::string& text) { return read_calibration(folder_.write("calib.yaml", text)).doubt; };
+  const std::string size = "width: 752\nheight: 480\nfx: 458.5\nfy: 457.5\n";
+  EXPECT_EQ(doubt(size + "cx: 367\ncy: 248\n").text, "");
+  EXPECT_THAT(doubt(size + "cx: 734\ncy: 240\n").text, HasSubstr("calib.yaml: its principal point, (734.0, 240.0)"));
+  EXPECT_THAT(error("width: 752\nheight: 480\nfx: 2.75\nfy: 2.75\ncx: 2.2\ncy: 1.5\n"),
+              HasSubstr("calib.yaml: no lens has a focal length of 2.75 pixels"));
+  const std::string sensor =
+      "width: 752\nheight: 480\ndistortion_model: \"\"\nd: []\nk: [458, 0, 367, 0, 458, 248, 0, 0, 1]\n";
+  EXPECT_EQ(doubt(sensor + "roi: {x_offset: 0, y_offset: 0, width: 752, height: 260}\n").text, "");
 }
 
 TEST_F(Calibration, Kalibr) {
