@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/live_topic.h"
+#include "common/dataset/sequence.h"
 
 namespace coslam {
 
@@ -31,7 +32,7 @@ FoundCamera guessed_for(const std::string& source, const SourceOptions& options)
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;
   const auto first = next_readable(*open_source(source, any_size));
-  if (!first) throw UserError(source + ": no image can be read");
+  if (!first) throw UserError(shown_source(source) + ": no image can be read");
   const int width_px = first->grey.cols, height_px = first->grey.rows;
   const auto noted_px = noted_focal_px(first_file(source, options.rate_hz), width_px, height_px);
   FoundCamera out{guessed_camera(width_px, height_px, noted_px), {}};

@@ -1,12 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 #include <opencv2/videoio.hpp>
+#include <opencv2/videoio/registry.hpp>
 #include <string_view>
 #include <thread>
 
@@ -18,6 +26,7 @@
 #include "common/base/log.h"
 #include "common/base/text.h"
 #include "common/dataset/live_topic.h"
+#include "common/dataset/sequence.h"
 #include "common/flow/clock.h"
 
 namespace coslam {
@@ -64,15 +73,29 @@ class Stream final : public Camera {
   std::unique_ptr<StreamDecoder> decoder_;
 };
 
+// As the end of a sentence.
+std::string why_not_v4l2(const std::string& device) {
+  const int descriptor = open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return std::strerror(errno);
+  struct stat is {};
+  constexpr unsigned kVideo4Linux = 81;
+  const bool camera = fstat(descriptor, &is) == 0 && S_ISCHR(is.st_mode) && major(is.st_rdev) == kVideo4Linux;
+  close(descriptor);
+  return device + (camera ? " gives no video that is read here" : " is no camera");
+}
+
 // v4l2:DEVICE[?size=WxH][&fps=N][&format=FOURCC]. Null: it cannot be opened. Throws UserError for what the device does
 // not do.
-std::unique_ptr<Camera> open_v4l2(const std::string& uri) {
+std::unique_ptr<Camera> open_v4l2(const std::string& uri, std::string* why) {
   const CameraMode mode = parse_camera_mode(uri);
   const auto index = parse_integer(mode.device);
   cv::VideoCapture capture;
   const bool open =
       index ? capture.open(static_cast<int>(*index), cv::CAP_V4L2) : capture.open(mode.device, cv::CAP_V4L2);
-  if (!open) return nullptr;
+  if (!open) {
+    *why = why_not_v4l2(index ? "/dev/video" + mode.device : mode.device);
+    return nullptr;
+  }
   capture.set(cv::CAP_PROP_BUFFERSIZE, 1);  // an old image is worth less than none
   const auto number = [&](int property) { return static_cast<int>(std::lround(capture.get(property))); };
   if (!mode.format.empty()) {  // first: it decides which sizes and rates there are
@@ -99,7 +122,10 @@ std::unique_ptr<Camera> open_v4l2(const std::string& uri) {
   return std::make_unique<CapturedByOpenCv>(capture);
 }
 
-std::unique_ptr<Camera> open_gst(std::string pipeline) {
+std::unique_ptr<Camera> open_gst(std::string pipeline, std::string* why) {
+  *why = cv::videoio_registry::hasBackend(cv::CAP_GSTREAMER)
+             ? "gst-launch-1.0 with the same pipeline says what is wrong with it"
+             : "OpenCV is built without GStreamer here";
   if (pipeline.find("appsink") == std::string::npos) {
     pipeline += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
   }
@@ -108,15 +134,17 @@ std::unique_ptr<Camera> open_gst(std::string pipeline) {
   return std::make_unique<CapturedByOpenCv>(capture);
 }
 
-// Null: it cannot be opened. Throws UserError for what it does not do. stopped: opening ends soon after that is set.
-std::unique_ptr<Camera> open_camera(const std::string& uri, const std::atomic<bool>& stopped) {
+// Null: it cannot be opened, and why. Throws UserError for what it does not do. stopped: opening ends soon after that
+// is set.
+std::unique_ptr<Camera> open_camera(const std::string& uri, const std::atomic<bool>& stopped, std::string* why) {
   try {
-    if (uri.starts_with(kV4l2)) return open_v4l2(uri);
-    if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()));
-  } catch (const cv::Exception&) {
+    if (uri.starts_with(kV4l2)) return open_v4l2(uri, why);
+    if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()), why);
+  } catch (const cv::Exception& e) {
+    *why = e.err;
     return nullptr;
   }
-  auto decoder = StreamDecoder::open(uri, true, &stopped);
+  auto decoder = StreamDecoder::open(uri, true, why, &stopped);
   return decoder ? std::make_unique<Stream>(std::move(decoder)) : nullptr;
 }
 
@@ -124,13 +152,15 @@ std::unique_ptr<Camera> open_camera(const std::string& uri, const std::atomic<bo
 class LiveSource final : public ImageSource {
  public:
   LiveSource(std::string uri, const SourceOptions& options)
-      : uri_(std::move(uri)), duration_s_(options.duration_s), camera_(open_camera(uri_, stopped_)) {
-    if (!camera_) throw UserError("the source '" + uri_ + "' cannot be opened");
+      : uri_(std::move(uri)), name_(shown_source(uri_)), duration_s_(options.duration_s) {
+    std::string why;
+    camera_ = open_camera(uri_, stopped_, &why);
+    if (!camera_) throw UserError("the source '" + name_ + "' cannot be opened: " + why);
     std::optional<Camera::Picture> first;
     // A camera may warm up with empty frames.
     for (int i = 0; i < 10 && (!first || first->grey.empty()); ++i) first = camera_->read();
-    if (!first || first->grey.empty()) throw UserError("the source '" + uri_ + "' gives no image");
-    require_size(first->grey, options, "the image of '" + uri_ + "'");
+    if (!first || first->grey.empty()) throw UserError("the source '" + name_ + "' gives no image");
+    require_size(first->grey, options, "the image of '" + name_ + "'");
     size_ = first->grey.size();
   }
 
@@ -167,7 +197,7 @@ class LiveSource final : public ImageSource {
   }
 
   void warn(const Image& image) const {
-    const std::string what = "the source '" + uri_ + "' ";
+    const std::string what = "the source '" + name_ + "' ";
     if (image.fault == ImageFault::kMissing) {
       log_warn(what + "gives no image, opening it again");
     } else if (image.fault == ImageFault::kResized) {
@@ -182,7 +212,8 @@ class LiveSource final : public ImageSource {
   // It may have come back in another mode, which waits for a better one.
   std::unique_ptr<Camera> opened_again() {
     try {
-      return open_camera(uri_, stopped_);
+      std::string why;
+      return open_camera(uri_, stopped_, &why);
     } catch (const UserError& e) {
       if (log_.pass()) log_warn(e.what());
       return nullptr;
@@ -211,7 +242,7 @@ class LiveSource final : public ImageSource {
     }
   }
 
-  std::string uri_;
+  const std::string uri_, name_;
   std::optional<double> duration_s_;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;  // of the pointer, against stop()

@@ -9,6 +9,7 @@
 #include "common/base/error.h"
 #include "common/dataset/live_topic.h"
 #include "common/dataset/recorded_topic.h"
+#include "common/dataset/sequence.h"
 
 namespace coslam {
 
@@ -32,7 +33,7 @@ std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const Source
   if (names_recorded_topic(uri)) return open_recorded(uri, options);
   const std::filesystem::path path = uri;
   if (uri.find("://") != std::string::npos) {
-    throw UserError("the source '" + uri +
+    throw UserError("the source '" + shown_source(uri) +
                     "' is of no known kind: a path, bag:PATH#TOPIC, ros2:/TOPIC, v4l2:N, gst:PIPELINE or rtsp://... is "
                     "expected");
   }

@@ -10,6 +10,7 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -29,6 +30,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{5};
 constexpr double kHealed_s = 1;
+constexpr const char* kNoVideo = "there is no video in it";
 
 using Codec = std::unique_ptr<AVCodecContext, decltype([](AVCodecContext* c) { avcodec_free_context(&c); })>;
 using Packet = std::unique_ptr<AVPacket, decltype([](AVPacket* p) { av_packet_free(&p); })>;
@@ -43,7 +45,14 @@ class FfmpegDecoder final : public StreamDecoder {
   FfmpegDecoder(const FfmpegDecoder&) = delete;
   FfmpegDecoder& operator=(const FfmpegDecoder&) = delete;
 
-  bool open() { return open_container() && open_codec(); }
+  // Empty: it is open; else why not.
+  std::string open() {
+    const int error = open_container();
+    if (error == AVERROR_EXIT) return "it does not answer";
+    if (error == AVERROR_INVALIDDATA || error == AVERROR_EOF) return kNotAVideo;
+    if (error < 0) return error_text(error);
+    return open_codec();
+  }
 
   bool grab() override {
     constexpr int kMostErrors = 100;  // in succession
@@ -52,6 +61,7 @@ class FfmpegDecoder final : public StreamDecoder {
       const int got = avcodec_receive_frame(codec_.get(), frame_.get());
       if (got == 0) {
         decoded_ = true;
+        last_pts_ = frame_->best_effort_timestamp;
         note_damage();
         return true;
       }
@@ -107,6 +117,20 @@ class FfmpegDecoder final : public StreamDecoder {
     if (stream().nb_frames > 0 || container_->duration <= 0) return stream().nb_frames;
     return std::llround(static_cast<double>(container_->duration) / AV_TIME_BASE * rate_hz());
   }
+  int videos() const override { return static_cast<int>(std::ranges::count_if(streams(), is_video)); }
+  int video() const override {
+    return static_cast<int>(std::ranges::count_if(streams().first(static_cast<std::size_t>(video_)), is_video)) + 1;
+  }
+  double missing_share() const override {
+    constexpr double kWorthAWord_s = 0.5;
+    // Else it is of what is there.
+    const bool told = container_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
+    if (container_->duration <= 0 || !told || last_pts_ == AV_NOPTS_VALUE) return 0;
+    const auto seconds = [&](std::int64_t pts) { return static_cast<double>(pts) * av_q2d(stream().time_base); };
+    const double end_s = seconds(last_pts_) + (rate_hz() > 0 ? 1 / rate_hz() : 0), missing_s = length_s() - end_s;
+    const double start_s = stream().start_time == AV_NOPTS_VALUE ? 0 : seconds(stream().start_time);
+    return missing_s < kWorthAWord_s ? 0 : missing_s / (missing_s + end_s - start_s);
+  }
   int turn_deg() const override {
     const std::uint8_t* matrix =
         av_stream_get_side_data(container_->streams[video_], AV_PKT_DATA_DISPLAYMATRIX, nullptr);
@@ -119,6 +143,16 @@ class FfmpegDecoder final : public StreamDecoder {
 
  private:
   const AVStream& stream() const { return *container_->streams[video_]; }
+  std::span<AVStream* const> streams() const { return {container_->streams, container_->nb_streams}; }
+  static bool is_video(const AVStream* s) {
+    return s->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && (s->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+  }
+
+  // Of the video; others in the container may be longer.
+  double length_s() const {
+    return stream().duration > 0 ? static_cast<double>(stream().duration) * av_q2d(stream().time_base)
+                                 : static_cast<double>(container_->duration) / AV_TIME_BASE;
+  }
 
   static int interrupted(void* self) {
     const auto& me = *static_cast<const FfmpegDecoder*>(self);
@@ -126,14 +160,20 @@ class FfmpegDecoder final : public StreamDecoder {
     return stopped || (me.live_ && Clock::now() > me.deadline_) ? 1 : 0;
   }
 
-  bool open_container() {
+  static std::string error_text(int error) {
+    std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+    av_strerror(error, text.data(), text.size());
+    return text.data();
+  }
+
+  int open_container() {
     static std::once_flag once;
     std::call_once(once, [] {
       avformat_network_init();
       av_log_set_level(AV_LOG_QUIET);  // what is wrong is said by who reads the frames
     });
     container_ = avformat_alloc_context();
-    if (container_ == nullptr) return false;
+    if (container_ == nullptr) return AVERROR(ENOMEM);
     container_->interrupt_callback = {&FfmpegDecoder::interrupted, this};
     deadline_ = Clock::now() + kPatience;
     AVDictionary* options = nullptr;
@@ -147,15 +187,18 @@ class FfmpegDecoder final : public StreamDecoder {
     const int opened = avformat_open_input(&container_, name.c_str(), nullptr, &options);  // frees it when it fails
     av_dict_free(&options);
     deadline_ = Clock::now() + kPatience;
-    return opened == 0 && avformat_find_stream_info(container_, nullptr) >= 0;
+    return opened == 0 ? avformat_find_stream_info(container_, nullptr) : opened;
   }
 
-  bool open_codec() {
+  std::string open_codec() {
     const AVCodec* codec = nullptr;
     video_ = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
-    if (video_ < 0 || codec == nullptr) return false;
+    if (video_ == AVERROR_DECODER_NOT_FOUND) return "its video is coded in a way that is not read here";
+    if (video_ < 0 || codec == nullptr) return kNoVideo;
     codec_.reset(avcodec_alloc_context3(codec));
-    if (!codec_ || avcodec_parameters_to_context(codec_.get(), stream().codecpar) < 0) return false;
+    if (!codec_ || !packet_ || !frame_) return error_text(AVERROR(ENOMEM));
+    if (const int error = avcodec_parameters_to_context(codec_.get(), stream().codecpar); error < 0)
+      return error_text(error);
     codec_->pkt_timebase = stream().time_base;
     codec_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
     codec_->thread_count = 0;
@@ -163,7 +206,8 @@ class FfmpegDecoder final : public StreamDecoder {
       codec_->thread_type = FF_THREAD_SLICE;
       codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;
     }
-    return packet_ && frame_ && avcodec_open2(codec_.get(), codec, nullptr) == 0;
+    const int error = avcodec_open2(codec_.get(), codec, nullptr);
+    return error < 0 ? error_text(error) : std::string();
   }
 
   // Gives the decoder the next packet of the video.
@@ -211,16 +255,18 @@ class FfmpegDecoder final : public StreamDecoder {
   Packet packet_{av_packet_alloc()};
   Frame frame_{av_frame_alloc()};
   Scaler scaler_;
+  std::int64_t last_pts_ = AV_NOPTS_VALUE;
   bool decoded_ = false, cut_ = false, damaged_ = false, combed_ = false;
   DecodedDamage damage_;
 };
 
 }  // namespace
 
-std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live,
+std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live, std::string* why,
                                                    const std::atomic<bool>* stopped) {
   auto decoder = std::make_unique<FfmpegDecoder>(url, live, stopped);
-  if (!decoder->open()) return nullptr;
+  *why = decoder->open();
+  if (!why->empty()) return nullptr;
   return decoder;
 }
 

@@ -14,10 +14,11 @@ namespace coslam {
 // The frames of a video file or of a stream from the network, by FFmpeg. For one thread, but for stop().
 class StreamDecoder {
  public:
+  static constexpr const char* kNotAVideo = "what it gives is no video";  // one of the reasons of open()
   // live: of a stream that comes at its own pace; what has been decoded is given at once, and who is silent for 5 s has
-  // failed. Null: it cannot be opened, or there is no video in it.
+  // failed. Null: it cannot be opened, or there is no video in it; `why` says which, as the end of a sentence.
   // stopped: where it is set, that ends soon, here as in grab().
-  static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live,
+  static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live, std::string* why,
                                              const std::atomic<bool>* stopped = nullptr);
   virtual ~StreamDecoder() = default;
 
@@ -32,7 +33,12 @@ class StreamDecoder {
 
   virtual double rate_hz() const = 0;       // as the container says; 0: it does not
   virtual std::int64_t frames() const = 0;  // the same
-  virtual int turn_deg() const = 0;         // by which frames are to be turned to stand upright, clockwise: 0 to 359
+  virtual int videos() const = 0;           // in the container, of which one is decoded: its place from 1 on
+  virtual int video() const = 0;
+  // The share of the video that, as the container says, comes after the frame that was grabbed last; 0: none that is
+  // worth a word, or it does not say.
+  virtual double missing_share() const = 0;
+  virtual int turn_deg() const = 0;  // by which frames are to be turned to stand upright, clockwise: 0 to 359
 
   // From any thread: grab() returns false soon after, for good.
   virtual void stop() = 0;

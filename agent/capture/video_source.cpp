@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <opencv2/core.hpp>
+#include <string_view>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
@@ -66,9 +69,28 @@ cv::Mat turned(const cv::Mat& frame, int turn_deg) {
   return out;
 }
 
+// By how the file begins; also MOV and 3GP.
+bool is_mp4(const std::string& file) {
+  std::array<char, 8> begin{};
+  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+  return std::string_view(begin.data() + 4, 4) == "ftyp";
+}
+
 std::unique_ptr<StreamDecoder> open_file(const std::string& file) {
-  auto decoder = StreamDecoder::open(file, false);
-  if (!decoder) throw UserError(file + ": neither a list of images (.csv, .txt) nor a video");
+  std::string why;
+  auto decoder = StreamDecoder::open(file, false, &why);
+  if (!decoder && std::filesystem::is_empty(file)) throw UserError(file + ": is empty");
+  if (why == StreamDecoder::kNotAVideo) {
+    throw UserError(file + (is_mp4(file) ? ": is a video without its index, as of a recorder that was stopped; "
+                                           "programs as untrunc rebuild it"
+                                         : ": neither a list of images (.csv, .txt) nor a video"));
+  }
+  if (!decoder) throw UserError(file + ": cannot be played: " + why);
+  if (decoder->videos() > 1) {
+    log_warn(file + ": of its " + std::to_string(decoder->videos()) + " videos number " +
+             std::to_string(decoder->video()) + " is played; ffmpeg -i FILE -map 0:v:" +
+             (decoder->video() == 1 ? "1" : "0") + " -c copy OTHER.mkv takes out another");
+  }
   return decoder;
 }
 
@@ -130,9 +152,16 @@ class VideoSource final : public ImageSource {
     do {
       const bool is = decoder_->grab();
       grabbed_ns_ = is ? times_.at(position_++, decoder_->time_s()) : std::nullopt;
-      if (!is) return;
+      if (!is) return warn_of_cut();
     } while (!grabbed_ns_ && position_ < times_.count());
     if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();
+  }
+
+  void warn_of_cut() {
+    const double missing = decoder_->missing_share();
+    if (missing == 0) return;
+    log_warn(name_ + ": ends before its own length: " + std::to_string(position_) + " of about " +
+             std::to_string(std::lround(static_cast<double>(position_) / (1 - missing))) + " images are in it");
   }
 
   const std::string name_;

@@ -3,6 +3,7 @@
 #include "common/dataset/sequence.h"
 
 #include <algorithm>
+#include <regex>
 #include <set>
 
 #include "common/base/error.h"
@@ -139,6 +140,17 @@ bool is_live_source(std::string_view source) {
     if (source.starts_with(scheme)) return true;
   }
   return source.find("://") != std::string_view::npos;
+}
+
+std::string shown_source(const std::string& source) {
+  if (!is_live_source(source)) return source;
+  // A password that was not escaped may hold what ends a host; a number after a colon is a port.
+  static const std::regex user(R"(://(?:[^\s"'/?#:@]*:(?!\d*(?:[/?#\s"']|$))[^\s"']*@|[^\s"'/?#]*@))");
+  static const std::regex field(
+      R"(((?:^|[?&\s])[\w-]*(?:pw|pwd|pass|passwd|password|passphrase|token|secret|key|auth)=))"
+      R"((?:"[^"]*"|'[^']*'|[^&\s]*))",
+      std::regex::icase);
+  return std::regex_replace(std::regex_replace(source, user, "://***@"), field, "$1***");
 }
 
 std::string agent_name_like(std::string_view text) {

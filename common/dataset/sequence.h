@@ -57,6 +57,10 @@ Sequence load_sequence(const std::filesystem::path& path);
 // A camera, stream or topic at work, by how its name begins; else a file, a folder or a topic of a recording.
 bool is_live_source(std::string_view source);
 
+// A source's name as it is said to users and written to logs: without names and passwords of users, as in
+// rtsp://***@host.
+std::string shown_source(const std::string& source);
+
 // A name that an agent may have, as like this text as can be: names become file names and travel in every frame.
 std::string agent_name_like(std::string_view text);
 

@@ -141,7 +141,7 @@ void write_images(const CameraModel& lens, double rate_hz, const std::filesystem
     missing.erase(wanted);
   }
   if (missing.empty()) return;
-  throw UserError("agent " + agent.name + ": " + agent.source + " has no image " +
+  throw UserError("agent " + agent.name + ": " + shown_source(agent.source) + " has no image " +
                   std::to_string(missing.begin()->first.value) + ": is that the sequence that was played?");
 }
 

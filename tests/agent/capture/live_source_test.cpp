@@ -28,7 +28,11 @@ const SourceOptions kOptions{0, {}, 10, kWidth, kHeight, "calib.yaml"};
 // A network camera on this machine: motion JPEG over HTTP. Each client gets so many images, then the line drops.
 class NetworkCamera {
  public:
-  explicit NetworkCamera(int images_a_client) : images_a_client_(images_a_client) {
+  explicit NetworkCamera(int images_a_client)
+      : NetworkCamera("HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=next\r\n\r\n",
+                      images_a_client) {}
+  explicit NetworkCamera(std::string answer, int images_a_client = 0)
+      : answer_(std::move(answer)), images_a_client_(images_a_client) {
     listener_ = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -60,8 +64,7 @@ class NetworkCamera {
       ++clients_;
       std::string request(2048, ' ');
       bool connected = recv(client, request.data(), request.size(), 0) > 0;
-      connected = connected &&
-                  write(client, "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=next\r\n\r\n");
+      connected = connected && write(client, answer_);
       for (int i = 0; connected && i < images_a_client_ && !stop.stop_requested(); ++i) {
         connected = write(client, image_part(i));
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -79,6 +82,7 @@ class NetworkCamera {
            std::string(jpeg.begin(), jpeg.end()) + "\r\n";
   }
 
+  const std::string answer_;
   int images_a_client_;
   int listener_ = -1;
   bool ready_ = false;
@@ -88,10 +92,26 @@ class NetworkCamera {
 };
 
 TEST(Live, NamesWhatCannotBeOpened) {
-  for (const char* uri : {"v4l2:99", "v4l2:/dev/no-such-video", "gst:no-such-element", "rtsp://127.0.0.1:1/x"}) {
-    EXPECT_THAT(test::error_of<UserError>([&] { open_source(uri, kOptions); }),
-                HasSubstr("the source '" + std::string(uri) + "' cannot be opened"));
+  const NetworkCamera page(
+      "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nContent-Length: 19\r\n\r\n<html>Log in</html>");
+  const NetworkCamera none("HTTP/1.1 404 Not Found\r\n\r\n");
+  ASSERT_TRUE(page.ready() && none.ready());
+  const std::vector<std::pair<std::string, std::string>> why{
+      {"v4l2:99", "No such file or directory"},       {"v4l2:/dev/no-such-video", "No such file or directory"},
+      {"v4l2:/dev/null", "/dev/null is no camera"},   {"gst:no-such-element", ""},
+      {"rtsp://127.0.0.1:1/x", "Connection refused"}, {page.url(), "what it gives is no video"},
+      {none.url(), "Server returned 404 Not Found"}};
+  for (const auto& [uri, reason] : why) {
+    EXPECT_THAT(test::error_of<UserError>([&, &uri = uri] { open_source(uri, kOptions); }),
+                HasSubstr("the source '" + uri + "' cannot be opened: " + reason));
   }
+}
+
+TEST(Live, PasswordsAreNotSaid) {
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source("rtsp://guard:secret@127.0.0.1:1/x", kOptions); }),
+              HasSubstr("the source 'rtsp://***@127.0.0.1:1/x' cannot be opened: "));
+  EXPECT_THAT(test::error_of<UserError>([&] { open_source("rtmp://guard:secret@127.0.0.1:1/x", kOptions); }),
+              HasSubstr("the source 'rtmp://***@127.0.0.1:1/x' is of no known kind"));
 }
 
 TEST(Live, ImagesCarryTheTimeOfDay) {

@@ -51,15 +51,17 @@ class StreamDecoderTest : public testing::Test {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
+  std::unique_ptr<StreamDecoder> opened(const std::string& file) { return StreamDecoder::open(file, false, &why_); }
   test::TempFolder folder_;
   cv::Mat wall_;
+  std::string why_;
 };
 
 TEST_F(StreamDecoderTest, FramesAreThoseThatOthersDecode) {
   for (const std::string& file :
        {write("clip.mp4", cv::CAP_FFMPEG, "mp4v", {176, 144}), write("odd.mp4", cv::CAP_FFMPEG, "mp4v", {150, 98}),
         write("clip.avi", cv::CAP_OPENCV_MJPEG, "MJPG", {176, 144})}) {
-    const auto decoder = StreamDecoder::open(file, false);
+    const auto decoder = opened(file);
     ASSERT_TRUE(decoder) << file;
     EXPECT_EQ(decoder->rate_hz(), 20);
     EXPECT_EQ(decoder->frames(), kFrames);
@@ -79,7 +81,7 @@ TEST_F(StreamDecoderTest, FramesAreThoseThatOthersDecode) {
 }
 
 TEST_F(StreamDecoderTest, EachFrameHasItsOwnSize) {
-  const auto decoder = StreamDecoder::open(write_jpegs({160, 120}, {80, 60}), false);
+  const auto decoder = opened(write_jpegs({160, 120}, {80, 60}));
   ASSERT_TRUE(decoder);
   for (int i = 0; i < 6; ++i) {
     ASSERT_TRUE(decoder->grab());
@@ -88,7 +90,7 @@ TEST_F(StreamDecoderTest, EachFrameHasItsOwnSize) {
 }
 
 TEST_F(StreamDecoderTest, AnImageThatWasCutIsMadeUp) {
-  const auto decoder = StreamDecoder::open(write_jpegs({160, 120}, {160, 120}, 1500), false);
+  const auto decoder = opened(write_jpegs({160, 120}, {160, 120}, 1500));
   ASSERT_TRUE(decoder);
   std::vector<bool> made_up;
   while (decoder->grab()) made_up.push_back(decoder->concealed() || decoder->bgr().empty());
@@ -105,7 +107,7 @@ TEST_F(StreamDecoderTest, WhatIsMadeFromADamagedFrameIsDamagedUntilTheNextKeyFra
   for (std::size_t i = 0; i < 150; ++i) octets.at(data + media * 6 / 10 + i) = static_cast<char>(0x5a);
   std::ofstream(file, std::ios::binary) << octets;
 
-  const auto decoder = StreamDecoder::open(file, false);
+  const auto decoder = opened(file);
   ASSERT_TRUE(decoder);
   std::vector<bool> made_up;
   while (decoder->grab()) made_up.push_back(decoder->concealed());
@@ -118,21 +120,38 @@ TEST_F(StreamDecoderTest, WhatIsMadeFromADamagedFrameIsDamagedUntilTheNextKeyFra
 }
 
 TEST_F(StreamDecoderTest, NoVideo) {
-  EXPECT_FALSE(StreamDecoder::open((folder_ / "not there.mp4").string(), false));
+  EXPECT_FALSE(opened((folder_ / "not there.mp4").string()));
+  EXPECT_EQ(why_, "No such file or directory");
   folder_.write("words.mp4", "these are words");
-  EXPECT_FALSE(StreamDecoder::open((folder_ / "words.mp4").string(), false));
-  EXPECT_FALSE(StreamDecoder::open(folder_.path().string(), false));
+  EXPECT_FALSE(opened((folder_ / "words.mp4").string()));
+  EXPECT_EQ(why_, StreamDecoder::kNotAVideo);
+  EXPECT_FALSE(opened(folder_.path().string()));
 }
 
 TEST_F(StreamDecoderTest, NamesMayLookLikeProtocols) {
   const std::string file = write("clip.avi", cv::CAP_OPENCV_MJPEG, "MJPG", {64, 48});
   const std::string odd = (folder_ / "rtp:2 #?.avi").string();
   std::filesystem::rename(file, odd);
-  EXPECT_TRUE(StreamDecoder::open(odd, false));
+  EXPECT_TRUE(opened(odd));
+}
+
+TEST_F(StreamDecoderTest, SaysHowMuchIsMissing) {
+  const std::string file = write("clip.mkv", cv::CAP_FFMPEG, "MJPG", {64, 48});
+  const auto missing = [&] {
+    const auto decoder = opened(file);
+    EXPECT_EQ(decoder->videos(), 1);
+    EXPECT_EQ(decoder->video(), 1);
+    while (decoder->grab()) {
+    }
+    return decoder->missing_share();
+  };
+  EXPECT_EQ(missing(), 0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  EXPECT_NEAR(missing(), 0.5, 0.1);
 }
 
 TEST_F(StreamDecoderTest, StopsForGood) {
-  const auto decoder = StreamDecoder::open(write("clip.avi", cv::CAP_OPENCV_MJPEG, "MJPG", {64, 48}), false);
+  const auto decoder = opened(write("clip.avi", cv::CAP_OPENCV_MJPEG, "MJPG", {64, 48}));
   ASSERT_TRUE(decoder->grab());
   decoder->stop();
   EXPECT_FALSE(decoder->grab());

@@ -126,6 +126,16 @@ TEST_F(Mp4, UnlessOnlyTheTurnedOneHasTheCalibrationsSize) {
   EXPECT_EQ(image->grey.size(), cv::Size(kHeight, kWidth));
 }
 
+TEST_F(Mp4, WithoutItsIndexSaysSo) {
+  const auto error = [&] { return test::error_of<UserError>([&] { open_source(file_, kOptions); }); };
+  bytes_.resize(box("moov"));
+  store();
+  EXPECT_THAT(error(), HasSubstr("clip.mp4: is a video without its index, as of a recorder that was stopped"));
+  bytes_.clear();
+  store();
+  EXPECT_THAT(error(), HasSubstr("clip.mp4: is empty"));
+}
+
 TEST_F(Video, PlaysAtTheContainersRate) {
   const auto source = open_source(file_, kOptions);
   for (int i = 0; i < 8; ++i) {

@@ -124,6 +124,19 @@ TEST_F(SequenceFile, TopicsOfNodesAreTakenAsTheyAre) {
   EXPECT_THAT(error("agents: [{name: a, source: 'ros2:/image', start_s: auto}]"), HasSubstr("auto is for recordings"));
 }
 
+TEST(Source, IsShownWithoutPasswords) {
+  EXPECT_EQ(shown_source("rtsp://guard:secret@10.0.0.2:554/stream?channel=1"),
+            "rtsp://***@10.0.0.2:554/stream?channel=1");
+  EXPECT_EQ(shown_source("rtsp://guard:se@cr/et@10.0.0.2/x"), "rtsp://***@10.0.0.2/x") << "not escaped";
+  EXPECT_EQ(shown_source("http://10.0.0.2/shot.cgi?user=guard&pwd=secret&size=2"),
+            "http://10.0.0.2/shot.cgi?user=guard&pwd=***&size=2");
+  EXPECT_EQ(shown_source("gst:rtspsrc location=rtsp://a:b@cam/x user-pw=\"my secret\" ! decodebin"),
+            "gst:rtspsrc location=rtsp://***@cam/x user-pw=*** ! decodebin");
+  for (const char* as_it_is :
+       {"rtsp://10.0.0.2:554/a@b", "v4l2:0?size=64x48", "ros2:/left?domain=3", "/data/a@b?pwd=c"})
+    EXPECT_EQ(shown_source(as_it_is), as_it_is);
+}
+
 TEST_F(SequenceFile, TheScaleMayComeFromTags) {
   Sequence s = load("scale: {tag_m: 0.16}\n" + agent_);
   EXPECT_EQ(s.tag_m, 0.16);
