@@ -7,9 +7,9 @@
 #include "common/base/error.h"
 #include "deploy/scene/scene.h"
 #include "deploy/tools/commands.h"
+#include "deploy/tools/eval/doubts.h"
 #include "deploy/tools/eval/evaluation.h"
 #include "deploy/tools/eval/report.h"
-#include "deploy/tools/eval/truth.h"
 #include "deploy/tools/plot/top_view.h"
 #include "deploy/tools/result_argument.h"
 #include "deploy/tools/sequence_argument.h"
@@ -88,9 +88,10 @@ int evaluate_result(const EvalArguments& arguments) {
   }
   bool told = false;
   for (const eval::AgentPaths& agent : agents) {
-    const std::string apart = eval::times_apart(agent.name, agent.estimate, agent.truth);
-    if (!apart.empty()) std::fprintf(stderr, "coslam: %s\n", apart.c_str());
-    told = told || !apart.empty();
+    const std::string why =
+        eval::why_not_judged(agent.name, agent.estimate, agent.truth, eval::max_gap_ns(sequence.rate_hz));
+    if (!why.empty()) std::fprintf(stderr, "coslam: %s\n", why.c_str());
+    told = told || !why.empty();
   }
   return told && !evaluation.alignment.target_from_source ? 1 : 0;
 }

@@ -28,6 +28,7 @@ struct AgentPaths {
   int frames = 0;    // of its source; 0 = not known
   // In maps without a known relation to the common one.
   std::map<MapId, Trajectory> apart;
+  std::string doubt;  // a sentence: the truth may have been read otherwise than it was meant; empty: none
 };
 
 // Lengths are metres of the truth. Empty means not known, never zero.
@@ -36,6 +37,8 @@ struct AgentEvaluation {
   int frames = 0;
   int poses = 0;                          // in the common map
   int poses_apart = 0;                    // in others
+  int judged = 0;                         // of the poses in the common map: those for which there is truth
+  double judged_s = 0, poses_s = 0;       // from the first to the last of each
   std::optional<double> tracked_percent;  // in the common map
   std::optional<double> path_m;
   std::optional<double> ate_m;      // under the joint alignment
@@ -46,6 +49,7 @@ struct AgentEvaluation {
   std::optional<WorstFrame> worst, live_worst;
   std::optional<MotionError> motion;
   std::optional<double> drift_m;
+  std::vector<std::string> doubts;  // of the truth, sentences
 };
 
 struct ClassificationScore {
@@ -85,6 +89,9 @@ struct Evaluation {
 
 // Reads the paths of the agents that took part. Throws UserError when the result has no trajectory at all.
 std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence);
+
+// Over which truth is interpolated.
+TimeNs max_gap_ns(double rate_hz);
 
 // The trajectory part of the evaluation. rate_hz of the sequence bounds the gaps that truth is interpolated over.
 Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz);

@@ -1,12 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 
 #include "common/base/error.h"
+#include "deploy/tools/eval/doubts.h"
 #include "deploy/tools/eval/evaluation.h"
 #include "deploy/tools/eval/truth.h"
 
 namespace coslam::eval {
+
+TimeNs max_gap_ns(double rate_hz) { return to_ns(std::max(0.1, 2.5 / rate_hz)); }
+
 namespace {
 
 // What the report says of an agent: agents.<name>.frames; null without.
@@ -31,14 +36,16 @@ std::optional<double> percent_of(std::optional<double> part, std::optional<doubl
   return 100 * *part / *whole;
 }
 
-TimeNs max_gap_ns(double rate_hz) { return to_ns(std::max(0.1, 2.5 / rate_hz)); }
-
 // The part of an agent's figures that needs no joint alignment.
-AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) {
+AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs, TimeNs gap_ns) {
   AgentEvaluation e;
   e.name = agent.name;
   e.frames = agent.frames > 0 ? agent.frames : static_cast<int>(agent.truth.size());
   e.poses = static_cast<int>(agent.estimate.size());
+  e.judged = static_cast<int>(pairs.size());
+  if (!pairs.empty()) e.judged_s = to_seconds(pairs.back().t_ns - pairs.front().t_ns);
+  if (e.poses > 0) e.poses_s = to_seconds(agent.estimate.back().t_ns - agent.estimate.front().t_ns);
+  if (!agent.doubt.empty()) e.doubts.push_back(agent.doubt);
   for (const auto& [map, poses] : agent.apart) e.poses_apart += static_cast<int>(poses.size());
   if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
   if (!agent.truth.empty()) e.path_m = path_length(agent.truth);
@@ -46,6 +53,8 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs) 
   if (own.target_from_source) {
     e.ate_own_m = own.rmse;
     e.own_scale = own.target_from_source->scale;
+    const std::string doubt = doubt_of_times(agent, gap_ns);
+    if (!doubt.empty()) e.doubts.push_back(doubt);
   }
   return e;
 }
@@ -169,6 +178,7 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
     any = any || std::filesystem::exists(result.trajectory(agent.name));
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
                       load_truth(agent, sequence.rate_hz), frames_of(reported, agent.name)});
+    agents.back().doubt = doubt_of_turns(agents.back(), agent, sequence.rate_hz);
     for (std::size_t i = 1; i < contents.maps.size(); ++i) {
       const ResultMap& map = contents.maps[i];
       if (!holds(map.agents, agent.name)) continue;
@@ -190,7 +200,7 @@ Evaluation evaluate_paths(const std::vector<AgentPaths>& agents, double rate_hz)
   double path_m = 0, frames = 0, poses = 0;
   for (const AgentPaths& agent : agents) {
     pairs.push_back(pair_poses(agent.estimate, agent.truth, gap_ns));
-    e.agents.push_back(evaluate_alone(agent, pairs.back()));
+    e.agents.push_back(evaluate_alone(agent, pairs.back(), gap_ns));
     path_m += e.agents.back().path_m.value_or(0);
     frames += e.agents.back().frames;
     poses += e.agents.back().poses;

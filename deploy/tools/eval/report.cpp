@@ -100,6 +100,10 @@ Json json_of(const AgentEvaluation& a) {
   return {{"frames", a.frames},
           {"poses", a.poses},
           {"poses_apart", a.poses_apart},
+          {"judged", a.judged},
+          {"judged_s", a.judged_s},
+          {"poses_s", a.poses_s},
+          {"doubts", a.doubts},
           {"tracked_percent", json_of(a.tracked_percent)},
           {"ate_m", json_of(a.ate_m)},
           {"ate_own_m", json_of(a.ate_own_m)},
@@ -149,6 +153,20 @@ std::string headline(const Evaluation& e) {
   if (says_little(e)) {
     text += printed("  this says LITTLE of where the cameras were: their true places are spread by %.4f m themselves\n",
                     *e.truth_spread_m);
+  }
+  return text;
+}
+
+// What the figures of the truth do not say themselves: how much they are of, and whether it is what it seems.
+std::string truth_lines(const Evaluation& e) {
+  constexpr double kMost = 0.9;
+  std::string text;
+  for (const AgentEvaluation& a : e.agents) {
+    if (a.judged > 0 && a.judged < kMost * a.poses) {
+      text += printed("  %s is judged on %d of %d poses, %.1f of %.1f s: for more there is no truth\n", a.name.c_str(),
+                      a.judged, a.poses, a.judged_s, a.poses_s);
+    }
+    for (const std::string& doubt : a.doubts) text += "  " + doubt + "\n";
   }
   return text;
 }
@@ -279,6 +297,7 @@ std::string to_text(const Evaluation& e) {
   std::string text = e.sequence + "\n" + headline(e);
   text += "  agent        tracked %     ATE m  % path     own m    live m  RPE m/s  deg/s    drift m   path m\n";
   for (const AgentEvaluation& agent : e.agents) text += agent_row(agent);
+  text += truth_lines(e);
   if (const auto& r = e.relative_pose) {
     text += printed("  %s to %s: %.4f m as it stands, %.4f m scaled, %.3f deg, medians of %d (true distance %.3f m)\n",
                     e.agents[0].name.c_str(), e.agents[1].name.c_str(), r->translation, r->translation_scaled,

@@ -3,9 +3,7 @@
 #include "deploy/tools/eval/truth.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <vector>
@@ -28,26 +26,32 @@ struct Line {
   bool commas = false;  // between them
 };
 
+bool is_number(const std::string& field) { return parse_double(field) || field == "nan" || field == "NaN"; }
+
 std::vector<Line> lines_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream || std::filesystem::is_directory(file)) throw UserError(file.string() + ": cannot be read");
   std::vector<Line> out;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const auto fields = split_fields(line, " ,\t\r");
+    const auto fields = split_fields(line, " ,;\t\r");
     if (fields.empty() || fields[0].starts_with('#')) continue;
-    out.push_back({file.string() + ":" + std::to_string(number) + ": ",
-                   {fields.begin(), fields.end()},
-                   line.find(',') != line.npos});
+    Line read{file.string() + ":" + std::to_string(number) + ": ",
+              {fields.begin(), fields.end()},
+              line.find(',') != line.npos};
+    if (!out.empty() || std::ranges::any_of(read.fields, is_number)) out.push_back(std::move(read));
   }
+  if (out.empty()) throw UserError(file.string() + ": has no pose");
   return out;
 }
 
-Form form_of(const std::vector<Line>& lines) {
-  if (lines.empty()) return Form::kTum;
-  const auto& [where, fields, commas] = lines.front();
-  if (fields.size() == 12) return Form::kKitti;
-  return commas || fields.size() > 8 ? Form::kEuroc : Form::kTum;
+Form form_of(const Line& line) {
+  const std::size_t count = line.fields.size();
+  if (count == 12 || (!line.commas && (count == 13 || count == 16))) return Form::kKitti;
+  if (count >= 8 && parse_integer(line.fields.front()) && (line.commas || count > 8)) return Form::kEuroc;
+  if (count == 8) return Form::kTum;
+  throw UserError(line.where + std::to_string(count) + " fields; poses are lines `t_s tx ty tz qx qy qz qw` (TUM), " +
+                  "`t_ns,x,y,z,qw,qx,qy,qz,...` (EuRoC), or the 12 numbers of [R t] for each image (KITTI)");
 }
 
 std::vector<double> numbers_of(const Line& line, std::size_t first, std::size_t count) {
@@ -61,10 +65,26 @@ std::vector<double> numbers_of(const Line& line, std::size_t first, std::size_t 
   return out;
 }
 
-Eigen::Quaterniond unit(const Line& line, double w, double x, double y, double z) {
-  const Eigen::Quaterniond q(w, x, y, z);
-  if (std::abs(q.norm() - 1) > 0.01) throw UserError(line.where + "not a unit quaternion");
-  return q.normalized();
+// Of the seven numbers of a place and a quaternion.
+Rigid3 pose_of(const Line& line, bool w_first) {
+  const auto v = numbers_of(line, 1, 7);
+  const Eigen::Quaterniond q =
+      w_first ? Eigen::Quaterniond(v[3], v[4], v[5], v[6]) : Eigen::Quaterniond(v[6], v[3], v[4], v[5]);
+  if (std::abs(q.norm() - 1) > 0.01)
+    throw UserError(line.where + "not a unit quaternion");  // written with few decimals
+  return {q.normalized(), {v[0], v[1], v[2]}};
+}
+
+Trajectory read_tum(const std::vector<Line>& lines, bool w_first) {
+  constexpr std::size_t kDigitsOfNs = 12;
+  Trajectory out;
+  for (const Line& line : lines) {
+    const std::string& t = line.fields.front();
+    const auto t_ns = t.size() >= kDigitsOfNs && parse_integer(t) ? parse_integer(t) : parse_seconds(t);
+    if (!t_ns) throw UserError(line.where + "'" + t + "' is no time in seconds");
+    out.push_back({*t_ns, pose_of(line, w_first).inverse()});
+  }
+  return out;
 }
 
 // T_BS of an EuRoC sensor.yaml.
@@ -80,7 +100,7 @@ std::optional<Rigid3> body_from_camera(const std::filesystem::path& name) {
   return Rigid3(Eigen::Quaterniond(m.topLeftCorner<3, 3>()).normalized(), m.topRightCorner<3, 1>());
 }
 
-Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent) {
+Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent, bool w_first) {
   const auto body = body_from_camera(agent.calibration);
   if (!body) {
     log_warn(agent.truth->string() + ": its poses are of the body; the calibration of agent " + agent.name +
@@ -90,11 +110,17 @@ Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent
   for (const Line& line : lines) {
     const auto t_ns = parse_integer(line.fields.front());
     if (!t_ns) throw UserError(line.where + "'" + line.fields.front() + "' is no time in nanoseconds");
-    const auto v = numbers_of(line, 1, 7);
-    const Rigid3 world_from_body(unit(line, v[3], v[4], v[5], v[6]), {v[0], v[1], v[2]});
+    const Rigid3 world_from_body = pose_of(line, w_first);
     out.push_back({*t_ns, (body ? world_from_body * *body : world_from_body).inverse()});
   }
   return out;
+}
+
+std::size_t number_of_image(const Line& line, const std::optional<ListedTimes>& times) {
+  const auto number = parse_integer(line.fields.front());
+  if (!number || *number < 0 || (times && *number >= std::ssize(times->source_ns)))
+    throw UserError(line.where + "there is no image " + line.fields.front());
+  return static_cast<std::size_t>(*number);
 }
 
 Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent,
@@ -103,12 +129,18 @@ Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent
     log_warn(agent.truth->string() + ": has a pose for each image, whose times are not known here; taken to come " +
              format_double(rate_hz) + " times a second");
   }
+  const bool numbered = lines.front().fields.size() == 13;
+  if (times && !numbered && lines.size() != times->source_ns.size()) {
+    throw UserError(agent.truth->string() + ": " + std::to_string(lines.size()) + " poses for " +
+                    std::to_string(times->source_ns.size()) +
+                    " images; each image needs one, or its number before each pose");
+  }
   Trajectory out;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (times && i >= times->source_ns.size()) break;
-    const auto t_ns = times ? times->source_ns[i] : std::optional(to_ns(static_cast<double>(i) / rate_hz));
+    const std::size_t image = numbered ? number_of_image(lines[i], times) : i;
+    const auto t_ns = times ? times->source_ns[image] : std::optional(to_ns(static_cast<double>(image) / rate_hz));
     if (!t_ns) continue;  // its image is left out
-    const auto v = numbers_of(lines[i], 0, 12);
+    const auto v = numbers_of(lines[i], numbered ? 1 : 0, 12);
     const Eigen::Matrix<double, 3, 4> m = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v.data());
     const Rigid3 world_from_cam(Eigen::Quaterniond(Eigen::Matrix3d(m.leftCols<3>())).normalized(), m.col(3));
     out.push_back({*t_ns, world_from_cam.inverse()});
@@ -133,28 +165,33 @@ bool as_written(const Trajectory& truth, const ListedTimes& times) {
   return truth.front().t_ns <= times.zero_ns + last_ns && truth.back().t_ns >= times.zero_ns;
 }
 
-std::string seconds(TimeNs t_ns) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f", to_seconds(t_ns));
-  return text.data();
+// A pose whose time is that of the one before; throws where it is earlier. A line has one pose, but for KITTI's.
+void leave_out_repeated(const std::filesystem::path& file, const std::vector<Line>& lines, Trajectory* truth) {
+  for (std::size_t i = 1; i < truth->size(); ++i) {
+    if ((*truth)[i].t_ns < (*truth)[i - 1].t_ns)
+      throw UserError(lines[i].where + "the time is earlier than that of the line before");
+  }
+  const auto repeated = std::ranges::unique(*truth, {}, &StampedPose::t_ns);
+  if (repeated.empty()) return;
+  log_warn(file.string() + ": " + std::to_string(repeated.size()) +
+           " poses have the time of the one before and are left out");
+  truth->erase(repeated.begin(), repeated.end());
 }
 
 }  // namespace
 
-Trajectory load_truth(const SequenceAgent& agent, double rate_hz) {
+Trajectory load_truth(const SequenceAgent& agent, double rate_hz, QuaternionOrder order) {
   if (!agent.truth) return {};
   const auto lines = lines_of(*agent.truth);
-  const Form form = form_of(lines);
+  const Form form = form_of(lines.front());
+  const bool w_first = (form == Form::kEuroc) != (order == QuaternionOrder::kOther);
   Trajectory truth;
-  if (form == Form::kTum) truth = load_tum(*agent.truth);
-  if (form == Form::kEuroc) truth = read_euroc(lines, agent);
+  if (form == Form::kTum) truth = read_tum(lines, w_first);
+  if (form == Form::kEuroc) truth = read_euroc(lines, agent, w_first);
   const auto times = times_of(agent, rate_hz);
   if (form == Form::kKitti) truth = read_kitti(lines, agent, times, rate_hz);
   const bool written = form != Form::kKitti && times && as_written(truth, *times);
-  for (std::size_t i = 1; i < truth.size(); ++i) {
-    if (truth[i].t_ns <= truth[i - 1].t_ns)
-      throw UserError(lines[i].where + "the time is not later than that of the line before");
-  }
+  leave_out_repeated(*agent.truth, lines, &truth);
   // What has the source's times is brought to those that were played; else it has them.
   const bool of_source = form == Form::kKitti || written;
   const TimeNs later_ns =
@@ -162,19 +199,6 @@ Trajectory load_truth(const SequenceAgent& agent, double rate_hz) {
   for (StampedPose& pose : truth) pose.t_ns -= later_ns;
   if (agent.duration_s) std::erase_if(truth, [&](const StampedPose& p) { return p.t_ns >= to_ns(*agent.duration_s); });
   return truth;
-}
-
-std::string times_apart(const std::string& agent, const Trajectory& poses, const Trajectory& truth) {
-  constexpr std::ptrdiff_t kLeast = 3;  // which a map can be aligned by
-  if (poses.empty() || truth.empty()) return {};
-  const auto common = std::ranges::count_if(
-      poses, [&](const StampedPose& p) { return p.t_ns >= truth.front().t_ns && p.t_ns <= truth.back().t_ns; });
-  if (common >= kLeast || std::ssize(poses) < kLeast) return {};
-  const auto span = [](const Trajectory& t) {
-    return seconds(t.front().t_ns) + " to " + seconds(t.back().t_ns) + " s";
-  };
-  return "the poses of agent " + agent + " are of " + span(poses) + " of the time that was played, its truth of " +
-         span(truth) + ": hardly an instant is in both";
 }
 
 }  // namespace coslam::eval

@@ -9,17 +9,18 @@
 
 namespace coslam::eval {
 
-// The true poses of an agent's camera in the time that was played; empty where it has none. Forms, told apart by the
-// lines of the file:
-// - TUM, `t_s tx ty tz qx qy qz qw`, camera to world;
-// - EuRoC's state_groundtruth_estimate0, `t_ns,x,y,z,qw,qx,qy,qz[,...]`, of the body: the camera's place on it is T_BS
-// of
-//   its calibration, an EuRoC sensor.yaml;
-// - KITTI's poses, twelve numbers of [R t] a line, camera to world, one for each image.
-// Times in UTC count from where the source's do. Throws UserError: what is wrong, with file and line.
-Trajectory load_truth(const SequenceAgent& agent, double rate_hz);
+// How the four numbers of a quaternion are read: as the form of the file has them, or with w at the other end.
+enum class QuaternionOrder : std::uint8_t { kOfForm, kOther };
 
-// Why poses and truth have hardly an instant in common, one sentence for the user; empty where they have.
-std::string times_apart(const std::string& agent, const Trajectory& poses, const Trajectory& truth);
+// The true poses of an agent's camera in the time that was played; empty where it has none. Forms, told apart by the
+// lines of the file, between blanks, commas or semicolons; a first line of words is passed over:
+// - TUM, `t_s tx ty tz qx qy qz qw`, camera to world; times of 12 digits and more are nanoseconds;
+// - EuRoC's state_groundtruth_estimate0, `t_ns,x,y,z,qw,qx,qy,qz[,...]`, of the body: the camera's place on it is T_BS
+//   of its calibration, an EuRoC sensor.yaml;
+// - KITTI's poses, twelve numbers of [R t] a line, or sixteen with 0 0 0 1, camera to world, one for each image, or
+// with
+//   the image's number before them.
+// Times in UTC count from where the source's do. Throws UserError: what is wrong, with file and line.
+Trajectory load_truth(const SequenceAgent& agent, double rate_hz, QuaternionOrder order = QuaternionOrder::kOfForm);
 
 }  // namespace coslam::eval

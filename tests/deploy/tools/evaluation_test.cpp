@@ -174,6 +174,42 @@ TEST_F(ResultOfWall, AnErrorAsLargeAsTheSpreadOfTheTruthIsSaidToSayLittle) {
 }
 
 // Maps that met in the last moment have one frame, though their cameras were in no group yet.
+TEST_F(ResultOfWall, TruthThatIsNotWhatItSeemsIsSaid) {
+  const auto told = [&] { return to_text(evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr)); };
+  const std::filesystem::path file = *sequence_.agents[0].truth;
+  const Trajectory truth = load_tum(file);
+  EXPECT_THAT(told(), ::testing::Not(::testing::AnyOf(HasSubstr("judged on"), HasSubstr("the truth of"))));
+
+  save_tum(file, Trajectory(truth.begin(), truth.begin() + 11));
+  EXPECT_THAT(told(), HasSubstr("cam0 is judged on 10 of 30 poses, 0.9 of 2.9 s"));
+
+  Trajectory late = truth;
+  for (StampedPose& pose : late) pose.t_ns += 400'000'000;
+  save_tum(file, late);
+  EXPECT_THAT(told(), HasSubstr("the truth of agent cam0 fits best 0.40 s earlier"));
+
+  Trajectory turning, estimate;
+  std::string swapped;
+  for (const StampedPose& pose : truth) {
+    const double t_s = to_seconds(pose.t_ns);
+    turning.push_back({pose.t_ns, {so3_exp({0.2 * t_s, 0.3, 0.1 * t_s * t_s}), pose.cam_from_world.translation}});
+    const Rigid3 w = turning.back().cam_from_world.inverse();
+    const Eigen::Quaterniond& q = w.rotation;
+    for (const double v : {t_s, w.translation.x(), w.translation.y(), w.translation.z(), q.w(), q.x(), q.y(), q.z()})
+      swapped += std::to_string(v) + " ";
+    swapped += "\n";
+    estimate.push_back({pose.t_ns, transform_world(turning.back().cam_from_world, kTruthFromMap.inverse())});
+  }
+  save_tum(result_.trajectory("cam0"), estimate);
+  save_tum(file, turning);
+  EXPECT_THAT(told(), ::testing::Not(HasSubstr("the turns of the truth")));
+  temp_.write("cam0.tum", swapped);
+  EXPECT_THAT(told(), HasSubstr("the turns of the truth of agent cam0 do not fit ("));
+  const auto doubts =
+      to_json(evaluate(result_, sequence_, load_paths(result_, sequence_), nullptr))["agents"]["cam0"]["doubts"];
+  EXPECT_EQ(doubts.size(), 1U);
+}
+
 TEST_F(ResultOfWall, MapsAreThoseOfTheReport) {
   std::ofstream(result_.groups()) << "t_s,group,agents\n0.0,1,cam0\n0.0,2,cam1\n";
   const nlohmann::json agents{{"cam0", {{"frames", 31}}}, {"cam1", {{"frames", 31}}}};

@@ -52,6 +52,19 @@ TEST_F(Truth, TumInPlayedTime) {
   EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(2, 2, 3), 1e-12));
 }
 
+TEST_F(Truth, TumMayBeWrittenInManyWays) {
+  const std::string pose = " 1 2 3 0 0 0 1\n", commas = ",1,2,3,0,0,0,1\n", semicolons = ";1;2;3;0;0;0;1\n";
+  for (const std::string& text :
+       {"timestamp tx ty tz qx qy qz qw\n0.0" + pose + "1317000000.5" + pose, "0.0" + commas + "1317000000.5" + commas,
+        "0.0" + semicolons + "1317000000.5" + semicolons, "0" + pose + "1317000000500000000" + pose,
+        "0.0" + pose + "0.0" + pose + "1317000000.5" + pose}) {
+    const Trajectory t = load_truth(agent(text), 30);
+    ASSERT_EQ(t.size(), 2U) << text;
+    EXPECT_EQ(t[1].t_ns, 1'317'000'000'500'000'000) << text;
+    EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(1, 2, 3), 1e-12)) << text;
+  }
+}
+
 TEST_F(Truth, InUtcCountsFromWhereTheSourceDoes) {
   SequenceAgent a = agent(
       "1305031102.0500 0 0 0 0 0 0 1\n1305031102.1500 1 0 0 0 0 0 1\n1305031102.2500 2 0 0 0 0 0 1\n", dated_source());
@@ -97,12 +110,21 @@ TEST_F(Truth, EurocIsOfTheBody) {
 TEST_F(Truth, KittiHasAPoseForEachImage) {
   for (int i = 0; i < 2; ++i) image("06/image_0/00000" + std::to_string(i) + ".png");
   folder_.write("06/times.txt", "0.0\n1.037e-01\n");
-  const SequenceAgent a =
-      agent("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.1 0 1 0 0 0 0 1 1.2\n1 0 0 0 0 1 0 0 0 0 1 2\n", "06");
-  const Trajectory t = load_truth(a, 10);
-  ASSERT_EQ(t.size(), 2U) << "of as many images as there are";
-  EXPECT_EQ(t[1].t_ns, 103'700'000);
-  EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(0.1, 0, 1.2), 1e-9));
+  const std::string twelve = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.1 0 1 0 0 0 0 1 1.2\n",
+                    sixteen = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1 0 0 0.1 0 1 0 0 0 0 1 1.2 0 0 0 1\n",
+                    numbered = "0 1 0 0 0 0 1 0 0 0 0 1 0\n1 1 0 0 0.1 0 1 0 0 0 0 1 1.2\n";
+  for (const std::string& poses : {twelve, sixteen, numbered}) {
+    const Trajectory t = load_truth(agent(poses, "06"), 10);
+    ASSERT_EQ(t.size(), 2U);
+    EXPECT_EQ(t[1].t_ns, 103'700'000);
+    EXPECT_THAT(t[1].cam_from_world.center(), VectorNear(Eigen::Vector3d(0.1, 0, 1.2), 1e-9));
+  }
+  EXPECT_EQ(load_truth(agent("1 1 0 0 0 0 1 0 0 0 0 1 0\n", "06"), 10).at(0).t_ns, 103'700'000);
+  const auto error = [&](const std::string& poses) {
+    return test::error_of<UserError>([&] { load_truth(agent(poses, "06"), 10); });
+  };
+  EXPECT_THAT(error(twelve + "1 0 0 0 0 1 0 0 0 0 1 2\n"), HasSubstr("truth.txt: 3 poses for 2 images"));
+  EXPECT_THAT(error("2 1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("truth.txt:1: there is no image 2"));
   for (int i = 0; i < 3; ++i) image("07/image_0/00000" + std::to_string(i) + ".png");
   folder_.write("07/times.txt", "0.0\n0.0\n0.1\n");
   const Trajectory repeated =
@@ -118,24 +140,11 @@ TEST_F(Truth, SaysWhatIsWrong) {
     const SequenceAgent a = agent(text, "no.mp4");
     return test::error_of<UserError>([&] { load_truth(a, 30); });
   };
-  EXPECT_THAT(error("0 1 2\n"), HasSubstr("truth.txt:1: not a line"));
-  EXPECT_THAT(error("1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("truth.txt:2: the time is not later"));
+  EXPECT_THAT(error("# nothing\n"), HasSubstr("truth.txt: has no pose"));
+  EXPECT_THAT(error("time,lat,lon,alt\n0.0,47.1,8.1,1\n"), HasSubstr("truth.txt:2: 4 fields; poses are lines `t_s"));
+  EXPECT_THAT(error("2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("truth.txt:2: the time is earlier"));
   EXPECT_THAT(error("1,0,0,0,2,0,0,0\n"), HasSubstr("truth.txt:1: not a unit quaternion"));
   EXPECT_THAT(error("1 0 0 0 0 1 0 0 0 0 1 x\n"), HasSubstr("'x' is not a number"));
-}
-
-TEST(TruthTimes, ThatAreApartAreNamed) {
-  const auto path = [](double from_s, double to_s) {
-    Trajectory t;
-    for (double at_s = from_s; at_s <= to_s; at_s += 0.1) t.push_back({to_ns(at_s), {}});
-    return t;
-  };
-  EXPECT_EQ(times_apart("left", path(0, 4), path(3, 9)), "");
-  EXPECT_EQ(times_apart("left", path(0, 4), {}), "");
-  EXPECT_EQ(times_apart("left", {}, path(0, 4)), "");
-  EXPECT_THAT(
-      times_apart("left", path(0, 4), path(100, 104)),
-      HasSubstr("the poses of agent left are of 0.0 to 3.9 s of the time that was played, its truth of 100.0 to"));
 }
 
 }  // namespace
