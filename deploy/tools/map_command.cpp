@@ -48,6 +48,9 @@ std::map<MapId, MapCensus> census(const Map& map) {
   return maps;
 }
 
+// To be written, but not made: there has to be one.
+void require_map(const std::string& file) { const MapFile there(file, Access::kRead); }
+
 int list(const MapArguments& arguments) {
   const MapFile file(arguments.file, Access::kRead);
   const MapServer server = load_map(file);
@@ -74,8 +77,8 @@ int check(const MapArguments& arguments) {
 }
 
 int compact(const MapArguments& arguments) {
-  const auto before = std::filesystem::exists(arguments.file) ? std::filesystem::file_size(arguments.file) : 0;
-  if (before == 0) throw UserError("there is no map file " + arguments.file);
+  require_map(arguments.file);
+  const auto before = std::filesystem::file_size(arguments.file);
   MapFile file(arguments.file, Access::kWrite);
   file.check();
   file.compact();
@@ -84,7 +87,7 @@ int compact(const MapArguments& arguments) {
 }
 
 int adjust(const MapArguments& arguments) {
-  if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
+  require_map(arguments.file);
   MapFile file(arguments.file, Access::kWrite);
   MapServer server = load_map(file);
   ProgressOfRun progress;
@@ -151,7 +154,7 @@ void take_past(const MapFile& other, const Map& map, const Renumbered& as, std::
 
 // All in one transaction: the file is as before, or has everything.
 int merge(const MapArguments& arguments) {
-  if (!std::filesystem::exists(arguments.file)) throw UserError("there is no map file " + arguments.file);
+  require_map(arguments.file);
   MapFile file(arguments.file, Access::kWrite);
   MapServer server = load_map(file);
   std::vector<Row> past;

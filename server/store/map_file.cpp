@@ -51,7 +51,6 @@ std::string access_cause(const std::filesystem::path& file) {
   const std::filesystem::path folder = folder_of(file);
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) return "cannot be there: there is no folder " + folder.string();
-  if (std::filesystem::is_directory(file, error)) return "is a folder";
   const bool there = std::filesystem::exists(file, error);
   if (there && access(file.c_str(), R_OK) != 0) return "may not be read by this user";
   for (const auto& path : {file, folder}) {
@@ -184,6 +183,16 @@ auto in_words(const std::filesystem::path& path, Do work) {
   }
 }
 
+// Throws UserError for what is no file: to open it may take for ever.
+bool holds_something(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto type = std::filesystem::status(file, error).type();
+  if (type == std::filesystem::file_type::directory) throw UserError("map file " + file.string() + " is a folder");
+  if (!std::filesystem::exists(file, error)) return false;
+  if (type != std::filesystem::file_type::regular) throw UserError("map file " + file.string() + " is no file");
+  return std::filesystem::file_size(file, error) > 0;
+}
+
 // A process writes the file, or wrote it when it was copied or when that process was killed.
 bool is_marked(SQLite::Database& db) {
   return db.tableExists("in_use") && db.execAndGet("SELECT count(*) FROM in_use").getInt() > 0;
@@ -203,9 +212,12 @@ void open_for_writing(SQLite::Database& db, bool there) {
 }  // namespace
 
 MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file) {
-  std::error_code error;
-  const bool there = std::filesystem::exists(file, error) && std::filesystem::file_size(file, error) > 0;
-  if (!there && access == Access::kRead) throw UserError("there is no map file " + file.string());
+  const bool there = holds_something(file);
+  if (!there && access == Access::kRead) {
+    std::error_code error;
+    const bool empty = std::filesystem::exists(file, error);
+    throw UserError(empty ? "map file " + file.string() + " is empty" : "there is no map file " + file.string());
+  }
   const bool log_was_there = has_log(file);
   in_words(path_, [&] {
     impl_ = std::make_unique<Impl>(file, access == Access::kWrite);

@@ -229,6 +229,12 @@ TEST_F(MapFileTest, SaysWhatIsInTheWay) {
   };
   EXPECT_THAT(why(folder_ / "not there" / "a.map"), HasSubstr("there is no folder"));
   EXPECT_THAT(why(folder_.path()), HasSubstr("is a folder"));
+  EXPECT_THAT(test::error_of<UserError>([&] { MapFile(folder_.path(), Access::kRead); }), HasSubstr("is a folder"));
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(why(folder_ / "pipe"), HasSubstr("pipe is no file")) << "nobody ever writes to it";
+  folder_.write("a.map", "");
+  EXPECT_THAT(why_not(Access::kRead), HasSubstr("a.map is empty"));
+  EXPECT_EQ(why_not(Access::kWrite), "") << "a new map";
 }
 
 TEST_F(MapFileTest, IsReadWhereNothingMayBeWritten) {
