@@ -96,6 +96,7 @@ void require_apart(const AgentOptions& o) {
 }
 
 void run(AgentOptions& o) {
+  if (o.id.empty()) throw UsageError("--id is empty: an agent needs a name");
   if (o.source.empty()) throw UsageError("--source is missing (see --help)");
   require_apart(o);
   const double rate = parse_replay_rate(o.rate);
@@ -137,7 +138,8 @@ void run(AgentOptions& o) {
 
 struct Arguments {
   CommonArguments common;
-  std::string id, source, calibration, mask, rate;
+  std::string source, calibration, mask, rate;
+  std::optional<std::string> id;
   std::optional<int> domain;
   std::optional<double> start_s, duration_s, rate_hz;
   std::vector<std::pair<double, double>> covered;
@@ -166,7 +168,7 @@ AgentOptions options_of(const Arguments& a) {
   AgentOptions o;
   if (a.loopback) o.wire = loopback_config(0);
   a.common.apply_to(o);
-  if (!a.id.empty()) o.id = a.id;
+  if (a.id) o.id = *a.id;
   if (!a.source.empty()) o.source = a.source;
   if (!a.calibration.empty()) o.calibration = a.calibration;
   if (!a.mask.empty()) o.agent.tracker.mask = a.mask;

@@ -54,6 +54,18 @@ TEST(Participant, PeersMustBeAddresses) {
   EXPECT_THAT(error_of(config), HasSubstr("peer 'server.invalid' is no IPv4 address and no name of one"));
   config.peers = {"::1"};
   EXPECT_THAT(error_of(config), HasSubstr("peer '::1' is an IPv6 address: the fleet speaks IPv4"));
+  for (const char* part : {"192.168.1", "0x7f000001", "2130706433"}) {
+    config.peers = {part};
+    EXPECT_THAT(error_of(config), HasSubstr("'" + std::string(part) + "' is no whole IPv4 address"));
+  }
+  for (const char* of_many : {"0.0.0.0", "255.255.255.255", "239.255.0.1"}) {
+    config.peers = {of_many};
+    EXPECT_THAT(error_of(config), HasSubstr("'" + std::string(of_many) + "' is the address of no single machine"));
+  }
+  for (const char* more : {"10.0.0.2:7400", "http://server", "10.0.0.0/24"}) {
+    config.peers = {more};
+    EXPECT_THAT(error_of(config), HasSubstr("'" + std::string(more) + "' is more than a name or an IPv4 address"));
+  }
   config.peers = {"localhost"};
   EXPECT_EQ(error_of(config), "no error");
 }
