@@ -18,6 +18,7 @@
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/own_bodies.h"
 #include "deploy/tools/run/run.h"
+#include "deploy/tools/run/sources.h"
 #include "deploy/tools/run/starts.h"
 #include "deploy/tools/sequence_argument.h"
 #include "deploy/tools/view_flag.h"
@@ -112,6 +113,7 @@ int run(RunArguments arguments) {
   options.sequence = sequence_argument(arguments.sequence);
   select_agents(options.sequence, arguments.agents);
   if (!arguments.view_port.empty()) options.sets.push_back("server.view.port=" + arguments.view_port);
+  if (const std::string shared = shared_source(options.sequence.agents); !shared.empty()) log_warn(shared);
   know_scale(options.sequence, options.sets);
   cover_lenses(options.sequence, arguments.covered);
   options.frame_sets = check_inputs(options.sequence);

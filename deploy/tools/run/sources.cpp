@@ -86,4 +86,15 @@ Sequence sequence_of_sources(const std::vector<std::string>& sources) {
   return sequence;
 }
 
+std::string shared_source(const std::vector<SequenceAgent>& agents) {
+  for (const SequenceAgent& a : agents) {
+    const auto other = std::ranges::find_if(agents, [&](const SequenceAgent& b) {
+      return &b != &a && b.source == a.source && (b.start_s == a.start_s || b.start_is_open);
+    });
+    if (other != agents.end())
+      return a.name + " and " + other->name + " play the same source, " + shown_source(a.source) + ", at the same time";
+  }
+  return {};
+}
+
 }  // namespace coslam

@@ -16,4 +16,7 @@ bool names_sequence(const std::string& text);
 // calibrations. When sources of different clocks began against the first is left open. Throws UserError.
 Sequence sequence_of_sources(const std::vector<std::string>& sources);
 
+// Agents that see the same images at the same time, as of a line that was copied: a sentence for the user, or empty.
+std::string shared_source(const std::vector<SequenceAgent>& agents);
+
 }  // namespace coslam

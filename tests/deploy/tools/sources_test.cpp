@@ -44,6 +44,16 @@ TEST_F(Sources, TopicsOfOneRecordingHaveItsClock) {
   EXPECT_EQ(s.agents[3].name, "other-2");
 }
 
+TEST_F(Sources, ThatTwoAgentsShareIsSaid) {
+  const std::string film = folder_.write("a.mp4", "").string(), other = folder_.write("b.mp4", "").string();
+  EXPECT_EQ(shared_source(of({film, other}).agents), "");
+  Sequence twice = of({film, film});
+  EXPECT_EQ(shared_source(twice.agents), "a and a-2 play the same source, " + film + ", at the same time");
+  twice.agents[1].start_is_open = false;
+  twice.agents[1].start_s = 3;
+  EXPECT_EQ(shared_source(twice.agents), "") << "two parts of one recording";
+}
+
 TEST_F(Sources, WhatIsNotThereIsNamed) {
   EXPECT_THAT(error({"bag:" + (folder_ / "none.mcap").string() + "#/cam0"}), HasSubstr("there is no"));
   const std::string film = folder_.write("a.mp4", "").string();
