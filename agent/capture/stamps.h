@@ -22,6 +22,18 @@ struct WrittenTime {
 // UTC, in seconds since 1970). Empty for anything else.
 std::optional<WrittenTime> parse_written_time(std::string_view text);
 
+// Rates at which cameras take images.
+inline constexpr double kSlowest_hz = 0.2, kFastest_hz = 1000;
+bool is_rate_of_camera(double rate_hz);
+
+// From an image to the next, in the unit of ascending times: the median over stretches of a few images of their mean.
+// Empty where no two differ.
+std::optional<double> usual_interval(const std::vector<WrittenTime>& written);
+
+// A sentence where many images come right after another and then none for long, as over a link that holds them back;
+// else empty.
+std::string said_of_bursts(const std::string& name, const std::vector<std::optional<TimeNs>>& source_ns);
+
 // The unit that times of a list should be in.
 enum class TimeUnit : std::uint8_t { kSeconds, kNanoseconds };
 
@@ -38,8 +50,9 @@ struct SourceTimes {
 //   1000 times a second: the one of s, ms, us, ns in which their rate is most like a camera's;
 // - that times are counted from the first image, where they begin later than an hour (as clocks do that count since a
 //   machine was started). Dates are counted from the first without a word;
+// - that images in bursts are spread evenly, where most come right after another;
 // - that images before 0 are not played.
-// Throws UserError where no unit makes a rate of them.
+// Throws UserError where no unit makes a rate of them, or more than half repeat the time of the one before.
 SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual);
 
 }  // namespace coslam

@@ -11,6 +11,7 @@ namespace coslam {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Optional;
 
@@ -117,6 +118,53 @@ TEST(SourceTimes, ARepeatedTimeCostsAnImage) {
   const SourceTimes m = meant({"0", "0.1", "0.1", "0.2"});
   EXPECT_THAT(m.source_ns, ElementsAre(0, 100'000'000, std::nullopt, 200'000'000));
   EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("1 image has the time of the one before; left out")));
+}
+
+TEST(SourceTimes, ThatAreMostlyTheSameAreRefused) {
+  EXPECT_EQ(test::error_of<UserError>([] {
+              meant({"1.4e9", "1.4e9", "1.4e9", "1.4e9"});
+            }),
+            "times.txt: its times are too coarse: 3 of 4 images have the time of the one before");
+}
+
+// Images in bursts of so many, the bursts at the given interval.
+std::vector<std::string> bursts(int images, int of, double interval_ms, double within_ms) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < images; ++i) texts.push_back(std::to_string(1e-3 * (i / of * interval_ms + i % of * within_ms)));
+  return texts;
+}
+
+TEST(SourceTimes, ImagesThatCameInBurstsAreSpread) {
+  for (const auto& texts : {bursts(80, 4, 200, 2), bursts(80, 4, 200, 0.5), bursts(100, 5, 250, 3)}) {
+    const SourceTimes m = meant(texts);
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      EXPECT_NEAR(to_seconds(*m.source_ns[i]), 0.05 * static_cast<double>(i), 0.015) << i;
+    }
+    ASSERT_EQ(m.guesses.size(), 1U);
+    EXPECT_THAT(m.guesses.front(), EndsWith("a second come on average; they are spread evenly from the first on"));
+  }
+  EXPECT_THAT(
+      meant(bursts(80, 4, 200, 2)).guesses.front(),
+      HasSubstr("times.txt: its images come in bursts: 60 of 80 within 12.5 ms of the one before, where 20 a "));
+}
+
+TEST(SourceTimes, BurstsThatMayBeTrueAreSaidAlone) {
+  std::vector<std::string> with_pause = bursts(40, 4, 200, 2);
+  for (const std::string& text : bursts(40, 4, 200, 2)) with_pause.push_back(std::to_string(60 + std::stod(text)));
+  for (const auto& texts : {bursts(80, 2, 100, 5), bursts(81, 3, 100, 5), with_pause}) {
+    const SourceTimes m = meant(texts);
+    EXPECT_EQ(*m.source_ns[1], meant({texts[0], texts[1]}).source_ns[1]) << "as it is written";
+    ASSERT_EQ(m.guesses.size(), 1U);
+    EXPECT_THAT(m.guesses.front(), EndsWith("; played so, though they may be times of arrival"));
+  }
+}
+
+TEST(SourceTimes, AnUnevenRateIsNoBursts) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < 60; ++i) {
+    if (i % 7 != 3) texts.push_back(std::to_string(0.05 * i + (i % 3) * 0.015 + (i > 30 ? 20 : 0)));
+  }
+  EXPECT_TRUE(meant(texts).guesses.empty());
 }
 
 TEST(SourceTimes, SpansThatNoClockHasAreRefused) {
