@@ -3,7 +3,6 @@
 #include "agent/capture/frame_list.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstdint>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "agent/capture/image_names.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
 
@@ -37,6 +37,10 @@ std::vector<WrittenFrame> read_list(const fs::path& file, const char* form, cons
   for (int number = 1; std::getline(stream, line); ++number) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
+    if (number == 1 && (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))) {
+      throw UserError(file.string() + ": is written in UTF-16; it has to be UTF-8 or ASCII");
+    }
+    std::erase(line, '"');  // of quoted fields
     const std::string_view text = trimmed(line);
     if (text.empty() || text.front() == '#') continue;
     const auto frame = read_line(text);
@@ -53,8 +57,22 @@ std::vector<WrittenFrame> read_list(const fs::path& file, const char* form, cons
   return frames;
 }
 
+// Windows separates folders by backslashes, which are read so where no file has such a name; true where one was.
+bool use_slashes(std::vector<WrittenFrame>* frames) {
+  bool any = false;
+  for (WrittenFrame& frame : *frames) {
+    std::string name = frame.file.string();
+    if (name.find('\\') == std::string::npos || fs::exists(frame.file)) continue;
+    std::ranges::replace(name, '\\', '/');
+    frame.file = name;
+    any = true;
+  }
+  return any;
+}
+
 // With the times that are meant, without images whose time is that of the one before.
-FrameList timed(const std::string& name, const std::vector<WrittenFrame>& written, TimeUnit unit) {
+FrameList timed(const std::string& name, std::vector<WrittenFrame> written, TimeUnit unit) {
+  const bool backslashes = use_slashes(&written);
   std::vector<WrittenTime> times;
   times.reserve(written.size());
   for (const WrittenFrame& frame : written) times.push_back(frame.time);
@@ -66,13 +84,17 @@ FrameList timed(const std::string& name, const std::vector<WrittenFrame>& writte
   list.all_ns = std::move(meant.source_ns);
   list.zero_ns = meant.zero_ns;
   list.guesses = std::move(meant.guesses);
+  if (backslashes) list.guesses.push_back(name + ": backslashes in the names of its files are read as /");
   return list;
 }
 
 std::vector<WrittenFrame> read_time_lines(const fs::path& file) {
   return read_list(file, "t_s", [](std::string_view line) -> std::optional<WrittenFrame> {
-    const auto time = parse_written_time(line);
-    return time ? std::optional(WrittenFrame{*time, {}}) : std::nullopt;
+    if (const auto time = parse_written_time(line)) return WrittenFrame{*time, {}};
+    // TUM's monocular sequences: the name of an image, its time in seconds and its exposure.
+    const auto fields = split_fields(line);
+    const auto time = fields.size() == 3 ? parse_written_time(fields[1]) : std::nullopt;
+    return time ? std::optional(WrittenFrame{*time, fields[0]}) : std::nullopt;
   });
 }
 
@@ -92,62 +114,30 @@ std::vector<std::string> fields_of(std::string_view line) {
   return out;
 }
 
-bool is_image(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  constexpr std::array<const char*, 7> kImages = {".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff"};
-  return std::find(kImages.begin(), kImages.end(), extension) != kImages.end();
-}
-
-std::vector<fs::path> images_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_image(entry.path())) files.push_back(entry.path());
-  }
-  // Shorter names first, so that 999 precedes 1000.
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    const std::string x = a.stem().string(), y = b.stem().string();
-    return x.size() != y.size() ? x.size() < y.size() : x < y;
-  });
-  return files;
-}
-
-// Names of 12 digits and more, and numbers with a point, are times; shorter ones count images.
-std::optional<WrittenFrame> stamped(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  const bool number = std::ranges::all_of(stem, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
-  if (!number || stem.size() < 12) return std::nullopt;
-  const auto time = parse_written_time(stem);
-  return time ? std::optional(WrittenFrame{*time, file}) : std::nullopt;
-}
-
-// The times of the images of a folder lie in it, as KITTI has them beside image_0, image_1, ..., or above the folder
-// `data` of its raw recordings.
+// The times of the images of a folder lie in it, as KITTI has them beside image_0, image_1, ... and TUM beside images,
+// or above the folder `data` of KITTI's raw recordings.
 std::optional<fs::path> times_of(const fs::path& folder) {
   const fs::path here = fs::absolute(folder / ".").lexically_normal().parent_path();
   const std::string name = here.filename().string();
-  std::vector<fs::path> candidates = {folder / "times.txt"};
-  if (name.starts_with("image_")) candidates.push_back(here.parent_path() / "times.txt");
+  std::vector<fs::path> candidates = {folder / "times.txt", folder / "timestamps.txt"};
+  if (name.starts_with("image_") || name == "images") candidates.push_back(here.parent_path() / "times.txt");
   if (name == "data") candidates.push_back(here.parent_path() / "timestamps.txt");
   const auto found = std::ranges::find_if(candidates, [](const fs::path& f) { return fs::exists(f); });
   return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
-// Numbers of the images' names, where all are numbers and ascend; else empty.
-std::vector<std::int64_t> numbers_of(const std::vector<fs::path>& files) {
-  std::vector<std::int64_t> numbers;
-  for (const fs::path& file : files) {
-    const auto number = parse_integer(file.stem().string());
-    if (!number || (!numbers.empty() && *number <= numbers.back())) return {};
-    numbers.push_back(*number);
-  }
-  return numbers;
+// Numbers are times only where images come at a camera's rate.
+void require_rate(const std::string& name, const std::vector<WrittenTime>& times_s) {
+  constexpr double kSlowest_hz = 0.2, kFastest_hz = 240;
+  const double interval_s = usual_interval(times_s).value_or(0);
+  if (interval_s >= 1 / kFastest_hz && interval_s <= 1 / kSlowest_hz) return;
+  throw UserError(name + ": as times in seconds the names of its images would be " + format_seconds(to_ns(interval_s)) +
+                  " s apart");
 }
 
 // Times of images that come at a rate: by their numbers, so that a number that is missing is a gap in time.
-FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, double rate_hz) {
-  std::vector<std::int64_t> numbers = numbers_of(files);
+FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, std::vector<std::int64_t> numbers,
+                  double rate_hz) {
   if (numbers.empty()) {
     for (std::size_t i = 0; i < files.size(); ++i) numbers.push_back(static_cast<std::int64_t>(i));
   }
@@ -167,6 +157,45 @@ FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, do
                            "; played as gaps in time");
   }
   return list;
+}
+
+// The frames of a file of times, one for each image.
+FrameList at_times(const fs::path& times, std::vector<WrittenFrame> frames, const std::vector<fs::path>& files) {
+  if (frames.size() != files.size()) {
+    throw UserError(times.string() + ": " + std::to_string(frames.size()) + " times for " +
+                    std::to_string(files.size()) + " images");
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string named = frames[i].file.stem().string();
+    if (!named.empty() && named != files[i].stem().string()) {
+      throw UserError(times.string() + ": image " + std::to_string(i + 1) + " is " + named + " there, and " +
+                      files[i].filename().string() + " in the folder");
+    }
+    frames[i].file = files[i];
+  }
+  return timed(times.string(), frames, TimeUnit::kSeconds);
+}
+
+// By times in the names of images, where they are such; else at the rate.
+FrameList by_names(const fs::path& folder, const std::vector<fs::path>& files, double rate_hz) {
+  NamedTimes named = times_in_names(files);
+  if (named.times.empty()) return at_rate(folder, files, numbers_of(files), rate_hz);
+  std::vector<WrittenFrame> frames;
+  for (std::size_t i = 0; i < files.size(); ++i) frames.push_back({named.times[i], files[i]});
+  std::ranges::stable_sort(frames, {}, &WrittenFrame::time);
+  std::ranges::sort(named.times);
+  const std::string name = folder.string();
+  try {
+    if (named.coarse) throw UserError(name + ": its images are named by dates of whole seconds");
+    if (named.vague) require_rate(name, named.times);
+    FrameList list = timed(name, frames, named.unit);
+    if (named.vague) list.guesses.push_back(name + ": the names of its images are taken for times in seconds");
+    return list;
+  } catch (const UserError& e) {
+    FrameList list = at_rate(folder, files, named.coarse ? std::vector<std::int64_t>() : numbers_of(files), rate_hz);
+    list.guesses.push_back(std::string(e.what()) + "; the names of its images are not taken for times");
+    return list;
+  }
 }
 
 }  // namespace
@@ -203,7 +232,7 @@ FrameList list_euroc(const fs::path& camera_folder) {
   const fs::path csv = camera_folder / "data.csv";
   const auto frames = read_list(csv, "t_ns,file", [&](std::string_view line) -> std::optional<WrittenFrame> {
     const auto fields = split_csv(line);
-    if (fields.size() != 2 || fields[1].empty()) return std::nullopt;
+    if (fields.size() < 2 || fields[1].empty()) return std::nullopt;
     const auto time = parse_written_time(fields[0]);
     return time ? std::optional(WrittenFrame{*time, camera_folder / "data" / fields[1]}) : std::nullopt;
   });
@@ -211,32 +240,16 @@ FrameList list_euroc(const fs::path& camera_folder) {
 }
 
 FrameList list_images(const fs::path& folder, double rate_hz) {
-  const auto files = images_in(folder);
+  std::vector<fs::path> files = images_in(folder);
   if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder");
+  std::vector<std::string> guesses;
+  const auto times = times_of(folder);
   std::vector<WrittenFrame> frames;
-  if (const auto times = times_of(folder)) {
-    frames = read_time_lines(*times);
-    if (frames.size() != files.size()) {
-      throw UserError(times->string() + ": " + std::to_string(frames.size()) + " times for " +
-                      std::to_string(files.size()) + " images");
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) frames[i].file = files[i];
-    return timed(times->string(), frames, TimeUnit::kSeconds);
-  }
-  for (const fs::path& file : files) {
-    const auto frame = stamped(file);
-    if (!frame) return at_rate(folder, files, rate_hz);
-    frames.push_back(*frame);
-  }
-  std::ranges::stable_sort(frames, {}, &WrittenFrame::time);
-  const bool seconds = files.front().stem().string().find('.') != std::string::npos;
-  try {
-    return timed(folder.string(), frames, seconds ? TimeUnit::kSeconds : TimeUnit::kNanoseconds);
-  } catch (const UserError& e) {
-    FrameList list = at_rate(folder, files, rate_hz);
-    list.guesses.push_back(std::string(e.what()) + "; the names of its images are not taken for times");
-    return list;
-  }
+  if (times) frames = read_time_lines(*times);
+  if (frames.size() != files.size()) files = of_one_camera(folder, files, &guesses);
+  FrameList list = times ? at_times(*times, std::move(frames), files) : by_names(folder, files, rate_hz);
+  list.guesses.insert(list.guesses.begin(), guesses.begin(), guesses.end());
+  return list;
 }
 
 FrameList list_folder(const fs::path& folder, double rate_hz) {
@@ -245,8 +258,8 @@ FrameList list_folder(const fs::path& folder, double rate_hz) {
     if (fs::exists(candidate / "data.csv")) return list_euroc(candidate);
   }
   if (fs::exists(folder / "rgb.txt")) return list_tum(folder / "rgb.txt");
-  // KITTI: its sequences, and its raw recordings.
-  for (const char* camera : {"image_0", "image_00/data", "data"}) {
+  // KITTI: its sequences, and its raw recordings; TUM's monocular sequences.
+  for (const char* camera : {"image_0", "image_00/data", "data", "images"}) {
     if (fs::is_directory(folder / camera) && images_in(folder).empty()) return list_images(folder / camera, rate_hz);
   }
   return list_images(folder, rate_hz);

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "agent/capture/stamps.h"
+
+// What the names of images in a folder tell.
+namespace coslam {
+
+// Image files by the numbers in their names, so that 999 precedes 1000 and -1 precedes 0; hidden ones are left out.
+std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
+
+// Those of one camera. Depth images beside others are left out, which is said in `guesses`. Throws UserError where the
+// names without their numbers are those of several cameras.
+std::vector<std::filesystem::path> of_one_camera(const std::filesystem::path& folder,
+                                                 const std::vector<std::filesystem::path>& files,
+                                                 std::vector<std::string>* guesses);
+
+// The one number in the names that differs from image to image, where it ascends; else empty.
+std::vector<std::int64_t> numbers_of(const std::vector<std::filesystem::path>& files);
+
+// Times that all names end with: `1403638518077829376`, `1403638518.077829`,
+// `1403638518_077829376`, `12.05`, `2014-06-24T19-35-18.050000`, `20140624_193518050`.
+struct NamedTimes {
+  std::vector<WrittenTime> times;  // by image; empty: the names are no times
+  TimeUnit unit = TimeUnit::kSeconds;
+  bool vague = false;   // they may be mere numbers: only the rate of a camera makes times of them
+  bool coarse = false;  // dates of whole seconds
+};
+NamedTimes times_in_names(const std::vector<std::filesystem::path>& files);
+
+}  // namespace coslam
