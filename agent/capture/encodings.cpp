@@ -62,6 +62,10 @@ const Encoding* find(std::string_view name) {
   return at == kEncodings.end() ? nullptr : &*at;
 }
 
+std::size_t octets_of_row(const Encoding& encoding, std::size_t width_px) {
+  return width_px * static_cast<std::size_t>(encoding.channels * encoding.bits / 8);
+}
+
 void swap_octets(cv::Mat* image) {
   for (int y = 0; y < image->rows; ++y) {
     auto* at = image->ptr<std::uint16_t>(y);
@@ -77,7 +81,7 @@ cv::Mat grey_of(const RawImage& image) {
   const Encoding* e = find(image.encoding);
   if (e == nullptr || image.width_px == 0 || image.height_px == 0 || image.width_px > kMost || image.height_px > kMost)
     return {};
-  const std::size_t row = image.width_px * static_cast<std::size_t>(e->channels * e->bits / 8);
+  const std::size_t row = octets_of_row(*e, image.width_px);
   const std::size_t step = image.octets_per_row;
   if (step < row || step > image.octets.size() || image.octets.size() - row < step * (image.height_px - 1)) return {};
   const cv::Size size(static_cast<int>(image.width_px), static_cast<int>(image.height_px));
@@ -105,6 +109,19 @@ cv::Mat grey_of(const RawImage& image) {
     grey = e->bits == 8 ? pixels.clone() : pixels;
   }
   return grey;
+}
+
+std::string why_not_grey(const RawImage& image) {
+  const Encoding* e = find(image.encoding);
+  const std::string encoding(image.encoding);
+  if (e == nullptr) return "its encoding is " + encoding + ", known are " + known_encodings();
+  if (image.octets_per_row < octets_of_row(*e, image.width_px)) {
+    return "its rows have " + std::to_string(image.octets_per_row) + " octets (step), and " +
+           std::to_string(image.width_px) + " pixels of " + encoding + " need " +
+           std::to_string(octets_of_row(*e, image.width_px));
+  }
+  return "it has " + std::to_string(image.octets.size()) + " octets, and " + std::to_string(image.height_px) +
+         " rows of " + std::to_string(image.octets_per_row) + " are needed";
 }
 
 bool is_known_encoding(std::string_view encoding) { return find(encoding) != nullptr; }

@@ -24,6 +24,9 @@ struct RawImage {
 // an encoding that is not known, or fewer octets than it takes.
 cv::Mat grey_of(const RawImage& image);
 
+// Why grey_of() is empty, for the user.
+std::string why_not_grey(const RawImage& image);
+
 bool is_known_encoding(std::string_view encoding);
 // For the user.
 std::string known_encodings();

@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
+#include <algorithm>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "agent/capture/decode.h"
 #include "agent/capture/encodings.h"
+#include "agent/capture/recorded_clock.h"
 #include "agent/capture/sources.h"
 #include "agent/capture/video_packets.h"
 #include "common/base/error.h"
@@ -29,6 +32,7 @@ class RecordedSource final : public ImageSource {
         span_(options) {
     if (!recording_->warning().empty()) log_warn(recording_->warning());
     recording_->play(place_);
+    look_ahead();
     advance();
     while (ahead_ && span_.before(ahead_->t_ns)) advance();
     while (ahead_ && decoded().empty()) drop_unreadable();
@@ -66,48 +70,90 @@ class RecordedSource final : public ImageSource {
     std::optional<cv::Mat> grey;  // once it was decoded
   };
 
-  // Images count from the start of the recording, so that those of several topics keep their time. A stamp that is far
-  // from when it was noted is of another clock, and counts from its own first.
-  TimeNs source_ns(TimeNs stamp_ns, TimeNs noted_ns) {
-    constexpr double kOneClock_s = 10, kUnderWay_s = 0.1;  // from its stamp until it was noted
-    if (!by_stamps_) {
-      by_stamps_ = stamp_ns != 0;
-      const bool one_clock = std::abs(to_seconds(stamp_ns - noted_ns)) < kOneClock_s;
-      zero_ns_ = one_clock || !*by_stamps_ ? recording_->first_ns() - to_ns(kUnderWay_s) : stamp_ns;
+  // The first messages tell which of their times count.
+  void look_ahead() {
+    constexpr std::size_t kMessages = 32, kOctets = 64U << 20U;
+    std::vector<RecordedTime> times;
+    std::size_t octets = 0;
+    while (read_ahead_.size() < kMessages && octets < kOctets) {
+      auto message = read_message();
+      if (!message) break;
+      octets += message->octets.size();
+      if (const auto stamp_ns = reader_.stamp_ns(message->octets)) times.push_back({*stamp_ns, message->noted_ns});
+      read_ahead_.push_back(std::move(*message));
     }
-    return (*by_stamps_ ? stamp_ns : noted_ns) - zero_ns_;
+    clock_ = recorded_clock(name_, times, recording_->first_ns());
+    for (const std::string& guess : clock_.guesses) log_warn(guess);
   }
 
+  // The next image by time. Recorders write some in another order than they were taken.
   void advance() {
+    constexpr std::size_t kOutOfOrder = 4;
     ahead_.reset();
-    while (auto message = next_message()) {
-      // Of a video all are decoded, as each needs those before.
-      std::optional<cv::Mat> grey;
-      if (is_video(message->octets)) grey = frame_of(message->octets);
-      const auto stamp_ns = reader_.stamp_ns(message->octets);
-      const TimeNs t_ns = stamp_ns ? source_ns(*stamp_ns, message->noted_ns) : last_ns_;
-      if (!stamp_ns || t_ns <= last_ns_) {
+    while (true) {
+      while (waiting_.size() < kOutOfOrder && take_message()) {
+      }
+      if (waiting_.empty()) return say_undated();
+      const auto earliest = std::ranges::min_element(waiting_, {}, &Ahead::t_ns);
+      Ahead next = std::move(*earliest);
+      waiting_.erase(earliest);
+      if (next.t_ns <= last_ns_) {
         ++undated_;
-        if (log_.pass()) log_warn(name_ + ": an image without a stamp, or with one that is not later; passed over");
         continue;
       }
-      last_ns_ = t_ns;
-      if (!span_.after(t_ns)) ahead_ = Ahead{t_ns, std::move(message->octets), std::move(grey)};
+      last_ns_ = next.t_ns;
+      if (span_.after(next.t_ns)) return say_undated();
+      ahead_ = std::move(next);
       return;
     }
   }
 
-  // What is damaged further on ends the source; at its start it is said to the user.
-  std::optional<recording::Message> next_message() {
-    try {
-      auto message = recording_->next();
-      if (message) message->octets = reader_.unpacked(std::move(message->octets));
-      return message;
-    } catch (const UserError& e) {
-      if (size_.empty()) throw;
-      log_warn(e.what());
-      return std::nullopt;
+  // False at the end.
+  bool take_message() {
+    auto message = next_message();
+    if (!message) return false;
+    // Of a video all are decoded, as each needs those before.
+    std::optional<cv::Mat> grey;
+    if (is_video(message->octets)) grey = frame_of(message->octets);
+    const auto stamp_ns = reader_.stamp_ns(message->octets);
+    if (!stamp_ns || (clock_.by_stamps && *stamp_ns == 0)) {
+      ++undated_;
+    } else {
+      waiting_.push_back(
+          {clock_.source_ns({*stamp_ns, message->noted_ns}), std::move(message->octets), std::move(grey)});
     }
+    return true;
+  }
+
+  void say_undated() {
+    if (undated_ == undated_said_) return;
+    undated_said_ = undated_;
+    log_warn(name_ + ": of its images " + std::to_string(undated_) +
+             " had no stamp, or one that is not later than that of the one before; left out");
+  }
+
+  std::optional<recording::Message> next_message() {
+    if (read_ahead_.empty()) return read_message();
+    auto message = std::move(read_ahead_.front());
+    read_ahead_.pop_front();
+    return message;
+  }
+
+  // What is damaged further on ends the source; at its start it is said to the user.
+  std::optional<recording::Message> read_message() {
+    if (ended_) return std::nullopt;
+    std::optional<recording::Message> message;
+    try {
+      message = recording_->next();
+      if (message) message->octets = reader_.unpacked(std::move(message->octets));
+    } catch (const UserError& e) {
+      if (!any_read_) throw;
+      log_warn(e.what());
+      message.reset();
+    }
+    any_read_ = true;
+    ended_ = !message;
+    return message;
   }
 
   // By the first message of the topic that can be read.
@@ -140,15 +186,15 @@ class RecordedSource final : public ImageSource {
     }
     const auto image = reader_.image(message);
     if (!image) return {};
-    if (!is_known_encoding(image->encoding)) {
-      hint_ = "; its encoding is " + image->encoding + ", known are " + known_encodings();
-    }
-    return grey_.in_8_bits(grey_of({.width_px = image->width,
-                                    .height_px = image->height,
-                                    .encoding = image->encoding,
-                                    .big_endian = image->is_bigendian != 0,
-                                    .octets_per_row = image->step,
-                                    .octets = image->data}));
+    const RawImage raw{.width_px = image->width,
+                       .height_px = image->height,
+                       .encoding = image->encoding,
+                       .big_endian = image->is_bigendian != 0,
+                       .octets_per_row = image->step,
+                       .octets = image->data};
+    cv::Mat grey = grey_of(raw);
+    if (grey.empty()) hint_ = "; " + why_not_grey(raw);
+    return grey_.in_8_bits(grey);
   }
 
   void drop_unreadable() {
@@ -169,13 +215,16 @@ class RecordedSource final : public ImageSource {
   GreyReader grey_;
   bool asked_for_video_ = false;
   std::unique_ptr<VideoPackets> video_;  // null: each image stands for itself
-  std::optional<bool> by_stamps_;
-  TimeNs zero_ns_ = 0, last_ns_ = std::numeric_limits<TimeNs>::min();
+  bool any_read_ = false, ended_ = false;
+  std::deque<recording::Message> read_ahead_;
+  RecordedClock clock_;
+  std::vector<Ahead> waiting_;  // for those that were taken before them
+  TimeNs last_ns_ = std::numeric_limits<TimeNs>::min();
   std::optional<Ahead> ahead_;
   std::uint32_t frame_ = 0;
   cv::Size size_;
   std::string hint_;
-  std::size_t undated_ = 0;
+  std::size_t undated_ = 0, undated_said_ = 0;
   LogLimiter log_;
 };
 

@@ -111,7 +111,7 @@ std::vector<double> intervals_s(const std::vector<std::optional<TimeNs>>& source
   std::vector<double> intervals;
   std::optional<TimeNs> last_ns;
   for (const auto& t_ns : source_ns) {
-    if (t_ns && last_ns) intervals.push_back(to_seconds(*t_ns - *last_ns));
+    if (t_ns && last_ns) intervals.push_back(to_seconds(*t_ns) - to_seconds(*last_ns));
     if (t_ns) last_ns = t_ns;
   }
   return intervals;

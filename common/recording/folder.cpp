@@ -39,6 +39,20 @@ std::optional<fs::path> found(const fs::path& folder, const fs::path& named) {
   return std::nullopt;
 }
 
+// Those with names of recordings, by name; of a file that is there both compressed and not the latter.
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::path& file = entry.path();
+    if (!entry.is_regular_file(error) || !has_name_of_recording(file)) continue;
+    const bool twice = has_name_of_compressed(file) && fs::exists(fs::path(file).replace_extension());
+    if (!twice) files.push_back(file);
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
 std::unique_ptr<Recording> open_by_metadata(const fs::path& folder) {
   const YamlValue information = YamlValue::load(folder / kMetadata).at(kInformation);
   const auto format = information.find("compression_format");
@@ -56,23 +70,15 @@ std::unique_ptr<Recording> open_by_metadata(const fs::path& folder) {
       missing += (missing.empty() ? "" : ", ") + name.text();
     }
   }
-  if (files.empty()) throw UserError(folder.string() + ": none of the files that its metadata.yaml names are there");
-  if (!missing.empty()) missing = folder.string() + ": these of its files are missing: " + missing;
-  return open_parts(files, missing);
-}
-
-// Those with names of recordings, by name; of a file that is there both compressed and not the latter.
-std::vector<fs::path> recordings_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const fs::path& file = entry.path();
-    if (!entry.is_regular_file(error) || !has_name_of_recording(file)) continue;
-    const bool twice = has_name_of_compressed(file) && fs::exists(fs::path(file).replace_extension());
-    if (!twice) files.push_back(file);
+  if (files.empty()) {
+    const std::string none = folder.string() + ": none of the files that its metadata.yaml names are there: " + missing;
+    files = recordings_in(folder);
+    if (files.empty()) throw UserError(none);
+    missing = none + "; those that are there are read";
+  } else if (!missing.empty()) {
+    missing = folder.string() + ": these of its files are missing: " + missing;
   }
-  std::ranges::sort(files);
-  return files;
+  return open_parts(files, missing);
 }
 
 }  // namespace

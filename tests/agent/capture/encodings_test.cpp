@@ -111,9 +111,11 @@ TEST(Encodings, WhatIsTooShortOrUnknownIsNone) {
   RawImage image = whole.image;
   image.octets = std::span(whole.octets).first(7);
   EXPECT_TRUE(grey_of(image).empty()) << "an octet is missing";
+  EXPECT_EQ(why_not_grey(image), "it has 7 octets, and 2 rows of 4 are needed");
   image = whole.image;
   image.octets_per_row = 3;
   EXPECT_TRUE(grey_of(image).empty()) << "rows shorter than the image is wide";
+  EXPECT_EQ(why_not_grey(image), "its rows have 3 octets (step), and 4 pixels of mono8 need 4");
   image = whole.image;
   image.octets_per_row = std::size_t{1} << 63U;
   EXPECT_TRUE(grey_of(image).empty());
@@ -123,6 +125,7 @@ TEST(Encodings, WhatIsTooShortOrUnknownIsNone) {
   image = whole.image;
   image.encoding = "32FC1";
   EXPECT_TRUE(grey_of(image).empty());
+  EXPECT_THAT(why_not_grey(image), ::testing::StartsWith("its encoding is 32FC1, known are mono8, 8UC1"));
   EXPECT_FALSE(is_known_encoding("32FC1"));
   EXPECT_TRUE(is_known_encoding("uyvy"));
   EXPECT_THAT(known_encodings(), ::testing::HasSubstr("mono8, 8UC1"));

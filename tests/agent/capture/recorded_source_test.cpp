@@ -6,6 +6,7 @@
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/compression/compression.h"
 #include "common/dataset/calibration.h"
 #include "common/mcap/writer.h"
@@ -91,6 +92,46 @@ TEST_F(Recorded, TimesThatAreNoneOverflowNothing) {
   EXPECT_EQ(source->peek_ns(), 0) << "of a clock of its own";
 }
 
+TEST_F(Recorded, ImagesThatWereWrittenInAnotherOrderComeByTheirStamps) {
+  for (int i = 0; i < 40; ++i) put("/left", kStart_ns + i * kPeriod_ns, image(i ^ 1, "mono8", 1));
+  const auto source = open_source(named("/left"), kOptions);
+  for (int i = 0; i < 40; ++i) {
+    const auto got = source->next();
+    ASSERT_TRUE(got) << i;
+    EXPECT_EQ(got->capture_ns, kBefore_ns + i * kPeriod_ns);
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_EQ(source->undated(), 0U);
+}
+
+TEST_F(Recorded, ImagesWithoutAStampAreLeftOutAndCounted) {
+  for (int i = 0; i < 40; ++i) {
+    ros::Image m = image(i, "mono8", 1);
+    if (i % 10 == 0) m.header = ros::header_of(0, "left");
+    put("/left", kStart_ns + i * kPeriod_ns, m);
+  }
+  const auto source = open_source(named("/left"), kOptions);
+  EXPECT_EQ(source->peek_ns(), kBefore_ns + kPeriod_ns);
+  init_log("coslam");
+  testing::internal::CaptureStderr();
+  int images = 0;
+  while (source->next()) ++images;
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("#/left: of its images 4 had no stamp, or one "));
+  EXPECT_EQ(images, 36);
+  EXPECT_EQ(source->undated(), 4U);
+}
+
+TEST_F(Recorded, StampsThatAreNoneGiveWayToTheTimesOfReceipt) {
+  for (int i = 0; i < 40; ++i) {
+    ros::Image m = image(i, "mono8", 1);
+    m.header = ros::header_of(kStart_ns + i * kPeriod_ns / 1000, "left");
+    put("/left", kStart_ns + i * kPeriod_ns, m);
+  }
+  const auto source = open_source(named("/left"), kOptions);
+  source->skip();
+  EXPECT_EQ(source->peek_ns(), kBefore_ns + kPeriod_ns);
+}
+
 TEST_F(Recorded, ColoursBecomeGrey) {
   write_images("/left/image_raw", "rgb8", 3);
   const auto source = open_source(named("/left/image_raw"), kOptions);
@@ -136,13 +177,17 @@ TEST_F(Recorded, SaysWhatIsWrong) {
   write_images("/left", "mono8", 1);
   write_images("/right", "mono8", 1);
   write_images("/deep", "32FC1", 2);
+  ros::Image cut_off = image(0, "mono8", 1);
+  cut_off.data.resize(10);
+  put("/short", kStart_ns, cut_off);
   const std::string left = named("/left"), file = left.substr(0, left.find('#'));
   const auto error = [&](const std::string& uri, const SourceOptions& options = kOptions) {
     return test::error_of<UserError>([&] { open_source(uri, options); });
   };
   EXPECT_THAT(error(file), HasSubstr("no topic is named"));
-  EXPECT_THAT(error(file + "#/middle"), HasSubstr("of these there are: /left, /right, /deep"));
+  EXPECT_THAT(error(file + "#/middle"), HasSubstr("of these there are: /left, /right, /deep, /short"));
   EXPECT_THAT(error(file + "#/deep"), HasSubstr("its encoding is 32FC1"));
+  EXPECT_THAT(error(file + "#/short"), HasSubstr("can be read; it has 10 octets, and 48 rows of 72 are needed"));
   EXPECT_THAT(error("mcap:/nowhere.mcap#/left"), HasSubstr("/nowhere.mcap: cannot be read"));
   SourceOptions other = kOptions;
   other.width_px = 640;

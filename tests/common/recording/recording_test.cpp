@@ -142,7 +142,16 @@ TEST_F(Recordings, PartsThatAreMissingAreSaidAndTheRestPlays) {
   fs::remove(folder_ / "a_0.db3");
   fs::remove(folder_ / "a_2.db3");
   fs::remove(folder_ / "a_3.db3");
-  EXPECT_THAT(error_of_opening(folder_.path()), EndsWith("none of the files that its metadata.yaml names are there"));
+  EXPECT_THAT(error_of_opening(folder_.path()),
+              EndsWith("none of the files that its metadata.yaml names are there: a_0.db3, a_1.db3, a_2.db3, a_3.db3"));
+}
+
+TEST_F(Recordings, FilesThatWereRenamedAreRead) {
+  write_metadata({"rosbag2_0.db3"});
+  folder_.write("walk_0.db3", db3(0, 10));
+  const auto recording = open(folder_.path());
+  EXPECT_THAT(recording->warning(), EndsWith("names are there: rosbag2_0.db3; those that are there are read"));
+  EXPECT_EQ(played(*recording, "/even"), numbers(0, 10, 2));
 }
 
 TEST_F(Recordings, CompressedPartsAreFoundByEitherName) {
