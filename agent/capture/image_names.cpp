@@ -105,6 +105,14 @@ Families families_of(const std::vector<fs::path>& files) {
   return families;
 }
 
+std::set<fs::path> depth_in(const Families& families) {
+  std::set<fs::path> depth;
+  for (const auto& [family, images] : families) {
+    if (lower(family).find("depth") != std::string::npos) depth.insert(images.begin(), images.end());
+  }
+  return depth;
+}
+
 // `left_ (80)`.
 std::string count_of(std::string family, std::size_t images) {
   std::erase(family, '#');
@@ -204,6 +212,7 @@ std::vector<fs::path> images_in(const fs::path& folder) {
     return order != 0 ? order < 0 : a.second < b.second;
   });
   std::vector<fs::path> files;
+  files.reserve(named.size());
   for (const auto& [name, file] : named) files.push_back(file);
   return files;
 }
@@ -212,12 +221,12 @@ std::vector<fs::path> of_one_camera(const fs::path& folder, const std::vector<fs
                                     std::vector<std::string>* guesses) {
   Families families = families_of(files);
   std::vector<fs::path> kept = files;
-  for (const auto& [family, depth] : families) {
-    if (lower(family).find("depth") == std::string::npos || depth.size() == files.size()) continue;
-    guesses->push_back(folder.string() + ": images of depth are left out: " + count_of(family, depth.size()));
-    std::erase_if(kept, [&](const fs::path& file) { return std::ranges::find(depth, file) != depth.end(); });
+  if (const std::set<fs::path> depth = depth_in(families); !depth.empty() && depth.size() * 2 <= files.size()) {
+    guesses->push_back(folder.string() + ": " + std::to_string(depth.size()) + " images of depth are left out, as " +
+                       depth.begin()->filename().string());
+    std::erase_if(families, [&](const auto& f) { return depth.contains(f.second.front()); });
+    std::erase_if(kept, [&](const fs::path& file) { return depth.contains(file); });
   }
-  std::erase_if(families, [&](const auto& f) { return std::ranges::find(kept, f.second.front()) == kept.end(); });
   std::size_t most = 0;
   for (const auto& [family, images] : families) most = std::max(most, images.size());
   // A few others among many images, or names that have nothing in common, are no second camera.

@@ -39,8 +39,8 @@ std::string why_not(const std::vector<RecordedTime>& first) {
   if (!is_rate_of_camera(by_noted_hz)) return {};
   std::vector<TimeNs> distinct_ns = stamps_ns;
   std::ranges::sort(distinct_ns);
-  const auto same = std::ranges::unique(distinct_ns).size();
-  if (2 * same > stamps_ns.size()) return "most of its images have the stamp of another";
+  distinct_ns.erase(std::unique(distinct_ns.begin(), distinct_ns.end()), distinct_ns.end());
+  if (2 * distinct_ns.size() < stamps_ns.size()) return "most of its images have the stamp of another";
   if (is_rate_of_camera(by_stamps_hz)) return {};
   return "by their stamps its images would come " + format_double(by_stamps_hz) +
          " times a second, and were received " + format_double(by_noted_hz) + " times a second";

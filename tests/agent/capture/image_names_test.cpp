@@ -64,8 +64,10 @@ TEST(ImageNames, DepthBesideColourIsLeftOut) {
   std::vector<std::string> guesses;
   EXPECT_THAT(of_one({"frame-0.color.png", "frame-0.depth.png", "frame-1.color.png", "frame-1.depth.png"}, &guesses),
               ElementsAre("frame-0.color.png", "frame-1.color.png"));
-  EXPECT_THAT(guesses, ElementsAre("walk: images of depth are left out: frame-.depth (2)"));
+  EXPECT_THAT(guesses, ElementsAre("walk: 2 images of depth are left out, as frame-0.depth.png"));
   EXPECT_THAT(of_one({"depth_0.png", "depth_1.png"}), ElementsAre("depth_0.png", "depth_1.png")) << "there is no other";
+  EXPECT_THAT(refused({"depth_left_0.png", "depth_left_1.png", "depth_right_0.png", "depth_right_1.png"}),
+              EndsWith("2 cameras? depth_left_ (2), depth_right_ (2): give each a folder or a list.csv"));
 }
 
 TEST(ImageNames, TheNumberThatDiffersCounts) {
@@ -85,7 +87,7 @@ TEST(ImageNames, TheNumberThatDiffersCounts) {
 
 TEST(ImageNames, TimesInThem) {
   struct Case {
-    const char* name;
+    const char* name = nullptr;
     WrittenTime time;
     TimeUnit unit = TimeUnit::kSeconds;
     bool vague = false, coarse = false;
