@@ -75,13 +75,22 @@ Rigid3 pose_of(const Line& line, bool w_first) {
   return {q.normalized(), {v[0], v[1], v[2]}};
 }
 
+// By their digits, or as poses would come too seldom in seconds.
+bool are_nanoseconds(const std::vector<Line>& lines) {
+  constexpr std::size_t kDigits = 12;
+  constexpr std::int64_t kMostStep_s = 100'000;
+  const auto first = parse_integer(lines.front().fields.front()), last = parse_integer(lines.back().fields.front());
+  if (!first || !last) return false;
+  return lines.back().fields.front().size() >= kDigits || *last - *first > kMostStep_s * std::ssize(lines);
+}
+
 Trajectory read_tum(const std::vector<Line>& lines, bool w_first) {
-  constexpr std::size_t kDigitsOfNs = 12;
+  const bool in_ns = are_nanoseconds(lines);
   Trajectory out;
   for (const Line& line : lines) {
     const std::string& t = line.fields.front();
-    const auto t_ns = t.size() >= kDigitsOfNs && parse_integer(t) ? parse_integer(t) : parse_seconds(t);
-    if (!t_ns) throw UserError(line.where + "'" + t + "' is no time in seconds");
+    const auto t_ns = in_ns ? parse_integer(t) : parse_seconds(t);
+    if (!t_ns) throw UserError(line.where + "'" + t + "' is no time in " + (in_ns ? "nanoseconds" : "seconds"));
     out.push_back({*t_ns, pose_of(line, w_first).inverse()});
   }
   return out;
@@ -116,10 +125,9 @@ Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent
   return out;
 }
 
-std::size_t number_of_image(const Line& line, const std::optional<ListedTimes>& times) {
+std::size_t number_of_image(const Line& line) {
   const auto number = parse_integer(line.fields.front());
-  if (!number || *number < 0 || (times && *number >= std::ssize(times->source_ns)))
-    throw UserError(line.where + "there is no image " + line.fields.front());
+  if (!number || *number < 0) throw UserError(line.where + "'" + line.fields.front() + "' is no number of an image");
   return static_cast<std::size_t>(*number);
 }
 
@@ -130,6 +138,8 @@ Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent
              format_double(rate_hz) + " times a second");
   }
   const bool numbered = lines.front().fields.size() == 13;
+  if (numbered)
+    log_info(agent.truth->string() + ": the number before each pose is taken for its image's place, 0 the first");
   if (times && !numbered && lines.size() != times->source_ns.size()) {
     throw UserError(agent.truth->string() + ": " + std::to_string(lines.size()) + " poses for " +
                     std::to_string(times->source_ns.size()) +
@@ -137,7 +147,8 @@ Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent
   }
   Trajectory out;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::size_t image = numbered ? number_of_image(lines[i], times) : i;
+    const std::size_t image = numbered ? number_of_image(lines[i]) : i;
+    if (times && image >= times->source_ns.size()) continue;
     const auto t_ns = times ? times->source_ns[image] : std::optional(to_ns(static_cast<double>(image) / rate_hz));
     if (!t_ns) continue;  // its image is left out
     const auto v = numbers_of(lines[i], numbered ? 1 : 0, 12);

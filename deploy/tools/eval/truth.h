@@ -14,7 +14,7 @@ enum class QuaternionOrder : std::uint8_t { kOfForm, kOther };
 
 // The true poses of an agent's camera in the time that was played; empty where it has none. Forms, told apart by the
 // lines of the file, between blanks, commas or semicolons; a first line of words is passed over:
-// - TUM, `t_s tx ty tz qx qy qz qw`, camera to world; times of 12 digits and more are nanoseconds;
+// - TUM, `t_s tx ty tz qx qy qz qw`, camera to world; times may be nanoseconds;
 // - EuRoC's state_groundtruth_estimate0, `t_ns,x,y,z,qw,qx,qy,qz[,...]`, of the body: the camera's place on it is T_BS
 //   of its calibration, an EuRoC sensor.yaml;
 // - KITTI's poses, twelve numbers of [R t] a line, or sixteen with 0 0 0 1, camera to world, one for each image, or

@@ -65,6 +65,12 @@ TEST_F(Truth, TumMayBeWrittenInManyWays) {
   }
 }
 
+TEST_F(Truth, OfTumInNanosecondsOfThePlayedTime) {
+  const Trajectory t = load_truth(agent("0 1 2 3 0 0 0 1\n50000000 1 2 3 0 0 0 1\n"), 30);
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t_ns, 50'000'000);
+}
+
 TEST_F(Truth, InUtcCountsFromWhereTheSourceDoes) {
   SequenceAgent a = agent(
       "1305031102.0500 0 0 0 0 0 0 1\n1305031102.1500 1 0 0 0 0 0 1\n1305031102.2500 2 0 0 0 0 0 1\n", dated_source());
@@ -124,7 +130,8 @@ TEST_F(Truth, KittiHasAPoseForEachImage) {
     return test::error_of<UserError>([&] { load_truth(agent(poses, "06"), 10); });
   };
   EXPECT_THAT(error(twelve + "1 0 0 0 0 1 0 0 0 0 1 2\n"), HasSubstr("truth.txt: 3 poses for 2 images"));
-  EXPECT_THAT(error("2 1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("truth.txt:1: there is no image 2"));
+  EXPECT_THAT(error("x 1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("truth.txt:1: 'x' is no number of an image"));
+  EXPECT_EQ(load_truth(agent(numbered + "2 1 0 0 0 0 1 0 0 0 0 1 0\n", "06"), 10).size(), 2U) << "of an image more";
   for (int i = 0; i < 3; ++i) image("07/image_0/00000" + std::to_string(i) + ".png");
   folder_.write("07/times.txt", "0.0\n0.0\n0.1\n");
   const Trajectory repeated =
