@@ -50,6 +50,7 @@ class FfmpegDecoder final : public StreamDecoder {
     const int error = open_container();
     if (error == AVERROR_EXIT) return "it does not answer";
     if (error == AVERROR_INVALIDDATA || error == AVERROR_EOF) return kNotAVideo;
+    if (error == AVERROR(EIO)) return error_text(error) + ": no such host, a broken line, or no video";
     if (error < 0) return error_text(error);
     return open_codec();
   }
