@@ -13,9 +13,11 @@ void Scale::scale_by_rigs(MapEdit& edit) {
       const MapCamera& b = map.camera(id);
       const FramePose* fb = b.frame_at(a.frames.back().set);
       if (fb == nullptr || fb->map != a.map) continue;
-      const double length = (a.frames.back().cam_from_world.center() - fb->cam_from_world.center()).norm();
+      const FramePose& fa = a.frames.back();
+      const double length = (fa.cam_from_world.center() - fb->cam_from_world.center()).norm();
       const double truth_m = (b.cam_from_rig * a.cam_from_rig.inverse()).translation.norm();
       if (!(length > 0)) continue;
+      if (!rig_doubts_.agrees(map, a, b, fb->cam_from_world * fa.cam_from_world.inverse())) continue;
       edit.transform(a.map, {truth_m / length, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()},
                      Why::kScaleKnown);
       edit.set_metric(a.map);
@@ -28,7 +30,7 @@ ScaleReport Scale::by_rigs(const Map& map) {
   for (const MapCamera& c : map.cameras()) {
     if (map.is_metric(c.map)) metric_.insert(c.map);
   }
-  return {.in_metres = metric_};
+  return {.in_metres = metric_, .doubts = rig_doubts_.take(map)};
 }
 
 ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {

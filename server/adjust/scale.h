@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/adjust/rig_doubts.h"
 #include "server/adjust/tag_scale.h"
 #include "server/map/edit.h"
 #include "server/places/meet.h"
@@ -34,7 +35,8 @@ struct ScaleReport {
   }
 };
 
-// Images alone tell no length. Metres come from rigs, or else from a known baseline, or else from printed tags.
+// Images alone tell no length. Metres come from rigs that the images do not contradict, or else from a known baseline,
+// or else from printed tags.
 class Scale {
  public:
   static constexpr std::string_view kName = "tags";
@@ -56,13 +58,14 @@ class Scale {
   void restore(const Tables& tables);
 
  private:
-  static void scale_by_rigs(MapEdit& edit);
+  void scale_by_rigs(MapEdit& edit);
   ScaleReport by_rigs(const Map& map);
   void scale_by_baseline(MapEdit& edit);
   ScaleReport by_baseline() const;
   ScaleReport by_tags(const TagScaleReport& r) const;
 
   TagScale tags_;
+  RigDoubts rig_doubts_;
   std::set<MapId> metric_;  // by rigs, that some camera was in
   MapId scaled_;            // the one that the baseline gave its scale; 0 = none
   SetId scaled_at_;         // the instant of the known baseline

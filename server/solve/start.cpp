@@ -59,8 +59,8 @@ std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::ve
 double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
 
 // What fits a motion that is known.
-std::optional<TwoViewMotion> known_motion(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
-                                          const std::vector<Eigen::Vector2d>& b, double threshold) {
+TwoViewMotion known_motion(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
+                           const std::vector<Eigen::Vector2d>& b, double threshold) {
   TwoViewMotion out;
   out.second_from_first = second_from_first;
   const Eigen::Matrix3d essential = skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
@@ -73,15 +73,42 @@ std::optional<TwoViewMotion> known_motion(const Rigid3& second_from_first, const
   return out;
 }
 
+// Matches that fit a known motion and lie in front of both cameras, or are too far away to tell.
+int in_front(const TwoViewMotion& known, const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b,
+             double threshold) {
+  const Eigen::Vector3d& t = known.second_from_first.translation;
+  int out = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector3d far = known.second_from_first.rotation * a[i].homogeneous();
+    if (!known.fits[i] || far.z() <= 0) continue;
+    const Eigen::Vector2d at = far.hnormalized(), nearer = t.head<2>() - t.z() * at;
+    out += (b[i] - at).dot(nearer.normalized()) > -threshold ? 1 : 0;
+  }
+  return out;
+}
+
+// As the rig has it; as the images have it where they contradict that: then the rig is not as it was given.
+TwoViewMotion motion_of_rig(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
+                            const std::vector<Eigen::Vector2d>& b, double threshold, bool* as_given) {
+  TwoViewMotion known = known_motion(second_from_first, a, b, threshold);
+  const int support = in_front(known, a, b, threshold);
+  *as_given = true;
+  if (2 * support >= static_cast<int>(a.size())) return known;
+  auto seen = two_view_motion(a, b, threshold);
+  *as_given = !seen || seen->support <= 2 * support;
+  return *as_given ? known : *seen;
+}
+
 std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b,
                                   const std::vector<FeatureMatch>& matches, const StartConfig& config) {
   const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
   if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
   const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
   const double threshold = 2.0 * config.sigma_px * width_scale(ia.camera) / ia.camera.focal_px();
-  const std::optional<Rigid3> known = by_rig(ia, ib);
+  const std::optional<Rigid3> rig = by_rig(ia, ib);
+  bool known = false;
   const std::optional<TwoViewMotion> motion =
-      known ? known_motion(*known, pa, pb, threshold) : two_view_motion(pa, pb, threshold);
+      rig ? motion_of_rig(*rig, pa, pb, threshold, &known) : two_view_motion(pa, pb, threshold);
   if (!motion || motion->support < config.min_matches) return std::nullopt;
   Pair pair{.first = a, .second = b};
   pair.second_from_first = motion->second_from_first;
@@ -100,7 +127,7 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
                   static_cast<int>(6 * views[0].undistorted_px.y() / ia.camera.height_px)});
   }
   pair.median_parallax_rad = upper_median(parallax);
-  pair.metric = known.has_value();
+  pair.metric = known;
   // A rig sees far things with little parallax, and knows nonetheless where they are.
   if (!known && pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
   // Many, spread over the image, and with depth to be gained up to about 8 degrees.

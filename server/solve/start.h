@@ -59,8 +59,8 @@ struct StartResult {
 // Map from images of one instant (paper: all cameras look at one scene): the pair with the most well-spread matches and
 // enough parallax gives an essential matrix, others are added by PnP, bundle adjustment at the end. The frame is that
 // of the first image of the pair; the length unit is the distance between the pair. Where two cameras of a rig see the
-// same, they are the pair, their relative pose is the rig's, and lengths are metres. Of more than a dozen images each
-// is compared with the few others that look most like it.
+// same, they are the pair, their relative pose is the rig's, unless their images contradict it, and lengths are metres.
+// Of more than a dozen images each is compared with the few others that look most like it.
 StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config,
                       Workers& workers = Workers::alone());
 

@@ -262,6 +262,32 @@ TEST_F(RigRun, ACameraThatComesLateIsWhereTheRigHasIt) {
   EXPECT_NEAR(run.path_error().scale, 1, 0.02);
 }
 
+TEST_F(RigRun, IsLeftAsideWhereTheImagesContradictIt) {
+  config_.map.rigs = {text_of({"cam1", "cam0", right_from_left().inverse()})};
+  SimRun run(world_, config_);
+  run.add_agent(left_);
+  run.add_agent(right());
+  run.step(90);
+  EXPECT_FALSE(run.server().scale_known());
+  EXPECT_THAT(
+      run.server().take_warnings(),
+      testing::Contains(testing::AllOf(
+          testing::HasSubstr("the rig has cam1 left, turned by 3 degrees against cam0, the images have it right"),
+          testing::HasSubstr("it is the inverse of what is expected"))));
+  run.server().finish();
+  EXPECT_LT(run.path_error().ate, 0.02 * run.path_error().path_m);
+}
+
+TEST_F(RigRun, ThatIsNotInMetresIsDoubted) {
+  config_.map.rigs = {text_of({"cam1", "cam0", {right_from_left().rotation, 1000 * right_from_left().translation}})};
+  SimRun run(world_, config_);
+  run.add_agent(left_);
+  run.add_agent(right());
+  run.step(3);
+  EXPECT_THAT(run.server().take_warnings(),
+              testing::ElementsAre(testing::HasSubstr("the rig has cam1 401 m from cam0: metres are expected")));
+}
+
 TEST(MapServer, ARigThatIsNoneIsRefused) {
   MapServerConfig config;
   config.map.rigs = {"cam1 cam0 1 2 3"};

@@ -251,6 +251,25 @@ TEST(StartMap, ARigStartsItInMetres) {
   EXPECT_THAT(*r.cam_from_world[2], PoseNear(poses[2] * poses[0].inverse(), 0.01, 0.05)) << "in metres";
 }
 
+TEST(StartMap, ARigThatTheImagesContradictIsNotUsed) {
+  const test::SimWorld world({});
+  const std::vector<Rigid3> poses{looking({0, 0, 0}), looking({0.3, 0, 0})};
+  const Rigid3 right = poses[1] * poses[0].inverse();
+  const Rigid3 turned{Eigen::Quaterniond(0, 1, 0, 0), right.translation};  // w x y z as x y z w
+  for (const Rigid3& wrong : {right.inverse(), turned}) {
+    Images in = images_of(world, poses);
+    in.images[0].rig = in.images[1].rig = "left";
+    in.images[1].cam_from_rig = wrong;
+    const StartResult r = start_map(in.images, {});
+    ASSERT_TRUE(r.ok) << r.reason;
+    EXPECT_FALSE(r.metric);
+    const Rigid3 in_unit{right.rotation, right.translation.normalized()};
+    EXPECT_THAT(*r.cam_from_world[static_cast<std::size_t>(r.second)] *
+                    r.cam_from_world[static_cast<std::size_t>(r.first)]->inverse(),
+                PoseNear(r.first == 0 ? in_unit : in_unit.inverse(), 0.01, 0.05));
+  }
+}
+
 TEST(StartMap, WithoutARigNothingIsMetric) {
   const test::SimWorld world({});
   const StartResult r = start_map(images_of(world, kThree).images, {});
