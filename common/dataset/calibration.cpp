@@ -27,14 +27,19 @@ bool is_kalibr(const YamlValue& root) {
          !has_any(root, {"camera_matrix", "cameraMatrix"});
 }
 
+bool is_kitti(const YamlValue& root) {
+  return has_any(root, {"P0", "P1", "P2", "P3", "P_rect_00", "P_rect_01", "P_rect_02", "P_rect_03"});
+}
+
 calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& camera) {
-  const bool several = is_kalibr(root) || root.has("cameras");
+  const bool several = is_kalibr(root) || is_kitti(root) || root.has("cameras");
   if (!camera.empty() && !several) root.fail("of this form there is one camera in a file: leave out #" + camera);
   if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
   if (root.has("sensor_type")) return calibration::read_euroc(root);
   if (has_any(root, {"Camera.fx", "Camera1.fx", "Camera.type", "Camera"})) return calibration::read_orb_slam(root);
   if (root.has("model_type")) return calibration::read_camodocal(root);
   if (root.has("cameras")) return calibration::read_maplab(root, camera);
+  if (is_kitti(root)) return calibration::read_kitti(root, camera);
   if (is_kalibr(root)) return calibration::read_kalibr(root, camera);
   if (root.has("distortion_model") && has_any(root, {"camera_matrix", "k", "K"})) return calibration::read_ros(root);
   if (has_any(root, {"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"})) return calibration::read_opencv(root);
@@ -42,7 +47,8 @@ calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& ca
   if (root.has("value0")) root.fail("the basalt form of a calibration is not supported");
   root.fail(
       "not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or EuRoC "
-      "sensor.yaml keys");
+      "sensor.yaml keys; write the numbers of another form as width, height, fx, fy, cx, cy, distortion_model and "
+      "distortion");
 }
 
 // COLMAP's cameras.txt is the one form that is no YAML: lines `ID MODEL ...`.

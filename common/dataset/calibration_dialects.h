@@ -29,7 +29,8 @@ CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
 CameraModel read_euroc(const YamlValue& root);
 CameraModel read_camodocal(const YamlValue& root);
 CameraModel read_maplab(const YamlValue& root, const std::string& camera_name);
-CameraModel read_ost(const std::filesystem::path& file);  // of ROS's camera_calibration
+CameraModel read_kitti(const YamlValue& root, const std::string& camera);  // calib_cam_to_cam.txt, calib.txt
+CameraModel read_ost(const std::filesystem::path& file);                   // of ROS's camera_calibration
 CameraModel read_opencv_xml(const std::filesystem::path& file);
 CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);

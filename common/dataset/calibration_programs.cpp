@@ -90,6 +90,47 @@ CameraModel read_maplab(const YamlValue& root, const std::string& camera_name) {
   return camera;
 }
 
+namespace {
+
+std::vector<double> numbers_in(const YamlValue& row, std::size_t count) {
+  const std::string text = row.text();
+  std::vector<double> out;
+  for (const std::string_view field : split_fields(text)) {
+    if (const auto number = parse_double(field)) out.push_back(*number);
+  }
+  if (out.size() != count) row.fail(std::to_string(count) + " numbers are expected");
+  return out;
+}
+
+}  // namespace
+
+// Of rectified images: `P_rect_00: 12 numbers`, row by row, and `S_rect_00: width height`; or `P0:` and no size.
+CameraModel read_kitti(const YamlValue& root, const std::string& camera_name) {
+  std::vector<std::string> cameras;
+  std::string names;
+  for (const std::string& key : root.keys()) {
+    if (!key.starts_with("P_rect_") && (key.size() != 2 || key[0] != 'P')) continue;
+    names += (names.empty() ? "" : ", ") + key;
+    if (camera_name.empty() || key == camera_name) cameras.push_back(key);
+  }
+  if (cameras.empty()) root.fail("there is no camera '" + camera_name + "', of these there are: " + names);
+  if (cameras.size() > 1) root.fail(several_cameras(names));
+  const std::string& name = cameras.front();
+  const std::vector<double> p = numbers_in(root.at(name), 12);
+  CameraModel camera;
+  set_projection(camera, {p[0], p[5], p[2], p[6]});
+  const auto size = root.find("S" + name.substr(1));
+  if (!size) {
+    root.at(name).fail("the size of the images is not in it: write `width:`, `height:` and `fx: " +
+                       format_double(p[0]) + "`, `fy: " + format_double(p[5]) + "`, `cx: " + format_double(p[2]) +
+                       "`, `cy: " + format_double(p[6]) + "` into a file of their own, a line each");
+  }
+  const std::vector<double> width_height = numbers_in(*size, 2);
+  camera.width_px = static_cast<int>(std::clamp(width_height[0], 0.0, 1e6));
+  camera.height_px = static_cast<int>(std::clamp(width_height[1], 0.0, 1e6));
+  return camera;
+}
+
 CameraModel read_ost(const std::filesystem::path& file) {
   // Names, numbers and empty lines; names are those of what follows.
   std::ifstream stream(file);

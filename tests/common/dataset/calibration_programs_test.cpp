@@ -30,6 +30,23 @@ class CalibrationOfPrograms : public ::testing::Test {
 
 std::array<double, 4> projection(const CameraModel& c) { return {c.fx, c.fy, c.cx, c.cy}; }
 
+TEST_F(CalibrationOfPrograms, Kitti) {
+  const std::string numbers = ": 7.2e+02 0 6.1e+02 0.5 0 7.1e+02 1.7e+02 0 0 0 1 0\n", size = ": 1.242e+03 3.75e+02\n";
+  const std::string raw = "calib_time: 09-Jan-2012 13:57:47\nS_00: 1.392e+03 5.12e+02\nS_rect_00" + size;
+  const CameraModel one = load(raw + "P_rect_00" + numbers, "calib_cam_to_cam.txt");
+  EXPECT_THAT(projection(one), ElementsAre(720, 710, 610, 170));
+  EXPECT_EQ(one.width_px, 1242);
+  EXPECT_EQ(one.height_px, 375);
+  EXPECT_EQ(one.distortion, DistortionModel::kNone);
+  const std::string two = raw + "P_rect_00" + numbers + "S_rect_01" + size + "P_rect_01" + numbers;
+  EXPECT_EQ(load(two, "calib.txt", "#P_rect_01"), one);
+  EXPECT_THAT(error(two),
+              HasSubstr("there are several cameras in it (P_rect_00, P_rect_01): name one, as FILE#CAMERA"));
+  EXPECT_THAT(
+      error("P0" + numbers + "P1" + numbers, "calib.txt", "#P1"),
+      HasSubstr("calib.txt:2: P1: the size of the images is not in it: write `width:`, `height:` and `fx: 720`"));
+}
+
 TEST_F(CalibrationOfPrograms, Camodocal) {
   const std::string head = "%YAML:1.0\n---\ncamera_name: left\nimage_width: 752\nimage_height: 480\n";
   const CameraModel pinhole =
