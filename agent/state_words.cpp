@@ -72,8 +72,9 @@ std::optional<std::string> StateWords::clock(TimeNs set_ns) {
 std::optional<std::string> StateWords::working_width(int width_px) {
   const int said_px = std::exchange(said_width_px_, width_px);
   if (width_px == said_px || said_px == 0) return std::nullopt;
-  const char* why = width_px < said_px ? "its images are dim, noisy or soft and show no more at more"
-                                       : "its images show fine detail again";
+  const char* why = width_px < said_px
+                        ? "its images are dim, noisy or soft, and hold no detail that half of their width would lose"
+                        : "its images hold fine detail again";
   return std::string(why) + ": tracked at a width of " + std::to_string(width_px) + " pixels instead of " +
          std::to_string(said_px);
 }

@@ -67,7 +67,7 @@ std::string sequence_text(const Sequence& sequence, const ResultFolder& result, 
   std::string text = "# What was played, with what was found about it: for coslam run, the next time.\nname: " +
                      in_quotes(sequence.name) + "\nagents:\n";
   for (const SequenceAgent& a : sequence.agents) {
-    text += "  - name: " + in_quotes(a.name) + "\n    source: " + in_quotes(fs::absolute(a.source).string()) + "\n";
+    text += "  - name: " + in_quotes(a.name) + "\n    source: " + in_quotes(a.source) + "\n";
     if (fs::exists(result.calibration(a.name)))
       text += "    calibration: " + in_quotes("calibration/" + a.name + ".yaml") + "\n";
     if (a.mask) {
@@ -75,7 +75,7 @@ std::string sequence_text(const Sequence& sequence, const ResultFolder& result, 
       const bool found = fs::exists(beside) && fs::equivalent(*a.mask, beside);
       text += "    mask: " + in_quotes(found ? "own_body/" + a.name + ".png" : fs::absolute(*a.mask).string()) + "\n";
     }
-    text += "    start_s: " + (tied(a.name) ? format_double(a.start_s) : "auto") + "\n";
+    text += "    start_s: " + (a.start_is_open && !tied(a.name) ? "auto" : format_double(a.start_s)) + "\n";
   }
   return text;
 }

@@ -110,6 +110,7 @@ TEST_F(StartsTest, HowMuchIsPlayedCountsFromTheBeginningOfTheSource) {
 TEST_F(StartsTest, AreWrittenForTheNextTime) {
   sequence_.name = "films";
   sequence_.agents = {film("a", 2), film("b", 3.5), film("c", 0, false)};
+  sequence_.agents.push_back({.name = "d", .source = "rtsp://10.0.0.4/stream"});
   const Starts starts(&sequence_);
   report(0);
   starts.write(result_);
@@ -118,7 +119,8 @@ TEST_F(StartsTest, AreWrittenForTheNextTime) {
   EXPECT_EQ(report["agents"]["b"]["start_by"], "sound");
   EXPECT_EQ(report["agents"]["c"]["start_by"], "nothing");
   const Sequence again = load_sequence(ResultFolder(result_).sequence());
-  ASSERT_EQ(again.agents.size(), 3U);
+  ASSERT_EQ(again.agents.size(), 4U);
+  EXPECT_EQ(again.agents[3].source, "rtsp://10.0.0.4/stream");
   EXPECT_EQ(again.agents[1].source, sequence_.agents[1].source);
   EXPECT_EQ(again.agents[1].start_s, start_s("b"));
   EXPECT_TRUE(again.agents[2].start_is_open);
