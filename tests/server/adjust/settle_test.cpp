@@ -101,10 +101,12 @@ TEST_F(SettleTest, LooksThroughTheLensThatTheAdjustmentFound) {
   CameraModel calibrated = camera(0).model;
   calibrated.fx /= 1.03;
   calibrated.fy /= 1.03;
-  sim_.edit.restart_camera(camera(0).id, camera(0).run, calibrated);
-  LensCorrection lens;
+  LensCorrection lens, other_way;
   lens.values[0] = std::log(1.03);
-  // Of the same places in the raw image.
+  other_way.values[0] = -std::log(1.03);
+  // Of the same places in the raw image: another calibration alone leaves what was seen in its direction.
+  sim_.edit.correct_lens(camera(0), other_way, LensCorrection::Values::Zero());
+  sim_.edit.restart_camera(camera(0).id, camera(0).run, calibrated);
   sim_.edit.correct_lens(camera(0), lens, LensCorrection::Values::Zero());
   EXPECT_EQ(settle_frames(sim_.edit, sim_.id).changed, 0);
   expect_others_stay(0, {});
