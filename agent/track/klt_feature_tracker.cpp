@@ -27,7 +27,7 @@ constexpr double kSiftBorderPx = 14;
 constexpr int kHalf = 127;  // grey: darker is masked
 
 cv::Mat mask_for(const CameraModel& camera, const std::string& file) {
-  const cv::Mat mask = read_mask(file);
+  cv::Mat mask = read_mask(file);
   if (mask.cols != camera.width_px || mask.rows != camera.height_px) {
     throw UserError("the mask " + file + " is " + std::to_string(mask.cols) + "x" + std::to_string(mask.rows) +
                     " pixels, the camera's images are " + std::to_string(camera.width_px) + "x" +

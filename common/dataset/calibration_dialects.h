@@ -16,6 +16,7 @@ namespace coslam::calibration {
 
 // part: its image is a region of interest of the sensor's.
 struct SensorCamera {
+  // NOLINTNEXTLINE(google-explicit-constructor): any camera is that of a sensor, and most of a whole one
   SensorCamera(const CameraModel& camera, bool is_part = false) : model(camera), part(is_part) {}
   CameraModel model;
   bool part;

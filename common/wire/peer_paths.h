@@ -35,9 +35,9 @@ class PeerPaths {
   static constexpr std::chrono::milliseconds kFresh{1000};
 
   void set_own(const ParticipantKey& own);
-  void set_peer(const ParticipantKey& peer, const std::vector<Ipv4Endpoint>& endpoints);
-  void forget(const ParticipantKey& peer);
-  void heard(const ParticipantKey& peer, std::uint32_t address, TimePoint now);
+  void set_peer(const ParticipantKey& key, const std::vector<Ipv4Endpoint>& endpoints);
+  void forget(const ParticipantKey& key);
+  void heard(const ParticipantKey& key, std::uint32_t address, TimePoint now);
   // Whether a datagram to this endpoint is to be sent.
   bool goes(const Ipv4Endpoint& destination, TimePoint now);
 
