@@ -282,11 +282,10 @@ std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool w
   return sample_bytes + (sample_bytes + room - 1) / room * (kFragmentOverhead + seal);
 }
 
-Participant::Participant(const WireConfig& asked, const std::string& name, std::shared_ptr<RejectionCounts> rejections)
+Participant::Participant(const WireConfig& config, const std::string& name, std::shared_ptr<RejectionCounts> rejections)
     : impl_(std::make_unique<Impl>()) {
-  require_usable(asked);
-  const WireConfig config = with_addresses(asked);
-  impl_->config = config;
+  require_usable(config);
+  impl_->config = with_addresses(config);
   impl_->rejections = std::move(rejections);
   warn_when_open(config);
   capture_middleware_log();
@@ -294,7 +293,7 @@ Participant::Participant(const WireConfig& asked, const std::string& name, std::
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);
   ignore_environment();
-  dds::DomainParticipantQos qos = participant_qos(config, name, *impl_->rejections, impl_->paths);
+  dds::DomainParticipantQos qos = participant_qos(impl_->config, name, *impl_->rejections, impl_->paths);
   const int id = free_participant_id(config.domain, ids.used);
   qos.wire_protocol().participant_id = id;
   ErrorWatch errors;
