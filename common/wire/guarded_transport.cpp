@@ -2,47 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/guarded_transport.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastdds/rtps/common/LocatorList.hpp>
-
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/base/log.h"
+#include "common/wire/chained_transport.h"
 
 namespace coslam {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
-using Clock = std::chrono::steady_clock;
-
-struct Descriptor : rtps::ChainingTransportDescriptor {
+struct Descriptor : ChainedDescriptor {
   Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, const FleetKey& k, RejectionCounts& r)
-      : ChainingTransportDescriptor(std::move(carrier)), key(k), refused(r) {
+      : ChainedDescriptor(std::move(carrier)), key(k), refused(r) {
     maxMessageSize -= static_cast<std::uint32_t>(kSealBytes);
   }
 
   rtps::TransportInterface* create_transport() const override;
-  std::uint32_t max_message_size() const override { return maxMessageSize; }
 
   FleetKey key;
   RejectionCounts& refused;
 };
 
-class Transport : public rtps::ChainingTransport {
+class Transport : public ChainedTransport<Descriptor> {
  public:
   explicit Transport(const Descriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor), sealer_(descriptor.key), opener_(descriptor.key) {}
-
-  rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
-  void shutdown() override { low_level_transport_->shutdown(); }
+      : ChainedTransport(descriptor), sealer_(descriptor.key), opener_(descriptor.key) {}
 
   // A seal for each destination: who is reached in two ways would take the second datagram for a replay. Debian's build
   // writes statistics into the end of what it sends, just before it does: not into sealed ones, where the first octet
@@ -83,7 +69,6 @@ class Transport : public rtps::ChainingTransport {
              "; refused so far: " + std::to_string(descriptor_.refused[Rejection::kUnauthentic]));
   }
 
-  Descriptor descriptor_;
   Sealer sealer_;
   Opener opener_;
   std::mutex complaints_mutex_;

@@ -2,31 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/own_host_transport.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-
 #include <mutex>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/wire/chained_transport.h"
 #include "common/wire/participant.h"
 
 namespace coslam {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
-using Clock = std::chrono::steady_clock;
-
-struct Descriptor : rtps::ChainingTransportDescriptor {
-  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+struct Descriptor : ChainedDescriptor {
+  using ChainedDescriptor::ChainedDescriptor;
   rtps::TransportInterface* create_transport() const override;
-  std::uint32_t max_message_size() const override { return maxMessageSize; }
 };
 
 // The addresses of this machine. Thread-safe.
@@ -52,12 +42,9 @@ class OwnAddresses {
   mutable Clock::time_point looked_{};
 };
 
-class Transport : public rtps::ChainingTransport {
+class Transport : public ChainedTransport<Descriptor> {
  public:
-  explicit Transport(const Descriptor& descriptor) : ChainingTransport(descriptor), descriptor_(descriptor) {}
-
-  rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
-  void shutdown() override { low_level_transport_->shutdown(); }
+  explicit Transport(const Descriptor& descriptor) : ChainedTransport(descriptor) {}
 
   bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
             rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
@@ -72,11 +59,10 @@ class Transport : public rtps::ChainingTransport {
   bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result) const override {
     rtps::Locator near = remote;
     if (own_.has(remote)) IPLocator::setIPv4(near, "127.0.0.1");
-    return ChainingTransport::transform_remote_locator(near, result);
+    return ChainedTransport::transform_remote_locator(near, result);
   }
 
  private:
-  Descriptor descriptor_;
   OwnAddresses own_;
 };
 

@@ -3,36 +3,26 @@
 #include "common/wire/single_path_transport.h"
 
 #include <arpa/inet.h>
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
-#include <fastdds/rtps/common/LocatorList.hpp>
 
 #include <algorithm>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "common/wire/chained_transport.h"
 #include "common/wire/participant.h"
 
 namespace coslam {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
-using Clock = std::chrono::steady_clock;
-
-struct Descriptor : rtps::ChainingTransportDescriptor {
+struct Descriptor : ChainedDescriptor {
   Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& p, std::vector<std::string> i)
-      : ChainingTransportDescriptor(std::move(carrier)), paths(p), interfaces(std::move(i)) {}
+      : ChainedDescriptor(std::move(carrier)), paths(p), interfaces(std::move(i)) {}
 
   rtps::TransportInterface* create_transport() const override;
-  std::uint32_t max_message_size() const override { return maxMessageSize; }
 
   PeerPaths& paths;
   std::vector<std::string> interfaces;
@@ -94,13 +84,9 @@ class Sockets {
   std::map<std::uint32_t, std::pair<std::uint32_t, Clock::time_point>> routes_;
 };
 
-class Transport : public rtps::ChainingTransport {
+class Transport : public ChainedTransport<Descriptor> {
  public:
-  explicit Transport(const Descriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor), sockets_(descriptor.interfaces) {}
-
-  rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
-  void shutdown() override { low_level_transport_->shutdown(); }
+  explicit Transport(const Descriptor& descriptor) : ChainedTransport(descriptor), sockets_(descriptor.interfaces) {}
 
   bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
             rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
@@ -132,7 +118,6 @@ class Transport : public rtps::ChainingTransport {
   }
 
  private:
-  Descriptor descriptor_;
   Sockets sockets_;
 };
 
