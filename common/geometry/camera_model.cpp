@@ -208,8 +208,9 @@ std::optional<const char*> problem_of(const CameraModel& c) {
   if (!(c.fx > 0 && c.fy > 0) || !std::isfinite(c.fx) || !std::isfinite(c.fy)) {
     return "the focal lengths must be positive and finite";
   }
-  if (!(c.cx > 0 && c.cx < c.width_px && c.cy > 0 && c.cy < c.height_px)) {
-    return "the principal point lies outside the image";
+  // The image may be a region of the sensor that the optical axis does not meet.
+  if (!(c.cx > -c.width_px && c.cx < 2 * c.width_px && c.cy > -c.height_px && c.cy < 2 * c.height_px)) {
+    return "the principal point lies far outside the image";
   }
   for (const double k : c.coefficients) {
     if (!std::isfinite(k)) return "a distortion coefficient is not finite";

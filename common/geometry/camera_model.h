@@ -54,7 +54,7 @@ struct CameraModel {
   friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
-// One sentence that names what is wrong (non-positive focal length, principal point outside, not finite), or empty.
+// One sentence that names what is wrong (non-positive focal length, principal point far outside, not finite), or empty.
 std::optional<const char*> problem_of(const CameraModel& camera);
 
 }  // namespace coslam

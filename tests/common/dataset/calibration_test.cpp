@@ -55,7 +55,8 @@ TEST_F(Calibration, Plain) {
   EXPECT_THAT(error("width: 752\nheight: 480\nfx: 458.5\nfy: 457.5\ncx: 367\n"), HasSubstr("the key 'cy' is missing"));
   EXPECT_THAT(error("width: 752\nheight: 480\nfx: 0\nfy: 457.5\ncx: 367\ncy: 248\n"),
               HasSubstr("calib.yaml: the focal lengths must be positive"));
-  EXPECT_THAT(error("width: 640\nheight: 480\nfx: 458\nfy: 457.5\ncx: 767\ncy: 248\n"), HasSubstr("principal point"));
+  EXPECT_THAT(error("width: 640\nheight: 480\nfx: 458\nfy: 457.5\ncx: 1367\ncy: 248\n"),
+              HasSubstr("the principal point lies far outside the image"));
 }
 
 TEST_F(Calibration, OpenCv) {
@@ -130,11 +131,16 @@ TEST_F(Calibration, IsDoubtedWithTheNameOfItsFile) {
   const std::string size = "width: 752\nheight: 480\nfx: 458.5\nfy: 457.5\n";
   EXPECT_EQ(doubt(size + "cx: 367\ncy: 248\n").text, "");
   EXPECT_THAT(doubt(size + "cx: 734\ncy: 240\n").text, HasSubstr("calib.yaml: its principal point, (734.0, 240.0)"));
+  const auto outside = read_calibration(folder_.write("calib.yaml", size + "cx: 767\ncy: 240\n")).doubt;
+  EXPECT_TRUE(outside.hopeless);
+  EXPECT_THAT(outside.text, HasSubstr("is it for images of another size"));
   EXPECT_THAT(error("width: 752\nheight: 480\nfx: 2.75\nfy: 2.75\ncx: 2.2\ncy: 1.5\n"),
               HasSubstr("calib.yaml: no lens has a focal length of 2.75 pixels"));
   const std::string sensor =
       "width: 752\nheight: 480\ndistortion_model: \"\"\nd: []\nk: [458, 0, 367, 0, 458, 248, 0, 0, 1]\n";
   EXPECT_EQ(doubt(sensor + "roi: {x_offset: 0, y_offset: 0, width: 752, height: 260}\n").text, "");
+  EXPECT_EQ(doubt(sensor + "roi: {x_offset: 0, y_offset: 0, width: 752, height: 215}\n").text, "")
+      << "the axis below it";
 }
 
 TEST_F(Calibration, Kalibr) {

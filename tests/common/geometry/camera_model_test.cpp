@@ -191,7 +191,8 @@ TEST(CameraModel, NamesWhatIsWrong) {
   EXPECT_TRUE(problem([](CameraModel& c) { c.fx = 0; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.fy = -400; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.fx = std::numeric_limits<double>::quiet_NaN(); }));
-  EXPECT_TRUE(problem([](CameraModel& c) { c.cx = 752; }));
+  EXPECT_FALSE(problem([](CameraModel& c) { c.cx = 752; })) << "a region of the sensor";
+  EXPECT_TRUE(problem([](CameraModel& c) { c.cx = 2000; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.cy = std::numeric_limits<double>::quiet_NaN(); }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.distortion = DistortionModel::kOmni, c.coefficients[0] = -1; }));
   EXPECT_TRUE(problem([](CameraModel& c) { c.distortion = DistortionModel::kDoubleSphere, c.coefficients[1] = 1.2; }));
