@@ -22,6 +22,7 @@
 #include "common/base/replay_rate.h"
 #include "common/config/program.h"
 #include "common/flow/clock.h"
+#include "common/wire/ports.h"
 #include "common/wire/run_id.h"
 
 namespace coslam {
@@ -39,7 +40,7 @@ void warn_of_clock(double ahead_s) {
 // Why nobody is heard, in the end of a sentence.
 std::string likely_cause(const WireConfig& wire) {
   const std::string key = wire.key_file.empty() ? "has it a key, which this agent lacks?" : "has it the same key?";
-  const std::string ports = "UDP ports from " + std::to_string(7400 + 250 * wire.domain) + " on";
+  const std::string ports = "UDP ports from " + std::to_string(multicast_port(wire.domain)) + " on";
   if (wire.peers.empty()) {
     return "is it in another domain? " + key + " Networks that carry no multicast want its address: wire.peers=[HOST]";
   }

@@ -12,6 +12,7 @@
 #include "common/wire/participant_impl.h"
 #include "common/wire/qos.h"
 
+#include <fastrtps/config.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
 #include <cstdlib>
@@ -28,6 +29,7 @@
 #include "common/base/text.h"
 #include "common/wire/guard.h"
 #include "common/wire/middleware_log.h"
+#include "common/wire/ports.h"
 #include "idl/coslamPubSubTypes.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -44,8 +46,6 @@ namespace {
 constexpr std::uint64_t kDatagramOverhead = 20 + 8 + 20 + 16 + 12 + 24 + 60;
 constexpr std::uint64_t kFragmentOverhead = kDatagramOverhead + 12;
 constexpr std::uint64_t kReserved = 176;  // what the middleware keeps free of max_message_bytes for headers
-
-constexpr int kMaxDomain = 232;  // the UDP ports of higher ones would be above 65535
 
 bool is_address(int family, const std::string& text) {
   in6_addr address{};
@@ -77,30 +77,10 @@ void require_peer(const std::string& peer) {
   if (first == 0 || first >= kMulticast) fail("is the address of no single machine");
 }
 
-// The IPv4 addresses of a peer, which may be a name.
-std::vector<std::string> addresses_of(const std::string& peer) {
-  require_peer(peer);
-  if (is_address(AF_INET, peer)) return {peer};
-  int error = 0, error_of_ipv6 = 0;
-  const AddressList list = look_up(peer, AF_INET, &error);
-  if (error != 0 && look_up(peer, AF_INET6, &error_of_ipv6))
-    throw UserError("peer '" + peer + "' has only IPv6 addresses: the fleet speaks IPv4");
-  if (error != 0) {
-    throw UserError("peer '" + peer + "' is no IPv4 address and no name of one: " + gai_strerror(error));
-  }
-  std::vector<std::string> out;
-  for (const addrinfo* i = list.get(); i != nullptr; i = i->ai_next) {
-    std::array<char, INET_ADDRSTRLEN> text{};
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ai_addr)->sin_addr, text.data(), text.size());
-    out.emplace_back(text.data());
-  }
-  return out;
-}
-
 WireConfig with_addresses(WireConfig config) {
   std::vector<std::string> peers;
   for (const std::string& peer : config.peers) {
-    for (std::string& address : addresses_of(peer)) peers.push_back(std::move(address));
+    for (std::string& address : addresses_of_peer(peer)) peers.push_back(std::move(address));
   }
   config.peers = std::move(peers);
   return config;
@@ -155,19 +135,18 @@ ParticipantIds& participant_ids() {
 // The number whose pair of ports is free. When there is none the middleware would say nothing and hear nothing; and
 // left alone, it counts up within a process until peers cannot find it.
 int free_participant_id(int domain, const std::set<int>& used) {
-  const int first = 7410 + 250 * domain;
   for (int id = 0; id < kMostPerHost; ++id) {
     if (used.contains(id)) continue;
-    if (port_is_free(first + 2 * id) && port_is_free(first + 2 * id + 1)) return id;
+    if (port_is_free(unicast_port(domain, id)) && port_is_free(unicast_port(domain, id) + 1)) return id;
   }
-  throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(first) +
-                  " to " + std::to_string(first + 2 * kMostPerHost - 1) + "): choose another domain");
+  throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(unicast_port(domain, 0)) +
+                  " to " + std::to_string(unicast_port(domain, kMostPerHost) - 1) + "): choose another domain");
 }
 
 void require_usable(const WireConfig& c) {
-  if (c.domain < 0 || c.domain > kMaxDomain) {
+  if (c.domain < 0 || c.domain > kMostDomain) {
     throw UserError("DDS domain " + std::to_string(c.domain) + " is outside the range 0 to " +
-                    std::to_string(kMaxDomain));
+                    std::to_string(kMostDomain));
   }
   if (c.max_message_bytes < 512 || c.max_message_bytes > kMostMessageBytes) {
     throw UserError("max_message_bytes " + std::to_string(c.max_message_bytes) + " is outside the range 512 to " +
@@ -188,8 +167,7 @@ void warn_when_open(const WireConfig& c) {
 // The middleware obeys variables that are meant for the ROS 2 nodes beside: with a discovery server named there a fleet
 // never meets. Where this process talks is said in its own settings alone.
 void ignore_environment() {
-  for (const char* name : {"ROS_DISCOVERY_SERVER", "FASTDDS_ENVIRONMENT_FILE", "FASTDDS_DEFAULT_PROFILES_FILE",
-                           "FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_STATISTICS"}) {
+  for (const char* name : kIgnoredVariables) {
     if (std::getenv(name) == nullptr) continue;
     unsetenv(name);
     log_warn(std::string("the variable ") + name + " of the environment is ignored: see wire in the configuration");
@@ -262,6 +240,27 @@ std::vector<std::string> local_addresses() {
   freeifaddrs(list);
   return addresses;
 }
+
+std::vector<std::string> addresses_of_peer(const std::string& peer) {
+  require_peer(peer);
+  if (is_address(AF_INET, peer)) return {peer};
+  int error = 0, error_of_ipv6 = 0;
+  const AddressList list = look_up(peer, AF_INET, &error);
+  if (error != 0 && look_up(peer, AF_INET6, &error_of_ipv6))
+    throw UserError("peer '" + peer + "' has only IPv6 addresses: the fleet speaks IPv4");
+  if (error != 0) {
+    throw UserError("peer '" + peer + "' is no IPv4 address and no name of one: " + gai_strerror(error));
+  }
+  std::vector<std::string> out;
+  for (const addrinfo* i = list.get(); i != nullptr; i = i->ai_next) {
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ai_addr)->sin_addr, text.data(), text.size());
+    out.emplace_back(text.data());
+  }
+  return out;
+}
+
+const char* middleware_version() { return FASTRTPS_VERSION_STR; }
 
 WireConfig loopback_config(int domain) {
   WireConfig config;

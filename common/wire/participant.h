@@ -29,6 +29,16 @@ std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool w
 // The IPv4 addresses of this machine now.
 std::vector<std::string> local_addresses();
 
+// Those of a peer as in WireConfig, which may be a name. Throws UserError.
+std::vector<std::string> addresses_of_peer(const std::string& peer);
+
+// Variables of the environment that steer the middleware, for the ROS 2 nodes beside; participants here ignore them.
+constexpr std::array<const char*, 5> kIgnoredVariables = {"ROS_DISCOVERY_SERVER", "FASTDDS_ENVIRONMENT_FILE",
+                                                          "FASTDDS_DEFAULT_PROFILES_FILE",
+                                                          "FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_STATISTICS"};
+
+const char* middleware_version();
+
 // What a writer of somebody else offers.
 struct OfferedTopic {
   std::string name, type;  // as DDS has them

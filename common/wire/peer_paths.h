@@ -11,16 +11,12 @@
 #include <optional>
 #include <vector>
 
+#include "common/wire/ipv4_endpoint.h"
+
 namespace coslam {
 
 // The prefix of the GUIDs of a participant of DDS.
 using ParticipantKey = std::array<std::uint8_t, 12>;
-
-struct Ipv4Endpoint {
-  std::uint32_t address = 0;  // in the host's byte order
-  std::uint16_t port = 0;
-  auto operator<=>(const Ipv4Endpoint&) const = default;
-};
 
 // By which of its addresses a peer is written to that has several, as of Wi-Fi and a radio: by one of those at which
 // it was heard of late, or every byte would go as often as there are ways to it. By all of them as long as none was.

@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/wire/guarded_transport.h"
 #include "common/wire/own_host_transport.h"
+#include "common/wire/ports.h"
 #include "common/wire/single_path_transport.h"
 
 namespace coslam {
@@ -28,9 +30,6 @@ constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
 constexpr double kHeartbeat_s = 0.2, kPacedHeartbeat_s = 0.5, kSoonHeartbeat_s = 0.06;
-// Where participants of a domain call by default.
-constexpr const char* kMulticast = "239.255.0.1";
-constexpr std::uint32_t kFirstPort = 7400, kPortsADomain = 250;
 // The handshake of the security plugins must fit one datagram: 4000 bytes fail, 6000 work.
 constexpr int kSecureMessageBytes = 8192;
 
@@ -56,14 +55,14 @@ std::shared_ptr<rtps::UDPv4TransportDescriptor> carrier_of(const WireConfig& c) 
   return udp4;
 }
 
-std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, RejectionCounts& refused,
-                                                                 PeerPaths& paths) {
+std::shared_ptr<rtps::TransportDescriptorInterface> transport_of(const WireConfig& c, const std::string& name,
+                                                                 RejectionCounts& refused, PeerPaths& paths) {
   std::shared_ptr<rtps::TransportDescriptorInterface> transport = carrier_of(c);
   if (c.own_host) return own_host_transport(transport);
-  if (!c.key_file.empty()) {
-    transport = guarded_transport(transport, load_fleet_key(c.key_file, c.domain), refused);
-  }
-  return single_path_transport(transport, paths, c.interfaces);
+  std::optional<FleetKey> key;
+  if (!c.key_file.empty()) key = load_fleet_key(c.key_file, c.domain);
+  if (key) transport = guarded_transport(transport, *key, refused);
+  return single_path_transport(transport, paths, c.interfaces, std::make_shared<EchoAnswerer>(name, key));
 }
 
 // A period must have room for one datagram, since fragments are cut to it: slow paces get longer periods.
@@ -89,7 +88,7 @@ void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
   if (c.also_call.empty()) return;
   if (c.peers.empty())
     builtin.initialPeersList.push_back(
-        udp(kMulticast, kFirstPort + kPortsADomain * static_cast<std::uint32_t>(c.domain)));
+        udp(kMulticastGroup, static_cast<std::uint32_t>(multicast_port(c.domain))));
   for (const std::string& other : c.also_call) builtin.initialPeersList.push_back(udp(other, 0));
 }
 
@@ -141,7 +140,7 @@ dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string
   qos.name(name.c_str());
   // UDP only, for the reason given at data_sharing() above.
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(transport_of(c, refused, paths));
+  qos.transport().user_transports.push_back(transport_of(c, name, refused, paths));
   // Of a peer with many addresses (containers, VPNs) all are tried: by default the fifth and later ones are not heard
   // of.
   constexpr std::size_t kMostAddresses = 64;

@@ -17,9 +17,6 @@
 // sources of this folder: the headers are heavy.
 namespace coslam {
 
-// Participants of one domain on one host: what callers on the loopback device reach.
-constexpr int kMostPerHost = 32;
-
 // Datagrams without the key of `config` are counted in `refused`; by which of their addresses others are written to
 // stands in `paths`. Both outlive the participant. Throws UserError: the file of the key.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const WireConfig& config, const std::string& name,

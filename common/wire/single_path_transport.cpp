@@ -19,13 +19,15 @@ namespace coslam {
 namespace {
 
 struct Descriptor : ChainedDescriptor {
-  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& p, std::vector<std::string> i)
-      : ChainedDescriptor(std::move(carrier)), paths(p), interfaces(std::move(i)) {}
+  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& p, std::vector<std::string> i,
+             std::shared_ptr<EchoAnswerer> e)
+      : ChainedDescriptor(std::move(carrier)), paths(p), interfaces(std::move(i)), echo(std::move(e)) {}
 
   rtps::TransportInterface* create_transport() const override;
 
   PeerPaths& paths;
   std::vector<std::string> interfaces;
+  std::shared_ptr<EchoAnswerer> echo;
 };
 
 // This host's address by which it would write to that one; 0: none.
@@ -108,6 +110,7 @@ class Transport : public ChainedTransport<Descriptor> {
   // On several threads of the middleware. A message of RTPS names its sender after 8 octets.
   void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
                const rtps::Locator& local, const rtps::Locator& remote) override {
+    if (descriptor_.echo->take({data, size}, ipv4_endpoint(remote))) return;
     constexpr std::size_t kSender = 8;
     ParticipantKey sender;
     if (size >= kSender + sender.size()) {
@@ -133,8 +136,8 @@ Ipv4Endpoint ipv4_endpoint(const rtps::Locator& locator) {
 
 std::shared_ptr<rtps::TransportDescriptorInterface> single_path_transport(
     std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
-    const std::vector<std::string>& interfaces) {
-  return std::make_shared<Descriptor>(std::move(carrier), paths, interfaces);
+    const std::vector<std::string>& interfaces, std::shared_ptr<EchoAnswerer> echo) {
+  return std::make_shared<Descriptor>(std::move(carrier), paths, interfaces, std::move(echo));
 }
 
 }  // namespace coslam

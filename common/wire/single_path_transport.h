@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/wire/echo.h"
 #include "common/wire/peer_paths.h"
 
 // Only for the sources of this folder: the headers are heavy.
@@ -17,10 +18,10 @@ namespace coslam {
 
 // A transport that sends each datagram once to a peer that has several addresses, by `paths`, which outlives it, and
 // once where this host uses several `interfaces` (as in WireConfig). `carrier`, left alone, would send it from each
-// interface to each address.
+// interface to each address. Questions that echo.h speaks of are answered by `echo`, and not passed on.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> single_path_transport(
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
-    const std::vector<std::string>& interfaces);
+    const std::vector<std::string>& interfaces, std::shared_ptr<EchoAnswerer> echo);
 
 Ipv4Endpoint ipv4_endpoint(const eprosima::fastrtps::rtps::Locator_t& locator);
 

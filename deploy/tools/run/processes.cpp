@@ -14,6 +14,7 @@
 
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/wire/ports.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/child.h"
 #include "deploy/tools/run/run.h"
@@ -95,7 +96,7 @@ int free_domain() {
   const int first = static_cast<int>(getpid() % 230);
   for (int i = 0; i < 230; ++i) {
     const int domain = 1 + (first + i) % 230;
-    if (port_is_free(7400 + 250 * domain)) return domain;
+    if (port_is_free(multicast_port(domain))) return domain;
   }
   throw UserError("every DDS domain from 1 to 230 is in use on this machine; name one with --domain");
 }

@@ -4,10 +4,7 @@
 // Participants with and without the fleet's key, and what strangers can do to them with a plain socket.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <random>
 #include <thread>
@@ -15,6 +12,8 @@
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
+#include "common/wire/ports.h"
+#include "tests/common/wire/plain_socket.h"
 #include "tests/support/child_process.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temp_folder.h"
@@ -27,7 +26,8 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Contains;
 using testing::IsEmpty;
-using Octets = std::vector<std::uint8_t>;
+using test::Octets;
+using test::Socket;
 
 constexpr int kUnused = 31;         // participants are numbered from 0; all announce themselves to this one too
 constexpr std::uint64_t kSome = 5;  // announcements: enough to be sure that they arrive
@@ -54,49 +54,11 @@ class GuardedTransport : public ::testing::Test {
   WireConfig without_key() const { return loopback_config(domain_.number()); }
   // Where the participant of this number listens for announcements; for data, one higher.
   std::uint16_t port(int participant) const {
-    return static_cast<std::uint16_t>(7410 + 250 * domain_.number() + 2 * participant);
+    return static_cast<std::uint16_t>(unicast_port(domain_.number(), participant));
   }
 
   test::TestDomain domain_;
   test::TempFolder folder_;
-};
-
-// A plain socket on the loopback device.
-class Socket {
- public:
-  // Listens on a port, or on any.
-  explicit Socket(std::uint16_t port = 0) {
-    const sockaddr_in here = address(port);
-    if (bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof(here)) != 0) {
-      throw std::runtime_error("port " + std::to_string(port) + " is in use");
-    }
-    const timeval most{test::kDeadline.count(), 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof(most));
-  }
-  ~Socket() { close(socket_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  void send(const Octets& octets, std::uint16_t port) const {
-    const sockaddr_in there = address(port);
-    sendto(socket_, octets.data(), octets.size(), 0, reinterpret_cast<const sockaddr*>(&there), sizeof(there));
-  }
-  Octets receive() const {
-    Octets octets(65536);
-    octets.resize(static_cast<std::size_t>(std::max<ssize_t>(0, recv(socket_, octets.data(), octets.size(), 0))));
-    return octets;
-  }
-
- private:
-  static sockaddr_in address(std::uint16_t port) {
-    sockaddr_in out{};
-    out.sin_family = AF_INET;
-    out.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    out.sin_port = htons(port);
-    return out;
-  }
-
-  int socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
 };
 
 Octets rtps_header() { return {'R', 'T', 'P', 'S', 2, 3, 1, 15, 1, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}; }
