@@ -20,8 +20,10 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/replay_rate.h"
+#include "common/base/words.h"
 #include "common/config/program.h"
 #include "common/flow/clock.h"
+#include "common/wire/participant.h"
 #include "common/wire/ports.h"
 #include "common/wire/run_id.h"
 
@@ -44,10 +46,8 @@ std::string likely_cause(const WireConfig& wire) {
   if (wire.peers.empty()) {
     return "is it in another domain? " + key + " Networks that carry no multicast want its address: wire.peers=[HOST]";
   }
-  std::string peers;
-  for (const std::string& peer : wire.peers) peers += (peers.empty() ? "" : ", ") + peer;
-  return "nothing comes from " + peers + ": does it run there, in this domain? " + key + " Does a firewall let " +
-         ports + " pass, both ways?";
+  return "nothing comes from " + joined(wire.peers) + ": does it run there, in this domain? " + key +
+         " Does a firewall let " + ports + " pass, both ways?";
 }
 
 // Waits until the server says that everybody is here, this agent among them. Returns when to start, or nothing when
@@ -74,8 +74,8 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
         log_info("waiting for the other agents");
       } else {
         ++unheard;
-        log_info("waiting for a map server in domain " + std::to_string(wire.domain) +
-                 (unheard >= kUnheard ? ": " + likely_cause(wire) : ""));
+        log_info("waiting for a map server in domain " + std::to_string(wire.domain) + ", on " +
+                 joined(addresses_used(wire)) + (unheard >= kUnheard ? ": " + likely_cause(wire) : ""));
       }
     }
   }

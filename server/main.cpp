@@ -5,7 +5,9 @@
 
 #include "common/base/log.h"
 #include "common/config/program.h"
+#include "common/wire/participant.h"
 #include "common/wire/run_id.h"
+#include "server/greeting.h"
 #include "server/link/dds_server_link.h"
 #include "server/live_view.h"
 #include "server/log_sink.h"
@@ -25,11 +27,12 @@ namespace {
 // waits for the words "ready" (no other server is in the domain) and "started" (all agents are here).
 class Announcer {
  public:
-  explicit Announcer(bool for_programs) : for_programs_(for_programs) {}
+  Announcer(bool for_programs, Greeting greeting) : for_programs_(for_programs), greeting_(std::move(greeting)) {}
 
   void show(const ServerLink& link, const ServerLoop& loop) {
     if (for_programs_ && !ready_ && link.at_work()) ready_ = say("ready");
     if (for_programs_ && !started_ && loop.started()) started_ = say("started");
+    if (!for_programs_ && !ready_ && link.at_work()) ready_ = greet();
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::seconds(1) || loop.map_server().counts().frame_sets == 0) return;
     last_ = now;
@@ -71,7 +74,14 @@ class Announcer {
     return true;
   }
 
+  bool greet() const {
+    log_info("map server in " + greeting_.here);
+    log_info("an agent joins with: " + greeting_.agent);
+    return true;
+  }
+
   bool for_programs_, ready_ = false, started_ = false;
+  const Greeting greeting_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
@@ -97,7 +107,8 @@ void serve(const ServeOptions& options) {
                    .runs = options.runs,
                    .map = options.map,
                    .adjusting = [&](int percent) { Announcer::show_adjusting(options.progress, percent); }});
-  Announcer announcer(options.progress);
+  Announcer announcer(options.progress, greeting(keys.wire, addresses_used(keys.wire),
+                                                 options.runs.empty() ? options.result : options.runs));
   PublicRelay relay(link);
   LogSink log;
   std::vector<PublicSink*> sinks{&relay, &log};

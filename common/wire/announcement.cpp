@@ -84,7 +84,8 @@ bool read_data(Octets data, std::uint8_t flags, Announcement& out) {
   reader.take(to_qos < kRead ? 0 : to_qos - kRead);
   if ((flags & kInlineQos) != 0) for_each_parameter(reader, [](std::uint16_t, Octets) {});
   const Octets encapsulation = reader.take(4);
-  if (encapsulation.size() < 4 || encapsulation[0] != 0 || (encapsulation[1] != 2 && encapsulation[1] != 3)) return false;
+  if (encapsulation.size() < 4 || encapsulation[0] != 0 || (encapsulation[1] != 2 && encapsulation[1] != 3))
+    return false;
   const bool little = encapsulation[1] == 3;
   Reader list(reader.take(data.size()), little);
   for_each_parameter(list, [&](std::uint16_t id, Octets value) {

@@ -69,8 +69,10 @@ std::optional<EchoRequest> decode_echo_request(std::span<const std::uint8_t> dat
 
 std::optional<EchoAnswer> decode_echo_answer(std::span<const std::uint8_t> datagram) {
   if (!begins(datagram, kAnswer)) return std::nullopt;
-  EchoAnswer answer{get<std::uint64_t>(datagram, kNumberAt), get<TimeNs>(datagram, kTimeAt),
-                    get<std::uint16_t>(datagram, kProtocolAt), {}};
+  EchoAnswer answer{get<std::uint64_t>(datagram, kNumberAt),
+                    get<TimeNs>(datagram, kTimeAt),
+                    get<std::uint16_t>(datagram, kProtocolAt),
+                    {}};
   for (std::size_t i = kNameAt; i < kEchoBytes && datagram[i] != 0; ++i) {
     const bool printable = datagram[i] >= 0x20 && datagram[i] < 0x7f;
     answer.name.push_back(printable ? static_cast<char>(datagram[i]) : '?');

@@ -27,6 +27,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
+#include "common/base/words.h"
 #include "common/wire/guard.h"
 #include "common/wire/middleware_log.h"
 #include "common/wire/ports.h"
@@ -96,10 +97,8 @@ void require_addresses(const WireConfig& c) {
   const auto foreign = std::ranges::find_if(
       c.interfaces, [&](const std::string& address) { return std::ranges::find(mine, address) == mine.end(); });
   if (foreign != c.interfaces.end()) {
-    std::string known;
-    for (const std::string& a : mine) known.append(known.empty() ? "" : ", ").append(a);
-    throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " + known +
-                    ")");
+    throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " +
+                    joined(mine) + ")");
   }
 }
 
@@ -139,8 +138,9 @@ int free_participant_id(int domain, const std::set<int>& used) {
     if (used.contains(id)) continue;
     if (port_is_free(unicast_port(domain, id)) && port_is_free(unicast_port(domain, id) + 1)) return id;
   }
-  throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" + std::to_string(unicast_port(domain, 0)) +
-                  " to " + std::to_string(unicast_port(domain, kMostPerHost) - 1) + "): choose another domain");
+  throw UserError("no UDP port is free for DDS domain " + std::to_string(domain) + " (" +
+                  std::to_string(unicast_port(domain, 0)) + " to " +
+                  std::to_string(unicast_port(domain, kMostPerHost) - 1) + "): choose another domain");
 }
 
 void require_usable(const WireConfig& c) {
@@ -239,6 +239,14 @@ std::vector<std::string> local_addresses() {
   }
   freeifaddrs(list);
   return addresses;
+}
+
+std::vector<std::string> addresses_used(const WireConfig& config) {
+  if (!config.interfaces.empty()) return config.interfaces;
+  std::vector<std::string> all = local_addresses();
+  const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
+  if (!std::ranges::all_of(all, is_loopback)) std::erase_if(all, is_loopback);
+  return all;
 }
 
 std::vector<std::string> addresses_of_peer(const std::string& peer) {

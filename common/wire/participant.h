@@ -29,6 +29,9 @@ std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool w
 // The IPv4 addresses of this machine now.
 std::vector<std::string> local_addresses();
 
+// Those of them by which others reach a participant with these settings; of the loopback device where it has no other.
+std::vector<std::string> addresses_used(const WireConfig& config);
+
 // Those of a peer as in WireConfig, which may be a name. Throws UserError.
 std::vector<std::string> addresses_of_peer(const std::string& peer);
 

@@ -87,8 +87,7 @@ void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
   for (const std::string& peer : c.peers) builtin.initialPeersList.push_back(udp(peer, 0));
   if (c.also_call.empty()) return;
   if (c.peers.empty())
-    builtin.initialPeersList.push_back(
-        udp(kMulticastGroup, static_cast<std::uint32_t>(multicast_port(c.domain))));
+    builtin.initialPeersList.push_back(udp(kMulticastGroup, static_cast<std::uint32_t>(multicast_port(c.domain))));
   for (const std::string& other : c.also_call) builtin.initialPeersList.push_back(udp(other, 0));
 }
 

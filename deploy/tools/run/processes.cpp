@@ -14,6 +14,7 @@
 
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/base/words.h"
 #include "common/wire/ports.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/child.h"
@@ -23,12 +24,6 @@ namespace coslam {
 namespace {
 
 std::atomic<int> interrupts{0};
-
-std::string join(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& w : words) out += (out.empty() ? "" : ",") + w;
-  return out;
-}
 
 void add_sets(const RunOptions& options, const std::string& prefix, std::vector<std::string>* command) {
   for (const std::string& s : options.sets) {
@@ -47,7 +42,7 @@ Child start_server(const RunOptions& options, int domain) {
                                    options.out.string(),
                                    "--report-progress",
                                    "--set",
-                                   "agents=" + join(names)};
+                                   "agents=" + joined(names, ",")};
   if (!options.map.empty()) command.insert(command.end(), {"--map", options.map.string()});
   if (!options.record.empty()) command.insert(command.end(), {"--record", options.record.string()});
   add_sets(options, "server.", &command);
