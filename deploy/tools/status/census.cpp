@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/base/text.h"
@@ -104,46 +105,79 @@ Census::Agent& Census::heard(const std::string& name, RunId run, std::uint64_t b
   return at->second;
 }
 
-std::string Census::state_of(RunId run, const Agent& agent) const {
+std::string Census::refusal(RunId run) const {
   for (const auto& [server_run, server] : servers_) {
-    if (refusal_of(server, run)) return "refused";
+    if (const auto reason = refusal_of(server, run)) return *reason;
   }
+  return {};
+}
+
+std::string Census::state_of(RunId run, const Agent& agent) const {
+  if (!refusal(run).empty()) return "refused";
   if (!alive(run)) return "silent";
   return word_of(agent.status ? agent.status->state : AgentState::kWaiting);
 }
 
-std::string Census::line_of(RunId run, const Agent& agent, Instant now) const {
+const char* Census::state_of(RunId run, const ServerStatus& server) const {
+  return !alive(run) ? "silent" : server.stopping ? "stopping" : server.started ? "running" : "waiting";
+}
+
+Census::Figures Census::figures_of(RunId run, const Agent& agent, Instant now) const {
   const double played_s = seconds(agent.first_frame, agent.last_frame), heard_s = seconds(agent.since, now);
-  const AgentStatus s = agent.status.value_or(AgentStatus());
-  std::string line = format("%-16s %-8s %-8s", agent.name.c_str(), state_of(run, agent).c_str(), word_of(s.pose_state));
-  line += agent.group == GroupId() ? format(" %5s", "-") : format(" %5u", agent.group.value);
-  line += format(" %8u %7u %6u %8.1f", s.frames, s.dropped, s.tracks, s.frame_ms);
-  line += format(" %6.1f", agent.frames > 1 && played_s > 0 ? (agent.frames - 1) / played_s : 0.0);
-  line += agent.answers == 0 ? format(" %7s", "-") : format(" %7.1f", 1e3 * agent.lag_s / agent.answers);
   const auto kilobytes_per_s = [&](std::uint64_t bytes) {
     return heard_s > 0 ? 1e-3 * static_cast<double>(bytes) / heard_s : 0.0;
   };
-  line += format(" %8.1f %9.1f\n", kilobytes_per_s(agent.bytes_up), kilobytes_per_s(agent.bytes_down));
-  if (s.image_fault != ImageFault::kNone) {
-    line += "  its images are not to be believed: " + std::string(words_of(s.image_fault).why) + "\n";
+  Figures out;
+  out.status = agent.status.value_or(AgentStatus());
+  out.name = agent.name;
+  out.state = state_of(run, agent);
+  out.pose = word_of(out.status.pose_state);
+  if (agent.group != GroupId()) out.group = agent.group.value;
+  out.rate_hz = agent.frames > 1 && played_s > 0 ? (agent.frames - 1) / played_s : 0.0;
+  if (agent.answers > 0) out.lag_ms = 1e3 * agent.lag_s / agent.answers;
+  out.up_kb_s = kilobytes_per_s(agent.bytes_up);
+  out.down_kb_s = kilobytes_per_s(agent.bytes_down);
+  out.refused = refusal(run);
+  return out;
+}
+
+std::vector<Census::Figures> Census::agents(Instant now) const {
+  std::vector<Figures> all;
+  for (const auto& [run, agent] : agents_) all.push_back(figures_of(run, agent, now));
+  std::ranges::stable_sort(all, {}, &Figures::name);
+  return all;
+}
+
+std::vector<std::string> Census::gone() const {
+  std::vector<std::string> names;
+  for (const auto& [run, server] : servers_) {
+    for (const std::string& name : server.agents) {
+      if (std::ranges::none_of(agents_, [&](const auto& a) { return a.second.name == name; })) names.push_back(name);
+    }
   }
-  return line;
+  return names;
 }
 
 std::string Census::text(Instant now) const {
   std::string text;
   for (const auto& [run, s] : servers_) {
-    const char* state = !alive(run) ? "silent" : s.stopping ? "stopping" : s.started ? "running" : "waiting";
-    text += format("map server %s: %s, %u frame sets, %u points\n", format_hex(run.value).c_str(), state, s.frame_sets,
-                   s.points);
+    text += format("map server %s: %s, %u frame sets, %u points\n", format_hex(run.value).c_str(), state_of(run, s),
+                   s.frame_sets, s.points);
   }
   if (servers_.empty()) text += "no map server\n";
   text += format("%-16s %-8s %-8s %5s %8s %7s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "frames",
                  "dropped", "tracks", "ms/frame", "Hz", "lag ms", "kB/s up", "kB/s down");
-  std::vector<std::string> lines;
-  for (const auto& [run, agent] : agents_) lines.push_back(line_of(run, agent, now));
-  std::ranges::sort(lines);
-  for (const std::string& line : lines) text += line;
+  const std::vector<Figures> all = agents(now);
+  for (const Figures& f : all) {
+    text += format("%-16s %-8s %-8s", f.name.c_str(), f.state.c_str(), f.pose.c_str());
+    text += f.group ? format(" %5u", *f.group) : format(" %5s", "-");
+    text += format(" %8u %7u %6u %8.1f %6.1f", f.status.frames, f.status.dropped, f.status.tracks, f.status.frame_ms,
+                   f.rate_hz);
+    text += f.lag_ms ? format(" %7.1f", *f.lag_ms) : format(" %7s", "-");
+    text += format(" %8.1f %9.1f\n", f.up_kb_s, f.down_kb_s);
+    if (f.status.image_fault == ImageFault::kNone) continue;
+    text += "  its images are not to be believed: " + std::string(words_of(f.status.image_fault).why) + "\n";
+  }
   for (const auto& [key, state] : moving_) {
     const char* unit = state.scale_known ? "m" : "units";
     for (const MovingObjectState& o : state.objects) {
@@ -152,17 +186,53 @@ std::string Census::text(Instant now) const {
                      o.velocity_per_s.norm(), unit, o.extent.x(), o.extent.y(), o.extent.z(), unit);
     }
   }
-  // The server remembers those that have left.
-  for (const auto& [run, server] : servers_) {
-    for (const std::string& name : server.agents) {
-      const bool here = std::ranges::any_of(agents_, [&](const auto& a) { return a.second.name == name; });
-      if (!here) text += format("%-16s %-8s\n", name.c_str(), "gone");
-    }
-    for (const Refusal& refusal : server.refused) {
-      if (agents_.contains(refusal.agent_run)) text += "refused: " + refusal.reason + "\n";
-    }
+  for (const std::string& name : gone()) text += format("%-16s %-8s\n", name.c_str(), "gone");
+  for (const Figures& f : all) {
+    if (!f.refused.empty()) text += "refused: " + f.refused + "\n";
   }
   return text;
+}
+
+std::string Census::json(Instant now) const {
+  using Json = nlohmann::ordered_json;
+  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
+  Json servers = Json::array(), agents_now = Json::array(), objects = Json::array();
+  for (const auto& [run, s] : servers_) {
+    servers.push_back({{"run", format_hex(run.value)},
+                       {"state", state_of(run, s)},
+                       {"frame_sets", s.frame_sets},
+                       {"points", s.points}});
+  }
+  for (const Figures& f : agents(now)) {
+    agents_now.push_back({{"name", f.name},
+                          {"state", f.state},
+                          {"pose", f.pose},
+                          {"group", or_null(f.group)},
+                          {"frames", f.status.frames},
+                          {"dropped", f.status.dropped},
+                          {"tracks", f.status.tracks},
+                          {"frame_ms", f.status.frame_ms},
+                          {"rate_hz", f.rate_hz},
+                          {"lag_ms", or_null(f.lag_ms)},
+                          {"up_kb_s", f.up_kb_s},
+                          {"down_kb_s", f.down_kb_s},
+                          {"image_fault", words_of(f.status.image_fault).name},
+                          {"refused", f.refused.empty() ? Json() : Json(f.refused)}});
+  }
+  for (const std::string& name : gone()) agents_now.push_back({{"name", name}, {"state", "gone"}});
+  for (const auto& [key, state] : moving_) {
+    for (const MovingObjectState& o : state.objects) {
+      objects.push_back({{"object", o.object.value},
+                         {"map", key.second.value},
+                         {"points", o.points},
+                         {"centroid", {o.centroid.x(), o.centroid.y(), o.centroid.z()}},
+                         {"speed_per_s", o.velocity_per_s.norm()},
+                         {"scale_known", state.scale_known}});
+    }
+  }
+  return Json{{"servers", servers}, {"agents", agents_now}, {"objects", objects}}.dump(-1, ' ', false,
+                                                                                       Json::error_handler_t::replace) +
+         "\n";
 }
 
 }  // namespace coslam

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/time.h"
 #include "common/model/map_patch.h"
@@ -34,6 +35,8 @@ class Census {
   // A line for each server, each agent and each object that moves; rates are over the time since an agent was first
   // heard.
   std::string text(Instant now) const;
+  // The same for programs, on one line: {"servers": [...], "agents": [...], "objects": [...]}.
+  std::string json(Instant now) const;
 
  private:
   struct Agent {
@@ -49,9 +52,24 @@ class Census {
     GroupId group;
   };
 
+  // What is told of an agent.
+  struct Figures {
+    std::string name, state, pose;
+    std::optional<std::uint32_t> group;
+    AgentStatus status;
+    double rate_hz = 0;
+    std::optional<double> lag_ms;
+    double up_kb_s = 0, down_kb_s = 0;
+    std::string refused;  // why; empty: it is not
+  };
+
   Agent& heard(const std::string& name, RunId run, std::uint64_t bytes, Instant now);
+  std::string refusal(RunId run) const;
   std::string state_of(RunId run, const Agent& agent) const;
-  std::string line_of(RunId run, const Agent& agent, Instant now) const;
+  const char* state_of(RunId run, const ServerStatus& server) const;
+  Figures figures_of(RunId run, const Agent& agent, Instant now) const;
+  std::vector<Figures> agents(Instant now) const;  // by name
+  std::vector<std::string> gone() const;           // agents that the server remembers
   bool alive(RunId run) const;
 
   std::map<RunId, ServerStatus> servers_;

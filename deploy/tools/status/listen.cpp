@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kPatience{3}, kWindow{2};
+constexpr std::chrono::seconds kPatience{3}, kWindow{2}, kAgain{1};
 
 // These are made only for those who read them, and tell nothing of the link.
 template <class Message>
@@ -35,16 +35,19 @@ class Listener {
     loop_.start();
   }
 
-  std::string wait() {
+  void run(const StatusOptions& options, const std::function<void(const std::string&)>& tell) {
     std::unique_lock lock(mutex_);
     if (!heard_.wait_for(lock, kPatience, [this] { return !census_.empty(); })) {
       throw UserError("nobody was heard in DDS domain " + std::to_string(participant_.config().domain) +
                       ": another domain or key, or a firewall, or no multicast between the machines?");
     }
-    lock.unlock();
-    std::this_thread::sleep_for(kWindow);
-    lock.lock();
-    return census_.text(Clock::now());
+    for (auto pause = kWindow;; pause = kAgain) {
+      lock.unlock();
+      std::this_thread::sleep_for(pause);
+      lock.lock();
+      tell(options.json ? census_.json(Clock::now()) : census_.text(Clock::now()));
+      if (!options.watch) return;
+    }
   }
 
  private:
@@ -97,6 +100,9 @@ class Listener {
 
 }  // namespace
 
-std::string listen_for_status(const WireConfig& config) { return Listener(config).wait(); }
+void listen_for_status(const WireConfig& config, const StatusOptions& options,
+                       const std::function<void(const std::string&)>& tell) {
+  Listener(config).run(options, tell);
+}
 
 }  // namespace coslam

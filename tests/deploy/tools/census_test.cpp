@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 namespace coslam {
 namespace {
 
@@ -61,6 +63,33 @@ TEST(Census, WhoIsMissing) {
   EXPECT_THAT(text, HasSubstr("refused: the name is taken\n"));
   census.set_alive(kServer, false);
   EXPECT_THAT(census.text(now), HasSubstr("map server 0000000000000001: silent"));
+}
+
+TEST(Census, TheSameForPrograms) {
+  Census census;
+  const Instant now;
+  ServerStatus server;
+  server.server_run = kServer;
+  server.started = true;
+  server.points = 42;
+  server.agents = {"left", "middle"};
+  server.refused = {{kRight, "the name is taken"}};
+  census.add(server, 0, now);
+  census.add(Hello{.agent = "left", .agent_run = kLeft}, 1000, now);
+  census.add(Hello{.agent = "right", .agent_run = kRight}, 0, now);
+  const std::string text = census.json(now + milliseconds(1000));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 1);
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["servers"][0]["state"], "running");
+  EXPECT_EQ(json["servers"][0]["points"], 42);
+  ASSERT_EQ(json["agents"].size(), 3U);
+  EXPECT_EQ(json["agents"][0]["name"], "left");
+  EXPECT_EQ(json["agents"][0]["state"], "waiting");
+  EXPECT_EQ(json["agents"][0]["group"], nullptr);
+  EXPECT_EQ(json["agents"][0]["up_kb_s"], 1.0);
+  EXPECT_EQ(json["agents"][1]["refused"], "the name is taken");
+  EXPECT_EQ(json["agents"][2]["name"], "middle");
+  EXPECT_EQ(json["agents"][2]["state"], "gone");
 }
 
 TEST(Census, ALineForEachObject) {
