@@ -13,6 +13,7 @@ using Command = std::function<int()>;
 // Each adds one subcommand, whose parsing sets `chosen`. One file a subcommand: <name>_command.cpp.
 void add_calibrate_command(CLI::App& app, Command& chosen);
 void add_calibration_command(CLI::App& app, Command& chosen);
+void add_doctor_command(CLI::App& app, Command& chosen);
 void add_eval_command(CLI::App& app, Command& chosen);
 void add_explain_command(CLI::App& app, Command& chosen);
 void add_export_command(CLI::App& app, Command& chosen);
