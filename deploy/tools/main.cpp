@@ -23,6 +23,7 @@ int run(int argc, char** argv) {
   coslam::add_map_command(app, chosen);
   coslam::add_status_command(app, chosen);
   coslam::add_doctor_command(app, chosen);
+  coslam::add_fleet_command(app, chosen);
   coslam::add_view_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);
   coslam::add_calibration_command(app, chosen);
