@@ -24,10 +24,10 @@ namespace coslam {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::Contains;
-using testing::IsEmpty;
 using test::Octets;
 using test::Socket;
+using testing::Contains;
+using testing::IsEmpty;
 
 constexpr int kUnused = 31;         // participants are numbered from 0; all announce themselves to this one too
 constexpr std::uint64_t kSome = 5;  // announcements: enough to be sure that they arrive
