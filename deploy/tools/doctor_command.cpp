@@ -23,7 +23,11 @@ struct DoctorArguments {
 doctor::Patient patient_of(const DoctorArguments& arguments) {
   doctor::Patient patient = doctor::patient_of(arguments.config);
   WireConfig& wire = patient.settings.wire;
-  if (arguments.loopback) wire = loopback_config(wire.domain);
+  if (arguments.loopback) {
+    const std::string key_file = wire.key_file;
+    wire = loopback_config(wire.domain);
+    wire.key_file = key_file;
+  }
   if (arguments.domain) wire.domain = *arguments.domain;
   if (!arguments.key_file.empty()) wire.key_file = arguments.key_file;
   patient.named = arguments.peers;

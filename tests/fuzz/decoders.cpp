@@ -3,11 +3,15 @@
 //
 // A sample of any topic, as octets: the first says which topic. It is decoded to a usable value or rejected.
 #include <cstdlib>
+#include <span>
 #include <string>
 
+#include "common/wire/announcement.h"
 #include "common/wire/codec.h"
+#include "common/wire/echo.h"
 #include "common/wire/guard.h"
 #include "common/wire/track_codec.h"
+#include "tests/common/wire/announcement_octets.h"
 #include "tests/common/wire/cdr_octets.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/moving_tracks.h"
@@ -43,13 +47,24 @@ void decode_octets(const Sample& octets) {
   }
 }
 
-constexpr std::size_t kSealed = kTopicCount;  // the number behind the topics: a sealed datagram
+// The numbers behind the topics: a sealed datagram, and one that the doctor reads.
+constexpr std::size_t kSealed = kTopicCount, kHeard = kTopicCount + 1;
+
+std::span<const std::uint8_t> bytes_of(const Sample& octets) {
+  return {reinterpret_cast<const std::uint8_t*>(octets.data()), octets.size()};
+}
 
 void open_sealed(const Sample& octets) {
   static Opener opener(fleet_key("a secret of sixteen", 7));
-  const auto* begin = reinterpret_cast<const std::uint8_t*>(octets.data());
-  const Opened opened = opener.open({begin, octets.size()});
+  const Opened opened = opener.open(bytes_of(octets));
   require(opened.refused.has_value());  // nobody guesses a seal
+}
+
+void hear(const Sample& octets) {
+  const auto announcement = read_announcement(bytes_of(octets));
+  require(!announcement || announcement->name.size() <= 64);
+  (void)decode_echo_request(bytes_of(octets));
+  if (const auto answer = decode_echo_answer(bytes_of(octets))) require(answer->name.size() < kEchoBytes);
 }
 
 void decode_any(std::size_t which, const Sample& octets) {
@@ -58,13 +73,14 @@ void decode_any(std::size_t which, const Sample& octets) {
     if (topic++ == which) decode_octets<M>(octets);
   });
   if (which == kSealed) open_sealed(octets);
+  if (which == kHeard) hear(octets);
 }
 
 }  // namespace
 
 void fuzz::try_octets(Octets octets) {
   if (octets.empty()) return;
-  decode_any(octets[0] % (kTopicCount + 1), {octets.begin() + 1, octets.end()});
+  decode_any(octets[0] % (kTopicCount + 2), {octets.begin() + 1, octets.end()});
 }
 
 void fuzz::write_seeds(const WriteSeed& write_seed) {
@@ -86,6 +102,8 @@ void fuzz::write_seeds(const WriteSeed& write_seed) {
   write(topic_index<idl::PublicSample>(), serialize(encode(values.public_sample())));
   write(topic_index<idl::ServerStatus>(), serialize(encode(values.server_status(RunId(4)))));
   write(kSealed, Sample(64, 'x'));
+  const auto announcement = test::announcement();
+  write(kHeard, Sample(announcement.begin(), announcement.end()));
 }
 
 }  // namespace coslam

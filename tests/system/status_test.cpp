@@ -54,6 +54,9 @@ TEST(Status, TellsWhoIsAlive) {
     EXPECT_GT(std::stod(words[10]), 1) << "up: " << status.out();
     EXPECT_GT(std::stod(words[11]), 1) << "down: " << status.out();
   }
+  Program watch("coslam", {"status", "--loopback", "--domain", number, "--watch", "--json"});
+  EXPECT_TRUE(watch.prints("\n{\"servers\":[{\"run\":\"")) << watch.out() << watch.err();  // the second time
+  watch.signal(SIGINT);
   for (Program* program : {&a, &b, &server}) {
     program->signal(SIGINT);
     EXPECT_EQ(program->exit_code(), 0) << program->err();

@@ -113,7 +113,8 @@ Findings judge(const std::vector<VideoDevice>& devices) {
 Findings judge(const SourceFacts& facts) {
   if (!facts.problem.empty()) {
     return {{Grade::kFail, "source", facts.problem,
-             "coslam doctor --source S without --calibration tells the source alone"}};
+             facts.live ? "v4l2-ctl --list-devices shows cameras, gst-launch-1.0 tries a pipeline"
+                        : "coslam calibration FILE shows what a calibration is for"}};
   }
   Findings out{{Grade::kOk, "source", facts.name}};
   if (!facts.doubt.empty()) {

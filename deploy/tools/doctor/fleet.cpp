@@ -174,7 +174,7 @@ Findings judge_multicast(const FleetFacts& facts) {
     } else {
       out.push_back({facts.by_name_alone ? Grade::kWarn : Grade::kFail, subject,
                      "what is sent to " + std::string(kMulticastGroup) + " does not come back to this machine",
-                     "sudo ip route add 239.0.0.0/8 dev " + i.name + ", or a firewall: " + let_in(facts.domain)});
+                     "a firewall: " + let_in(facts.domain) + ", or sudo ip route add 239.0.0.0/8 dev " + i.name});
     }
   }
   return out;

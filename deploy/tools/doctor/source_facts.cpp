@@ -8,7 +8,9 @@
 
 #include "agent/agent.h"
 #include "agent/capture/camera_of.h"
+#include "agent/capture/sources.h"
 #include "agent/feed.h"
+#include "agent/track/working_scale.h"
 #include "common/base/error.h"
 #include "common/flow/clock.h"
 #include "deploy/tools/doctor/camera.h"
@@ -28,7 +30,10 @@ double median(std::vector<double> values) {
 }
 
 // How much of what an image shows is fine detail: the variance of its Laplacian to its own. Noise counts as detail.
-double sharpness_of(const cv::Mat& grey) {
+// At the width at which most are tracked: wide ones hold less at their finest by nature.
+double sharpness_of(const cv::Mat& image) {
+  constexpr int kWidth = 640;
+  const cv::Mat grey = scaled_image(image, std::min(1.0, static_cast<double>(kWidth) / image.cols));
   cv::Mat laplacian;
   cv::Laplacian(grey, laplacian, CV_32F);
   cv::Scalar mean, spread, of_all;
@@ -49,7 +54,6 @@ class Look {
     facts.doubt = found.guess;
     facts.width_px = found.camera.width_px;
     facts.height_px = found.camera.height_px;
-    facts.live = images->live();
     facts.most_tracks = settings.agent.tracker.max_tracks;
     tracker_ = make_feature_tracker(found.camera, settings.agent);
     feed_ = facts.live ? real_time_feed(std::move(images), 1, utc_now_ns()) : prefetching_feed(std::move(images));
@@ -110,7 +114,7 @@ class Look {
 }  // namespace
 
 SourceFacts look_at_source(const AgentOptions& settings) {
-  SourceFacts facts{.name = settings.source, .nominal_hz = settings.play.rate_hz};
+  SourceFacts facts{.name = settings.source, .live = is_live_uri(settings.source), .nominal_hz = settings.play.rate_hz};
   try {
     Look(settings, facts).run();
   } catch (const UserError& error) {

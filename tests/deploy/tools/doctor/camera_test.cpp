@@ -38,7 +38,9 @@ TEST(DoctorCamera, SourceThatIsWell) { EXPECT_THAT(judge(well()), Each(Field(&Fi
 TEST(DoctorCamera, SourceThatCannotBeRead) {
   SourceFacts facts;
   facts.problem = "there is no source 'x'";
-  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "--source"));
+  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "coslam calibration"));
+  facts.live = true;
+  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "v4l2-ctl"));
   facts = well();
   facts.images = 1;
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "1 in two seconds", "cable"));
