@@ -73,8 +73,8 @@ std::vector<VideoDevice> look_at_devices() {
     if (entry.path().filename().string().starts_with("video")) paths.push_back(entry.path().string());
   }
   std::ranges::sort(paths);
-  std::vector<VideoDevice> out;
-  for (const std::string& path : paths) out.push_back(look_at(path));
+  std::vector<VideoDevice> out(paths.size());
+  std::ranges::transform(paths, out.begin(), look_at);
   return out;
 }
 

@@ -117,7 +117,8 @@ bool Udp::send(std::span<const std::uint8_t> datagram, const Ipv4Endpoint& to) c
     return sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&there),
                   sizeof there) >= 0;
   };
-  return try_it() || try_it();  // the first error may be that of an earlier datagram
+  if (try_it()) return true;
+  return try_it();  // the first error may be that of an earlier datagram
 }
 
 std::optional<Udp::Received> Udp::receive() const {
