@@ -191,13 +191,18 @@ void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
-  adjust_whole(edit_, largest_map(), refine, since, tell);
+  for (const auto& [camera, path] : adjust_whole(edit_, largest_map(), refine, since, tell)) path_errors_[camera] = path;
   tell_of_lenses();
   adjusted_[largest_map()] = map().now();
   const SettleReport settled = settle_frames(edit_, largest_map());
   report_.counts["frames_settled"] += settled.changed;
   report_.counts["frames_placed_late"] += settled.placed;
   take(pipeline_.stage<Scale>().finish(edit_));
+}
+
+std::optional<PathError> MapServer::path_error(CameraId camera) const {
+  const auto at = path_errors_.find(camera);
+  return at == path_errors_.end() ? std::nullopt : std::optional(at->second);
 }
 
 MapServerCounts MapServer::counts() const {

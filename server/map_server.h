@@ -98,6 +98,8 @@ class MapServer {
   ClockOffset clock_offset(CameraId camera) const { return pipeline_.stage<ClockFinder>().offset(camera); }
   // Its images were taken so much later than they are dated, by how things move.
   std::optional<LagFinder::Lag> lag(CameraId camera) const { return pipeline_.stage<LagFinder>().lag(camera); }
+  // How uncertain a camera's path is, once its map was adjusted as a whole.
+  std::optional<PathError> path_error(CameraId camera) const;
   MapServerCounts counts() const;
   // What the map and the stages keep, by what it is for; bytes.
   MemoryUse memory() const;
@@ -135,6 +137,7 @@ class MapServer {
   std::map<CameraId, DescriptorReply> last_images_;  // that are not remembered yet
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
+  PathErrors path_errors_;
   std::vector<std::string> warnings_;
   std::set<CameraId> lenses_told_;
   std::set<CameraId> breathing_told_;

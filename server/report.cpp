@@ -9,6 +9,7 @@
 #include "common/base/version.h"
 #include "common/dataset/result.h"
 #include "server/solve/corrected_calibration.h"
+#include "server/verdict.h"
 
 namespace coslam {
 namespace {
@@ -77,6 +78,21 @@ Json lens_report(const MapCamera& camera) {
           {"file_differs_px", worst_px}};
 }
 
+// Once the map was adjusted as a whole: how good the camera's path is, without truth.
+Json path_report(const MapServer& server, const MapCamera& camera, double tracked_share) {
+  const auto path = server.path_error(camera.id);
+  if (!path) return {};
+  PathFacts facts{.tracked_share = tracked_share};
+  if (path->sigma && path->length > 0) facts.error_percent = 100 * *path->sigma / path->length;
+  if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
+  const Verdict verdict = verdict_of(facts);
+  return {{"quality", name_of(verdict.quality)},
+          {"why", verdict.why},
+          {"length", path->length},
+          {"sigma", path->sigma ? Json(*path->sigma) : Json()},
+          {"sigma_percent", facts.error_percent ? Json(*facts.error_percent) : Json()}};
+}
+
 // An agent as the server saw it. Tracked: in the common map, where the others are.
 Json camera_report(const MapServer& server, CameraId id) {
   const MapCamera& camera = server.map().camera(id);
@@ -95,7 +111,8 @@ Json camera_report(const MapServer& server, CameraId id) {
           {"misdated_s", lag && lag->is_off() ? Json(lag->lag_s) : Json()},
           {"lag", lag ? Json{{"lag_s", lag->lag_s}, {"against", server.map().camera(lag->against).name}} : Json()},
           {"lost_intervals", lost_intervals(camera)},
-          {"camera", intrinsics_report(camera.model)}};
+          {"camera", intrinsics_report(camera.model)},
+          {"path", path_report(server, camera, tracked / n)}};
 }
 
 // What an agent says of itself. Deeper than it ever is, it is nonsense that may be too deep to be written.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "server/adjust/certainty.h"
 #include "server/adjust/lens.h"
 
 namespace coslam {
@@ -106,8 +105,8 @@ void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgres
 
 }  // namespace
 
-void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
-                  const TellProgress& tell) {
+PathErrors adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
+                        const TellProgress& tell) {
   constexpr int kMostOutlines = 4;  // while a lens is on its way
   for (int round = 0; !since && round < kMostOutlines; ++round) {
     auto job = plan_refine(edit.map(), of, RefineExtent::kOutline, config);
@@ -118,14 +117,16 @@ void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::opti
   }
   auto job = since ? plan_refine_since(edit.map(), of, *since, config)
                    : plan_refine(edit.map(), of, RefineExtent::kWhole, config);
+  PathErrors paths;
   if (job) {
     job->zooms = true;
     tell_of(&*job, since ? 0 : kOutlineShare_percent, 100, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
-    if (result.usable) settle_covariances(edit, *job, result);
+    if (result.usable) paths = settle_covariances(edit, *job, result);
   }
   if (tell) tell(100);
+  return paths;
 }
 
 }  // namespace coslam

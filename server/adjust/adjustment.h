@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/workers.h"
+#include "server/adjust/certainty.h"
 #include "server/adjust/key_frame.h"
 #include "server/adjust/refine.h"
 #include "server/places/meet.h"
@@ -85,8 +86,9 @@ class PlanAdjustment {
 // How far it is, percent.
 using TellProgress = std::function<void(int percent)>;
 
-// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already.
-void adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since = std::nullopt,
-                  const TellProgress& tell = {});
+// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already. How
+// uncertain the paths are in the end.
+PathErrors adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since = std::nullopt,
+                        const TellProgress& tell = {});
 
 }  // namespace coslam

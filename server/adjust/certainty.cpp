@@ -52,8 +52,8 @@ std::vector<double> track_variances(const Map& map, const RefineJob& job, const 
 
 namespace {
 
-// What the uncertain poses of a solution add, in the order of job.points. Each track counts for two views.
-std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, const BundleResult& result) {
+// In the order of the job. Each track counts for two views.
+SolutionUncertainty uncertainty_of_solution(const Map& map, const RefineJob& job, const BundleResult& result) {
   constexpr std::size_t kMostPoses = 200;
   BundleProblem solved = job.problem;
   for (std::size_t i = 0; i < solved.poses.size(); ++i) {
@@ -66,18 +66,42 @@ std::vector<Eigen::Matrix3d> pose_share(const Map& map, const RefineJob& job, co
     const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(solved.observations[i].pose)].camera);
     solved.observations[i].sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
   }
-  return pose_share_of_points(solved, result.is_inlier, kMostPoses);
+  return uncertainty_of(solved, result.is_inlier, kMostPoses);
+}
+
+PathErrors path_errors(const RefineJob& job, const BundleResult& result,
+                       const std::vector<std::optional<double>>& centre_variances) {
+  struct Sum {
+    double variance = 0;
+    int known = 0;
+    std::optional<Eigen::Vector3d> last;
+  };
+  std::map<CameraId, Sum> sums;
+  PathErrors out;
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    if (job.problem.poses[i].fixed && !job.floating) continue;
+    Sum& sum = sums[job.poses[i].camera];
+    PathError& path = out[job.poses[i].camera];
+    const Eigen::Vector3d centre = result.poses[i].center();
+    if (sum.last) path.length += (centre - *sum.last).norm();
+    sum.last = centre;
+    if (!centre_variances[i]) continue;
+    sum.variance += *centre_variances[i];
+    path.sigma = std::sqrt(sum.variance / ++sum.known);
+  }
+  return out;
 }
 
 }  // namespace
 
-void settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
   const auto variances = track_variances(edit.map(), job, result);
-  const auto share = pose_share(edit.map(), job, result);
+  const auto [share, centre_variances] = uncertainty_of_solution(edit.map(), job, result);
   for (std::size_t i = 0; i < share.size(); ++i) {
     const MapPoint* p = edit.map().find(job.points[i]);
     if (p != nullptr) edit.move_point(*p, p->position, variances[i] * p->covariance + share[i]);
   }
+  return path_errors(job, result, centre_variances);
 }
 
 }  // namespace coslam

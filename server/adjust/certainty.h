@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "server/adjust/refine.h"
@@ -18,8 +20,15 @@ std::vector<double> worth_of_observations(const RefineJob& job, const std::vecto
 // what its tracks slide: the other half is left in the residuals.
 std::vector<double> track_variances(const Map& map, const RefineJob& job, const BundleResult& result);
 
+// How far a camera's path is off, to be expected from what its images leave open; lengths of the map.
+struct PathError {
+  std::optional<double> sigma;  // RMS of its centres, the map's frame and scale left aside; empty: nothing tells it
+  double length = 0;            // of the path, from key frame to key frame
+};
+using PathErrors = std::map<CameraId, PathError>;
+
 // Covariances of a solution's points: by how well their own tracks hold, and with what the uncertain poses add
-// (point_uncertainty.h).
-void settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+// (point_uncertainty.h). How uncertain the paths themselves are.
+PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result);
 
 }  // namespace coslam

@@ -66,12 +66,13 @@ Eigen::MatrixXd pose_covariance(Eigen::MatrixXd information, const BundleProblem
 
 }  // namespace
 
-std::vector<Eigen::Matrix3d> pose_share_of_points(const BundleProblem& problem, const std::vector<bool>& use,
-                                                  std::size_t max_poses) {
-  std::vector<Eigen::Matrix3d> share(problem.points.size(), Eigen::Matrix3d::Zero());
+SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vector<bool>& use, std::size_t max_poses) {
+  SolutionUncertainty out{std::vector<Eigen::Matrix3d>(problem.points.size(), Eigen::Matrix3d::Zero()),
+                          std::vector<std::optional<double>>(problem.poses.size())};
+  std::vector<Eigen::Matrix3d>& share = out.share_of_points;
   const std::vector<int> index = choose(problem, max_poses);
   const int n = 1 + *std::max_element(index.begin(), index.end());
-  if (n < 2) return share;
+  if (n < 2) return out;
   const bool floats = std::none_of(problem.poses.begin(), problem.poses.end(), [](const auto& p) { return p.fixed; });
 
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(6 * n, 6 * n);
@@ -110,7 +111,11 @@ std::vector<Eigen::Matrix3d> pose_share_of_points(const BundleProblem& problem, 
     }
   }
   const Eigen::MatrixXd covariance = pose_covariance(std::move(information), problem, index, floats);
-  if (!covariance.allFinite()) return share;
+  if (!covariance.allFinite()) return out;
+  // A centre moves as the translation does, turned: c = -R^T t.
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    if (index[i] >= 0) out.centre_variances[i] = covariance.diagonal().segment<3>(6 * index[i] + 3).sum();
+  }
   for (std::size_t p = 0; p < blocks.size(); ++p) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const auto& [i, wi] : blocks[p].coupling) {
@@ -120,7 +125,7 @@ std::vector<Eigen::Matrix3d> pose_share_of_points(const BundleProblem& problem, 
     }
     share[p] = own_inverse[p] * sum * own_inverse[p];
   }
-  return share;
+  return out;
 }
 
 }  // namespace coslam

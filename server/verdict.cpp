@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/verdict.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace coslam {
+namespace {
+
+// What observations leave open is a third to the half of what truth says in most recordings: see docs/accuracy.md.
+constexpr double kGood_percent = 0.3, kFair_percent = 1;
+constexpr double kGoodShare = 0.9, kFairShare = 0.5;
+constexpr double kLensIsOther = 0.1;  // of the focal length: the calibration is of another camera
+
+std::string printed(const char* format, double value) {
+  std::array<char, 160> out{};
+  std::snprintf(out.data(), out.size(), format, value);
+  return out.data();
+}
+
+Quality at_most(double value, double good, double fair) {
+  if (value <= good) return Quality::kGood;
+  return value <= fair ? Quality::kFair : Quality::kPoor;
+}
+
+}  // namespace
+
+Verdict verdict_of(const PathFacts& facts) {
+  Verdict out{Quality::kGood, {}};
+  const auto lower = [&](Quality to, const std::string& why) {
+    if (to > out.quality) out = {to, why};
+  };
+  const double lost_share = 1 - facts.tracked_share;
+  lower(at_most(lost_share, 1 - kGoodShare, 1 - kFairShare),
+        printed("%.0f %% of its images have no pose in the common map", 100 * lost_share));
+  if (!facts.error_percent) {
+    lower(Quality::kPoor, "its images do not tell its path: it hardly moved, or saw too little");
+  } else {
+    lower(at_most(*facts.error_percent, kGood_percent, kFair_percent),
+          printed("what it saw leaves its path open by %.2g %% of its length", *facts.error_percent));
+  }
+  if (facts.focal_ratio && std::abs(std::log(*facts.focal_ratio)) > kLensIsOther) {
+    lower(Quality::kFair, printed("its images fit a focal length of %.2f times its calibration's", *facts.focal_ratio));
+  }
+  return out;
+}
+
+const char* name_of(Quality quality) {
+  constexpr std::array<const char*, 3> kNames{"good", "fair", "poor"};
+  return kNames[static_cast<std::size_t>(quality)];
+}
+
+}  // namespace coslam

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+// How good a camera's path is, in words that need no truth.
+namespace coslam {
+
+enum class Quality : std::uint8_t { kGood, kFair, kPoor };
+
+struct PathFacts {
+  double tracked_share = 0;             // of its images that have a pose in the common map
+  std::optional<double> error_percent;  // of its path's length, to be expected from what its images leave open
+  std::optional<double> focal_ratio;    // of a calibrated camera: what its images fit, to what its calibration says
+};
+
+struct Verdict {
+  Quality quality = Quality::kPoor;
+  std::string why;  // a clause; empty when it is good
+};
+
+Verdict verdict_of(const PathFacts& facts);
+const char* name_of(Quality quality);  // "good", "fair", "poor"
+
+}  // namespace coslam
