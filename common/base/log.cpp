@@ -6,9 +6,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cctype>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 namespace coslam {
 
@@ -38,6 +43,49 @@ std::unique_ptr<spdlog::formatter> json_lines() {
   return formatter;
 }
 
+std::atomic<int> pauses{0};
+
+// A text without its figures; digits in a word, as in names, stay.
+std::string without_figures(std::string_view text) {
+  std::string out;
+  bool in_word = false;
+  for (const char c : text) {
+    const bool digit = c >= '0' && c <= '9';
+    in_word = std::isalpha(static_cast<unsigned char>(c)) != 0 || (digit && in_word);
+    if (!digit || in_word) out += c;
+  }
+  return out;
+}
+
+class Given {
+ public:
+  void add(std::string_view text) {
+    constexpr std::size_t kMost = 100;
+    std::string key = without_figures(text);
+    const std::lock_guard lock(mutex_);
+    auto at = std::ranges::find(warnings_, key, &std::pair<std::string, Warning>::first);
+    if (at == warnings_.end() && warnings_.size() == kMost) return;
+    if (at == warnings_.end()) at = warnings_.insert(at, {std::move(key), {}});
+    at->second.text = text;
+    ++at->second.count;
+  }
+  std::vector<Warning> all() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<Warning> out;
+    for (const auto& [key, warning] : warnings_) out.push_back(warning);
+    return out;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::pair<std::string, Warning>> warnings_;  // by their text without figures
+};
+
+Given& given() {
+  static Given instance;
+  return instance;
+}
+
 }  // namespace
 
 void init_log(std::string_view name, LogFormat format) {
@@ -53,9 +101,21 @@ void init_log(std::string_view name, LogFormat format) {
   spdlog::set_default_logger(logger);
 }
 
-void log_info(std::string_view text) { spdlog::info("{}", text); }
-void log_warn(std::string_view text) { spdlog::warn("{}", text); }
+void log_info(std::string_view text) {
+  if (pauses == 0) spdlog::info("{}", text);
+}
+
+void log_warn(std::string_view text) {
+  if (pauses > 0) return;
+  given().add(text);
+  spdlog::warn("{}", text);
+}
 void log_error(std::string_view text) { spdlog::error("{}", text); }
+
+std::vector<Warning> warnings_given() { return given().all(); }
+
+LogPause::LogPause() { ++pauses; }
+LogPause::~LogPause() { --pauses; }
 
 bool LogLimiter::pass() {
   const auto now = std::chrono::steady_clock::now();

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace coslam {
 
@@ -15,6 +17,24 @@ void init_log(std::string_view name, LogFormat format = LogFormat::kText);
 void log_info(std::string_view text);
 void log_warn(std::string_view text);
 void log_error(std::string_view text);
+
+// A warning, and how often it was given.
+struct Warning {
+  std::string text;
+  int count = 0;
+};
+// What this process has warned of, in the order of the first times. Those that differ in their figures alone are one:
+// the newest stands for it.
+std::vector<Warning> warnings_given();
+
+// As long as one lives, info and warnings are not said: somebody else will say them.
+class LogPause {
+ public:
+  LogPause();
+  ~LogPause();
+  LogPause(const LogPause&) = delete;
+  LogPause& operator=(const LogPause&) = delete;
+};
 
 // Lets one event a second through and counts the rest. Not for the pure core.
 class LogLimiter {

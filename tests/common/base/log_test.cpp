@@ -29,5 +29,21 @@ TEST(Log, ALineOfJsonIsAnObjectWhateverItSays) {
   EXPECT_THAT(line["text"], testing::StartsWith("a \"word\"\tand "));
 }
 
+TEST(Log, WarningsThatDifferInTheirFiguresAreOne) {
+  log_warn("7 sets of cam1 were left out");
+  log_warn("9 sets of cam1 were left out");
+  log_warn("9 sets of cam2 were left out");
+  {
+    const LogPause pause;
+    log_warn("not said");
+  }
+  std::vector<Warning> all = warnings_given();
+  std::erase_if(all, [](const Warning& w) { return w.text.find("sets") == std::string::npos && w.text != "not said"; });
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].text, "9 sets of cam1 were left out");
+  EXPECT_EQ(all[0].count, 2);
+  EXPECT_EQ(all[1].text, "9 sets of cam2 were left out");
+}
+
 }  // namespace
 }  // namespace coslam
