@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
@@ -59,6 +60,9 @@ class AgentLink {
   virtual std::optional<ServerStatus> wait_server_status(std::chrono::milliseconds timeout) = 0;
   // False before the first status and while the server is silent (killed, or the network is cut).
   virtual bool server_alive() const = 0;
+
+  // What the server says became of this run's images, the newest; empty before the first.
+  virtual std::optional<AgentImages> images() const { return std::nullopt; }
 
   // How far this machine's clock is ahead of the server's, or less: the least that a status took by both clocks. Empty
   // while there is but one that may have been kept for who comes late.

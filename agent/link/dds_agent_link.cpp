@@ -165,6 +165,11 @@ class DdsAgentLink : public AgentLink {
     return server_alive_;
   }
 
+  std::optional<AgentImages> images() const override {
+    const std::lock_guard lock(mutex_);
+    return inbox_.images();
+  }
+
   std::optional<double> clock_ahead_s() const override {
     const std::lock_guard lock(mutex_);
     return least_took_s_;
@@ -193,6 +198,8 @@ class DdsAgentLink : public AgentLink {
     auto ends = std::make_unique<Ends>(config_, hello_.agent, rejections_, [this](Ends& e) { tick(e); });
     ends->loop.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
                                    partition_of(hello_.agent_run));
+    ends->loop.read<idl::AgentImages>([this](const idl::AgentImages& m, const Sample&) { receive(decode(m), [] {}); },
+                                      {}, partition_of(hello_.agent_run));
     ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
                                        [this](const WriterId& w, Presence p) { server_presence(w, p); });
     const int ways = hello_.pacing == Pacing::kLive ? kWays : 1;

@@ -40,6 +40,12 @@ std::optional<Rejection> Inbox::add(ServerStatus status) {
   return std::nullopt;
 }
 
+std::optional<Rejection> Inbox::add(AgentImages images) {
+  if (images.agent_run != agent_run_ || !from_our_server(images.server_run)) return Rejection::kWrongRun;
+  images_ = std::move(images);
+  return std::nullopt;
+}
+
 std::optional<MapPatch> Inbox::pop() {
   if (patches_.empty()) return std::nullopt;
   std::optional<MapPatch> patch(std::move(patches_.front()));

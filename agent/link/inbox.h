@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
 #include "common/wire/counters.h"
@@ -28,6 +29,7 @@ class Inbox {
   // Not taken, or something was lost, when the result names a reason.
   std::optional<Rejection> add(MapPatch patch);
   std::optional<Rejection> add(ServerStatus status);
+  std::optional<Rejection> add(AgentImages images);
 
   std::optional<MapPatch> pop();
   // Newest frame that the present server has answered, whether the answer was popped or not.
@@ -36,6 +38,7 @@ class Inbox {
   bool answered(FrameId frame) const { return credit_ && *credit_ >= frame; }
 
   const std::optional<ServerStatus>& status() const { return status_; }
+  const std::optional<AgentImages>& images() const { return images_; }
   // The status if it came after the last call.
   std::optional<ServerStatus> take_fresh_status();
 
@@ -50,6 +53,7 @@ class Inbox {
   std::optional<FrameId> credit_, acknowledged_;
   std::deque<MapPatch> patches_;
   std::optional<ServerStatus> status_;
+  std::optional<AgentImages> images_;
   bool fresh_status_ = false;
 };
 

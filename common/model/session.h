@@ -49,8 +49,8 @@ struct AgentStatus {
   RunId agent_run;
   AgentState state = AgentState::kWaiting;
   PoseState pose_state = PoseState::kNone;
-  std::uint32_t frames = 0;                    // images read
-  std::uint32_t dropped = 0;                   // images skipped for lack of time
+  std::uint32_t frames = 0;                    // images sent
+  std::uint32_t dropped = 0;                   // images not sent: no time for them, or the link carries less
   std::uint32_t left_out = 0;                  // images that were not to be believed
   ImageFault image_fault = ImageFault::kNone;  // why its images are not to be believed now; none: they are
   std::uint32_t tracks = 0;
@@ -71,7 +71,7 @@ struct Refusal {
 struct ServerStatus {
   RunId server_run;
   std::uint16_t protocol = kProtocolVersion;
-  bool started = false;     // all expected agents are here: play
+  bool started = false;     // all who are waited for are here: play
   bool stopping = false;    // the server ends: finish
   TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -72,6 +73,13 @@ inline Problem check_name(std::string_view name) {
 inline Problem check_sender(std::string_view agent, RunId run) {
   if (const Problem p = check_name(agent)) return p;
   return check_id(run);
+}
+
+// Text that goes into a log or onto a terminal.
+inline Problem check_sentence(std::string_view text, std::size_t most) {
+  const auto control_character = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  const bool good = !text.empty() && text.size() <= most && std::ranges::none_of(text, control_character);
+  return good ? std::nullopt : Problem(Rejection::kBadText);
 }
 
 // The first problem of several checks, all of them cheap.

@@ -42,6 +42,7 @@ idl::AgentStatus encode(const AgentStatus& status);
 idl::MapPatch encode(const MapPatch& patch);
 idl::MovingState encode(const MovingState& state);
 idl::AgentPose encode(const AgentPose& pose);
+idl::AgentImages encode(const AgentImages& images);
 idl::PublicSample encode(const PublicSample& sample);
 idl::ServerStatus encode(const ServerStatus& status);
 
@@ -55,6 +56,7 @@ Decoded<AgentStatus> decode(const idl::AgentStatus& message);
 Decoded<MapPatch> decode(const idl::MapPatch& message);
 Decoded<MovingState> decode(const idl::MovingState& message);
 Decoded<AgentPose> decode(const idl::AgentPose& message);
+Decoded<AgentImages> decode(const idl::AgentImages& message);
 Decoded<PublicSample> decode(const idl::PublicSample& message);
 Decoded<ServerStatus> decode(const idl::ServerStatus& message);
 

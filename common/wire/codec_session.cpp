@@ -17,14 +17,6 @@ namespace {
 constexpr std::size_t kMaxName = 32;
 constexpr std::size_t kMaxSentence = 200;
 
-bool control_character(unsigned char c) { return c < 0x20 || c == 0x7f; }
-
-// Text that goes into a log or onto a terminal.
-Problem check_sentence(std::string_view text) {
-  const bool good = !text.empty() && text.size() <= kMaxSentence && std::ranges::none_of(text, control_character);
-  return good ? std::nullopt : Problem(Rejection::kBadText);
-}
-
 // Each name is followed by a space. Those beyond the bound are left out: others say how many come in a server's life.
 std::string pack_names(const std::vector<std::string>& names) {
   std::string text;
@@ -54,7 +46,8 @@ Problem unpack_refusals(const idl::ServerStatus& m, std::vector<Refusal>& refuse
   if (reasons.size() != m.refused().size()) return Rejection::kSizeMismatch;
   for (std::size_t i = 0; i < reasons.size(); ++i) {
     refused.push_back({RunId(m.refused()[i]), reasons[i]});
-    if (const Problem p = first_of({check_id(refused.back().agent_run), check_sentence(reasons[i])})) return p;
+    if (const Problem p = first_of({check_id(refused.back().agent_run), check_sentence(reasons[i], kMaxSentence)}))
+      return p;
   }
   return std::nullopt;
 }

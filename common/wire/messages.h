@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "common/base/ids.h"
+#include "common/model/agent_images.h"
 #include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
@@ -82,6 +83,9 @@ inline constexpr std::tuple kMessageTypes{
     // The newest pose.
     MessageType<AgentPose, class AgentPosePubSubType, coslam::AgentPose>{
         {.name = "coslam/pose", .way = Way::kDown, .reliable = false}},
+    // The newest account.
+    MessageType<AgentImages, class AgentImagesPubSubType, coslam::AgentImages>{
+        {.name = "coslam/images", .way = Way::kDown, .late_joiners = true, .by_run = true}},
     // A few of each topic, so that none is crowded out by another.
     MessageType<PublicSample, class PublicSamplePubSubType, coslam::PublicSample>{
         {.name = "coslam/public", .way = Way::kDown, .writer_depth = 8, .reader_depth = 8}},

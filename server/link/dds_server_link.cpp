@@ -47,8 +47,15 @@ struct Ends {
   Writer<idl::MovingState> moving{participant};
   Writer<idl::AgentPose> pose{participant};
   Writer<idl::PublicSample> for_all{participant};
-  std::map<RunId, Writer<idl::MapPatch>> ways;  // back to each run: a writer in its partition
-  Loop loop;                                    // last: stops first
+  // Back to a run: writers in its partition.
+  struct WayBack {
+    Writer<idl::MapPatch> patches;
+    Writer<idl::AgentImages> images;
+    WayBack(Participant& participant, const std::string& partition)
+        : patches(participant, partition), images(participant, partition) {}
+  };
+  std::map<RunId, WayBack> ways;
+  Loop loop;  // last: stops first
 
   Ends(const WireConfig& config, std::shared_ptr<RejectionCounts> rejections, const std::function<void(Ends&)>& on_tick)
       : participant(config, kName, std::move(rejections)),
@@ -102,6 +109,14 @@ class DdsServerLink : public ServerLink {
   void send(const AgentPose& pose) override {
     const std::shared_lock lock(ends_mutex_);
     if (ends_ && ends_->pose.readers() > 0) ends_->pose.write(encode(pose));
+  }
+
+  void send(const AgentImages& images) override {
+    const std::shared_lock ends_lock(ends_mutex_);
+    const std::lock_guard lock(mutex_);
+    if (!ends_) return;
+    const auto way = ends_->ways.find(images.agent_run);
+    if (way != ends_->ways.end()) sessions_.count_down(images.agent_run, way->second.images.write(encode(images)));
   }
 
   bool public_wanted() const override {
@@ -189,7 +204,7 @@ class DdsServerLink : public ServerLink {
 
   void write_last(Ends& ends, RunId run) {
     const auto way = ends.ways.find(run);
-    if (way != ends.ways.end()) sessions_.count_down(run, way->second.write(last_.at(run)));
+    if (way != ends.ways.end()) sessions_.count_down(run, way->second.patches.write(last_.at(run)));
   }
 
   void publish_status(Ends& ends) {
@@ -279,7 +294,7 @@ class DdsServerLink : public ServerLink {
     if (!settled_) return;
     for (const RunId run : sessions_.runs()) ends.ways.try_emplace(run, ends.participant, partition_of(run));
     for (const RunId run : sessions_.waiting()) {
-      if (ends.ways.at(run).readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
+      if (ends.ways.at(run).patches.readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
     }
   }
 

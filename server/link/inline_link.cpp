@@ -36,6 +36,7 @@ class InlineAgent : public AgentLink {
   bool is_owed() const { return sent_ && (!inbox_.acknowledged() || *inbox_.acknowledged() < *sent_); }
   std::optional<ServerStatus> server_status() const override { return inbox_.status(); }
   std::optional<ServerStatus> wait_server_status(milliseconds) override { return inbox_.take_fresh_status(); }
+  std::optional<AgentImages> images() const override { return inbox_.images(); }
   bool server_alive() const override { return inbox_.status().has_value(); }
   LinkBytes bytes() const override { return bytes_; }
   const RejectionCounts& rejections() const override { return rejections_; }
@@ -83,6 +84,13 @@ class InlineServer : public ServerLink {
   // Agents do not read these, and nobody else can.
   void send(const MovingState&) override {}
   void send(const AgentPose&) override {}
+  void send(const AgentImages& images) override {
+    const auto agent = agents.find(images.agent_run);
+    if (agent == agents.end()) return;
+    const idl::AgentImages message = encode(images);
+    sessions.count_down(images.agent_run, cost(message));
+    agent->second->receive(message, cost(message));
+  }
 
   void send_status(const ServerStatus& s) override {
     status = s;

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "common/base/time.h"
+#include "common/model/agent_images.h"
 #include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
@@ -70,6 +71,8 @@ class ServerLink {
   // To everybody who reads it; over DDS only. Never waits.
   virtual void send(const MovingState& state) = 0;
   virtual void send(const AgentPose& pose) = 0;
+  // To the run it names.
+  virtual void send(const AgentImages& images) = 0;
   // Public messages, for bridges; from any thread.
   virtual bool public_wanted() const { return false; }
   virtual void send_public(const PublicSample& /*sample*/) {}

@@ -13,6 +13,7 @@ class LinkToNobody : public ServerLink {
   void send(const MapPatch&) override {}
   void send(const MovingState&) override {}
   void send(const AgentPose&) override {}
+  void send(const AgentImages&) override {}
   void send_status(const ServerStatus&) override {}
   void refuse(const Hello&, const std::string&) override {}
   LinkBytes bytes(const std::string&) const override { return {}; }

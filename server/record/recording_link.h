@@ -65,6 +65,7 @@ class RecordingLink : public ServerLink {
   void send(const MapPatch& patch) override { link_.send(patch); }
   void send(const MovingState& state) override { link_.send(state); }
   void send(const AgentPose& pose) override { link_.send(pose); }
+  void send(const AgentImages& images) override { link_.send(images); }
   bool public_wanted() const override { return link_.public_wanted(); }
   void send_public(const PublicSample& sample) override { link_.send_public(sample); }
   void send_status(const ServerStatus& status) override { link_.send_status(status); }

@@ -32,6 +32,7 @@ class GatedLink : public ServerLink {
   void send(const MapPatch& patch) override { inner_.send(patch); }
   void send(const MovingState& state) override { inner_.send(state); }
   void send(const AgentPose& pose) override { inner_.send(pose); }
+  void send(const AgentImages& images) override { inner_.send(images); }
   void send_status(const ServerStatus& status) override {
     inner_.send_status(status);
     if (status.stopping && at_stop) at_stop();

@@ -181,6 +181,15 @@ inline void expect_same(const AgentPose& a, const AgentPose& b) {
   expect_same_matrix(a.covariance, b.covariance, "covariance");
 }
 
+inline void expect_same(const AgentImages& a, const AgentImages& b) {
+  EXPECT_EQ(a.agent, b.agent);
+  EXPECT_EQ(a.agent_run, b.agent_run);
+  EXPECT_EQ(a.server_run, b.server_run);
+  EXPECT_EQ(a.images, b.images);
+  EXPECT_EQ(a.complete, b.complete);
+  EXPECT_EQ(a.problem, b.problem);
+}
+
 inline void expect_same(const PublicSample& a, const PublicSample& b) {
   EXPECT_EQ(a.topic, b.topic);
   EXPECT_EQ(a.type, b.type);

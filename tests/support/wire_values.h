@@ -174,6 +174,12 @@ class WireValues {
     return p;
   }
 
+  AgentImages agent_images(const std::string& agent, RunId run) {
+    AgentImages a{agent, run, RunId(77), {}, true, "300 of 300 images of " + agent + " came too late"};
+    for (std::uint64_t& n : a.images.images) n = below(1000);
+    return a;
+  }
+
   PublicSample public_sample() {
     PublicSample s{"/coslam/map/points", "sensor_msgs/msg/PointCloud2", 1'700'000'000'000'000'000, {}};
     for (int i = 0; i < 100; ++i) s.octets.push_back(static_cast<std::uint8_t>(below(256)));

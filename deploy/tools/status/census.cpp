@@ -88,6 +88,12 @@ void Census::add(const MapPatch& patch, std::uint64_t bytes, Instant now) {
   agent.unanswered.erase(agent.unanswered.begin(), std::next(frame));
 }
 
+void Census::add(const AgentImages& images, std::uint64_t bytes, Instant now) {
+  Agent& agent = heard(images.agent, images.agent_run, 0, now);
+  agent.bytes_down += bytes;
+  agent.images = images.images;
+}
+
 void Census::add(const MovingState& state, std::uint64_t, Instant) { moving_[{state.server_run, state.map}] = state; }
 
 void Census::set_alive(RunId run, bool alive) { alive_[run] = alive; }
@@ -129,6 +135,7 @@ Census::Figures Census::figures_of(RunId run, const Agent& agent, Instant now) c
   };
   Figures out;
   out.status = agent.status.value_or(AgentStatus());
+  out.images = agent.images;
   out.name = agent.name;
   out.state = state_of(run, agent);
   out.pose = word_of(out.status.pose_state);
@@ -139,6 +146,10 @@ Census::Figures Census::figures_of(RunId run, const Agent& agent, Instant now) c
   out.down_kb_s = kilobytes_per_s(agent.bytes_down);
   out.refused = refusal(run);
   return out;
+}
+
+std::uint64_t Census::Figures::captured() const {
+  return images ? images->captured() : std::uint64_t{status.frames} + status.dropped + status.left_out;
 }
 
 std::vector<Census::Figures> Census::agents(Instant now) const {
@@ -165,16 +176,18 @@ std::string Census::text(Instant now) const {
                    s.frame_sets, s.points);
   }
   if (servers_.empty()) text += "no map server\n";
-  text += format("%-16s %-8s %-8s %5s %8s %7s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "frames",
-                 "dropped", "tracks", "ms/frame", "Hz", "lag ms", "kB/s up", "kB/s down");
+  text += format("%-16s %-8s %-8s %5s %8s %8s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "images",
+                 "tracked", "tracks", "ms/frame", "Hz", "lag ms", "kB/s up", "kB/s down");
   const std::vector<Figures> all = agents(now);
   for (const Figures& f : all) {
     text += format("%-16s %-8s %-8s", f.name.c_str(), f.state.c_str(), f.pose.c_str());
     text += f.group ? format(" %5u", *f.group) : format(" %5s", "-");
-    text += format(" %8u %7u %6u %8.1f %6.1f", f.status.frames, f.status.dropped, f.status.tracks, f.status.frame_ms,
-                   f.rate_hz);
+    text += format(" %8llu", static_cast<unsigned long long>(f.captured()));
+    text += f.images ? format(" %7.1f%%", f.images->percent(ImageFate::kTracked)) : format(" %8s", "-");
+    text += format(" %6u %8.1f %6.1f", f.status.tracks, f.status.frame_ms, f.rate_hz);
     text += f.lag_ms ? format(" %7.1f", *f.lag_ms) : format(" %7s", "-");
     text += format(" %8.1f %9.1f\n", f.up_kb_s, f.down_kb_s);
+    if (f.images && !f.images->losses().empty()) text += "  " + losses_of(f.name, *f.images) + "\n";
     if (f.status.image_fault == ImageFault::kNone) continue;
     text += "  its images are not to be believed: " + std::string(words_of(f.status.image_fault).why) + "\n";
   }
@@ -195,6 +208,13 @@ std::string Census::text(Instant now) const {
 
 std::string Census::json(Instant now) const {
   using Json = nlohmann::ordered_json;
+  const auto images_of = [](const Figures& f) {
+    Json out{{"captured", f.captured()}};
+    for (std::size_t i = 0; f.images && i < kImageFates; ++i) {
+      out[words_of(static_cast<ImageFate>(i)).name] = f.images->images[i];
+    }
+    return out;
+  };
   const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
   Json servers = Json::array(), agents_now = Json::array(), objects = Json::array();
   for (const auto& [run, s] : servers_) {
@@ -208,8 +228,7 @@ std::string Census::json(Instant now) const {
                           {"state", f.state},
                           {"pose", f.pose},
                           {"group", or_null(f.group)},
-                          {"frames", f.status.frames},
-                          {"dropped", f.status.dropped},
+                          {"images", images_of(f)},
                           {"tracks", f.status.tracks},
                           {"frame_ms", f.status.frame_ms},
                           {"rate_hz", f.rate_hz},

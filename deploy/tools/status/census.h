@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/time.h"
+#include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
 #include "common/model/session.h"
@@ -28,6 +29,7 @@ class Census {
   void add(const PatchReply& reply, std::uint64_t bytes, Instant now);
   void add(const DescriptorReply& reply, std::uint64_t bytes, Instant now);
   void add(const MapPatch& patch, std::uint64_t bytes, Instant now);
+  void add(const AgentImages& images, std::uint64_t bytes, Instant now);
   void add(const MovingState& state, std::uint64_t bytes, Instant now);
   void set_alive(RunId run, bool alive);  // of an agent or a server
 
@@ -43,6 +45,7 @@ class Census {
     std::string name;
     Instant since;
     std::optional<AgentStatus> status;
+    std::optional<ImageAccount> images;  // as the server has it
     std::uint64_t bytes_up = 0, bytes_down = 0;
     int frames = 0;
     Instant first_frame, last_frame;
@@ -57,10 +60,13 @@ class Census {
     std::string name, state, pose;
     std::optional<std::uint32_t> group;
     AgentStatus status;
+    std::optional<ImageAccount> images;  // as its server counts them
     double rate_hz = 0;
     std::optional<double> lag_ms;
     double up_kb_s = 0, down_kb_s = 0;
     std::string refused;  // why; empty: it is not
+
+    std::uint64_t captured() const;
   };
 
   Agent& heard(const std::string& name, RunId run, std::uint64_t bytes, Instant now);

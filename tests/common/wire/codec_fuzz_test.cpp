@@ -93,6 +93,7 @@ TEST(CodecFuzz, DescriptorReply) {
   fuzz(encode(values.descriptors(values.frame("cam0", RunId(1), 5, 0), 3)), plain);
 }
 TEST(CodecFuzz, MovingState) { fuzz(encode(test::WireValues(7).moving_state()), plain); }
+TEST(CodecFuzz, AgentImages) { fuzz(encode(test::WireValues(8).agent_images("cam0", RunId(1))), plain); }
 TEST(CodecFuzz, AgentPose) { fuzz(encode(test::WireValues(8).agent_pose("cam0", RunId(1))), plain); }
 TEST(CodecFuzz, PublicSample) { fuzz(encode(test::WireValues(9).public_sample()), plain); }
 TEST(CodecFuzz, Hello) { fuzz(encode(test::WireValues(4).hello("cam0", RunId(1))), plain); }

@@ -291,6 +291,15 @@ TEST(CodecRejects, AgentPosesThatAreNone) {
   expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.covariance()[35] = -1; });
 }
 
+TEST(CodecRejects, AgentImagesThatAreNone) {
+  using M = idl::AgentImages;
+  const auto good = encode(WireValues(3).agent_images("cam0", RunId(9)));
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.agent("../x"); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.agent_run(0); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.server_run(0); });
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.problem("a\nb"); });
+}
+
 TEST(CodecRejects, PublicSamplesThatAreNone) {
   using M = idl::PublicSample;
   const auto good = encode(WireValues(3).public_sample());

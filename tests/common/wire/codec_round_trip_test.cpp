@@ -151,6 +151,14 @@ TEST(CodecRoundTrip, AgentPoses) {
   expect_unharmed(pose);
 }
 
+TEST(CodecRoundTrip, AgentImages) {
+  AgentImages images = WireValues(14).agent_images("cam0", RunId(9));
+  expect_unharmed(images);
+  images.complete = false;
+  images.problem.clear();
+  expect_unharmed(images);
+}
+
 TEST(CodecRoundTrip, PublicSamples) {
   PublicSample sample = WireValues(13).public_sample();
   expect_unharmed(sample);

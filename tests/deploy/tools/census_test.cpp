@@ -37,7 +37,14 @@ TEST(Census, RatesLagAndBytes) {
   status.frame_ms = 4.5F;
   census.add(status, 0, start);
   EXPECT_THAT(census.text(start + milliseconds(1000)),
-              ContainsRegex("left +running +tracked +2 +77 +3 +123 +4.5 +10.0 +20.0 +11.0 +2.2\n"));
+              ContainsRegex("left +running +tracked +2 +80 +- +123 +4.5 +10.0 +20.0 +11.0 +2.2\n"));
+  AgentImages images{.agent = "left", .agent_run = kLeft};
+  images.images[ImageFate::kTracked] = 72;
+  images.images[ImageFate::kNotSent] = 8;
+  census.add(images, 0, start);
+  EXPECT_THAT(census.text(start + milliseconds(1000)),
+              ContainsRegex("left +running +tracked +2 +80 +90.0% +123 +4.5 +10.0 +20.0 +11.0 +2.2\n"
+                            "  left: of 80 images 8 not sent in time\n"));
 }
 
 TEST(Census, WhoIsMissing) {
