@@ -253,16 +253,14 @@ std::vector<ResultGroupRow> read_groups(const std::filesystem::path& file) {
   return rows;
 }
 
-void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points) {
+void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points, LengthUnit unit) {
   static_assert(std::endian::native == std::endian::little, "the PLY is written as it lies in memory");
   const auto is_static = [](const ResultPoint& p) { return p.state == PointState::kStatic; };
   OutputFile out(file, OutputFile::Shows::kWhole);
-  out.write(
-      "ply\nformat binary_little_endian 1.0\ncomment CoSLAM map, static points, metres where the scale is known\n"
-      "element vertex " +
-      std::to_string(std::count_if(points.begin(), points.end(), is_static)) +
-      "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-      "property uchar blue\nproperty float sqrt_trace_sigma\nend_header\n");
+  out.write("ply\nformat binary_little_endian 1.0\ncomment CoSLAM map, static points; " + std::string(words_of(unit)) +
+            "\nelement vertex " + std::to_string(std::count_if(points.begin(), points.end(), is_static)) +
+            "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+            "property uchar blue\nproperty float sqrt_trace_sigma\nend_header\n");
   for (const ResultPoint& p : points) {
     if (!is_static(p)) continue;
     const Eigen::Vector3f position = p.position.cast<float>();

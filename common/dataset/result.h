@@ -120,7 +120,7 @@ void for_each_object_row(const std::filesystem::path& file, const std::function<
 std::vector<ResultGroupRow> read_groups(const std::filesystem::path& file);
 
 // The static ones of the points as binary PLY: position, grey as red, green, blue, and sqrt_trace_sigma.
-void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points);
+void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points, LengthUnit unit);
 
 nlohmann::json read_json(const std::filesystem::path& file);
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json);

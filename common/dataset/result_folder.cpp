@@ -74,6 +74,7 @@ ResultContents listed_in(const nlohmann::json& report, const ResultFolder& resul
       const MapId id(map.value("map", 0U));
       const ResultFolder folder = contents.maps.empty() ? result : result.of_map(id);
       contents.maps.push_back(map_in(folder, id, names_in(map.value("agents", nlohmann::json()))));
+      if (map.contains("scale_known")) contents.maps.back().unit = unit_of(map["scale_known"].get<bool>());
     }
   }
   if (contents.maps.empty()) contents.maps.push_back(map_in(result, MapId(), agents));

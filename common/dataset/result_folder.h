@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -14,6 +15,21 @@ namespace coslam {
 
 // The link beside the folders of a server's runs that names the newest.
 inline constexpr const char* kLatestRun = "latest";
+
+// What the lengths of a map are: a word for headers and screens.
+enum class LengthUnit : std::uint8_t { kNotTold, kMetres, kMapUnits };
+constexpr LengthUnit unit_of(bool scale_known) { return scale_known ? LengthUnit::kMetres : LengthUnit::kMapUnits; }
+constexpr const char* words_of(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::kMetres:
+      return "lengths are metres";
+    case LengthUnit::kMapUnits:
+      return "scale unknown: lengths are in units of the map";
+    case LengthUnit::kNotTold:
+      break;
+  }
+  return "lengths are metres where the scale is known";
+}
 
 class ResultFolder {
  public:
@@ -71,6 +87,7 @@ struct ResultMap {
   MapId id;  // 0: not known
   ResultFolder folder;
   std::vector<std::string> agents;  // whose trajectory is in the folder; ascending
+  LengthUnit unit = LengthUnit::kNotTold;
 };
 
 struct ResultContents {

@@ -52,9 +52,9 @@ Trajectory load_tum(const std::filesystem::path& file) {
   return trajectory;
 }
 
-void save_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
+void save_tum(const std::filesystem::path& file, const Trajectory& trajectory, LengthUnit unit) {
   OutputFile out(file, OutputFile::Shows::kWhole);
-  out.write("# t_s tx ty tz qx qy qz qw, camera to world\n");
+  out.write("# t_s tx ty tz qx qy qz qw, camera to world; " + std::string(words_of(unit)) + "\n");
   for (const StampedPose& pose : trajectory) {
     const Rigid3 w = pose.cam_from_world.inverse();
     char text[256];

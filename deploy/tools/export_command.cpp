@@ -44,6 +44,10 @@ int export_result(const ExportArguments& arguments) {
   const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)
                                        : exporting::export_maps(contents, arguments.folder, as);
   for (const auto& file : files) std::printf("%s\n", file.c_str());
+  if (contents.maps.front().unit == LengthUnit::kMapUnits) {
+    std::fprintf(stderr, "coslam: %s; a baseline, a rig or a printed tag of known size gives metres\n",
+                 words_of(LengthUnit::kMapUnits));
+  }
   return 0;
 }
 

@@ -249,27 +249,28 @@ Trajectory ResultStore::live_of(CameraId camera, MapId map) const {
 void ResultStore::write_paths(const MapServer& server, Attempts& attempts) {
   const std::vector<MapFrames> maps = server.maps();
   const MapId common = server.largest_map();
+  const auto unit = [&](MapId map) { return unit_of(server.scale_known(map)); };
   for (const MapCamera& c : server.map().cameras()) {
     const auto since = server.met_since(c.id);
     if (!since) continue;  // of another day
     const auto& live = live_[c.id];
     const auto final_path = [&](MapId m) { return final_trajectory(server, past_, c, m, *since); };
-    attempts([&] { save_tum(folder_.trajectory(c.name), final_path(common)); });
-    attempts([&] { save_tum(folder_.live(c.name), live_of(c.id, common)); });
+    attempts([&] { save_tum(folder_.trajectory(c.name), final_path(common), unit(common)); });
+    attempts([&] { save_tum(folder_.live(c.name), live_of(c.id, common), unit(common)); });
     std::set<MapId> apart;
     for (const MapFrames& m : maps) {
       if (m.map == common) continue;
       apart.insert(m.map);
       const ResultFolder folder = folder_.of_map(m.map);
       if (m.frames.contains(c.id)) {
-        attempts([&] { save_tum(folder.trajectory(c.name), final_path(m.map)); });
+        attempts([&] { save_tum(folder.trajectory(c.name), final_path(m.map), unit(m.map)); });
       }
-      if (live.contains(m.map)) attempts([&] { save_tum(folder.live(c.name), live_of(c.id, m.map)); });
+      if (live.contains(m.map)) attempts([&] { save_tum(folder.live(c.name), live_of(c.id, m.map), unit(m.map)); });
     }
     for (const auto& past : live) {
       const MapId m = past.first;
       if (m != common && !apart.contains(m))
-        attempts([&] { save_tum(folder_.live_before(m, c.name), live_of(c.id, m)); });
+        attempts([&] { save_tum(folder_.live_before(m, c.name), live_of(c.id, m), LengthUnit::kMapUnits); });
     }
   }
 }
@@ -281,7 +282,7 @@ void ResultStore::write_map(const MapServer& server, MapId map, const ResultFold
     for (const ResultPoint& p : points) writer.write(p);
     writer.close();
   });
-  attempts([&] { write_ply(folder.map(), points); });
+  attempts([&] { write_ply(folder.map(), points, unit_of(server.scale_known(map))); });
   write_moving(server, map, folder, attempts);
 }
 

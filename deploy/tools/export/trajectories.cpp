@@ -59,13 +59,15 @@ Files export_tum(const ResultMap& map, const std::filesystem::path& folder) {
   Files files;
   for (const std::string& agent : agents_of(map)) {
     files.push_back(folder / (agent + ".tum"));
-    save_tum(files.back(), load_tum(map.folder.trajectory(agent)));
+    save_tum(files.back(), load_tum(map.folder.trajectory(agent)), map.unit);
   }
   return files;
 }
 
 Files export_euroc(const ResultMap& map, const std::filesystem::path& folder) {
-  return export_lines(map, folder, ".csv", "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n",
+  const std::string unit = map.unit == LengthUnit::kMapUnits ? " [map units, scale unknown]" : " [m]";
+  return export_lines(map, folder, ".csv",
+                      "#timestamp [ns],p_x" + unit + ",p_y" + unit + ",p_z" + unit + ",q_w [],q_x [],q_y [],q_z []\n",
                       euroc_text);
 }
 

@@ -147,11 +147,11 @@ TEST_F(Result, PlyHoldsTheStaticPoints) {
   points[0].covariance = kCovariance;
   points[0].grey = 200;
   points[1].state = PointState::kDynamic;
-  write_ply(folder_.map(), points);
+  write_ply(folder_.map(), points, LengthUnit::kMapUnits);
   const std::string text = text_of(folder_.map());
   const std::string end = "end_header\n";
   EXPECT_THAT(text, StartsWith("ply\nformat binary_little_endian 1.0\n"));
-  EXPECT_THAT(text, HasSubstr("element vertex 2\n"));
+  EXPECT_THAT(text, HasSubstr("; scale unknown: lengths are in units of the map\nelement vertex 2\n"));
   const std::string body = text.substr(text.find(end) + end.size());
   ASSERT_EQ(body.size(), 2u * 19u);
   float position[3], sigma = 0;

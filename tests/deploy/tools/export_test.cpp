@@ -56,7 +56,7 @@ TEST_F(Export, Trajectories) {
 TEST_F(Export, Ply) {
   EXPECT_THAT(test::error_of<UserError>([&] { export_ply(common(), out_); }),
               HasSubstr("map.ply: there is no such map"));
-  write_ply(result_.map(), {ResultPoint()});
+  write_ply(result_.map(), {ResultPoint()}, LengthUnit::kMetres);
   EXPECT_THAT(export_ply(common(), out_), ElementsAre(out_ / "map.ply"));
   EXPECT_EQ(lines_of(out_ / "map.ply").at(0), "ply");
 }
@@ -115,15 +115,21 @@ TEST_F(Export, Colmap) {
 TEST_F(Export, EachMapByItself) {
   const ResultFolder apart = result_.of_map(MapId(4));
   save_tum(apart.trajectory("b"), load_tum(result_.trajectory("a")));
-  for (const ResultFolder& folder : {result_, apart}) write_ply(folder.map(), {ResultPoint()});
+  for (const ResultFolder& folder : {result_, apart}) write_ply(folder.map(), {ResultPoint()}, LengthUnit::kMetres);
   save_tum(result_.trajectory("b"), {});
   save_tum(result_.trajectory("of_another_run"), {});
-  write_json(result_.report(),
-             {{"agents", {{"a", {}}, {"b", {}}}},
-              {"maps", {{{"map", 1}, {"agents", {{"a", 2}}}}, {{"map", 4}, {"agents", {{"b", 2}}}}}}});
+  write_json(result_.report(), {{"agents", {{"a", {}}, {"b", {}}}},
+                                {"maps",
+                                 {{{"map", 1}, {"agents", {{"a", 2}}}, {"scale_known", true}},
+                                  {{"map", 4}, {"agents", {{"b", 2}}}, {"scale_known", false}}}}});
   const ResultContents contents = contents_of(result_);
   EXPECT_THAT(export_maps(contents, out_, export_tum), ElementsAre(out_ / "a.tum", out_ / "maps/4/b.tum"));
   EXPECT_EQ(load_tum(out_ / "maps/4/b.tum").size(), 2u);
+  EXPECT_THAT(lines_of(out_ / "a.tum")[0], HasSubstr("lengths are metres"));
+  EXPECT_THAT(lines_of(out_ / "maps/4/b.tum")[0], HasSubstr("scale unknown"));
+  export_maps(contents, out_, export_euroc);
+  EXPECT_THAT(lines_of(out_ / "a.csv")[0], HasSubstr("p_x [m],"));
+  EXPECT_THAT(lines_of(out_ / "maps/4/b.csv")[0], HasSubstr("p_x [map units, scale unknown],"));
   EXPECT_THAT(export_maps(contents, out_, export_ply), ElementsAre(out_ / "map.ply", out_ / "maps/4/map.ply"));
 }
 
