@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <utility>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/dataset/report_parts.h"
 #include "common/flow/clock.h"
 
 namespace coslam {
@@ -63,6 +65,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     if (out.describe) describe_beside(std::move(out.describe));
     if (!out.descriptors) out.descriptors = std::exchange(described_, std::nullopt);
     link_.send(std::move(out.frame), out.patches, out.descriptors);
+    ++sent_frames_;
     sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
     if (sent_.size() > kSentKept) sent_.pop_front();
   }
@@ -83,7 +86,7 @@ void AgentLoop::judge(const Image& image) {
 
 // To the log and, when something changed or a second is over, to the server.
 void AgentLoop::tell_state() {
-  if (logs_state_) say_state();
+  if (logs_as_) say_state();
   const auto now = now_();
   const bool changed = agent_.pose_state() != last_pose_state_ || verdict_.verdict() != last_verdict_;
   if (last_status_ && now - *last_status_ <= kStatusPeriod && !changed) return;
@@ -172,32 +175,41 @@ AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
 }
 
 // Once, when what the images need is known.
+void AgentLoop::say(const std::string& text) const {
+  log_info(logs_as_ == LogsAs::kOneOfSeveral ? "agent " + hello_.agent + ": " + text : text);
+}
+
+void AgentLoop::warn(const std::string& text) const {
+  log_warn(logs_as_ == LogsAs::kOneOfSeveral ? "agent " + hello_.agent + ": " + text : text);
+}
+
 void AgentLoop::warn_when_slow() {
   constexpr std::uint32_t kFramesToTell = 60;
   if (hello_.pacing != Pacing::kLive || frames_ != kFramesToTell) return;
   const double taken_ms = mean_frame_ms(), period_ms = 1000 / hello_.rate_hz;
   if (taken_ms <= period_ms) return;
-  log_warn("a frame of " + std::to_string(hello_.camera.width_px) + "x" + std::to_string(hello_.camera.height_px) +
-           " pixels takes " + std::to_string(std::lround(taken_ms)) + " ms, but the next comes after " +
-           std::to_string(std::lround(period_ms)) +
-           ": images are dropped; use smaller ones, or fewer tracks "
-           "(agent.tracker.max_tracks)");
+  warn("a frame of " + std::to_string(hello_.camera.width_px) + "x" + std::to_string(hello_.camera.height_px) +
+       " pixels takes " + std::to_string(std::lround(taken_ms)) + " ms, but the next comes after " +
+       std::to_string(std::lround(period_ms)) +
+       ": images are dropped; use smaller ones, or fewer tracks "
+       "(agent.tracker.max_tracks)");
 }
 
 void AgentLoop::say_state() {
-  if (const auto word = words_.server(link_.server_alive(), now_())) log_info(*word);
-  if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) log_info(*word);
-  if (const auto word = words_.pose(agent_.pose_state(), now_())) log_info(*word);
-  if (const auto word = words_.working_width(agent_.working_width_px())) log_info(*word);
-  if (const auto word = words_.own_body(agent_.own_body_share())) log_warn(*word);
-  if (const auto word = words_.images(verdict_.verdict())) {
-    verdict_.verdict() == ImageFault::kNone ? log_info(*word) : log_warn(*word);
+  if (const auto word = words_.server(link_.server_alive(), now_())) say(*word);
+  if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) say(*word);
+  if (const auto word = words_.pose(agent_.pose_state(), now_())) say(*word);
+  if (const auto word = words_.working_width(agent_.working_width_px())) say(*word);
+  if (const auto word = words_.own_body(agent_.own_body_share())) warn(*word);
+  // Where the server says it in the same log, once is enough.
+  if (const auto word = words_.images(verdict_.verdict()); word && logs_as_ == LogsAs::kProcess) {
+    verdict_.verdict() == ImageFault::kNone ? say(*word) : warn(*word);
   }
   if (const auto word = words_.alternating(left_out_[static_cast<std::size_t>(ImageFault::kAlternating)] > 0)) {
-    log_warn(*word);
+    warn(*word);
   }
-  if (const auto word = words_.clock(clock_set_ns_)) log_warn(*word);
-  if (const auto word = words_.readout(agent_.found_readout_s())) log_info(*word);
+  if (const auto word = words_.clock(clock_set_ns_)) warn(*word);
+  if (const auto word = words_.readout(agent_.found_readout_s())) say(*word);
 }
 
 double AgentLoop::mean_frame_ms() const {
@@ -239,15 +251,17 @@ void AgentLoop::throw_if_refused() const {
   if (const auto reason = refusal_of(*server, hello_.agent_run)) throw UserError(*reason);
 }
 
+std::uint32_t AgentLoop::left_out() const { return std::accumulate(left_out_.begin(), left_out_.end(), 0U); }
+
 AgentStatus AgentLoop::status(AgentState state) const {
   AgentStatus s;
   s.agent = hello_.agent;
   s.agent_run = hello_.agent_run;
   s.state = state;
   s.pose_state = agent_.pose_state();
-  s.frames = frames_;
-  s.dropped = feed_->dropped();
-  for (const std::uint32_t n : left_out_) s.left_out += n;
+  s.frames = sent_frames_;
+  s.dropped = not_sent();
+  s.left_out = left_out();
   s.image_fault = verdict_.verdict();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
   s.frame_ms = static_cast<float>(mean_frame_ms());
@@ -277,17 +291,19 @@ std::string AgentLoop::report() const {
   }
   nlohmann::ordered_json out;
   out["start_s"] = start_s_;
-  out["frames"] = frames_ + feed_->dropped();
+  const std::uint32_t images = sent_frames_ + not_sent() + left_out();
+  out["frames"] = images;
   out["left_out"] = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < left_out_.size(); ++i) {
     if (left_out_[i] > 0) out["left_out"][std::string(words_of(static_cast<ImageFault>(i)).name)] = left_out_[i];
   }
-  out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, frames_);
+  out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, images);
   out["ms_per_frame"] = mean_frame_ms();
   out["tracked_width_px"] = agent_.working_width_px();
   if (agent_.own_body_share() > 0) out["own_body"] = own_body();
   out["ms"] = ms;
   out["peak_memory_mib"] = peak_memory_mib();
+  if (logs_as_ == LogsAs::kProcess) out["warnings"] = json_of(warnings_given());
   return out.dump();
 }
 
@@ -306,7 +322,10 @@ void AgentLoop::finish(const std::atomic<bool>& stop) {
     // It is gone: there is nobody to report to either.
   }
   // The server is to have the image that it is told about.
-  if (not_sent_) link_.send(std::move(*std::exchange(not_sent_, std::nullopt)), {}, {});
+  if (not_sent_) {
+    link_.send(std::move(*std::exchange(not_sent_, std::nullopt)), {}, {});
+    ++sent_frames_;
+  }
   AgentStatus last = status(AgentState::kFinished);
   last.report_json = report();
   last.last_image = last_image();

@@ -42,8 +42,10 @@ class AgentLoop {
   // Sends no more than the link carries (live; images come as fast as time).
   void adapt_to_link() { adapts_ = true; }
 
-  // Says in the log when the server falls silent or is back, and when the pose is lost or found.
-  void log_state() { logs_state_ = true; }
+  // Says in the log when the server falls silent or is back, and when the pose is lost or found; as one of several
+  // agents of this process, with its name before it. One that has the process for itself reports all its warnings.
+  enum class LogsAs { kProcess, kOneOfSeveral };
+  void log_state(LogsAs as = LogsAs::kProcess) { logs_as_ = as; }
   // Where in its source it begins, for the report.
   void plays_from(double start_s) { start_s_ = start_s; }
 
@@ -65,9 +67,13 @@ class AgentLoop {
   void take_described();
   void warn_when_slow();
   void say_state();
+  void say(const std::string& text) const;
+  void warn(const std::string& text) const;
   double mean_frame_ms() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
+  std::uint32_t not_sent() const { return feed_->dropped() + frames_ - sent_frames_; }
+  std::uint32_t left_out() const;
   std::optional<DescriptorReply> last_image();
   nlohmann::json own_body() const;
   std::string report() const;
@@ -93,7 +99,8 @@ class AgentLoop {
   Sent sent_with(FrameId frame) const;
   std::deque<Sent> sent_;  // the last frames
   double start_s_ = 0;
-  bool stamps_are_utc_ = false, adapts_ = false, logs_state_ = false, narrow_link_ = false;
+  bool stamps_are_utc_ = false, adapts_ = false, narrow_link_ = false;
+  std::optional<LogsAs> logs_as_;
   StateWords words_;
   struct Described {
     DescribeEnd end;
@@ -103,7 +110,7 @@ class AgentLoop {
   std::optional<DescriptorReply> described_;           // to be sent with the next frame
   StageTimes times_;                                   // beside the agent's own
   ClockExchange exchange_;                             // begun by the newest patch
-  std::uint32_t frames_ = 0;
+  std::uint32_t frames_ = 0, sent_frames_ = 0;
   ImageVerdict verdict_;
   std::array<std::uint32_t, kImageFaults> left_out_{};  // images
   TimeNs clock_set_ns_ = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <utility>
@@ -82,6 +83,20 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
   return std::nullopt;
 }
 
+// Others play already.
+void warn_if_late(TimeNs start_utc_ns, double rate) {
+  constexpr double kWorthAWord_s = 1;
+  const double over_s = rate * to_seconds(utc_now_ns() - start_utc_ns);
+  if (over_s < kWorthAWord_s) return;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "joined when %.1f s were played: its images before that are left out; start agents that belong together "
+      "within 3 s of each other, or name all of them to the server (--set agents=NAME,NAME)",
+      over_s);
+  log_warn(text);
+}
+
 std::unique_ptr<Feed> make_feed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns) {
   if (rate == 0) return prefetching_feed(std::move(source));
   return real_time_feed(std::move(source), rate, start_utc_ns);
@@ -94,6 +109,28 @@ void require_apart(const AgentOptions& o) {
     throw UserError("DDS domain " + std::to_string(o.wire.domain) + " is that of the fleet and of " + name +
                     ": give one of them another with --domain or ?domain=N");
   }
+}
+
+// The last status travels while the server works off what it got; leave when it has, or is gone.
+void wait_for_account(AgentLink& link) {
+  for (int i = 0; i < 50 && !stop_requested; ++i) {
+    const auto status = link.wait_server_status(std::chrono::milliseconds(100));
+    const auto images = link.images();
+    if ((images && images->complete) || (status && status->stopping) || !link.server_alive()) break;
+  }
+}
+
+// What became of its images. Throws UserError when none has a pose.
+void say_account(const AgentLink& link) {
+  const auto account = link.images();
+  if (!account || !account->complete) return;
+  const ImageAccount& images = account->images;
+  const std::string losses = images.losses();
+  log_info(std::to_string(images[ImageFate::kTracked]) + " of " + std::to_string(images.captured()) +
+           " images tracked" + (losses.empty() ? "" : "; " + losses));
+  if (account->problem.empty()) return;
+  if (images[ImageFate::kTracked] == 0) throw UserError(account->problem);
+  log_warn(account->problem);
 }
 
 void run(AgentOptions& o) {
@@ -119,6 +156,7 @@ void run(AgentOptions& o) {
     if (!start) return;
     start_utc_ns = *start;
     log_info("playing " + o.source);
+    if (rate > 0) warn_if_late(start_utc_ns, rate);
   }
   AgentLoop loop(
       *link, make_feed(std::move(source), hello.pacing == Pacing::kLockstep ? 0 : std::max(rate, 1e-3), start_utc_ns),
@@ -130,11 +168,8 @@ void run(AgentOptions& o) {
   while (!stop_requested && loop.step(stop_requested)) {
   }
   loop.finish(stop_requested);
-  // The last status travels while the server writes its result; leave when it has, or is gone.
-  for (int i = 0; i < 50 && !stop_requested; ++i) {
-    const auto status = link->wait_server_status(std::chrono::milliseconds(100));
-    if ((status && status->stopping) || !link->server_alive()) break;
-  }
+  wait_for_account(*link);
+  say_account(*link);
 }
 
 struct Arguments {

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <utility>
 
+#include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/config/program.h"
 #include "common/wire/participant.h"
@@ -126,6 +127,8 @@ void serve(const ServeOptions& options) {
   if (recording) recording->end();
   log_info(stop_requested() ? "stopped" : "all agents have ended");
   loop.finish(config::dump_json(without_secrets(keys)), stop_is_urgent());
+  // A program that started this one reads the report.
+  if (!options.progress && !stop_is_urgent() && !loop.problem().empty()) throw UserError(loop.problem());
 }
 
 int main_of(int argc, char** argv) {

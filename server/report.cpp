@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/base/version.h"
+#include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
 #include "server/solve/corrected_calibration.h"
 #include "server/verdict.h"
@@ -125,9 +126,13 @@ Json own_report(const std::string& text) {
 
 Json agent_report(const MapServer& server, const ServerLink& link, const ReportedAgent& agent) {
   Json out = camera_report(server, agent.camera);
-  out["dropped"] = agent.last_status.dropped;
   out["lens"] = lens_report(server.map().camera(agent.camera));
   out.update(own_report(agent.last_status.report_json));
+  out["images"] = json_of(agent.images);
+  if (!agent.problem.empty()) out["problem"] = agent.problem;
+  out["frames"] = agent.images.captured();
+  out["dropped"] = agent.images[ImageFate::kNotSent];
+  out["tracked_percent"] = agent.images.percent(ImageFate::kTracked);
   const LinkBytes bytes = link.bytes(agent.name);
   out["bytes_up"] = bytes.up;
   out["bytes_down"] = bytes.down;
@@ -212,24 +217,46 @@ Json rejected_report(const RejectionCounts& counts) {
   return out;
 }
 
+// Each agent's problem, where none has a pose.
+std::string nothing_mapped(const ImageAccount& images, const std::vector<ReportedAgent>& agents) {
+  if (images[ImageFate::kTracked] + images[ImageFate::kInOtherMaps] > 0) return "";
+  std::string text;
+  for (const ReportedAgent& a : agents) text += (text.empty() ? "nothing was mapped: " : "; ") + a.problem;
+  return text;
+}
+
 }  // namespace
+
+std::array<std::uint64_t, kImageFaults> faults_of(const std::string& report_json) {
+  std::array<std::uint64_t, kImageFaults> out{};
+  const Json own = own_report(report_json);
+  const auto left_out = own.find("left_out");
+  if (left_out == own.end() || !left_out->is_object()) return out;
+  for (std::size_t i = 0; i < kImageFaults; ++i) {
+    const auto n = left_out->find(words_of(static_cast<ImageFault>(i)).name);
+    if (n != left_out->end() && n->is_number_unsigned()) out[i] = n->get<std::uint64_t>();
+  }
+  return out;
+}
 
 Json make_report(const MapServer& server, const ServerLink& link, const FrameCounts& counts,
                  const std::vector<ReportedAgent>& agents, bool adjusted, const Json& configuration) {
-  std::uint64_t frames = 0, dropped = 0;
+  ImageAccount images;
   Json by_agent = Json::object();
   for (const ReportedAgent& agent : agents) {
     by_agent[agent.name] = agent_report(server, link, agent);
     by_agent[agent.name]["stamp_correction_ms"] = 1000 * to_seconds(counts.stamps.correction_ns(agent.camera));
-    frames += agent.last_status.frames;
-    dropped += agent.last_status.dropped;
+    images += agent.images;
   }
   Json report;
   report["version"] = version();
   report["adjusted"] = adjusted;
   report["frame_sets"] = server.counts().frame_sets;
-  report["frames"] = frames;
-  report["dropped"] = dropped;
+  report["images"] = json_of(images);
+  report["warnings"] = json_of(warnings_given());
+  if (const std::string problem = nothing_mapped(images, agents); !problem.empty()) report["problem"] = problem;
+  report["frames"] = images.captured();
+  report["dropped"] = images[ImageFate::kNotSent];
   report["late_frames"] = counts.late;
   report["overflowed_frames"] = counts.overflowed;
   report["frame_sets_left_out"] = counts.sets_left_out;

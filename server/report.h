@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "common/model/image_account.h"
+#include "common/model/image_fault.h"
 #include "server/link/server_link.h"
 #include "server/map_server.h"
 #include "server/sync/stamp_watch.h"
@@ -17,6 +20,8 @@ struct ReportedAgent {
   std::string name;
   CameraId camera;
   AgentStatus last_status;
+  ImageAccount images;
+  std::string problem;  // what its user should know of them; empty: nothing
 };
 
 // Frames that did not become part of a frame set that was used.
@@ -32,6 +37,9 @@ struct FrameCounts {
 nlohmann::ordered_json make_report(const MapServer& server, const ServerLink& link, const FrameCounts& counts,
                                    const std::vector<ReportedAgent>& agents, bool adjusted,
                                    const nlohmann::ordered_json& configuration);
+
+// How many images an agent did not believe, by what was wrong with them, from what it says of itself at its end.
+std::array<std::uint64_t, kImageFaults> faults_of(const std::string& report_json);
 
 // The part of it that a map alone can tell: who is in which map, and with how many frames.
 nlohmann::ordered_json make_map_report(const MapServer& server);

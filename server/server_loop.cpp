@@ -18,7 +18,8 @@ namespace {
 constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
 // Around the start: by the word that took least, agents tell what their clocks are off by.
 constexpr TimeNs kStartingPeriod_ns = 100'000'000, kStarting_ns = 1'000'000'000;
-constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
+constexpr TimeNs kFirstDate_ns = 1'000'000'000'000'000'000;  // stamps of recordings count from their beginning
+constexpr double kStartDelay_s = 0.3;                        // between the word to start and played time 0
 
 int threads_of(const ServerConfig& config) {
   constexpr unsigned kMost = 8;
@@ -45,7 +46,6 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
   server_.keep_journal(!(config.out.empty() && config.runs.empty()) && config.server.events.enabled);
   if (config_.expected_agents.empty()) {
     started_ = true;
-    start_utc_ns_ = config_.clock.utc_ns();
     stamps_.expect(-config_.clock.monotonic_ns());
   }
   send_status();
@@ -65,6 +65,9 @@ bool ServerLoop::poll(std::chrono::milliseconds timeout) {
     run_set(*set);
     take_events(std::chrono::milliseconds(0));
   }
+  for (auto& [name, agent] : agents_) {
+    if (agent.ended && !agent.said_images && agent.images.all_known()) say_images_of(name, agent);
+  }
   if (!started_ || config_.expected_agents.empty() || !backlog_.empty()) return true;
   return !std::all_of(agents_.begin(), agents_.end(), [](const auto& a) { return a.second.ended; });
 }
@@ -76,10 +79,19 @@ void ServerLoop::take_events(std::chrono::milliseconds timeout) {
   }
   if (!store_) open_result();
   for (const std::string& warning : stamps_.take_warnings()) log_warn(warning);
+  if (config_.expected_agents.empty()) order_play();
   const bool starting = started_ && config_.clock.utc_ns() - start_utc_ns_ < kStarting_ns;
   const TimeNs period_ns = starting ? kStartingPeriod_ns : kStatusPeriod_ns;
   if (config_.clock.monotonic_ns() - last_status_ns_ > period_ns) send_status();
   if (observer_ != nullptr) observer_->in_between(*this);
+}
+
+// By hand, that is without names to wait for.
+void ServerLoop::order_play() {
+  if (!play_order_.due(config_.clock.monotonic_ns())) return;
+  start_utc_ns_ = config_.clock.utc_ns() + to_ns(kStartDelay_s);
+  stamps_.expect(-(config_.clock.monotonic_ns() + to_ns(kStartDelay_s)));
+  send_status();
 }
 
 // Not before the link is at work: a server that is refused for its domain touches nothing. A folder of the run's own
@@ -103,9 +115,12 @@ std::optional<FrameSet> ServerLoop::next_set() {
   const TimeNs now_ns = config_.clock.monotonic_ns();
   if (lockstep_) return sync_.pop(now_ns);
   while (auto set = sync_.pop(now_ns)) backlog_.push(std::move(*set));
-  const std::size_t left_out = backlog_.thin(std::max(2U, server_.map().sets_in(kBacklog_s)));
-  left_out_ += static_cast<std::uint32_t>(left_out);
-  if (left_out > 0 && left_out_log_.pass()) {
+  const std::vector<FrameSet> left_out = backlog_.thin(std::max(2U, server_.map().sets_in(kBacklog_s)));
+  for (const FrameSet& set : left_out) {
+    for (const CameraFrame& f : set.frames) images_of(f.camera).set_left_out();
+  }
+  left_out_ += static_cast<std::uint32_t>(left_out.size());
+  if (!left_out.empty() && left_out_log_.pass()) {
     log_warn("the server is too slow for its agents: " + std::to_string(left_out_) +
              " frame sets were left out so far");
   }
@@ -147,6 +162,7 @@ std::optional<std::string> ServerLoop::why_not(const Hello& hello) const {
 void ServerLoop::on_hello(const Hello& hello) {
   if (const auto reason = why_not(hello)) return link_.refuse(hello, *reason);
   if (started_) {
+    play_order_.joined(config_.clock.monotonic_ns());
     admit(hello);
     send_status();  // which a replay waits for
     return;
@@ -170,11 +186,18 @@ void ServerLoop::start_if_complete() {
 void ServerLoop::admit(const Hello& hello) {
   const bool back = agents_.contains(hello.agent);
   Agent& agent = agents_[hello.agent];
+  const bool another = agent.run != hello.agent_run;
   agent.camera = server_.admit(hello);
+  const std::optional<SetId> since = server_.met_since(agent.camera);
+  if (another) {
+    agent.images.begin(server_.restored_until() && since && *since <= *server_.restored_until());
+    agent.begun = false;
+    agent.missed = 0;
+  }
   if (keeper_ && !back) known_past_.push_back(agent.camera);
   agent.run = hello.agent_run;
   agent.pacing = hello.pacing;
-  agent.ended = false;
+  agent.ended = agent.said_images = false;
   server_.set_alive(agent.camera, true);
   const bool waits = hello.pacing == Pacing::kLockstep;
   lockstep_ |= waits;
@@ -201,8 +224,10 @@ ServerLoop::Agent* ServerLoop::find(const std::string& name, RunId run) {
 }
 
 void ServerLoop::on_frame(const JoinedFrame& joined) {
-  const Agent* agent = find(joined.frame.agent, joined.frame.agent_run);
+  Agent* agent = find(joined.frame.agent, joined.frame.agent_run);
   if (agent == nullptr) return;
+  agent->images.arrived();
+  if (joined.frame.capture_ns < kFirstDate_ns) play_order_.plays();
   CameraFrame frame{agent->camera, joined.frame, joined.patches, joined.descriptors};
   // A pose in the map of a server before this one says nothing here.
   if (frame.frame.server_run != server_.run()) frame.frame.pose_state = PoseState::kNone;
@@ -212,13 +237,32 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
     const TimeNs waited_ns =
         joined.arrived ? monotonic_now_ns() - std::chrono::nanoseconds(joined.arrived->time_since_epoch()).count() : 0;
     const auto taken_ns = stamps_.place(agent->camera, frame.frame.capture_ns, now_ns - waited_ns);
-    if (!taken_ns) return;
+    if (!taken_ns) return agent->images.out_of_time();
     frame.frame.capture_ns = *taken_ns;
   }
   if (keeper_) keeper_->before_frame(frame.frame.capture_ns);
+  const std::uint32_t overflowed = sync_.overflowed();
   const bool used = sync_.push(std::move(frame), now_ns);
+  if (!used) agent->images.late();
+  note_missed(joined.frame, !used, *agent);
+  if (sync_.overflowed() > overflowed) agent->images.set_left_out();
   // A replay that joined late or began anew catches up with the others.
   if (!used && lockstep_) link_.send(server_.acknowledge(agent->camera, joined.frame));
+}
+
+// Of a recording whose agent joined when others played: in lock-step what it sends is late, in real time it begins with
+// what is due then.
+void ServerLoop::note_missed(const TrackFrame& frame, bool late, Agent& agent) const {
+  constexpr TimeNs kInTheMiddle_ns = 1'000'000'000;
+  if (agent.begun || frame.capture_ns >= kFirstDate_ns) return;
+  if (late) {
+    agent.missed = frame.frame.value + 1;
+    agent.past_ns = sync_.past_ns().value_or(0);
+  } else if (agent.missed == 0 && frame.capture_ns > kInTheMiddle_ns) {
+    agent.missed = frame.frame.value;
+    agent.past_ns = frame.capture_ns;
+  }
+  agent.begun |= !late;
 }
 
 void ServerLoop::on_status(const AgentStatus& status) {
@@ -226,6 +270,7 @@ void ServerLoop::on_status(const AgentStatus& status) {
   if (agent == nullptr) return;
   if (status.image_fault != agent->last_status.image_fault) say_images(status);
   agent->last_status = status;
+  agent->images.heard(status);
   auto last_image = std::exchange(agent->last_status.last_image, std::nullopt);
   if (status.exchange.sent_ns != 0) stamps_.exchange(agent->camera, status.exchange);
   if (status.state != AgentState::kFinished || agent->ended) return;
@@ -274,6 +319,7 @@ void ServerLoop::run_set(const FrameSet& set) {
     }
     link_.send(patch);
   }
+  count_used(set);
   const PastPart past = server_.take_past();
   for (const MovingState& state : server_.moving()) link_.send(state);
   const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
@@ -292,6 +338,15 @@ void ServerLoop::run_set(const FrameSet& set) {
   if (observer_ != nullptr) observer_->after_set(set, *this);
 }
 
+void ServerLoop::count_used(const FrameSet& set) {
+  for (const CameraFrame& f : set.frames) {
+    const FramePose* pose = server_.map().camera(f.camera).frame_at(set.id);
+    Agent& agent = agents_.at(server_.map().camera(f.camera).name);
+    agent.images.used(pose != nullptr && pose->valid());
+    if (agent.images.frames_posed() == 0) agent.seen.look(server_.map().camera(f.camera));
+  }
+}
+
 void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
   if (solution) server_.give_refined(std::move(solution->job), std::move(solution->result), solution->took);
 }
@@ -300,7 +355,7 @@ void ServerLoop::send_status() {
   last_status_ns_ = config_.clock.monotonic_ns();
   ServerStatus status;
   status.server_run = server_.run();
-  status.started = started_;
+  status.started = started_ && (!config_.expected_agents.empty() || play_order_.ordered());
   status.stopping = stopping_;
   status.start_utc_ns = start_utc_ns_;
   status.frame_sets = static_cast<std::uint32_t>(server_.counts().frame_sets);
@@ -311,6 +366,9 @@ void ServerLoop::send_status() {
     }
   }
   link_.send_status(status);
+  for (const auto& [name, agent] : agents_) {
+    if (!agent.ended) link_.send({name, agent.run, server_.run(), agent.images.so_far(), false, {}});
+  }
 }
 
 void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configuration) {

@@ -16,6 +16,7 @@
 #include "server/link/server_link.h"
 #include "server/map_keeper.h"
 #include "server/observe/result_store.h"
+#include "server/play_order.h"
 #include "server/publish/snapshot.h"
 #include "server/refiner.h"
 #include "server/report.h"
@@ -23,7 +24,9 @@
 #include "server/server_observer.h"
 #include "server/sync/backlog.h"
 #include "server/sync/frame_set_sync.h"
+#include "server/sync/image_tally.h"
 #include "server/sync/stamp_watch.h"
+#include "server/why_no_pose.h"
 
 namespace coslam {
 
@@ -71,6 +74,8 @@ class ServerLoop {
   bool started() const { return started_; }
   const MapServer& map_server() const { return server_; }
   const nlohmann::ordered_json& report() const { return report_; }
+  // All agents have ended and none has a pose: a sentence; empty: that is not so.
+  std::string problem() const;
   std::vector<ReportedAgent> agents() const;
   LoopFacts facts() const;
 
@@ -81,6 +86,12 @@ class ServerLoop {
     Pacing pacing = Pacing::kLive;
     bool ended = false;
     AgentStatus last_status;
+    ImageTally images;
+    SeenWithoutPose seen;
+    bool begun = false;        // a frame of this run was used
+    std::uint64_t missed = 0;  // images of this run that lie before what was played when it joined
+    TimeNs past_ns = 0;        // which is until then
+    bool said_images = false;  // for the last time
   };
 
   void handle(const ServerEvent& event);
@@ -96,6 +107,13 @@ class ServerLoop {
   void take_events(std::chrono::milliseconds timeout);
   std::optional<FrameSet> next_set();
   void run_set(const FrameSet& set);
+  void count_used(const FrameSet& set);
+  ImageAccount account_of(const Agent& agent, const std::vector<MapFrames>& maps) const;
+  void note_missed(const TrackFrame& frame, bool late, Agent& agent) const;
+  void say_images_of(const std::string& name, Agent& agent);
+  void order_play();
+  std::string problem_of(const std::string& name, const Agent& agent, const ImageAccount& images) const;
+  ImageTally& images_of(CameraId camera) { return agents_.at(server_.map().camera(camera).name).images; }
   Agent* find(const std::string& name, RunId run);  // null: no such run now
   void end(Agent& agent);
   void take_known_past();
@@ -125,6 +143,7 @@ class ServerLoop {
   bool runs_made_ = false;
   bool started_ = false, stopping_ = false, lockstep_ = false;
   TimeNs last_status_ns_ = 0;
+  PlayOrder play_order_;
   TimeNs start_utc_ns_ = 0;
   nlohmann::ordered_json report_;
 };

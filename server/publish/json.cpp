@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/text.h"
+#include "common/dataset/report_parts.h"
 
 namespace coslam {
 namespace {
@@ -59,8 +60,8 @@ Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates
   out["kB_down_per_s"] = tenths(rate.bytes_down_per_s / kKilo);
   out["lag_s"] = a.facts.wait_s;
   out["lost_percent"] = tenths(rate.lost_percent);
-  out["dropped"] = status.dropped;
-  out["left_out"] = status.left_out;
+  out["account"] = json_of(a.facts.images);
+  out["losses"] = a.facts.images.losses();
   out["images"] = words_of(status.image_fault).name;
   out["tracks"] = a.tracks;
   out["bound"] = a.bound;

@@ -88,16 +88,15 @@ void put_agents(const PublicState& state, MetricsText* text) {
        [](const auto& a) { return a.facts.wait_s; });
   each("coslam_agent_clock_offset_seconds", Kind::kGauge, "Of its clock, as far as it is known; NaN: not yet",
        [](const auto& a) { return a.clock_offset_s.value_or(std::nan("")); });
-  each("coslam_agent_frames_total", Kind::kCounter, "Images it read",
-       [](const auto& a) { return static_cast<double>(a.facts.status.frames); });
-  each("coslam_agent_dropped_total", Kind::kCounter, "Images it had no time for",
-       [](const auto& a) { return static_cast<double>(a.facts.status.dropped); });
-  each("coslam_agent_left_out_total", Kind::kCounter, "Images that were not to be believed",
-       [](const auto& a) { return static_cast<double>(a.facts.status.left_out); });
   each("coslam_agent_images_doubted", Kind::kGauge, "1: its images are not to be believed now",
        [](const auto& a) { return a.facts.status.image_fault == ImageFault::kNone ? 0.0 : 1.0; });
-  each("coslam_agent_frames_used_total", Kind::kCounter, "Its frames that became part of frame sets",
-       [](const auto& a) { return static_cast<double>(a.frames_used); });
+  text->begin("coslam_agent_images_total", Kind::kCounter, "Images of its source, by what became of them");
+  for (const PublicAgent& a : state.agents) {
+    for (std::size_t i = 0; i < kImageFates; ++i) {
+      const auto fate = static_cast<ImageFate>(i);
+      text->value(static_cast<double>(a.facts.images[fate]), {{"agent", a.facts.name}, {"fate", words_of(fate).name}});
+    }
+  }
   text->begin("coslam_agent_bytes_total", Kind::kCounter, "Between it and the server");
   for (const PublicAgent& a : state.agents) {
     text->value(static_cast<double>(a.facts.bytes_up), {{"agent", a.facts.name}, {"direction", "up"}});

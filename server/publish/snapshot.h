@@ -15,6 +15,7 @@
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "common/model/image_account.h"
 #include "common/model/pose_covariance.h"
 #include "common/model/session.h"
 #include "common/ros/views.h"
@@ -122,7 +123,8 @@ enum class PublicStanding : std::uint8_t { kNone, kTracking, kRelative, kLost };
 struct AgentFacts {
   std::string name;
   CameraId camera;
-  AgentStatus status;  // the newest, without its report
+  AgentStatus status;   // the newest, without its report
+  ImageAccount images;  // so far
   std::uint64_t bytes_up = 0, bytes_down = 0;
   double wait_s = 0;              // how much longer than at best its newest frame was under way
   double stamp_correction_s = 0;  // added to its stamps

@@ -9,9 +9,9 @@
 
 namespace coslam {
 
-std::size_t Backlog::thin(std::size_t most) {
-  std::size_t left_out = 0;
-  for (; waiting_.size() > most; ++left_out) {
+std::vector<FrameSet> Backlog::thin(std::size_t most) {
+  std::vector<FrameSet> out;
+  while (waiting_.size() > most) {
     const auto leaves = std::ranges::max_element(waiting_, {}, [&](const FrameSet& s) { return least_served(s); });
     FrameSet left = std::move(*leaves);
     const auto later = waiting_.erase(leaves);
@@ -24,8 +24,9 @@ std::size_t Backlog::thin(std::size_t most) {
         break;
       }
     }
+    out.push_back(std::move(left));
   }
-  return left_out;
+  return out;
 }
 
 std::optional<FrameSet> Backlog::pop() {

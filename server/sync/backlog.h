@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "common/base/ids.h"
 #include "common/base/time.h"
@@ -19,8 +20,8 @@ namespace coslam {
 class Backlog {
  public:
   void push(FrameSet set) { waiting_.push_back(std::move(set)); }
-  // Leaves out all but so many, which is how many. What an agent was asked for rides with its next frame.
-  std::size_t thin(std::size_t most);
+  // Leaves out all but so many, and gives those. What an agent was asked for rides with its next frame.
+  std::vector<FrameSet> thin(std::size_t most);
   // The next to work on, oldest first.
   std::optional<FrameSet> pop();
   bool empty() const { return waiting_.empty(); }

@@ -51,6 +51,8 @@ class FrameSetSync {
 
   // Whom the next set waits for.
   std::vector<CameraId> blocking() const;
+  // Older frames are too late.
+  std::optional<TimeNs> past_ns() const { return last_t_ns_; }
   std::uint32_t late() const { return late_; }
   std::uint32_t overflowed() const { return overflowed_; }
 

@@ -247,7 +247,9 @@ TEST_F(AgentLoopTest, AnImageThatIsNotToBeBelievedBecomesNoFrame) {
   EXPECT_THAT(link_.statuses, SizeIs(1));
   link_.answer(FrameId(5));
   loop_->finish(stop_);
-  EXPECT_EQ(nlohmann::json::parse(link_.statuses.back().report_json)["left_out"], nlohmann::json({{"concealed", 1}}));
+  const auto report = nlohmann::json::parse(link_.statuses.back().report_json);
+  EXPECT_EQ(report["left_out"], nlohmann::json({{"concealed", 1}}));
+  EXPECT_EQ(report["frames"], 13) << "what was left out and dropped included";
 }
 
 TEST_F(AgentLoopTest, ThatImagesAreNotToBeBelievedIsToldAtOnceAndThatTheyAreAgain) {

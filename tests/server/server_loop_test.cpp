@@ -105,8 +105,9 @@ TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
   EXPECT_TRUE(loop_.poll(0ms));
   loop_.finish({{"server", "as it was"}});
   const auto& report = loop_.report();
-  EXPECT_EQ(report["frames"], 70);
+  EXPECT_EQ(report["frames"], 77);
   EXPECT_EQ(report["dropped"], 7);
+  EXPECT_EQ(report["agents"]["cam0"]["images"]["lost"], 70) << "none of those that it sent arrived";
   EXPECT_EQ(report["agents"]["cam0"]["dropped"], 7);
   EXPECT_EQ(report["agents"]["cam0"]["frames"], 77);
   EXPECT_EQ(report["agents"]["cam0"]["ms"]["track"]["p50"], 1.5);
@@ -129,6 +130,103 @@ TEST_F(ServerLoopTest, WhereARunEndedIsAPlaceToo) {
   EXPECT_TRUE(loop_.poll(0ms));
   loop_.finish({});
   EXPECT_GT(loop_.map_server().memory()["places"], before + 20 * kDescriptorBytes);
+}
+
+class PlayedByHand : public ServerLoopTest {
+ protected:
+  PlayedByHand() : by_hand_(link_.server(), kServer, config()) {}
+  ServerLoopConfig config() {
+    const auto now = [this] { return now_ns_; };
+    ServerLoopConfig of{.refine_in_thread = false};
+    of.clock = {now, now};
+    return of;
+  }
+  std::unique_ptr<AgentLink> connect(const std::string& name) {
+    auto agent = link_.connect(values_.hello(name, RunId(++last_run_), Pacing::kLockstep));
+    EXPECT_TRUE(by_hand_.poll(0ms));
+    return agent;
+  }
+  void pass(double s) {
+    now_ns_ += to_ns(s);
+    EXPECT_TRUE(by_hand_.poll(0ms));
+  }
+  // All of a recording, as its last word says too.
+  void play(AgentLink& agent, const std::string& name, std::uint32_t images) {
+    for (std::uint32_t i = 0; i < images; ++i) {
+      TrackFrame frame = values_.frame(name, RunId(last_run_), i, 20);
+      frame.capture_ns = 33'333'333LL * i;
+      agent.send(frame, {}, {});
+      pass(0.01);
+    }
+    AgentStatus status = values_.agent_status(name, RunId(last_run_), AgentState::kFinished);
+    status.frames = images;
+    status.dropped = status.left_out = 0;
+    agent.send_status(status);
+    pass(0);
+  }
+  TimeNs now_ns_ = to_ns(1000.0);
+  ServerLoop by_hand_;
+};
+
+TEST_F(PlayedByHand, RecordingsBeginTogetherWhenNobodyHasJoinedForAWhile) {
+  const auto first = connect("cam0");
+  pass(2);
+  EXPECT_FALSE(first->server_status()->started);
+  const auto second = connect("cam1");
+  pass(2);
+  EXPECT_FALSE(first->server_status()->started);
+  pass(1.1);
+  EXPECT_TRUE(first->server_status()->started);
+  EXPECT_TRUE(second->server_status()->started);
+  EXPECT_GT(second->server_status()->start_utc_ns, now_ns_);
+}
+
+TEST_F(PlayedByHand, ImagesThatWereOverAreSaidToTheirAgent) {
+  const auto first = connect("cam0");
+  play(*first, "cam0", 31);
+  ASSERT_TRUE(first->images());
+  EXPECT_EQ(first->images()->images[ImageFate::kWithoutPose], 31U);
+  EXPECT_TRUE(first->images()->complete);
+  const auto second = connect("cam1");
+  play(*second, "cam1", 20);
+  const auto images = second->images();
+  ASSERT_TRUE(images && images->complete);
+  EXPECT_EQ(images->images[ImageFate::kLate], 20U);
+  EXPECT_EQ(images->images.captured(), 20U);
+  EXPECT_THAT(images->problem, HasSubstr("20 of 20 images of cam1 lie before the 1.0 s"));
+  by_hand_.finish({});
+  EXPECT_THAT(by_hand_.problem(), HasSubstr("nothing was mapped: cam0 has no pose: "));
+  EXPECT_THAT(by_hand_.problem(), HasSubstr("; 20 of 20 images of cam1 lie before"));
+}
+
+// Of forty images the agent believes three not, has no time for two, and four are lost on the way; the rest come at
+// once, as after a pause of the server, two of them again with a stamp from before.
+TEST_F(ServerLoopTest, SaysWhatBecameOfEachImage) {
+  const auto agent = join("cam0");
+  for (std::uint32_t i = 9; i < 40; ++i) {
+    TrackFrame frame = values_.frame("cam0", RunId(last_run_), i, 20);
+    frame.capture_ns = 33'333'333LL * (i < 38 ? i : 20);
+    agent->send(frame, {}, {});
+  }
+  AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
+  status.frames = 35;
+  status.dropped = 2;
+  status.left_out = 3;
+  agent->send_status(status);
+  EXPECT_TRUE(loop_.poll(0ms));
+  loop_.finish({});
+  const auto& images = loop_.report()["agents"]["cam0"]["images"];
+  EXPECT_EQ(images["captured"], 40);
+  EXPECT_EQ(images["left_out"], 3);
+  EXPECT_EQ(images["not_sent"], 2);
+  EXPECT_EQ(images["lost"], 4);
+  EXPECT_EQ(images["out_of_time"], 2);
+  EXPECT_EQ(images["without_pose"], loop_.report()["frame_sets"]);
+  EXPECT_EQ(images["set_left_out"], loop_.report()["frame_sets_left_out"]);
+  int sum = 0;
+  for (const auto& [fate, n] : images.items()) sum += fate == "captured" ? 0 : n.get<int>();
+  EXPECT_EQ(sum, 40);
+  EXPECT_EQ(loop_.report()["images"], images) << "of all agents";
 }
 
 // All come at once, as after a pause of the server.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
 #include "common/dataset/sequence.h"
 #include "common/dataset/trajectory.h"
@@ -26,6 +27,7 @@ struct AgentPaths {
   Trajectory live;
   Trajectory truth;  // of the played part
   int frames = 0;    // of its source; 0 = not known
+  ImageAccount images;
   // In maps without a known relation to the common one.
   std::map<MapId, Trajectory> apart;
   std::string doubt;  // a sentence: the truth may have been read otherwise than it was meant; empty: none
@@ -35,6 +37,7 @@ struct AgentPaths {
 struct AgentEvaluation {
   std::string name;
   int frames = 0;
+  ImageAccount images;                    // what the run says became of them
   int poses = 0;                          // in the common map
   int poses_apart = 0;                    // in others
   int judged = 0;                         // of the poses in the common map: those for which there is truth

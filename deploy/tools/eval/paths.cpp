@@ -21,10 +21,14 @@ nlohmann::json agents_in(const ResultFolder& result) {
   return report.contains("agents") && report["agents"].is_object() ? report["agents"] : nlohmann::json();
 }
 
-int frames_of(const nlohmann::json& agents, const std::string& name) {
-  if (!agents.is_object() || !agents.contains(name) || !agents[name].is_object()) return 0;
-  const auto frames = agents[name].find("frames");
-  return frames != agents[name].end() && frames->is_number_integer() ? frames->get<int>() : 0;
+nlohmann::json agent_in(const nlohmann::json& agents, const std::string& name) {
+  return agents.is_object() && agents.contains(name) ? agents[name] : nlohmann::json();
+}
+
+int frames_of(const nlohmann::json& agent) {
+  if (!agent.is_object()) return 0;
+  const auto frames = agent.find("frames");
+  return frames != agent.end() && frames->is_number_integer() ? frames->get<int>() : 0;
 }
 
 Trajectory load_if_there(const std::filesystem::path& file) {
@@ -41,6 +45,7 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs, 
   AgentEvaluation e;
   e.name = agent.name;
   e.frames = agent.frames > 0 ? agent.frames : static_cast<int>(agent.truth.size());
+  e.images = agent.images;
   e.poses = static_cast<int>(agent.estimate.size());
   e.judged = static_cast<int>(pairs.size());
   if (!pairs.empty()) e.judged_s = to_seconds(pairs.back().t_ns - pairs.front().t_ns);
@@ -176,8 +181,9 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
     // A run may leave agents out; one that took part and never found its place counts.
     if (contents.reported && !holds(contents.agents, agent.name)) continue;
     any = any || std::filesystem::exists(result.trajectory(agent.name));
+    const nlohmann::json said = agent_in(reported, agent.name);
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
-                      load_truth(agent, sequence.rate_hz), frames_of(reported, agent.name)});
+                      load_truth(agent, sequence.rate_hz), frames_of(said), images_of(said)});
     agents.back().doubt = doubt_of_turns(agents.back(), agent, sequence.rate_hz);
     for (std::size_t i = 1; i < contents.maps.size(); ++i) {
       const ResultMap& map = contents.maps[i];

@@ -98,6 +98,7 @@ Json json_of(const std::optional<WorstFrame>& w) {
 
 Json json_of(const AgentEvaluation& a) {
   return {{"frames", a.frames},
+          {"images", a.images.captured() > 0 ? json_of(a.images) : Json()},
           {"poses", a.poses},
           {"poses_apart", a.poses_apart},
           {"judged", a.judged},
@@ -147,12 +148,21 @@ std::string headline(const Evaluation& e) {
   std::string text = printed("  joint ATE %.4f m", *e.ate_m);
   if (e.ate_percent) text += printed(", %.3f %% of %.2f m", *e.ate_percent, *e.path_m);
   text += printed("; scale %.5f", e.alignment.target_from_source->scale);
-  if (e.tracked_percent) text += printed("; %.1f %% of the frames tracked", *e.tracked_percent);
+  if (e.tracked_percent) text += printed("; %.1f %% of the images tracked", *e.tracked_percent);
   if (e.live_ate_m) text += printed("; live ATE %.4f m", *e.live_ate_m);
   text += "\n";
   if (says_little(e)) {
     text += printed("  this says LITTLE of where the cameras were: their true places are spread by %.4f m themselves\n",
                     *e.truth_spread_m);
+  }
+  return text;
+}
+
+// What became of the images that are not tracked.
+std::string image_lines(const Evaluation& e) {
+  std::string text;
+  for (const AgentEvaluation& a : e.agents) {
+    if (!a.images.losses().empty()) text += "  " + losses_of(a.name, a.images) + "\n";
   }
   return text;
 }
@@ -297,7 +307,7 @@ std::string to_text(const Evaluation& e) {
   std::string text = e.sequence + "\n" + headline(e);
   text += "  agent        tracked %     ATE m  % path     own m    live m  RPE m/s  deg/s    drift m   path m\n";
   for (const AgentEvaluation& agent : e.agents) text += agent_row(agent);
-  text += truth_lines(e);
+  text += image_lines(e) + truth_lines(e);
   if (const auto& r = e.relative_pose) {
     text += printed("  %s to %s: %.4f m as it stands, %.4f m scaled, %.3f deg, medians of %d (true distance %.3f m)\n",
                     e.agents[0].name.c_str(), e.agents[1].name.c_str(), r->translation, r->translation_scaled,

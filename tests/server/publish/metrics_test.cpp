@@ -32,14 +32,15 @@ TEST(Metrics, CountEveryLoss) {
   PublicAgent agent;
   agent.facts.name = "cam0";
   agent.facts.bytes_up = 1234;
-  agent.facts.status.dropped = 5;
+  agent.facts.images[ImageFate::kNotSent] = 5;
   state.agents.push_back(agent);
   MetricsText metrics;
   put_metrics(state, &metrics);
   const std::string text = metrics.take();
   for (const char* line :
        {"coslam_lost_total{what=\"late_frames\"} 4\n", "coslam_lost_total{what=\"sets_left_out\"} 2\n",
-        "coslam_rejected_total{reason=\"malformed\"} 7\n", "coslam_agent_dropped_total{agent=\"cam0\"} 5\n",
+        "coslam_rejected_total{reason=\"malformed\"} 7\n",
+        "coslam_agent_images_total{agent=\"cam0\",fate=\"not_sent\"} 5\n",
         "coslam_agent_bytes_total{agent=\"cam0\",direction=\"up\"} 1234\n",
         "coslam_stage_seconds{stage=\"frame_set\",quantile=\"0.5\"} 0.01\n",
         "coslam_stage_seconds_sum{stage=\"frame_set\"} 5\n", "coslam_stage_seconds_count{stage=\"frame_set\"} 400\n",

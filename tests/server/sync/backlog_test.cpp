@@ -36,10 +36,10 @@ class BacklogTest : public testing::Test {
 
 TEST_F(BacklogTest, OfEqualsTheOldestAreLeftOut) {
   for (int i = 0; i < 5; ++i) push(i * kMs, {kA, kB});
-  EXPECT_EQ(backlog_.thin(3), 2U);
+  EXPECT_EQ(backlog_.thin(3).size(), 2U);
   EXPECT_THAT(work_off(), ElementsAre(2, 3, 4));
   EXPECT_TRUE(backlog_.empty());
-  EXPECT_EQ(backlog_.thin(0), 0U);
+  EXPECT_EQ(backlog_.thin(0).size(), 0U);
 }
 
 // One that sends eight frames for one of the others, and a server that has time for two sets of nine.
@@ -66,7 +66,7 @@ TEST_F(BacklogTest, WhatWasAskedForRidesWithTheNextFrameOfItsAgent) {
   backlog_.push(first);
   push(2 * kMs, {kB});
   push(3 * kMs, {kA, kB});
-  EXPECT_EQ(backlog_.thin(2), 1U);
+  EXPECT_EQ(backlog_.thin(2).size(), 1U);
   EXPECT_EQ(backlog_.pop()->id, SetId(2));
   const auto last = backlog_.pop();
   ASSERT_TRUE(last->frames[0].patches);

@@ -148,7 +148,7 @@ export class Run {
       frame: frameOf(map), state: lost ? "lost" : "tracking", why: lost ? WHY_LOST : "",
       rate_hz: 29.97 + wobble(0.4), frame_ms: 9.4 + index + wobble(1.4), kB_up_per_s: 27 + 2 * index + wobble(3),
       kB_down_per_s: 6.2 + wobble(1), lag_s: 0.041 + 0.01 * index + wobble(0.01), lost_percent: index === 1 ? 0.4 : 0,
-      dropped: index, tracks: 262 + Math.round(wobble(20)), bound: lost ? 5 : 190 - 14 * index + Math.round(wobble(16)),
+      account: { captured: 300, tracked: 300 - index }, losses: index > 0 ? `${index} not sent in time` : "", tracks: 262 + Math.round(wobble(20)), bound: lost ? 5 : 190 - 14 * index + Math.round(wobble(16)),
       clock_offset_ms: index === 0 ? null : 1.8 * index - 3 + wobble(0.1),
       pose: lost ? null : [...pose.t, ...quaternion(pose.r)],
       fov: [LENS.width, LENS.height, LENS.fx, LENS.fy, LENS.cx, LENS.cy],

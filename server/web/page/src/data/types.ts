@@ -37,7 +37,8 @@ export interface AgentState {
   kB_down_per_s: number;
   lag_s: number;
   lost_percent: number;
-  dropped: number;
+  account?: { captured: number; tracked: number };   // images, and a number for each other fate
+  losses?: string;                                    // what became of those that are not tracked; empty: all are
   tracks: number;
   bound: number;
   clock_offset_ms: number | null;

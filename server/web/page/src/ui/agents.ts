@@ -76,11 +76,12 @@ class Card {
   }
 
   private showLong(agent: AgentState): void {
-    const clock = agent.clock_offset_ms;
+    const clock = agent.clock_offset_ms, { account } = agent;
     this.figure(this.long, "tracks", count(agent.tracks), "followed", "Tracks");
     this.figure(this.long, "bound", count(agent.bound), "on the map", "Tracks with a point of the map", agent.bound < 15 ? "warn" : "");
     this.figure(this.long, "loss", digits(agent.lost_percent, 1), "% lost", "Frames that the network lost", agent.lost_percent > 2 ? "warn" : "");
-    this.figure(this.long, "dropped", count(agent.dropped), "dropped", "Frames that came too late or too fast");
+    this.figure(this.long, "images", count(account?.captured ?? 0), "images", "That its source gave");
+    this.figure(this.long, "posed", account ? digits(100 * account.tracked / Math.max(1, account.captured), 1) : "–", "% tracked", agent.losses || "All of its images are tracked");
     this.figure(this.long, "clock", clock === null ? "–" : `${clock < 0 ? "−" : "+"}${digits(Math.abs(clock), 1)}`, "ms clock", "Its clock against that of the server");
     this.figure(this.long, "map", agent.map === 0 ? "none" : String(agent.map), "map", "The map that it is in");
   }

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/base/log.h"
+#include "common/model/image_account.h"
+
+// Parts of report.json that more than one program writes or reads.
+namespace coslam {
+
+// {"captured": 300, "tracked": 281, ...}: a number for each fate.
+nlohmann::ordered_json json_of(const ImageAccount& images);
+// Of an agent in a report; all 0 where it has none.
+ImageAccount images_of(const nlohmann::json& agent);
+
+// [{"text": "...", "count": 3}, ...], as UTF-8 whatever the texts hold.
+nlohmann::ordered_json json_of(const std::vector<Warning>& warnings);
+// Of an agent or of a report as a whole; empty where it has none.
+std::vector<Warning> warnings_of(const nlohmann::json& of);
+
+}  // namespace coslam
