@@ -24,8 +24,8 @@
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/run.h"
+#include "deploy/tools/run/told.h"
 #include "deploy/tools/view_flag.h"
-#include "server/live_view.h"
 #include "server/record/recorded_link.h"
 #include "server/record/repeated_link.h"
 #include "server/recorded_config.h"
@@ -106,11 +106,6 @@ ViewConfig view_of(const ReplayArguments& arguments) {
   return config.view;
 }
 
-// Shows the loop, if that was asked for, as long as `view` lives.
-void show(const ViewConfig& config, ServerLoop& loop, std::optional<LiveView>* view) {
-  if (config.on()) say_view("view: " + view->emplace(config, loop).url());
-}
-
 // The map server on agents that play what was recorded again and again.
 void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config, const ViewConfig& shown) {
   RepeatedLink link(arguments.recording, arguments.repeats);
@@ -119,8 +114,7 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
   ServerLoop loop(
       link, RunId(link.head().server_run.value + 1),
       {.server = config.server, .out = arguments.out, .map = arguments.map, .refine_in_thread = false, .clock = clock});
-  std::optional<LiveView> view;
-  show(shown, loop, &view);
+  const RunTold told(shown, loop);
   Costs costs;
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     costs.show(link.now_ns(), loop.map_server());
@@ -142,8 +136,7 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
                    .refine_in_thread = rate != 0,
                    .clock = clock,
                    .adjusting = [&](int percent) { progress.adjusting(percent); }});
-  std::optional<LiveView> view;
-  show(shown, loop, &view);
+  const RunTold told(shown, loop);
   const auto whole_s = [](TimeNs t_ns) { return static_cast<int>(t_ns / 1'000'000'000); };
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     progress.mapping(whole_s(std::min(link.now_ns(), length_ns)), whole_s(length_ns));
@@ -170,8 +163,8 @@ int replay(const ReplayArguments& arguments) {
   } else {
     map_recording(arguments, config, shown, rate, recorded.t_ns);
   }
-  print_summary(arguments.out);
-  return 0;
+  const bool mapped = print_summary(arguments.out);
+  return mapped || stop_requested ? 0 : 1;
 }
 
 }  // namespace

@@ -80,9 +80,10 @@ void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
   checked_sets(sets);
 }
 
-// Opens everything once, so that bad input is one sentence before anything starts. Returns the number of frames of the
-// longest.
+// Opens everything once, so that bad input is one sentence before anything starts; what else there is to say of it the
+// agents say. Returns the number of frames of the longest.
 int check_inputs(const Sequence& sequence) {
+  const LogPause agents_say_it;
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
     const auto source = open_camera(a.source, a.calibration, {a.start_s, a.duration_s, sequence.rate_hz}).images;
@@ -138,8 +139,8 @@ int run(RunArguments arguments) {
   }
   starts.say();
   starts.write(options.out);
-  print_summary(options.out);
-  return end.exit_code;
+  const bool mapped = print_summary(options.out);
+  return end.exit_code == 0 && !mapped && !end.interrupted ? 1 : end.exit_code;
 }
 
 }  // namespace

@@ -62,23 +62,19 @@ std::string listed(const Map& map, const std::map<int, std::vector<CameraId>>& p
 }
 
 PublicEvent misdated(const Map& map, const Event& e) {
-  const double lag_s = e.figures[0];
   const std::string name = map.camera(*e.camera).name,
-                    other = map.camera(CameraId(static_cast<std::uint16_t>(e.figures[1]))).name,
-                    off = explain::number(std::abs(lag_s)) + " s";
-  return {e.t_ns,
-          "misdated",
-          name + "'s images seem to be taken " + off + (lag_s > 0 ? " later" : " earlier") +
-              " than they are dated, by "
-              "what moves in them and in those of " +
-              other +
-              ": what moves is not found by both; correct its stamps "
-              "or clock (in a sequence: so much " +
-              (lag_s > 0 ? "less" : "more") + " start_s for it)",
-          {name, other}};
+                    other = map.camera(CameraId(static_cast<std::uint16_t>(e.figures[1]))).name;
+  return {e.t_ns, "misdated", misdated_sentence(name, other, e.figures[0]), {name, other}};
 }
 
 }  // namespace
+
+std::string misdated_sentence(const std::string& agent, const std::string& against, double lag_s) {
+  return agent + "'s images seem to be taken " + explain::number(std::abs(lag_s)) + " s " +
+         (lag_s > 0 ? "later" : "earlier") + " than they are dated, by what moves in them and in those of " + against +
+         ": what moves is not found by both; correct its stamps or clock (in a sequence: so much " +
+         (lag_s > 0 ? "less" : "more") + " start_s for it)";
+}
 
 std::vector<PublicEvent> Happenings::comings(const Map& map) {
   std::vector<PublicEvent> out;

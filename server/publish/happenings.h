@@ -14,6 +14,9 @@
 
 namespace coslam {
 
+// Of an agent whose images were taken so much later than they are dated.
+std::string misdated_sentence(const std::string& agent, const std::string& against, double lag_s);
+
 // What happens to cameras, groups and maps, in sentences: few enough to be told one by one. Of points and tracks the
 // journal knows more.
 class Happenings {

@@ -9,8 +9,8 @@
 #include "common/config/config.h"
 #include "deploy/tools/console.h"
 #include "deploy/tools/run/run.h"
+#include "deploy/tools/run/told.h"
 #include "server/link/inline_link.h"
-#include "server/live_view.h"
 #include "server/record/recording_link.h"
 #include "server/recorded_config.h"
 #include "server/server_loop.h"
@@ -45,6 +45,7 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   if (agent.mask) config.tracker.mask = agent.mask->string();
   out.loop = std::make_unique<AgentLoop>(*out.link, direct_feed(std::move(images)), hello, config);
   out.loop->plays_from(agent.start_s);
+  out.loop->log_state(AgentLoop::LogsAs::kOneOfSeveral);
   return out;
 }
 
@@ -71,8 +72,7 @@ RunEnd run_inline(const RunOptions& options) {
     recording.emplace(link.server(), options.record, recording_head(server_run, recorded));
   }
   ServerLoop server(recording ? *recording : link.server(), server_run, server_config);
-  std::optional<LiveView> view;
-  if (config.view.on()) say_view("view: " + view.emplace(config.view, server).url());
+  const RunTold told(config.view, server);
   std::vector<InlineAgent> agents;
   std::uint64_t run = 2;
   for (const SequenceAgent& a : options.sequence.agents)

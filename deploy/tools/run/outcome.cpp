@@ -4,13 +4,18 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
+#include "server/publish/happenings.h"
 
 namespace coslam {
 namespace {
@@ -41,6 +46,31 @@ void print_maps(const std::filesystem::path& out, const nlohmann::json& report) 
   }
 }
 
+// What was warned of by anybody: the server, the agents and this process, each once.
+void print_warnings(const nlohmann::json& report) {
+  std::vector<Warning> all = warnings_of(report);
+  const auto add = [&](Warning warning) {
+    if (std::ranges::find(all, warning.text, &Warning::text) == all.end()) all.push_back(std::move(warning));
+  };
+  for (const auto& [name, agent] : report["agents"].items()) {
+    for (const Warning& w : warnings_of(agent)) add({"agent " + name + ": " + w.text, w.count});
+    // Found when the run was over.
+    const auto lag = agent.find("misdated_s");
+    const auto said = [start = name + "'s images seem to be taken"](const Warning& w) {
+      return w.text.starts_with(start);
+    };
+    if (lag != agent.end() && lag->is_number() && std::ranges::none_of(all, said)) {
+      add({misdated_sentence(name, agent["lag"]["against"].get<std::string>(), lag->get<double>()), 1});
+    }
+  }
+  for (const Warning& own : warnings_given()) add(own);
+  if (!all.empty()) std::printf("warnings:\n");
+  for (const Warning& w : all) {
+    const std::string times = w.count > 1 ? " (" + std::to_string(w.count) + " times)" : "";
+    std::printf("  %s%s\n", w.text.c_str(), times.c_str());
+  }
+}
+
 }  // namespace
 
 void make_result_folder(const std::filesystem::path& folder, bool force) {
@@ -61,22 +91,35 @@ void make_result_folder(const std::filesystem::path& folder, bool force) {
   if (error) throw UserError("cannot make the result folder " + folder.string() + ": " + error.message());
 }
 
-void print_summary(const std::filesystem::path& out) {
-  if (!std::filesystem::exists(ResultFolder(out).report())) return;
+bool print_summary(const std::filesystem::path& out) {
+  if (!std::filesystem::exists(ResultFolder(out).report())) return true;
   const nlohmann::json report = read_json(ResultFolder(out).report());
-  std::printf("%-12s %7s %8s %9s %9s %10s %10s\n", "agent", "frames", "dropped", "tracked", "ms/frame", "kB/s up",
-              "kB/s down");
+  std::printf("%-12s %7s %9s %9s %10s %10s\n", "agent", "images", "tracked", "ms/frame", "kB/s up", "kB/s down");
   for (const auto& [name, a] : report["agents"].items()) {
-    std::printf("%-12s %7.0f %8.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"),
-                number(a, "dropped"), number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"),
+    std::printf("%-12s %7.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"),
+                number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"),
                 number(a, "kb_per_s_down"));
+  }
+  for (const auto& [name, a] : report["agents"].items()) {
+    const ImageAccount images = images_of(a);
+    if (!images.losses().empty()) std::printf("%s\n", losses_of(name, images).c_str());
+    if (a.contains("problem") && !report.contains("problem")) {
+      std::printf("%s\n", a["problem"].get<std::string>().c_str());
+    }
   }
   const auto& s = report["server"];
   print_maps(out, report);
   if (!report.value("adjusted", true)) std::printf("the map was not adjusted as a whole at the end\n");
-  std::printf("server: %.1f ms a frame set (p99 %.0f), %.0f static points, %.0f key frames, %.0f merges\nresult: %s\n",
+  std::printf("server: %.1f ms a frame set (p99 %.0f), %.0f static points, %.0f key frames, %.0f merges\n",
               number(s, "ms", "frame_set", "mean"), number(s, "ms", "frame_set", "p99"), number(s, "points", "static"),
-              number(s, "key_frames"), number(s, "merges"), out.c_str());
+              number(s, "key_frames"), number(s, "merges"));
+  if (!report.contains("problem")) std::printf("%s\n", words_of(unit_of(s.value("scale_known", false))));
+  std::printf("result: %s\n", out.c_str());
+  print_warnings(report);
+  const auto problem = report.find("problem");
+  if (problem == report.end()) return true;
+  std::fprintf(stderr, "coslam: %s\n", problem->get<std::string>().c_str());
+  return false;
 }
 
 }  // namespace coslam
