@@ -100,6 +100,7 @@ TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
   AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
   status.frames = 70;
   status.dropped = 7;
+  status.left_out = 0;
   status.report_json = R"({"frames":77,"ms":{"track":{"p50":1.5}}})";
   agent->send_status(status);
   EXPECT_TRUE(loop_.poll(0ms));
@@ -309,8 +310,8 @@ TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
     agent->send_status(status);
     EXPECT_TRUE(loop_.poll(0ms));
     loop_.finish({});
-    EXPECT_LT(loop_.report().dump().size(), 4000U) << text.substr(0, 20);
-    EXPECT_EQ(loop_.report()["agents"]["cam0"]["frames"], 0);
+    EXPECT_LT(loop_.report().dump().size(), 20000U) << text.substr(0, 20);
+    EXPECT_GT(loop_.report()["agents"]["cam0"]["frames"], 0) << "what its status says counts all the same";
   }
 }
 
