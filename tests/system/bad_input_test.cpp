@@ -109,7 +109,8 @@ TEST_F(BadInput, BrokenImagesAreNamedAndPassedOver) {
   const auto report = read_json(result_.report());
   EXPECT_EQ(report["agents"]["cam0"]["left_out"], nlohmann::json::object());
   EXPECT_EQ(report["agents"]["cam1"]["left_out"]["unreadable"], 2);
-  EXPECT_EQ(report["agents"]["cam1"]["frames"], 18);
+  EXPECT_EQ(report["agents"]["cam1"]["frames"], 20);
+  EXPECT_EQ(report["agents"]["cam1"]["images"]["left_out"], 2);
 }
 
 TEST_F(BadInput, UnknownKey) {
