@@ -43,6 +43,9 @@ TEST_F(MapFileOfRuns, ASecondRunGoesOnWithIt) {
   ASSERT_EQ(run("cam1", "kept.map", "second"), 0) << text_;
   EXPECT_THAT(text_, HasSubstr("going on with the map of "));
   EXPECT_FALSE(std::filesystem::exists(folder("second").trajectory("cam0"))) << "the frames of that run alone";
+  const auto report = read_json(folder("second").report());
+  EXPECT_EQ(report["agents"]["cam1"]["frames"], 30) << "of the second time alone";
+  EXPECT_LE(load_tum(folder("second").trajectory("cam1")).size(), 30U);
   ASSERT_EQ(coslam({"map", "list", file("kept.map")}), 0) << text_;
   EXPECT_THAT(text_, HasSubstr("cam0: 30 frames"));
   EXPECT_THAT(text_, HasSubstr("cam1: 60 frames"));

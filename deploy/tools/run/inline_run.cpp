@@ -49,6 +49,13 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   return out;
 }
 
+// Another than any that the map's cameras had: those are over.
+RunId first_run(const Map& map) {
+  RunId last(1);  // the server's
+  for (const MapCamera& c : map.cameras()) last = std::max(last, c.run);
+  return RunId(last.value + 1);
+}
+
 }  // namespace
 
 RunEnd run_inline(const RunOptions& options) {
@@ -74,9 +81,11 @@ RunEnd run_inline(const RunOptions& options) {
   ServerLoop server(recording ? *recording : link.server(), server_run, server_config);
   const RunTold told(config.view, server);
   std::vector<InlineAgent> agents;
-  std::uint64_t run = 2;
-  for (const SequenceAgent& a : options.sequence.agents)
-    agents.push_back(connect_agent(link, options, a, RunId(run++), config.agent));
+  RunId run = first_run(server.map_server().map());
+  for (const SequenceAgent& a : options.sequence.agents) {
+    agents.push_back(connect_agent(link, options, a, run, config.agent));
+    ++run.value;
+  }
 
   const std::chrono::milliseconds no_wait(0);
   while (server.poll(no_wait) && !stop_requested()) {
