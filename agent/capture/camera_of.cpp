@@ -7,6 +7,7 @@
 
 #include "agent/capture/noted_focal.h"
 #include "agent/capture/ros2_topic.h"
+#include "agent/capture/two_views.h"
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/live_topic.h"
@@ -27,13 +28,17 @@ CameraModel guessed_camera(int width_px, int height_px, std::optional<double> no
 
 namespace {
 
-// With the size of its first image.
+// With the size of its first image, which is to be that of one camera: who gives a calibration says so.
 FoundCamera guessed_for(const std::string& source, const SourceOptions& options) {
   SourceOptions any_size = options;
   any_size.width_px = any_size.height_px = 0;
   const auto first = next_readable(*open_source(source, any_size));
   if (!first) throw UserError(shown_source(source) + ": no image can be read");
   const int width_px = first->grey.cols, height_px = first->grey.rows;
+  if (shows_two_views(first->grey)) {
+    throw UserError(shown_source(source) + ": shows the pictures of two cameras side by side: " +
+                    how_to_split(width_px) + "; a calibration says that it is one camera's");
+  }
   const auto noted_px = noted_focal_px(first_file(source, options.rate_hz), width_px, height_px);
   FoundCamera out{guessed_camera(width_px, height_px, noted_px), {}};
   out.guess = "no calibration is given: the lens is guessed, with a focal length of " +

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "agent/capture/two_views.h"
 #include "common/base/error.h"
 
 namespace coslam {
@@ -129,9 +130,11 @@ ImageFault size_fault(const cv::Mat& image, cv::Size expected) {
 void require_size(const cv::Mat& image, const SourceOptions& options, const std::string& image_name) {
   if (options.width_px <= 0 || options.height_px <= 0) return;
   if (image.cols == options.width_px && image.rows == options.height_px) return;
+  const bool twice_as_wide = image.cols == 2 * options.width_px && image.rows == options.height_px;
   throw UserError(image_name + " is " + size_text(image.cols, image.rows) + " pixels, but the calibration " +
                   (options.calibration.empty() ? "" : options.calibration + " ") + "is for " +
-                  size_text(options.width_px, options.height_px));
+                  size_text(options.width_px, options.height_px) +
+                  (twice_as_wide ? ". If it is two pictures side by side, " + how_to_split(image.cols) : ""));
 }
 
 }  // namespace coslam

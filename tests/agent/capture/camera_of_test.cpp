@@ -53,6 +53,16 @@ TEST_F(CameraOf, IsGuessedWhereNoLensIsAsTheCalibrationSays) {
                                    "from a focal length of 51 px on"));
 }
 
+TEST_F(CameraOf, IsNotThatOfHalfAPicture) {
+  save_calibration(folder_ / "calib.yaml", {32, 48, 50, 51, 15, 23, DistortionModel::kNone, {}});
+  try {
+    open_camera(source(), folder_ / "calib.yaml", {});
+    ADD_FAILURE() << "it is twice as wide";
+  } catch (const UserError& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("two pictures side by side, make two sources of it"));
+  }
+}
+
 TEST_F(CameraOf, IsTheCalibrationWhereThatIsOnlyUnusual) {
   const CameraModel given{64, 48, 50, 68, 31, 23, DistortionModel::kNone, {}};
   save_calibration(folder_ / "calib.yaml", given);
