@@ -152,9 +152,10 @@ FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, st
   }
   if (gap) {
     const auto missing = (numbers.back() - numbers.front()) / step + 1 - std::ssize(numbers);
-    list.guesses.push_back(folder.string() + ": " + std::to_string(missing) +
-                           " numbers of images are missing, the first after " + files[*gap - 1].filename().string() +
-                           "; played as gaps in time");
+    list.guesses.push_back(folder.string() + ": " +
+                           (missing > 0 ? std::to_string(missing) + " numbers of images are missing, the first"
+                                        : "the numbers of images are not evenly apart, first") +
+                           " after " + files[*gap - 1].filename().string() + "; played as gaps in time");
   }
   return list;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <compare>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "agent/capture/image_name.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
 
@@ -20,8 +20,6 @@ namespace coslam {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -31,64 +29,6 @@ std::string lower(std::string text) {
 bool is_image(const fs::path& file) {
   constexpr std::array<std::string_view, 7> kImages = {".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff"};
   return std::ranges::find(kImages, lower(file.extension().string())) != kImages.end();
-}
-
-// A name between its numbers: texts[0] numbers[0] texts[1] numbers[1] ... texts.back().
-struct Name {
-  std::vector<std::string> texts, numbers;
-  bool negative = false;  // it is one number below 0, whose sign is no text
-};
-
-Name parts_of(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  Name name{{""}, {}};
-  for (std::size_t i = 0; i < stem.size(); ++i) {
-    if (!is_digit(stem[i])) {
-      name.texts.back() += stem[i];
-      continue;
-    }
-    if (i == 0 || !is_digit(stem[i - 1])) {
-      name.numbers.emplace_back();
-      name.texts.emplace_back();
-    }
-    name.numbers.back() += stem[i];
-  }
-  name.negative = name.numbers.size() == 1 && name.texts.front() == "-" && name.texts.back().empty();
-  if (name.negative) name.texts.front().clear();
-  return name;
-}
-
-std::strong_ordering by_value(std::string_view a, std::string_view b) {
-  a.remove_prefix(std::min(a.find_first_not_of('0'), a.size()));
-  b.remove_prefix(std::min(b.find_first_not_of('0'), b.size()));
-  return a.size() != b.size() ? a.size() <=> b.size() : a <=> b;
-}
-
-// Text by text and number by number, after the negative numbers.
-std::strong_ordering in_order(const Name& a, const Name& b) {
-  if (a.negative != b.negative) return b.negative <=> a.negative;
-  if (a.negative) return by_value(b.numbers.front(), a.numbers.front());
-  for (std::size_t i = 0; i < std::min(a.texts.size(), b.texts.size()); ++i) {
-    if (a.texts[i] != b.texts[i]) return a.texts[i] <=> b.texts[i];
-    if (i >= a.numbers.size() || i >= b.numbers.size()) break;
-    if (const auto order = by_value(a.numbers[i], b.numbers[i]); order != 0) return order;
-  }
-  return a.texts.size() <=> b.texts.size();
-}
-
-// What names of one camera have in common: `left_#`. A single digit behind a letter, before `_` or `-` and a further
-// number, tells cameras apart: `cam0_#`.
-std::string family_of(const Name& name) {
-  std::string family = name.texts.front();
-  for (std::size_t i = 0; i < name.numbers.size(); ++i) {
-    const std::string& before = name.texts[i];
-    const std::string& after = name.texts[i + 1];
-    const bool of_camera = name.numbers[i].size() == 1 && i + 1 < name.numbers.size() &&
-                           (after.starts_with('_') || after.starts_with('-')) && !before.empty() &&
-                           std::isalpha(static_cast<unsigned char>(before.back()));
-    family += (of_camera ? name.numbers[i] : "#") + after;
-  }
-  return family;
 }
 
 using Families = std::map<std::string, std::vector<fs::path>>;
@@ -197,6 +137,23 @@ NamedTimes times_from(const std::vector<Name>& names, std::size_t first) {
   return out;
 }
 
+// They count time and not images: their steps are about even, and those of a clock that counts since it was started.
+bool count_time(const std::vector<std::int64_t>& numbers) {
+  constexpr std::int64_t kMicroseconds = 4000;                                       // and more: 250 Hz
+  constexpr std::int64_t kMilliseconds = 4, kFrom = 1'000'000, kTo = kFrom * kFrom;  // images are not counted so far
+  constexpr double kEven = 0.15;
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < numbers.size(); ++i) steps.push_back(numbers[i] - numbers[i - 1]);
+  if (steps.empty()) return false;
+  std::ranges::sort(steps);
+  const std::int64_t usual = steps[steps.size() / 2];
+  const auto even = std::ranges::count_if(steps, [&](std::int64_t step) {
+    return static_cast<double>(std::abs(step - usual)) <= kEven * static_cast<double>(usual);
+  });
+  const bool far = numbers.front() >= kFrom && numbers.front() < kTo;
+  return (usual >= kMicroseconds || (usual >= kMilliseconds && far)) && 2 * even > std::ssize(steps);
+}
+
 }  // namespace
 
 std::vector<fs::path> images_in(const fs::path& folder) {
@@ -276,7 +233,11 @@ NamedTimes times_in_names(const std::vector<fs::path>& files) {
   for (std::size_t first = 0; !names.empty() && first < names.front().numbers.size(); ++first) {
     if (NamedTimes found = times_from(names, first); !found.times.empty()) return found;
   }
-  return {};
+  NamedTimes out{{}, TimeUnit::kNanoseconds};
+  if (const auto numbers = numbers_of(files); count_time(numbers)) {
+    for (const std::int64_t number : numbers) out.times.push_back({number, 0});
+  }
+  return out;
 }
 
 }  // namespace coslam

@@ -25,7 +25,8 @@ std::vector<std::filesystem::path> of_one_camera(const std::filesystem::path& fo
 std::vector<std::int64_t> numbers_of(const std::vector<std::filesystem::path>& files);
 
 // Times that all names end with: `1403638518077829376`, `1403638518.077829`,
-// `1403638518_077829376`, `12.05`, `2014-06-24T19-35-18.050000`, `20140624_193518050`.
+// `1403638518_077829376`, `12.05`, `2014-06-24T19-35-18.050000`, `20140624_193518050`. Or numbers that
+// are no counts of images, as a clock's that counts since it was started: `12345678`.
 struct NamedTimes {
   std::vector<WrittenTime> times;  // by image; empty: the names are no times
   TimeUnit unit = TimeUnit::kSeconds;

@@ -27,6 +27,8 @@ Paths in_order(const std::vector<std::string>& names) {
 TEST(ImageNames, AreInTheOrderOfTheirNumbers) {
   EXPECT_THAT(in_order({"10.png", "9.PNG", "100.jpg"}), ElementsAre("9.PNG", "10.png", "100.jpg"));
   EXPECT_THAT(in_order({"0.png", "-2.png", "-10.png", "10.png"}), ElementsAre("-10.png", "-2.png", "0.png", "10.png"));
+  EXPECT_THAT(in_order({"img_0.png", "img_-2.png", "img_-10.png"}),
+              ElementsAre("img_-10.png", "img_-2.png", "img_0.png"));
   EXPECT_THAT(in_order({"a10_2.png", "a9_10.png", "a9_9.png", "a.png"}),
               ElementsAre("a.png", "a9_9.png", "a9_10.png", "a10_2.png"));
   EXPECT_THAT(in_order({"._0.png", ".1.png", "2.png", "notes.txt"}), ElementsAre("2.png")) << "hidden ones";
@@ -52,6 +54,7 @@ TEST(ImageNames, OfTwoCamerasAreRefused) {
 TEST(ImageNames, OfOneCameraMayDifferInMore) {
   for (const Paths& files : std::vector<Paths>{{"0.png", "1.jpg", "2.png"},
                                                {"-1.png", "-2.png", "1.png", "2.png"},
+                                               {"img_-2.png", "img_-1.png", "img_0.png", "img_1.png"},
                                                {"a.png", "b.png", "tree.png"},
                                                {"frame8.png", "frame9.png", "frame10.png", "frame11.png"},
                                                {"IMG_1.png", "IMG_2.png", "IMG_3.png", "cover.png"},
@@ -75,6 +78,7 @@ TEST(ImageNames, TheNumberThatDiffersCounts) {
   EXPECT_THAT(numbers_of({"frame0007.png", "frame0011.png"}), ElementsAre(7, 11));
   EXPECT_THAT(numbers_of({"cam2_-3_of_10.png", "cam2_-4_of_10.png"}), ElementsAre(3, 4));
   EXPECT_THAT(numbers_of({"-2.png", "1.png"}), ElementsAre(-2, 1));
+  EXPECT_THAT(numbers_of({"img_-2.png", "img_1.png"}), ElementsAre(-2, 1));
   for (const Paths& none : std::vector<Paths>{{"a.png", "b.png"},
                                               {"1_1.png", "2_2.png"},
                                               {"a1.png", "b2.png"},
@@ -117,6 +121,32 @@ TEST(ImageNames, TimesInThem) {
     EXPECT_THAT(times_in_names({std::string(none) + ".png"}).times, IsEmpty()) << none;
   }
   EXPECT_THAT(times_in_names({"1403638518.05.png", "7.png"}).times, IsEmpty()) << "not all are";
+}
+
+Paths numbered(const std::vector<std::int64_t>& numbers) {
+  Paths files;
+  for (const std::int64_t number : numbers) files.push_back("shot_" + std::to_string(number) + ".png");
+  return files;
+}
+
+TEST(ImageNames, NumbersOfAClockAreTimes) {
+  for (const auto& times : std::vector<std::vector<std::int64_t>>{{98'765'400'000, 98'765'466'667, 98'765'533'333},
+                                                                  {0, 33'333, 66'667, 100'000, 166'667},
+                                                                  {12'345'678, 12'345'745, 12'345'811, 12'345'945}}) {
+    const NamedTimes named = times_in_names(numbered(times));
+    ASSERT_EQ(named.times.size(), times.size());
+    EXPECT_EQ(named.unit, TimeUnit::kNanoseconds);
+    EXPECT_EQ(named.times.back(), (WrittenTime{times.back(), 0}));
+  }
+  for (const auto& counted : std::vector<std::vector<std::int64_t>>{{7, 8, 9, 11},
+                                                                    {0, 100, 200, 300},
+                                                                    {10, 20, 29, 39},
+                                                                    {1'000'000, 1'000'001, 1'000'002},
+                                                                    {20'140'624'193'500, 20'140'624'193'505},
+                                                                    {0, 70, 5'000, 20'000, 90'000},
+                                                                    {}}) {
+    EXPECT_THAT(times_in_names(numbered(counted)).times, IsEmpty());
+  }
 }
 
 }  // namespace

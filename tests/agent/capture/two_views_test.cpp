@@ -34,9 +34,7 @@ TEST(TwoViews, AreNotSeenInAPictureOfOneCamera) {
   EXPECT_FALSE(shows_two_views(cv::Mat::zeros(360, 1280, CV_8UC1))) << "nothing to tell it by";
 }
 
-TEST(TwoViews, AreCutApartByItsWidth) {
-  EXPECT_NE(how_to_split(1280).find("videocrop right=640"), std::string::npos);
-}
+TEST(TwoViews, AreCutApartByItsWidth) { EXPECT_NE(how_to_split(1280).find("videocrop right=640"), std::string::npos); }
 
 }  // namespace
 }  // namespace coslam
