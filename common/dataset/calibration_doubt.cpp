@@ -18,9 +18,9 @@ namespace {
 // Measures of how unlike a usual camera one is. Anamorphic lenses, fields of interlaced video and images that were cut
 // out of others lie between the two of a kind.
 constexpr double kOddAspect = 1.1, kHopelessAspect = 2.5;
-constexpr double kOddOffCentre = 0.25, kHopelessOffCentre = 0.4;  // of the image's size
-constexpr double kHopelessTangential = 0.05;
-constexpr double kShortestPinhole = 0.15;  // of the larger side: 147 degrees across
+constexpr double kOddOffCentre = 0.25, kHopelessOffCentre = 0.4;     // of the image's size
+constexpr double kOddTangential = 0.01, kHopelessTangential = 0.05;  // the first is a sensor tilted by 2 degrees
+constexpr double kShortestPinhole = 0.15;                            // of the larger side: 147 degrees across
 
 template <class... Numbers>
 std::string printed(const char* format, Numbers... numbers) {
@@ -78,9 +78,41 @@ std::optional<double> fold_px(const CameraModel& c) {
   return std::isfinite(nearest_px) ? std::optional(nearest_px) : std::nullopt;
 }
 
+// No lens takes a cone of rays to a smaller circle than r = sin(angle), which makes every part of the picture as bright
+// as its middle; calibrations are off by less than this at their edges.
+bool squeezes_beyond_lenses(const CameraModel& c) {
+  constexpr double kBeyond = 0.97, kStep_rad = 0.005, kWidest_rad = 1.5;
+  for (double angle = kStep_rad; angle < kWidest_rad; angle += kStep_rad) {
+    const Eigen::Vector2d seen = c.distort_normalized({std::tan(angle), 0});
+    if (!c.contains_raw(c.pixel_from_normalized(seen))) return false;
+    if (seen.x() < kBeyond * std::sin(angle)) return true;
+  }
+  return false;
+}
+
+// Of five as some programs write them, read in the order of OpenCV: a term of the radius in the place of p1, and no
+// larger ones in those of p2 and k3 than tangential ones are.
+bool is_k3_before_tangential(const CameraModel& c) {
+  constexpr double kMostTangential = 0.005;
+  const auto& k = c.coefficients;
+  return k[4] != 0 && std::abs(k[2]) > kOddTangential && std::abs(k[3]) < kMostTangential &&
+         std::abs(k[4]) < kMostTangential;
+}
+
 // Of the coefficients; the focal length may be right.
 CalibrationDoubt doubt_of_distortion(const CameraModel& c) {
   const bool radtan = c.distortion == DistortionModel::kRadTan;
+  if (c.distortion == DistortionModel::kEquidistant && squeezes_beyond_lenses(c))
+    return {
+        "an equidistant lens of these coefficients would squeeze the sides of the picture more than any does: are "
+        "they radtan's k1 k2 p1 p2?",
+        true, c.focal_px()};
+  if (radtan && is_k3_before_tangential(c))
+    return {
+        printed("coefficients of %.3g %.3g %.3g %.3g %.3g: are they in the order k1 k2 k3 p1 p2, and not k1 k2 p1 p2 "
+                "k3?",
+                c.coefficients[0], c.coefficients[1], c.coefficients[2], c.coefficients[3], c.coefficients[4]),
+        true, c.focal_px()};
   const std::string order = radtan ? ": are they in the order k1 k2 p1 p2 k3?" : ": are they in their order?";
   const double tangential = radtan ? std::max(std::abs(c.coefficients[2]), std::abs(c.coefficients[3])) : 0;
   if (tangential > kHopelessTangential)
@@ -89,6 +121,8 @@ CalibrationDoubt doubt_of_distortion(const CameraModel& c) {
   if (const auto fold = fold_px(c))
     return {printed("its distortion coefficients fold the picture from %.0f px around the middle on", *fold) + order,
             true, c.focal_px()};
+  if (tangential > kOddTangential)
+    return {printed("a tangential coefficient of %.3g is more than most lenses have", tangential) + order, false, {}};
   return {};
 }
 

@@ -59,7 +59,17 @@ TEST(CalibrationDoubt, PrincipalPoint) {
 TEST(CalibrationDoubt, DistortionThatIsInAnotherOrder) {
   expect_doubt(bent({-0.283, 0.074, 0.0002, 0.00002, -3.5}), true, "fold the picture from 207 px");
   expect_doubt(bent({-0.283, 0.0002, 0.00002, 0.074}), true, "a tangential coefficient of 0.074");
+  expect_doubt(bent({-0.283, 0.074, 0.02, 0.0002, 0.00002}), true, "in the order k1 k2 k3 p1 p2");
+  expect_doubt(bent({-0.283, 0.074, 0.0002, 0.02}), false, "a tangential coefficient of 0.02 is more than most");
   EXPECT_EQ(doubt_of(bent({-0.283, 0.074, 0, 0, -3.5}), false).focal_px, kEuroc.focal_px());
+}
+
+TEST(CalibrationDoubt, RadtanThatIsCalledEquidistant) {
+  CameraModel named = kEuroc;
+  named.distortion = DistortionModel::kEquidistant;
+  expect_doubt(named, true, "are they radtan's k1 k2 p1 p2?");
+  named.coefficients = {-1.0 / 6, 1.0 / 120};  // orthographic
+  EXPECT_EQ(doubt_of(named, false).text, "");
 }
 
 TEST(CalibrationDoubt, FocalLengthsThatAreNotInPixelsAreAProblem) {
