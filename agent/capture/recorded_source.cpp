@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -19,6 +20,28 @@
 
 namespace coslam {
 namespace {
+
+using ReadMessage = std::function<std::optional<recording::Message>()>;
+
+// The first messages of a topic, and their times, which tell its clock.
+struct FirstMessages {
+  std::deque<recording::Message> messages;
+  std::vector<RecordedTime> times;
+};
+
+FirstMessages first_messages(const recording::MessageReader& reader, const ReadMessage& read) {
+  constexpr std::size_t kMessages = 32, kOctets = 64U << 20U;
+  FirstMessages out;
+  std::size_t octets = 0;
+  while (out.messages.size() < kMessages && octets < kOctets) {
+    auto message = read();
+    if (!message) break;
+    octets += message->octets.size();
+    if (const auto stamp_ns = reader.stamp_ns(message->octets)) out.times.push_back({*stamp_ns, message->noted_ns});
+    out.messages.push_back(std::move(*message));
+  }
+  return out;
+}
 
 // The images of one topic. One is read ahead, because only reading tells whether there is another.
 class RecordedSource final : public ImageSource {
@@ -72,17 +95,9 @@ class RecordedSource final : public ImageSource {
 
   // The first messages tell which of their times count.
   void look_ahead() {
-    constexpr std::size_t kMessages = 32, kOctets = 64U << 20U;
-    std::vector<RecordedTime> times;
-    std::size_t octets = 0;
-    while (read_ahead_.size() < kMessages && octets < kOctets) {
-      auto message = read_message();
-      if (!message) break;
-      octets += message->octets.size();
-      if (const auto stamp_ns = reader_.stamp_ns(message->octets)) times.push_back({*stamp_ns, message->noted_ns});
-      read_ahead_.push_back(std::move(*message));
-    }
-    clock_ = recorded_clock(name_, times, recording_->first_ns());
+    FirstMessages first = first_messages(reader_, [this] { return read_message(); });
+    read_ahead_ = std::move(first.messages);
+    clock_ = recorded_clock(name_, first.times, recording_->first_ns());
     for (const std::string& guess : clock_.guesses) log_warn(guess);
   }
 
@@ -229,6 +244,22 @@ class RecordedSource final : public ImageSource {
 };
 
 }  // namespace
+
+TimeNs recorded_zero_ns(const std::string& uri) {
+  constexpr TimeNs kHour_ns = 3'600'000'000'000;
+  const RecordedTopic topic = recorded_topic(uri);
+  const auto recording = recording::open(topic.path);
+  const std::size_t place = find_topic(*recording, topic, Wanted::kImages);
+  const auto reader = recording::MessageReader::of(recording->topics()[place]).value();
+  recording->play(place);
+  const FirstMessages first = first_messages(reader, [&] {
+    auto message = recording->next();
+    if (message) message->octets = reader.unpacked(std::move(message->octets));
+    return message;
+  });
+  const TimeNs zero_ns = recorded_clock(uri, first.times, recording->first_ns()).zero_ns;
+  return zero_ns > kHour_ns ? zero_ns : 0;
+}
 
 std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options) {
   return std::make_unique<RecordedSource>(uri, options);

@@ -60,11 +60,19 @@ std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz) 
   if (!is_list_or_video(uri)) return std::nullopt;
   const auto list = listed(uri, rate_hz);
   if (!list) return std::nullopt;
-  ListedTimes out{list->all_ns, list->zero_ns};
+  ListedTimes out{list->all_ns};
   if (out.source_ns.empty()) {
     for (const ListedFrame& frame : list->frames) out.source_ns.emplace_back(frame.source_ns);
   }
   return out;
+}
+
+TimeNs written_zero_ns(const std::string& uri, double rate_hz) {
+  if (names_recorded_topic(uri) || (!is_live_uri(uri) && recording::is_recording(uri))) return recorded_zero_ns(uri);
+  if (!is_list_or_video(uri)) return 0;
+  if (const auto list = listed(uri, rate_hz)) return list->zero_ns;
+  const auto times = times_beside(uri);
+  return times ? read_times(*times).zero_ns : 0;
 }
 
 std::filesystem::path first_file(const std::string& uri, double rate_hz) {

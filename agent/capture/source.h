@@ -59,9 +59,12 @@ std::optional<Image> next_readable(ImageSource& source);
 // Of the images of a source that is a list of them.
 struct ListedTimes {
   std::vector<std::optional<TimeNs>> source_ns;  // by image; empty: it is left out
-  TimeNs zero_ns = 0;                            // where these count from, as it was written: UTC where it is a date
 };
 std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz);
+
+// Where the times of a source count from, as they were written: in UTC where they are dates or the stamps of a
+// recording. 0: from their own 0, or that is not known.
+TimeNs written_zero_ns(const std::string& uri, double rate_hz);
 
 // The file that tells most about how a source was taken: a video, or the first of its images. Empty: there is none, as
 // of live sources.

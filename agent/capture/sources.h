@@ -18,6 +18,8 @@ std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, 
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 // bag:PATH#TOPIC, or a path.
 std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options);
+// Where its times count from, where that is not within an hour of 0.
+TimeNs recorded_zero_ns(const std::string& uri);
 // ros2:/TOPIC, see live_topic.h.
 std::unique_ptr<ImageSource> open_ros2(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);

@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <limits>
 #include <utility>
+#include <vector>
 
+#include "deploy/tools/eval/statistics.h"
 #include "deploy/tools/eval/truth.h"
 
 namespace coslam::eval {
@@ -45,6 +47,11 @@ TimeFit best_fit(const Trajectory& estimate, const Trajectory& truth, TimeNs gap
     if (fit.rmse_m < best.rmse_m) best = std::move(fit);
   }
   return best;
+}
+
+Trajectory inverse_of(Trajectory poses) {
+  for (StampedPose& pose : poses) pose.cam_from_world = pose.cam_from_world.inverse();
+  return poses;
 }
 
 }  // namespace
@@ -107,13 +114,32 @@ std::string doubt_of_turns(const AgentPaths& agent, const SequenceAgent& listed,
   const double as_read_deg = off_deg(agent.truth);
   if (as_read_deg < kWorthAWord_deg) return {};
   const double other_deg = off_deg(load_truth(listed, rate_hz, QuaternionOrder::kOther));
-  if (other_deg > as_read_deg / kTimes) return {};
+  const double inverse_deg = off_deg(inverse_of(agent.truth));
+  const double best_deg = std::min(other_deg, inverse_deg);
+  if (best_deg > std::min(as_read_deg / kTimes, kWorthAWord_deg)) return {};
   char text[200];
-  std::snprintf(text, sizeof text,
-                "do not fit (%.1f deg off in a second), as if its quaternions were in the other order (%.1f deg then): "
-                "w is last in TUM's form, first in EuRoC's",
-                as_read_deg, other_deg);
+  std::snprintf(
+      text, sizeof text, "do not fit (%.1f deg off in a second), as if its %s (%.1f deg then): %s", as_read_deg,
+      inverse_deg < other_deg ? "poses were from the world to the camera" : "quaternions were in the other order",
+      best_deg,
+      inverse_deg < other_deg ? "they are to be from the camera to the world"
+                              : "w is last in TUM's form, first in EuRoC's");
   return "the turns of the truth of agent " + agent.name + " " + text;
+}
+
+std::string doubt_of_unit(const AgentPaths& agent) {
+  constexpr double kFastest_m_s = 100;
+  const Trajectory& truth = agent.truth;
+  std::vector<double> speeds_m_s;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const double step_m = (truth[i].cam_from_world.center() - truth[i - 1].cam_from_world.center()).norm();
+    speeds_m_s.push_back(step_m / to_seconds(truth[i].t_ns - truth[i - 1].t_ns));
+  }
+  const double usual_m_s = speeds_m_s.empty() ? 0 : percentile(speeds_m_s, 50);
+  if (usual_m_s < kFastest_m_s) return {};
+  char text[96];
+  std::snprintf(text, sizeof text, " goes at %.0f m/s: is it in millimetres?", usual_m_s);
+  return "the truth of agent " + agent.name + text;
 }
 
 }  // namespace coslam::eval

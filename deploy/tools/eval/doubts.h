@@ -17,7 +17,11 @@ std::string why_not_judged(const std::string& agent, const Trajectory& poses, co
 // Whether the truth would fit far better up to a second earlier or later.
 std::string doubt_of_times(const AgentPaths& agent, TimeNs max_gap_ns);
 
-// Whether the quaternions of the truth would fit far better in the other order. listed: the agent, with its file.
+// Whether the turns of the truth would fit far better with its quaternions in the other order, or as those of poses
+// from the world to the camera. listed: the agent, with its file.
 std::string doubt_of_turns(const AgentPaths& agent, const SequenceAgent& listed, double rate_hz);
+
+// Whether the truth is too fast for metres.
+std::string doubt_of_unit(const AgentPaths& agent);
 
 }  // namespace coslam::eval

@@ -51,6 +51,7 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs, 
   if (!pairs.empty()) e.judged_s = to_seconds(pairs.back().t_ns - pairs.front().t_ns);
   if (e.poses > 0) e.poses_s = to_seconds(agent.estimate.back().t_ns - agent.estimate.front().t_ns);
   if (!agent.doubt.empty()) e.doubts.push_back(agent.doubt);
+  if (const std::string doubt = doubt_of_unit(agent); !doubt.empty()) e.doubts.push_back(doubt);
   for (const auto& [map, poses] : agent.apart) e.poses_apart += static_cast<int>(poses.size());
   if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
   if (!agent.truth.empty()) e.path_m = path_length(agent.truth);

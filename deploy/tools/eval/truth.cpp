@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -26,7 +28,9 @@ struct Line {
   bool commas = false;  // between them
 };
 
-bool is_number(const std::string& field) { return parse_double(field) || field == "nan" || field == "NaN"; }
+bool is_nan(const std::string& field) { return field == "nan" || field == "NaN"; }
+
+bool is_number(const std::string& field) { return parse_double(field) || is_nan(field); }
 
 std::vector<Line> lines_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
@@ -44,6 +48,9 @@ std::vector<Line> lines_of(const std::filesystem::path& file) {
   if (out.empty()) throw UserError(file.string() + ": has no pose");
   return out;
 }
+
+// Of the body that a motion capture lost sight of.
+bool is_unknown(const Line& line) { return std::ranges::any_of(line.fields, is_nan); }
 
 Form form_of(const Line& line) {
   const std::size_t count = line.fields.size();
@@ -71,7 +78,9 @@ Rigid3 pose_of(const Line& line, bool w_first) {
   const Eigen::Quaterniond q =
       w_first ? Eigen::Quaterniond(v[3], v[4], v[5], v[6]) : Eigen::Quaterniond(v[6], v[3], v[4], v[5]);
   if (std::abs(q.norm() - 1) > 0.01)
-    throw UserError(line.where + "not a unit quaternion");  // written with few decimals
+    throw UserError(line.where +
+                    "not a unit quaternion; poses in another form, as Vicon's or COLMAP's, are written as "
+                    "lines `t_s tx ty tz qx qy qz qw` (TUM), camera to world");  // with few decimals
   return {q.normalized(), {v[0], v[1], v[2]}};
 }
 
@@ -110,6 +119,7 @@ std::optional<Rigid3> body_from_camera(const std::filesystem::path& name) {
 }
 
 Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent, bool w_first) {
+  pose_of(lines.front(), w_first);  // or it is none of EuRoC's
   const auto body = body_from_camera(agent.calibration);
   if (!body) {
     log_warn(agent.truth->string() + ": its poses are of the body; the calibration of agent " + agent.name +
@@ -150,7 +160,7 @@ Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent
     const std::size_t image = numbered ? number_of_image(lines[i]) : i;
     if (times && image >= times->source_ns.size()) continue;
     const auto t_ns = times ? times->source_ns[image] : std::optional(to_ns(static_cast<double>(image) / rate_hz));
-    if (!t_ns) continue;  // its image is left out
+    if (!t_ns || is_unknown(lines[i])) continue;  // its image is left out
     const auto v = numbers_of(lines[i], numbered ? 1 : 0, 12);
     const Eigen::Matrix<double, 3, 4> m = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v.data());
     const Rigid3 world_from_cam(Eigen::Quaterniond(Eigen::Matrix3d(m.leftCols<3>())).normalized(), m.col(3));
@@ -159,21 +169,30 @@ Trajectory read_kitti(const std::vector<Line>& lines, const SequenceAgent& agent
   return out;
 }
 
-// A result may be judged where the images are no more.
-std::optional<ListedTimes> times_of(const SequenceAgent& agent, double rate_hz) {
+// A result may be judged where the images are no more: then nothing is known of their times.
+template <class Known>
+Known if_readable(const std::function<Known()>& read) {
   try {
-    return listed_times(agent.source, rate_hz);
+    return read();
   } catch (const UserError&) {
-    return std::nullopt;
+    return {};
   }
 }
 
-// Whether these times are the source's as they were written, before they were counted from its first image.
-bool as_written(const Trajectory& truth, const ListedTimes& times) {
-  if (truth.empty() || times.zero_ns == 0) return false;
-  TimeNs last_ns = 0;
-  for (const auto& t : times.source_ns) last_ns = std::max(last_ns, t.value_or(0));
-  return truth.front().t_ns <= times.zero_ns + last_ns && truth.back().t_ns >= times.zero_ns;
+// Where the times of the source count from, if those of the truth are the source's as they were written; else 0.
+TimeNs written_from_ns(const Trajectory& truth, const SequenceAgent& agent, double rate_hz) {
+  const auto zero_ns = if_readable<TimeNs>([&] { return written_zero_ns(agent.source, rate_hz); });
+  return !truth.empty() && truth.back().t_ns >= zero_ns ? zero_ns : 0;
+}
+
+std::vector<Line> known_of(const std::filesystem::path& file, const std::vector<Line>& lines) {
+  std::vector<Line> known;
+  std::ranges::copy_if(lines, std::back_inserter(known), [](const Line& line) { return !is_unknown(line); });
+  if (known.empty()) throw UserError(file.string() + ": has no pose without NaN");
+  if (known.size() < lines.size())
+    log_warn(file.string() + ": " + std::to_string(lines.size() - known.size()) +
+             " poses of NaN are left out: there is no truth there");
+  return known;
 }
 
 // A pose whose time is that of the one before; throws where it is earlier. A line has one pose, but for KITTI's.
@@ -193,20 +212,22 @@ void leave_out_repeated(const std::filesystem::path& file, const std::vector<Lin
 
 Trajectory load_truth(const SequenceAgent& agent, double rate_hz, QuaternionOrder order) {
   if (!agent.truth) return {};
-  const auto lines = lines_of(*agent.truth);
-  const Form form = form_of(lines.front());
+  const auto written = lines_of(*agent.truth);
+  const Form form = form_of(written.front());
+  const auto lines = form == Form::kKitti ? written : known_of(*agent.truth, written);
   const bool w_first = (form == Form::kEuroc) != (order == QuaternionOrder::kOther);
   Trajectory truth;
   if (form == Form::kTum) truth = read_tum(lines, w_first);
   if (form == Form::kEuroc) truth = read_euroc(lines, agent, w_first);
-  const auto times = times_of(agent, rate_hz);
-  if (form == Form::kKitti) truth = read_kitti(lines, agent, times, rate_hz);
-  const bool written = form != Form::kKitti && times && as_written(truth, *times);
+  if (form == Form::kKitti) {
+    const auto times = if_readable<std::optional<ListedTimes>>([&] { return listed_times(agent.source, rate_hz); });
+    truth = read_kitti(lines, agent, times, rate_hz);
+  }
+  const TimeNs zero_ns = form == Form::kKitti ? 0 : written_from_ns(truth, agent, rate_hz);
   leave_out_repeated(*agent.truth, lines, &truth);
   // What has the source's times is brought to those that were played; else it has them.
-  const bool of_source = form == Form::kKitti || written;
-  const TimeNs later_ns =
-      (written ? times->zero_ns : 0) + to_ns(of_source ? agent.start_s : agent.start_s - agent.truth_start_s);
+  const bool of_source = form == Form::kKitti || zero_ns != 0;
+  const TimeNs later_ns = zero_ns + to_ns(of_source ? agent.start_s : agent.start_s - agent.truth_start_s);
   for (StampedPose& pose : truth) pose.t_ns -= later_ns;
   if (agent.duration_s) std::erase_if(truth, [&](const StampedPose& p) { return p.t_ns >= to_ns(*agent.duration_s); });
   return truth;
