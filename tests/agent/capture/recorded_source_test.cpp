@@ -71,7 +71,9 @@ class Recorded : public ::testing::Test {
 TEST_F(Recorded, ImagesComeWithTheirStamps) {
   put("/clock", kStart_ns, ros::Header{});  // the recording begins before its images
   write_images("/left/image_raw", "mono8", 1);
-  const auto source = open_source(named("/left/image_raw"), kOptions);
+  const std::string name = named("/left/image_raw");
+  EXPECT_EQ(written_zero_ns(name, 30), kStart_ns - kBefore_ns) << "as its stamps have it";
+  const auto source = open_source(name, kOptions);
   EXPECT_EQ(source->peek_ns(), kBefore_ns);
   for (int i = 0; i < 10; ++i) {
     const auto got = source->next();

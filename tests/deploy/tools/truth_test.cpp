@@ -83,6 +83,23 @@ TEST_F(Truth, InUtcCountsFromWhereTheSourceDoes) {
   EXPECT_EQ(t[2].t_ns, 50'000'000) << "of the played time";
 }
 
+TEST_F(Truth, InUtcMeetsAVideoWithTimesBesideIt) {
+  folder_.write("walk.mp4", "");
+  folder_.write("walk.timestamps.csv", "1305031102.1\n1305031102.2\n");
+  const Trajectory t = load_truth(agent("1305031102.1 0 0 0 0 0 0 1\n1305031102.2 1 0 0 0 0 0 1\n", "walk.mp4"), 30);
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t_ns, 100'000'000);
+}
+
+TEST_F(Truth, PosesOfNanAreLeftOut) {
+  const std::string some = "0.0 1 2 3 0 0 0 1\n0.1 nan nan nan nan nan nan nan\n0.2 2 2 3 0 0 0 1\n";
+  const Trajectory t = load_truth(agent(some), 30);
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t_ns, 200'000'000);
+  const SequenceAgent none = agent("0.1 nan nan nan nan nan nan nan\n");
+  EXPECT_THAT(test::error_of<UserError>([&] { load_truth(none, 30); }), HasSubstr("has no pose without NaN"));
+}
+
 TEST_F(Truth, OfAClockSinceTheMachineWasStartedCountsLikewise) {
   for (const char* name : {"a.png", "b.png"}) image(std::string("boot/") + name);
   folder_.write("boot/list.csv", "5461.6,a.png\n5461.7,b.png\n");
@@ -151,6 +168,9 @@ TEST_F(Truth, SaysWhatIsWrong) {
   EXPECT_THAT(error("time,lat,lon,alt\n0.0,47.1,8.1,1\n"), HasSubstr("truth.txt:2: 4 fields; poses are lines `t_s"));
   EXPECT_THAT(error("2,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("truth.txt:2: the time is earlier"));
   EXPECT_THAT(error("1,0,0,0,2,0,0,0\n"), HasSubstr("truth.txt:1: not a unit quaternion"));
+  EXPECT_THAT(
+      error("Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ\n,,rad,rad,rad,mm,mm,mm\n1,0,0.1,0.2,0.3,-1662.1,-721.4,1495.3\n"),
+      HasSubstr("truth.txt:3: not a unit quaternion; poses in another form, as Vicon's or COLMAP's, are"));
   EXPECT_THAT(error("1 0 0 0 0 1 0 0 0 0 1 x\n"), HasSubstr("'x' is not a number"));
 }
 
