@@ -32,7 +32,7 @@ bool is_kitti(const YamlValue& root) {
 }
 
 calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& camera) {
-  const bool several = is_kalibr(root) || is_kitti(root) || root.has("cameras");
+  const bool several = is_kalibr(root) || is_kitti(root) || has_any(root, {"cameras", "value0"});
   if (!camera.empty() && !several) root.fail("of this form there is one camera in a file: leave out #" + camera);
   if (has_any(root, {"fx", "fy"})) return calibration::read_plain(root);
   if (root.has("sensor_type")) return calibration::read_euroc(root);
@@ -44,11 +44,20 @@ calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& ca
   if (root.has("distortion_model") && has_any(root, {"camera_matrix", "k", "K"})) return calibration::read_ros(root);
   if (has_any(root, {"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"})) return calibration::read_opencv(root);
   if (root.has("camera_model") && root.has("intrinsics")) return calibration::read_euroc(root);
-  if (root.has("value0")) root.fail("the basalt form of a calibration is not supported");
+  if (root.has("value0")) return calibration::read_basalt(root, camera);
   root.fail(
-      "not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or EuRoC "
-      "sensor.yaml keys; write the numbers of another form as width, height, fx, fy, cx, cy, distortion_model and "
-      "distortion");
+      std::string("not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or "
+                  "EuRoC sensor.yaml keys; ") +
+      calibration::kOtherForms);
+}
+
+YamlValue load_yaml(const std::filesystem::path& file) {
+  try {
+    return YamlValue::load(file);
+  } catch (const UserError& e) {
+    if (!std::filesystem::is_regular_file(file)) throw;
+    throw UserError(std::string(e.what()) + "; " + calibration::kOtherForms);
+  }
 }
 
 // COLMAP's cameras.txt is the one form that is no YAML: lines `ID MODEL ...`.
@@ -130,7 +139,7 @@ calibration::SensorCamera read_any(const std::filesystem::path& file, const std:
   if (first.starts_with("# oST") || first == "[image]") return calibration::read_ost(file);
   if (is_dso(first)) return calibration::read_dso(file);
   if (first.starts_with("<?xml")) return calibration::read_opencv_xml(file);
-  return read_yaml(YamlValue::load(file), camera);
+  return read_yaml(load_yaml(file), camera);
 }
 
 ReadCalibration checked(const calibration::SensorCamera& camera, const std::string& name) {

@@ -3,12 +3,8 @@
 #include "common/dataset/calibration_dialects.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <optional>
-#include <sstream>
 
-#include "common/base/log.h"
 #include "common/dataset/lens_fit.h"
 
 namespace coslam::calibration {
@@ -30,9 +26,16 @@ void set_intrinsics(CameraModel& camera, const YamlValue& fx_fy_cx_cy) {
   camera.fx = v[0], camera.fy = v[1], camera.cx = v[2], camera.cy = v[3];
 }
 
-// A matrix is a list, or a map with its elements under `data`.
+// A matrix is a list, or a list of its rows, or a map with one of these under `data`.
 std::vector<double> matrix_data(const YamlValue& value) {
-  return value.is_map() ? value.at("data").numbers() : value.numbers();
+  if (value.is_map()) return matrix_data(value.at("data"));
+  const auto rows = value.items();
+  if (rows.empty() || !rows.front().is_sequence()) return value.numbers();
+  std::vector<double> all;
+  for (const YamlValue& row : rows) {
+    for (const double number : row.numbers()) all.push_back(number);
+  }
+  return all;
 }
 
 void set_camera_matrix(CameraModel& camera, const YamlValue& value) {
@@ -57,62 +60,12 @@ YamlValue required(const YamlValue& root, const std::vector<std::string>& names)
   return value ? *value : root.at(names.front());
 }
 
-// The terms s1 to s4 of a thin prism, from the ninth on, move a place by them times the squared and the fourth power of
-// its distance from the middle.
-void leave_out_prism(const CameraModel& camera, const YamlValue& place, std::vector<double>* k) {
-  k->resize(12);
-  const double r2 = std::pow(farthest_corner(camera), 2);
-  const double along_x = (*k)[8] * r2 + (*k)[9] * r2 * r2, along_y = (*k)[10] * r2 + (*k)[11] * r2 * r2;
-  std::ostringstream miss;
-  miss.precision(2);
-  miss << std::hypot(camera.fx * along_x, camera.fy * along_y);
-  log_warn(place.file().string() + ": the terms of a thin prism are left out, which is " + miss.str() +
-           " pixels off in the farthest corner");
-  k->resize(8);
-}
-
-void set_radtan(CameraModel& camera, const YamlValue& place, std::vector<double> k) {
-  while (k.size() > 8 && k.back() == 0) k.pop_back();
-  if (k.size() > 12) place.fail("coefficients of a tilted sensor are not supported");
-  if (k.size() > 8) leave_out_prism(camera, place, &k);
-  const bool all_zero = std::all_of(k.begin(), k.end(), [](double v) { return v == 0; });
-  if (!all_zero && k.size() != 4 && k.size() != 5 && k.size() != 8) {
-    place.fail(std::to_string(k.size()) + " radtan coefficients, 4, 5 or 8 are expected (k1 k2 p1 p2 k3 k4 k5 k6)");
-  }
-  if (all_zero) return;
-  camera.distortion = DistortionModel::kRadTan;
-  std::copy(k.begin(), k.end(), camera.coefficients.begin());
-}
-
-void set_exactly(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
-                 const std::vector<double>& k, std::size_t count) {
-  if (k.size() != count) place.fail(std::string(expected) + " are expected");
-  camera.distortion = model;
-  std::copy(k.begin(), k.end(), camera.coefficients.begin());
-}
-
-// The files give the focal lengths of the sphere's image, CameraModel those of the middle.
-void set_sphere(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
-                const std::vector<double>& k, std::size_t count) {
-  set_exactly(camera, place, model, expected, k, count);
-  if (!(k[0] > -1)) place.fail("xi of the lens must be above -1");
-  camera.fx /= 1 + k[0];
-  camera.fy /= 1 + k[0];
-}
-
-void set_fit(CameraModel& camera, const YamlValue& place, const char* model, const RadiusOfAngle& radius) {
-  const FittedLens fit = fit_equidistant(camera, radius);
-  log_info(place.file().string() + ": " + fit_said(model, fit));
-  camera = fit.camera;
-}
-
-void set_eucm(CameraModel& camera, const YamlValue& section) {
+void set_eucm_of(CameraModel& camera, const YamlValue& section) {
   const YamlValue intrinsics = section.at("intrinsics");
   const auto v = intrinsics.numbers();
   if (v.size() != 6) intrinsics.fail("[alpha, beta, fx, fy, cx, cy] is expected");
-  if (!(v[0] >= 0 && v[0] <= 1 && v[1] > 0)) intrinsics.fail("alpha from 0 to 1 and beta above 0 are expected");
   camera.fx = v[2], camera.fy = v[3], camera.cx = v[4], camera.cy = v[5];
-  set_fit(camera, section, "eucm", extended_unified_lens(v[0], v[1]));
+  set_eucm(camera, intrinsics, v[0], v[1]);
 }
 
 // Kalibr's projection and distortion models as one lens, its first numbers before fx fy cx cy.
@@ -120,7 +73,7 @@ void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   const YamlValue model = section.at("camera_model"), intrinsics = section.at("intrinsics");
   const std::string name = model.text();
   const std::size_t before = name == "ds" ? 2 : name == "omni" ? 1 : 0;
-  if (name == "eucm") return set_eucm(camera, section);
+  if (name == "eucm") return set_eucm_of(camera, section);
   if (before == 0 && name != "pinhole") {
     model.fail("the camera model '" + name + "' is not supported, only pinhole, ds, omni and eucm are");
   }
@@ -152,55 +105,6 @@ void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
 
 }  // namespace
 
-void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
-                    const std::vector<double>& coefficients) {
-  static const std::map<std::string, DistortionModel> kModels = {
-      {"none", DistortionModel::kNone},
-      {"radtan", DistortionModel::kRadTan},
-      {"radial-tangential", DistortionModel::kRadTan},
-      {"plumb_bob", DistortionModel::kRadTan},
-      {"rational_polynomial", DistortionModel::kRadTan},
-      {"equidistant", DistortionModel::kEquidistant},
-      {"equi", DistortionModel::kEquidistant},
-      {"fisheye", DistortionModel::kEquidistant},
-      {"KannalaBrandt8", DistortionModel::kEquidistant},
-      {"double_sphere", DistortionModel::kDoubleSphere},
-      {"ds", DistortionModel::kDoubleSphere},
-      {"omni", DistortionModel::kOmni},
-      {"mei", DistortionModel::kOmni},
-      {"unknown", DistortionModel::kUnknown},
-  };
-  const auto found = kModels.find(model);
-  if (found == kModels.end()) {
-    place.fail("the distortion model '" + model +
-               "' is not supported, only none, radtan, equidistant, double_sphere, omni and unknown are");
-  }
-  camera.distortion = DistortionModel::kNone;
-  camera.coefficients.fill(0);
-  switch (found->second) {
-    case DistortionModel::kNone:
-    case DistortionModel::kUnknown:
-      if (std::ranges::any_of(coefficients, [](double k) { return k != 0; }))
-        place.fail("the distortion model '" + model + "' has no coefficients");
-      camera.distortion = found->second;
-      return;
-    case DistortionModel::kRadTan:
-      return set_radtan(camera, place, coefficients);
-    case DistortionModel::kEquidistant:
-      return set_exactly(camera, place, found->second, "4 equidistant coefficients (k1 k2 k3 k4)", coefficients, 4);
-    case DistortionModel::kDoubleSphere:
-      return set_sphere(camera, place, found->second, "2 double_sphere coefficients (xi alpha)", coefficients, 2);
-    case DistortionModel::kOmni:
-      return set_sphere(camera, place, found->second, "5 omni coefficients (xi k1 k2 p1 p2)", coefficients, 5);
-  }
-}
-
-double sphere_scale(const CameraModel& camera) {
-  const bool sphere =
-      camera.distortion == DistortionModel::kDoubleSphere || camera.distortion == DistortionModel::kOmni;
-  return sphere ? 1 + camera.coefficients[0] : 1.0;
-}
-
 CameraModel read_plain(const YamlValue& root) {
   root.allow_only({"width", "height", "fx", "fy", "cx", "cy", "distortion_model", "distortion"});
   CameraModel camera;
@@ -229,8 +133,8 @@ CameraModel read_opencv(const YamlValue& root) {
     camera.height_px = pixels(required(root, {"image_height", "image_Height", "imageHeight", "height"}));
   }
   set_camera_matrix(camera, required(root, {"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"}));
-  const auto distortion = first_of(
-      root, {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "dist_coeffs", "distortion", "D"});
+  const auto distortion = first_of(root, {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs",
+                                          "dist_coeffs", "dist_coeff", "dist", "distortion", "D"});
   if (!distortion) root.fail("the key 'distortion_coefficients' is missing");
   const auto fisheye = root.find("fisheye_model");
   const bool is_fisheye = fisheye && fisheye->text() != "0" && fisheye->text() != "false";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/yaml_value.h"
+#include "common/dataset/lens_fit.h"
 #include "common/dataset/recorded_topic.h"
 #include "common/geometry/camera_model.h"
 #include "common/ros/sensor_messages.h"
@@ -30,6 +31,7 @@ CameraModel read_kalibr(const YamlValue& root, const std::string& camera);
 CameraModel read_euroc(const YamlValue& root);
 CameraModel read_camodocal(const YamlValue& root);
 CameraModel read_maplab(const YamlValue& root, const std::string& camera_name);
+CameraModel read_basalt(const YamlValue& root, const std::string& camera);
 CameraModel read_kitti(const YamlValue& root, const std::string& camera);  // calib_cam_to_cam.txt, calib.txt
 CameraModel read_ost(const std::filesystem::path& file);                   // of ROS's camera_calibration
 CameraModel read_opencv_xml(const std::filesystem::path& file);
@@ -48,6 +50,14 @@ std::string several_cameras(const std::string& names);
 // Sets model and coefficients from a model name of any dialect. Refuses unknown models and counts.
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
                     const std::vector<double>& coefficients);
+
+// The nearest lens of ours to one of that kind, which is said; of a camera that has its projection.
+void set_fit(CameraModel& camera, const YamlValue& place, const char* model, const RadiusOfAngle& radius);
+void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double beta);
+
+// What to do with a file of a form that is not known.
+inline constexpr const char* kOtherForms =
+    "write the numbers of another form as width, height, fx, fy, cx, cy, distortion_model and distortion";
 
 // The focal length that files give for a lens over that of CameraModel.
 double sphere_scale(const CameraModel& camera);

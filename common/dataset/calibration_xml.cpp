@@ -48,7 +48,7 @@ CameraModel read_opencv_xml(const std::filesystem::path& file) {
     const cv::FileStorage storage(file.string(), cv::FileStorage::READ | cv::FileStorage::FORMAT_XML);
     for (const cv::FileNode& node : storage.root()) put(text, node);
   } catch (const cv::Exception& e) {
-    throw UserError(file.string() + ": is no XML of OpenCV: " + e.err);
+    throw UserError(file.string() + ": is no XML of OpenCV: " + e.err + "; " + kOtherForms);
   }
   if (text.str().empty()) throw UserError(file.string() + ": there is no camera in it");
   std::istringstream yaml(text.str());

@@ -47,6 +47,42 @@ TEST_F(CalibrationOfPrograms, Kitti) {
       HasSubstr("calib.txt:2: P1: the size of the images is not in it: write `width:`, `height:` and `fx: 720`"));
 }
 
+TEST_F(CalibrationOfPrograms, Basalt) {
+  const auto text = [](const std::string& lenses, const std::string& sizes = "[480, 360]") {
+    return "{\"value0\": {\"intrinsics\": [" + lenses + "], \"resolution\": [" + sizes + "]}}\n";
+  };
+  const auto lens = [](const std::string& type, const std::string& terms) {
+    return "{\"camera_type\": \"" + type + R"(", "intrinsics": {"fx": 347, "fy": 346, "cx": 242, "cy": 178)" + terms +
+           "}}";
+  };
+  const std::string bent = lens(
+      "pinhole-radtan8", R"(, "k1": -0.28, "k2": 0.07, "p1": 3e-4, "p2": 2e-4, "k3": 0, "k4": 0, "k5": 0, "k6": 0)");
+  const CameraModel radtan = load(text(bent), "calib.json");
+  EXPECT_EQ(radtan.width_px, 480);
+  EXPECT_EQ(radtan.height_px, 360);
+  EXPECT_THAT(projection(radtan), ElementsAre(347, 346, 242, 178));
+  EXPECT_THAT(radtan.coefficients, ElementsAre(-0.28, 0.07, 3e-4, 2e-4, 0, 0, 0, 0));
+  EXPECT_EQ(load(text(lens("pinhole", ""))).distortion, DistortionModel::kNone);
+  EXPECT_EQ(load(text(lens("ds", R"(, "xi": -0.2, "alpha": 0.5)"))).fx, 347 / 0.8);
+  EXPECT_EQ(load(text(lens("eucm", R"(, "alpha": 0.5, "beta": 1)"))).distortion, DistortionModel::kEquidistant);
+  const std::string fisheye = lens("kb4", R"(, "k1": 0.01, "k2": 0, "k3": 0, "k4": 0)");
+  const std::string two = text(bent + ", " + fisheye, "[480, 360], [640, 480]");
+  EXPECT_EQ(load(two, "calib.json", "#cam1").distortion, DistortionModel::kEquidistant);
+  EXPECT_THAT(error(two), HasSubstr("(cam0, cam1): name one, as FILE#CAMERA"));
+  EXPECT_THAT(error(two, "calib.json", "#cam2"), HasSubstr("no camera 'cam2', of these there are: cam0, cam1"));
+  EXPECT_THAT(error(two, "calib.json", "#left"), HasSubstr("no camera 'left'"));
+  EXPECT_THAT(error(text(lens("fov", R"(, "w": 0.9)"))), HasSubstr("the camera type 'fov' is not supported"));
+  EXPECT_THAT(error(text("")), HasSubstr("there is no camera"));
+}
+
+TEST_F(CalibrationOfPrograms, MatricesMayBeListsOfRows) {
+  const CameraModel camera = load(
+      R"({"camera_matrix": [[347, 0, 242], [0, 346, 178], [0, 0, 1]], "dist_coeff": [[-0.28, 0.07, 3e-4, 2e-4, 0]],)"
+      R"( "image_width": 480, "image_height": 360})");
+  EXPECT_THAT(projection(camera), ElementsAre(347, 346, 242, 178));
+  EXPECT_THAT(camera.coefficients, ElementsAre(-0.28, 0.07, 3e-4, 2e-4, 0, 0, 0, 0));
+}
+
 TEST_F(CalibrationOfPrograms, Camodocal) {
   const std::string head = "%YAML:1.0\n---\ncamera_name: left\nimage_width: 752\nimage_height: 480\n";
   const CameraModel pinhole =
