@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agent/track/mask.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -30,8 +33,26 @@ cv::Mat by_transparency(const std::string& file, const cv::Mat& opaque, const cv
                   "nothing is to be followed");
 }
 
+// A photo has many grey levels; a mask has two, and a few between them where its edges are soft.
+bool is_photo(const cv::Mat& grey) {
+  constexpr std::ptrdiff_t kMany = 32;
+  constexpr double kSome = 1.0 / 2000;  // of the picture in one level
+  cv::Mat levels;
+  grey.convertTo(levels, CV_8U, 255 / std::max(largest(grey), 1e-6));
+  std::array<int, 256> counts{};
+  for (auto at = levels.begin<std::uint8_t>(); at != levels.end<std::uint8_t>(); ++at) ++counts[*at];
+  const double some = kSome * static_cast<double>(levels.total());
+  return std::ranges::count_if(counts, [&](int count) { return count > some; }) >= kMany;
+}
+
 cv::Mat followed(const std::string& file, const cv::Mat& image) {
-  if (image.channels() == 1) return image > kHalf * largest(image);
+  if (image.channels() == 1) {
+    if (is_photo(image))
+      throw UserError("the mask " + file +
+                      " is a picture of many grey levels: it is to be black where nothing is to be followed, and white "
+                      "elsewhere");
+    return image > kHalf * largest(image);
+  }
   cv::Mat grey, alpha;
   cv::cvtColor(image, grey, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
   if (image.channels() == 3) return followed(file, grey);

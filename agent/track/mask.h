@@ -10,7 +10,7 @@ namespace coslam {
 // A mask as painting programs write it: 255 where something is followed, 0 where not. Dark is what is less than half as
 // bright as the brightest, so that 0 and 1 do as well as 0 and 255. Of a picture with transparent parts black paint on
 // a transparent sheet leaves out what is painted, a hole in a bright sheet leaves out the hole. Throws UserError for
-// one that cannot be read, whose transparency may mean either, or that leaves out everything.
+// one that cannot be read, that is a photo, whose transparency may mean either, or that leaves out everything.
 cv::Mat read_mask(const std::string& file);
 
 // What a mask leaves out, one sentence, and whether that is so unusual that it may not be meant.

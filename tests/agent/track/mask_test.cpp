@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
@@ -63,6 +64,18 @@ TEST_F(MaskTest, TransparencyThatMayMeanEitherIsRefused) {
   cv::Mat photo = painted(CV_8UC4, {200, 200, 200, 255}, {0, 0, 0, 0});
   photo.rowRange(0, 10).setTo(cv::Scalar(20, 20, 20, 255));
   EXPECT_THAT(error(photo), HasSubstr("mask.png has transparent parts beside dark and bright ones: save it without"));
+}
+
+TEST_F(MaskTest, PaintOnAPhotoIsRefused) {
+  cv::Mat photo(300, 400, CV_8UC1);
+  cv::RNG(1).fill(photo, cv::RNG::UNIFORM, 60, 200);
+  photo.rowRange(200, 300).setTo(0);
+  EXPECT_THAT(error(photo), HasSubstr("mask.png is a picture of many grey levels: it is to be black where"));
+  cv::Mat soft = photo;
+  soft.setTo(255);
+  soft.rowRange(200, 300).setTo(0);
+  cv::GaussianBlur(soft, soft, {}, 2);
+  EXPECT_EQ(cv::countNonZero(read(soft)), 200 * 400);
 }
 
 TEST_F(MaskTest, OneThatLeavesOutEverythingIsRefused) {
