@@ -201,6 +201,18 @@ void count_from(const std::string& name, const std::vector<WrittenTime>& written
   }
 }
 
+// A sentence about the longest time without an image, where it is far longer than usual; else empty.
+std::string said_of_gap(const std::string& name, const std::vector<std::optional<TimeNs>>& source_ns) {
+  constexpr double kMinute_s = 60, kTimes = 100;
+  const auto intervals = intervals_s(source_ns);
+  const auto usual_s = median_of_means(intervals);
+  if (!usual_s) return {};
+  const auto longest = std::ranges::max_element(intervals);
+  if (*longest < std::max(kMinute_s, kTimes * *usual_s)) return {};
+  return name + ": after its first " + std::to_string(longest - intervals.begin() + 1) + " images none comes for " +
+         short_number(*longest) + " s: a pause, or a clock that was set; played so";
+}
+
 }  // namespace
 
 std::optional<double> usual_interval(const std::vector<WrittenTime>& written) {
@@ -260,6 +272,7 @@ SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>
                                         ? "; they are spread evenly from the first on"
                                         : "; played so, though they may be times of arrival"));
   }
+  if (const std::string gap = said_of_gap(name, out.source_ns); !gap.empty()) out.guesses.push_back(gap);
   const auto early = std::ranges::count_if(out.source_ns, [](const auto& t) { return t && *t < 0; });
   if (early > 0) {
     out.guesses.push_back(name + ": of its images " + std::to_string(early) +

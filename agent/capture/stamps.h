@@ -51,6 +51,7 @@ struct SourceTimes {
 // - that times are counted from the first image, where they begin later than an hour (as clocks do that count since a
 //   machine was started). Dates are counted from the first without a word;
 // - that images in bursts are spread evenly, where most come right after another;
+// - that nothing comes for a minute and more, far longer than usual;
 // - that images before 0 are not played.
 // Throws UserError where no unit makes a rate of them, or more than half repeat the time of the one before.
 SourceTimes source_times(const std::string& name, const std::vector<WrittenTime>& written, TimeUnit usual);

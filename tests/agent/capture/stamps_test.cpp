@@ -13,6 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Optional;
 
 TEST(WrittenTimes, AreReadToTheLastDigit) {
@@ -106,6 +107,21 @@ TEST(SourceTimes, ImagesBeforeZeroAreSaid) {
   const SourceTimes m = meant({"-0.2", "-0.1", "0", "0.1"});
   EXPECT_THAT(m.source_ns, ElementsAre(-200'000'000, -100'000'000, 0, 100'000'000));
   EXPECT_THAT(m.guesses, ElementsAre(HasSubstr("of its images 2 are before time 0, where play begins; left out")));
+}
+
+TEST(SourceTimes, AClockThatWasSetIsSaid) {
+  const auto set_by = [](int later_s) {
+    std::vector<std::string> times;
+    for (int i = 0; i < 40; ++i)
+      times.push_back(std::to_string(i / 10 + (i < 20 ? 0 : later_s)) + "." + std::to_string(i % 10));
+    return meant(times);
+  };
+  EXPECT_EQ(set_by(3600).source_ns.back(), 3'603'900'000'000);
+  EXPECT_THAT(
+      set_by(3600).guesses,
+      ElementsAre("times.txt: after its first 20 images none comes for 3600 s: a pause, or a clock that was set; "
+                  "played so"));
+  EXPECT_THAT(set_by(30).guesses, IsEmpty());
 }
 
 TEST(SourceTimes, DatesMayBeFarApart) {
