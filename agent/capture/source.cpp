@@ -46,7 +46,7 @@ std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const Source
 }  // namespace
 
 std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOptions& options) {
-  auto source = open_uncovered(uri, options);
+  auto source = of_one_field(open_uncovered(uri, options), uri);
   return options.covered.empty() ? std::move(source) : covered_at_times(std::move(source), options.covered);
 }
 

@@ -21,8 +21,6 @@ extern "C" {
 
 #include "agent/capture/decode.h"
 #include "agent/capture/decoded_damage.h"
-#include "agent/capture/fields.h"
-#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -98,7 +96,6 @@ class FfmpegDecoder final : public StreamDecoder {
       return {};
     }
     rows.colRange(0, frame_->width).copyTo(out);
-    if (frame_->interlaced_frame != 0) take_one_field(out);
     return out;
   }
 
@@ -236,15 +233,6 @@ class FfmpegDecoder final : public StreamDecoder {
     damaged_ = damage_.note(*frame_, std::exchange(cut_, false), heals_in);
   }
 
-  // What is marked as interlaced may well be whole frames; from the first one on that is not, all are taken as fields.
-  void take_one_field(cv::Mat& bgr) {
-    if (!combed_ && is_combed(bgr)) {
-      combed_ = true;
-      log_warn("the video '" + url_ + "' is interlaced: of each frame every second row is used");
-    }
-    if (combed_) keep_one_field(bgr);
-  }
-
   const bool live_;
   const std::atomic<bool>* const also_stopped_;
   std::string url_;
@@ -257,7 +245,7 @@ class FfmpegDecoder final : public StreamDecoder {
   Frame frame_{av_frame_alloc()};
   Scaler scaler_;
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
-  bool decoded_ = false, cut_ = false, damaged_ = false, combed_ = false;
+  bool decoded_ = false, cut_ = false, damaged_ = false;
   DecodedDamage damage_;
 };
 

@@ -4,41 +4,60 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
+
+#include "tests/agent/capture/interlaced.h"
 
 namespace coslam {
 namespace {
 
-cv::Mat view(double shift_px) {
-  cv::Mat coarse(20, 30, CV_8UC3), image;
-  cv::RNG(3).fill(coarse, cv::RNG::UNIFORM, 20, 230);
-  cv::resize(coarse, image, {240, 160}, 0, 0, cv::INTER_CUBIC);
-  const cv::Mat move = (cv::Mat_<double>(2, 3) << 1, 0, shift_px, 0, 1, 0);
-  cv::warpAffine(image, image, move, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return image;
+using test::interlaced;
+using test::place_px;
+using test::view;
+
+Fields told_of(const std::function<cv::Mat(int)>& image, int count = 20) {
+  FieldOrder order;
+  Fields told = Fields::kUnknown;
+  for (int i = 0; i < count; ++i) told = order.note(image(i));
+  return told;
 }
 
-// Odd rows are of a time at which everything was elsewhere.
-cv::Mat interlaced(double shift_px) {
-  cv::Mat image = view(0);
-  const cv::Mat later = view(shift_px);
-  for (int y = 1; y < image.rows; y += 2) later.row(y).copyTo(image.row(y));
-  return image;
+TEST(FieldOrder, IsToldByHowThePictureMoves) {
+  for (const Fields order : {Fields::kUpperFirst, Fields::kLowerFirst}) {
+    EXPECT_EQ(told_of([&](int i) { return interlaced(i, order); }), order);
+    EXPECT_EQ(told_of([&](int i) { return interlaced(i, order); }, 6), order) << "soon";
+  }
 }
 
-TEST(Fields, ArePartedWhileSomethingMoves) {
-  EXPECT_FALSE(is_combed(view(0)));
-  EXPECT_FALSE(is_combed(interlaced(0)));
-  EXPECT_TRUE(is_combed(interlaced(4)));
+TEST(FieldOrder, OfWholeFramesThereIsNone) {
+  EXPECT_EQ(told_of([](int i) { return view(place_px(i), i); }), Fields::kNone);
 }
 
-TEST(Fields, OneIsLeft) {
-  cv::Mat image = interlaced(6);
-  keep_one_field(image);
-  EXPECT_FALSE(is_combed(image));
-  EXPECT_LT(cv::norm(image, view(0), cv::NORM_L1) / static_cast<double>(3 * image.total()), 2);
-  EXPECT_EQ(cv::norm(image.row(10), view(0).row(10), cv::NORM_INF), 0);
+TEST(FieldOrder, OfWhatStandsNothingIsTold) {
+  EXPECT_EQ(told_of([](int i) { return view(0, i); }), Fields::kUnknown);
+}
+
+// As of a colour sensor whose pattern nobody resolved.
+TEST(FieldOrder, RowsThatAreDarkerThanTheirNeighboursAreNoFields) {
+  const auto striped = [](int i) {
+    cv::Mat image = view(place_px(i), i);
+    for (int y = 1; y < image.rows; y += 2) image.row(y) *= 0.5;
+    return image;
+  };
+  const Fields told = told_of(striped);
+  EXPECT_TRUE(told == Fields::kUnknown || told == Fields::kNone);
+}
+
+TEST(FieldOrder, TheFirstFieldIsLeft) {
+  for (const Fields order : {Fields::kUpperFirst, Fields::kLowerFirst}) {
+    cv::Mat image = interlaced(2, order);
+    keep_first_field(image, order);
+    const cv::Mat whole = view(place_px(2), 2);
+    EXPECT_LT(cv::norm(image, whole, cv::NORM_L1) / static_cast<double>(image.total()), 2);
+    const int row = order == Fields::kUpperFirst ? 10 : 11;
+    EXPECT_EQ(cv::norm(image.row(row), whole.row(row), cv::NORM_INF), 0);
+  }
 }
 
 }  // namespace
