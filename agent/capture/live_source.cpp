@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 #include <string_view>
@@ -44,8 +45,16 @@ class Camera {
   };
   // The next one; empty: the camera has failed, or its end is reached.
   virtual std::optional<Picture> read() = 0;
-  virtual void stop() {}  // from any thread
+  virtual bool has_end() const { return false; }  // after which there is nothing more
+  virtual void stop() {}                          // from any thread
 };
+
+void sleep_until(std::chrono::steady_clock::time_point until, const std::atomic<bool>& stopped) {
+  constexpr std::chrono::milliseconds kStep{50};
+  for (auto now = std::chrono::steady_clock::now(); !stopped && now < until; now = std::chrono::steady_clock::now()) {
+    std::this_thread::sleep_until(std::min(until, now + kStep));
+  }
+}
 
 class CapturedByOpenCv final : public Camera {
  public:
@@ -65,12 +74,28 @@ class Stream final : public Camera {
   explicit Stream(std::unique_ptr<StreamDecoder> decoder) : decoder_(std::move(decoder)) {}
   std::optional<Picture> read() override {
     if (!decoder_->grab()) return std::nullopt;
+    if (has_end()) wait_until_due();
     return Picture{to_grey(decoder_->bgr()), decoder_->concealed()};
   }
-  void stop() override { decoder_->stop(); }
+  bool has_end() const override { return decoder_->has_end(); }
+  void stop() override {
+    stopped_ = true;
+    decoder_->stop();
+  }
 
  private:
+  // A file comes faster than it is to be played.
+  void wait_until_due() {
+    const std::optional<double> time_s = decoder_->time_s();
+    if (!time_s) return;
+    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(*time_s));
+    if (!start_) start_ = std::chrono::steady_clock::now() - time;
+    sleep_until(*start_ + time, stopped_);
+  }
+
   std::unique_ptr<StreamDecoder> decoder_;
+  std::atomic<bool> stopped_ = false;
+  std::optional<std::chrono::steady_clock::time_point> start_;
 };
 
 // As the end of a sentence.
@@ -124,13 +149,17 @@ std::unique_ptr<Camera> open_v4l2(const std::string& uri, std::string* why) {
 
 std::unique_ptr<Camera> open_gst(std::string pipeline, std::string* why) {
   *why = cv::videoio_registry::hasBackend(cv::CAP_GSTREAMER)
-             ? "gst-launch-1.0 with the same pipeline says what is wrong with it"
+             ? "GStreamer says why above, and gst-launch-1.0 with the same pipeline more"
              : "OpenCV is built without GStreamer here";
   if (pipeline.find("appsink") == std::string::npos) {
     pipeline += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
   }
+  // OpenCV alone knows GStreamer's reason, and says it in its own log.
+  const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_WARNING);
   cv::VideoCapture capture;
-  if (!capture.open(pipeline, cv::CAP_GSTREAMER)) return nullptr;
+  const bool open = capture.open(pipeline, cv::CAP_GSTREAMER);
+  cv::utils::logging::setLogLevel(level);
+  if (!open) return nullptr;
   return std::make_unique<CapturedByOpenCv>(capture);
 }
 
@@ -171,7 +200,7 @@ class LiveSource final : public ImageSource {
     const TimeNs now_ns = utc_now_ns();
     if (!first_ns_) first_ns_ = now_ns;
     if (duration_s_ && now_ns - *first_ns_ >= to_ns(*duration_s_)) ended_ = true;
-    if (!picture && uri_.starts_with(kGst)) ended_ = true;  // the end of a pipeline cannot be told from its failure
+    if (!picture && (camera_->has_end() || uri_.starts_with(kGst))) ended_ = true;  // a pipeline's cannot be told
     if (stopped_ || ended_) return std::nullopt;
     Image image{FrameId(frame_++), now_ns, picture ? picture->grey : cv::Mat()};
     image.fault = fault_of(picture);
@@ -228,18 +257,11 @@ class LiveSource final : public ImageSource {
     };
     put(nullptr);
     do {
-      sleep(wait);
+      sleep_until(std::chrono::steady_clock::now() + wait, stopped_);
       wait = std::min(wait * 2, std::chrono::milliseconds(3000));
       if (!stopped_) put(opened_again());
     } while (!stopped_ && !camera_);
     failed_ = false;
-  }
-
-  void sleep(std::chrono::milliseconds duration) const {
-    const auto until = std::chrono::steady_clock::now() + duration;
-    while (!stopped_ && std::chrono::steady_clock::now() < until) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
   }
 
   const std::string uri_, name_;

@@ -101,14 +101,16 @@ class FfmpegDecoder final : public StreamDecoder {
 
   std::optional<double> time_s() const override {
     const std::int64_t pts = frame_->best_effort_timestamp;
-    if (!decoded_ || pts == AV_NOPTS_VALUE) return std::nullopt;
+    if (!decoded_ || pts == AV_NOPTS_VALUE || !has_times()) return std::nullopt;
     const std::int64_t start = stream().start_time == AV_NOPTS_VALUE ? 0 : stream().start_time;
     return static_cast<double>(pts - start) * av_q2d(stream().time_base);
   }
   bool concealed() const override { return decoded_ && damaged_; }
 
+  bool has_end() const override { return has_end_; }
   double rate_hz() const override {
-    const AVRational rate = av_guess_frame_rate(container_, container_->streams[video_], nullptr);
+    const AVRational rate =
+        has_times() ? av_guess_frame_rate(container_, container_->streams[video_], nullptr) : codec_->framerate;
     return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
   }
   std::int64_t frames() const override {
@@ -145,6 +147,9 @@ class FfmpegDecoder final : public StreamDecoder {
   static bool is_video(const AVStream* s) {
     return s->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && (s->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
   }
+
+  // Frames one after another and nothing else have none, but FFmpeg makes them up at 25 a second.
+  bool has_times() const { return (container_->iformat->flags & AVFMT_NOTIMESTAMPS) == 0; }
 
   // Of the video; others in the container may be longer.
   double length_s() const {
@@ -185,7 +190,10 @@ class FfmpegDecoder final : public StreamDecoder {
     const int opened = avformat_open_input(&container_, name.c_str(), nullptr, &options);  // frees it when it fails
     av_dict_free(&options);
     deadline_ = Clock::now() + kPatience;
-    return opened == 0 ? avformat_find_stream_info(container_, nullptr) : opened;
+    if (opened != 0) return opened;
+    has_end_ = !live_ || container_->duration > 0;
+    if (has_end_) container_->flags &= ~AVFMT_FLAG_NOBUFFER;  // what is looked at here would be missing later
+    return avformat_find_stream_info(container_, nullptr);
   }
 
   std::string open_codec() {
@@ -199,8 +207,9 @@ class FfmpegDecoder final : public StreamDecoder {
       return error_text(error);
     codec_->pkt_timebase = stream().time_base;
     codec_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+    codec_->framerate = {0, 1};
     codec_->thread_count = 0;
-    if (live_) {  // threads by frames would hold some back
+    if (!has_end_) {  // threads by frames would hold some back
       codec_->thread_type = FF_THREAD_SLICE;
       codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;
     }
@@ -245,7 +254,7 @@ class FfmpegDecoder final : public StreamDecoder {
   Frame frame_{av_frame_alloc()};
   Scaler scaler_;
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
-  bool decoded_ = false, cut_ = false, damaged_ = false;
+  bool has_end_ = true, decoded_ = false, cut_ = false, damaged_ = false;
   DecodedDamage damage_;
 };
 

@@ -15,9 +15,9 @@ namespace coslam {
 class StreamDecoder {
  public:
   static constexpr const char* kNotAVideo = "what it gives is no video";  // one of the reasons of open()
-  // live: of a stream that comes at its own pace; what has been decoded is given at once, and who is silent for 5 s has
-  // failed. Null: it cannot be opened, or there is no video in it; `why` says which, as the end of a sentence.
-  // stopped: where it is set, that ends soon, here as in grab().
+  // live: from the network; what has been decoded of a stream that comes at its own pace is given at once, and who is
+  // silent for 5 s has failed. Null: it cannot be opened, or there is no video in it; `why` says which, as the end of a
+  // sentence. stopped: where it is set, that ends soon, here as in grab().
   static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live, std::string* why,
                                              const std::atomic<bool>* stopped = nullptr);
   virtual ~StreamDecoder() = default;
@@ -31,8 +31,11 @@ class StreamDecoder {
   // Parts of it did not arrive, or of one that it was made from: they are made up.
   virtual bool concealed() const = 0;
 
-  virtual double rate_hz() const = 0;       // as the container says; 0: it does not
-  virtual std::int64_t frames() const = 0;  // the same
+  // It is a file that has its end, though it may come from the network.
+  virtual bool has_end() const = 0;
+  // As the container says, or where it has no times the frames themselves, once one was grabbed; 0: nobody does.
+  virtual double rate_hz() const = 0;
+  virtual std::int64_t frames() const = 0;  // as the container says; 0: it does not
   virtual int videos() const = 0;           // in the container, of which one is decoded: its place from 1 on
   virtual int video() const = 0;
   // The share of the video that, as the container says, comes after the frame that was grabbed last; 0: none that is

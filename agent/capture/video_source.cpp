@@ -12,6 +12,7 @@
 #include "agent/capture/stream_decoder.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/text.h"
 
 namespace coslam {
 namespace {
@@ -20,8 +21,7 @@ namespace {
 // has none or such to the millisecond that its format rounds to.
 class VideoTimes {
  public:
-  VideoTimes(const std::filesystem::path& video, double container_hz, double fallback_hz)
-      : rate_hz_(container_hz > 0.1 && container_hz < 1000 ? container_hz : fallback_hz) {
+  VideoTimes(const std::filesystem::path& video, double fallback_hz) : name_(video.string()), rate_hz_(fallback_hz) {
     const auto beside = times_beside(video);
     if (!beside) return;
     SourceTimes times = read_times(*beside);
@@ -30,11 +30,12 @@ class VideoTimes {
   }
   // Of the sidecar; 0 without.
   std::size_t count() const { return stamps_ ? stamps_->size() : 0; }
-  // stream_s: that the container gives the frame. Empty where the sidecar leaves it out, and past its last line.
-  std::optional<TimeNs> at(std::size_t frame, std::optional<double> stream_s) {
+  // stream_s, stream_hz: what the stream gives the frame. Empty where the sidecar leaves it out, and past its last
+  // line.
+  std::optional<TimeNs> at(std::size_t frame, std::optional<double> stream_s, double stream_hz) {
     if (stamps_) return frame < stamps_->size() ? (*stamps_)[frame] : std::nullopt;
     constexpr TimeNs kRounding_ns = 1'000'000;
-    if (frame == 0) first_s_ = stream_s.value_or(0);
+    if (frame == 0) begin(stream_s, stream_hz);
     const TimeNs even_ns = to_ns(static_cast<double>(frame) / rate_hz_);
     const TimeNs stream_ns = stream_s ? to_ns(*stream_s - first_s_) : 0;
     const bool told = stream_ns > last_ns_ && std::abs(stream_ns - even_ns) > kRounding_ns;
@@ -43,6 +44,17 @@ class VideoTimes {
   }
 
  private:
+  void begin(std::optional<double> stream_s, double stream_hz) {
+    constexpr double kSlowest_hz = 0.1, kFastest_hz = 1000;
+    first_s_ = stream_s.value_or(0);
+    const bool told = stream_hz > kSlowest_hz && stream_hz < kFastest_hz;
+    if (told) rate_hz_ = stream_hz;
+    if (told || stream_s) return;
+    log_warn(name_ + ": its images have no times, and are taken to come " + format_double(rate_hz_) +
+             " times a second; rate_hz (--fps of an agent) says another rate");
+  }
+
+  const std::string name_;
   std::optional<std::vector<std::optional<TimeNs>>> stamps_;
   double rate_hz_;
   double first_s_ = 0;
@@ -102,7 +114,7 @@ class VideoSource final : public ImageSource {
         decoder_(open_file(name_)),
         span_(options),
         color_wanted_(options.color),
-        times_(file, decoder_->rate_hz(), options.rate_hz) {
+        times_(file, options.rate_hz) {
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
     cv::Mat frame;
@@ -151,7 +163,7 @@ class VideoSource final : public ImageSource {
   void grab() {
     do {
       const bool is = decoder_->grab();
-      grabbed_ns_ = is ? times_.at(position_++, decoder_->time_s()) : std::nullopt;
+      grabbed_ns_ = is ? times_.at(position_++, decoder_->time_s(), decoder_->rate_hz()) : std::nullopt;
       if (!is) return warn_of_cut();
     } while (!grabbed_ns_ && position_ < times_.count());
     if (grabbed_ns_ && span_.after(*grabbed_ns_)) grabbed_ns_.reset();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
 #include <utility>
@@ -33,6 +34,21 @@ class Video : public ::testing::Test {
   test::TempFolder folder_;
   const std::string file_ = (folder_ / "clip.avi").string();
 };
+
+// As a camera's program writes it: JPEGs one after another.
+TEST_F(Video, FramesWithoutTimesComeAtTheRateOfTheSequence) {
+  const std::string file = (folder_ / "clip.mjpeg").string();
+  std::ofstream out(file, std::ios::binary);
+  for (int i = 0; i < 8; ++i) {
+    std::vector<uchar> jpeg;
+    cv::imencode(".jpg", cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(20 * i)), jpeg);
+    out.write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  }
+  out.close();
+  const auto source = open_source(file, kOptions);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(source->next()->capture_ns, to_ns(i / kOptions.rate_hz)) << i;
+  EXPECT_FALSE(source->next());
+}
 
 using Bytes = std::string;
 
