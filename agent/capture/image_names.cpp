@@ -26,8 +26,11 @@ std::string lower(std::string text) {
   return text;
 }
 
+// Of all that OpenCV reads as pixels of 8 or 16 bits.
 bool is_image(const fs::path& file) {
-  constexpr std::array<std::string_view, 7> kImages = {".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff"};
+  constexpr auto kImages =
+      std::to_array<std::string_view>({".png", ".jpg", ".jpeg", ".jpe", ".jp2", ".webp", ".bmp", ".dib", ".tif",
+                                       ".tiff", ".pgm", ".ppm", ".pbm", ".pnm", ".pam", ".sr", ".ras"});
   return std::ranges::find(kImages, lower(file.extension().string())) != kImages.end();
 }
 

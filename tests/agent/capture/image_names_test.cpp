@@ -31,6 +31,7 @@ TEST(ImageNames, AreInTheOrderOfTheirNumbers) {
               ElementsAre("img_-10.png", "img_-2.png", "img_0.png"));
   EXPECT_THAT(in_order({"a10_2.png", "a9_10.png", "a9_9.png", "a.png"}),
               ElementsAre("a.png", "a9_9.png", "a9_10.png", "a10_2.png"));
+  EXPECT_THAT(in_order({"2.webp", "1.jp2", "3.ppm", "4.gif"}), ElementsAre("1.jp2", "2.webp", "3.ppm"));
   EXPECT_THAT(in_order({"._0.png", ".1.png", "2.png", "notes.txt"}), ElementsAre("2.png")) << "hidden ones";
 }
 
