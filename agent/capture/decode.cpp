@@ -19,6 +19,7 @@ namespace coslam {
 namespace {
 
 using Bytes = std::vector<unsigned char>;
+constexpr double kMostLevel = 65535;
 
 Bytes read_bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -53,6 +54,11 @@ cv::Mat GreyReader::decode(const Bytes& octets) {
   }
 }
 
+cv::Mat GreyReader::decode(RawImage raw) {
+  if (octet_order_.is_wrong_in(raw)) raw.big_endian = !raw.big_endian;
+  return grey_of(raw);
+}
+
 cv::Mat GreyReader::in_8_bits(const cv::Mat& grey) {
   if (grey.type() == CV_8UC1) return grey;
   return grey.type() == CV_16UC1 ? deep_.spread(grey) : cv::Mat();
@@ -60,10 +66,10 @@ cv::Mat GreyReader::in_8_bits(const cv::Mat& grey) {
 
 std::string GreyReader::said() const {
   if (!deep_.limits()) return {};
-  return "images of more than 8 bits; what lies between the levels " +
-         std::to_string(std::lround(deep_.limits()->low)) + " and " +
-         std::to_string(std::lround(deep_.limits()->high)) +
-         " is spread over 8, by limits that follow the light slowly";
+  const auto level = [](double limit) { return std::to_string(std::lround(std::clamp(limit, 0.0, kMostLevel))); };
+  return std::string(octet_order_.is_wrong() ? "the octets of its pixels lie the other way round than it says; " : "") +
+         "images of more than 8 bits; what lies between the levels " + level(deep_.limits()->low) + " and " +
+         level(deep_.limits()->high) + " is spread over 8, by limits that follow the light slowly";
 }
 
 cv::Mat DeepLevels::spread(const cv::Mat& deep) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "agent/capture/encodings.h"
 #include "agent/capture/source.h"
 
 namespace coslam {
@@ -41,6 +42,9 @@ class GreyReader {
   cv::Mat read(const std::filesystem::path& file);
   // The same of what stands in such a file.
   cv::Mat decode(const std::vector<unsigned char>& octets);
+  // The same of one that is given as it is, of 8 or 16 bits, as grey_of() has it. Where octets lie the other way round
+  // than they should, it is heeded.
+  cv::Mat decode(RawImage raw);
   // CV_8UC1 or CV_16UC1; empty for any other.
   cv::Mat in_8_bits(const cv::Mat& grey);
   // A sentence for the user where images have more than 8 bits; else empty.
@@ -48,6 +52,7 @@ class GreyReader {
 
  private:
   DeepLevels deep_;
+  OctetOrder octet_order_;
 };
 
 // The image of a file as CV_8UC3; empty when it has no colours or more than 8 bits a pixel and colour.

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace coslam {
 namespace {
@@ -54,6 +56,7 @@ constexpr std::array kEncodings = std::to_array<Encoding>({
     {"nv21"},
     {"nv24"},
     {"i420"},
+    {"yuv420p"},
     {"yv12"},
 });
 
@@ -64,6 +67,34 @@ const Encoding* find(std::string_view name) {
 
 std::size_t octets_of_row(const Encoding& encoding, std::size_t width_px) {
   return width_px * static_cast<std::size_t>(encoding.channels * encoding.bits / 8);
+}
+
+// Of a row, in one order of octets; none where it is short.
+std::vector<double> values_of_row(const RawImage& image, const Encoding& encoding, std::size_t y, bool big_endian) {
+  const std::size_t row = octets_of_row(encoding, image.width_px), at = y * image.octets_per_row;
+  if (image.octets_per_row < row || at + row > image.octets.size()) return {};
+  // Of a pattern of colours every second pixel has the same.
+  const auto step = static_cast<std::size_t>(4 * encoding.channels);
+  std::vector<double> values;
+  for (std::size_t i = at; i + 2 <= at + row; i += step) {
+    const unsigned first = image.octets[i], second = image.octets[i + 1];
+    values.push_back(big_endian ? first << 8U | second : second << 8U | first);
+  }
+  return values;
+}
+
+// By how much neighbours differ, as a share of how much any two do; 0 where all are alike.
+double roughness(const RawImage& image, const Encoding& encoding, bool big_endian) {
+  constexpr std::size_t kRows = 32;
+  double neighbours = 0, any = 0;
+  for (std::size_t y = 0; y < image.height_px; y += std::max<std::size_t>(1, image.height_px / kRows)) {
+    const std::vector<double> values = values_of_row(image, encoding, y, big_endian);
+    for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+      neighbours += std::abs(values[i + 1] - values[i]);
+      any += std::abs(values[(i + values.size() / 2) % values.size()] - values[i]);
+    }
+  }
+  return any > 0 ? neighbours / any : 0;
 }
 
 void swap_octets(cv::Mat* image) {
@@ -111,9 +142,23 @@ cv::Mat grey_of(const RawImage& image) {
   return grey;
 }
 
+bool OctetOrder::is_wrong_in(const RawImage& image) {
+  constexpr double kMuch = 2;
+  const Encoding* e = find(image.encoding);
+  if (wrong_ || e == nullptr || e->bits != 16) return is_wrong();
+  const double as_said = roughness(image, *e, image.big_endian), other = roughness(image, *e, !image.big_endian);
+  if (as_said > kMuch * other && other > 0) wrong_ = true;
+  if (other > kMuch * as_said && as_said > 0) wrong_ = false;
+  return is_wrong();
+}
+
 std::string why_not_grey(const RawImage& image) {
   const Encoding* e = find(image.encoding);
   const std::string encoding(image.encoding);
+  if (encoding.starts_with("32F") || encoding.starts_with("64F")) {
+    return "its encoding is " + encoding +
+           ", as of depth or heat: record the camera's picture, or what a node makes of these as mono16";
+  }
   if (e == nullptr) return "its encoding is " + encoding + ", known are " + known_encodings();
   if (image.octets_per_row < octets_of_row(*e, image.width_px)) {
     return "its rows have " + std::to_string(image.octets_per_row) + " octets (step), and " +

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,6 +24,18 @@ struct RawImage {
 // Grey, CV_8UC1 or CV_16UC1: luma as it is, colours by the weights that luma has, Bayer patterns interpolated. Empty:
 // an encoding that is not known, or fewer octets than it takes.
 cv::Mat grey_of(const RawImage& image);
+
+// Whether images with 16 bits a value have their octets in the other order than they say, as of drivers that pass on
+// what the sensor sent: neighbouring pixels then differ by as much as any two. The first image that tells counts for
+// all of a source. For one thread.
+class OctetOrder {
+ public:
+  bool is_wrong_in(const RawImage& image);
+  bool is_wrong() const { return wrong_.value_or(false); }  // as known so far
+
+ private:
+  std::optional<bool> wrong_;
+};
 
 // Why grey_of() is empty, for the user.
 std::string why_not_grey(const RawImage& image);

@@ -207,7 +207,7 @@ class RecordedSource final : public ImageSource {
                        .big_endian = image->is_bigendian != 0,
                        .octets_per_row = image->step,
                        .octets = image->data};
-    cv::Mat grey = grey_of(raw);
+    cv::Mat grey = grey_.decode(raw);
     if (grey.empty()) hint_ = "; " + why_not_grey(raw);
     return grey_.in_8_bits(grey);
   }

@@ -35,18 +35,18 @@ struct Heard {
   std::vector<std::uint8_t> compressed;
 };
 
-void read_image(std::span<const std::uint8_t> octets, Heard* heard) {
+void read_image(std::span<const std::uint8_t> octets, GreyReader* reader, Heard* heard) {
   const auto image = ros::from_cdr<ros::ImageView>(octets);
   if (!image) return;
   heard->whole = true;
   heard->stamp_ns = ros::ns_of(image->header.stamp);
   heard->encoding = image->encoding;
-  heard->grey = grey_of({.width_px = image->width,
-                         .height_px = image->height,
-                         .encoding = image->encoding,
-                         .big_endian = image->is_bigendian != 0,
-                         .octets_per_row = image->step,
-                         .octets = image->data});
+  heard->grey = reader->decode(RawImage{.width_px = image->width,
+                                        .height_px = image->height,
+                                        .encoding = image->encoding,
+                                        .big_endian = image->is_bigendian != 0,
+                                        .octets_per_row = image->step,
+                                        .octets = image->data});
 }
 
 void read_compressed(std::span<const std::uint8_t> octets, Heard* heard) {
@@ -122,7 +122,7 @@ class Ros2Source final : public ImageSource {
     Heard heard;
     const auto came_ns = topic_.take([&](std::span<const std::uint8_t> octets) {
       heard.octets = octets.size();
-      compressed_ ? read_compressed(octets, &heard) : read_image(octets, &heard);
+      compressed_ ? read_compressed(octets, &heard) : read_image(octets, &grey_, &heard);
     });
     if (!came_ns) return std::nullopt;
     heard.came_ns = utc_now_ns();
@@ -150,7 +150,7 @@ class Ros2Source final : public ImageSource {
     if (!heard) return topic_.why_silent();
     std::string what = "no image came that can be read";
     if (heard->encoding.empty() || is_known_encoding(heard->encoding)) return what;
-    return what + "; its encoding is " + heard->encoding + ", known are " + known_encodings();
+    return what + "; " + why_not_grey({.encoding = heard->encoding});
   }
 
   void warn(const char* what) {

@@ -125,10 +125,47 @@ TEST(Encodings, WhatIsTooShortOrUnknownIsNone) {
   image = whole.image;
   image.encoding = "32FC1";
   EXPECT_TRUE(grey_of(image).empty());
-  EXPECT_THAT(why_not_grey(image), ::testing::StartsWith("its encoding is 32FC1, known are mono8, 8UC1"));
+  EXPECT_THAT(why_not_grey(image), ::testing::StartsWith("its encoding is 32FC1, as of depth or heat: record"));
+  image.encoding = "rgb7";
+  EXPECT_THAT(why_not_grey(image), ::testing::StartsWith("its encoding is rgb7, known are mono8, 8UC1"));
   EXPECT_FALSE(is_known_encoding("32FC1"));
   EXPECT_TRUE(is_known_encoding("uyvy"));
   EXPECT_THAT(known_encodings(), ::testing::HasSubstr("mono8, 8UC1"));
+}
+
+// Twelve bits of a ramp that bends, as a smooth picture has them.
+std::vector<std::uint8_t> octets_of_ramp(std::size_t width_px, std::size_t height_px, bool big_endian, int shift) {
+  std::vector<std::uint8_t> octets;
+  for (std::size_t y = 0; y < height_px; ++y) {
+    for (std::size_t x = 0; x < width_px; ++x) {
+      const auto value = static_cast<unsigned>(900 + 37 * x + 5 * y + (x * x) % 7) << static_cast<unsigned>(shift);
+      octets.push_back(static_cast<std::uint8_t>(big_endian ? value >> 8U : value));
+      octets.push_back(static_cast<std::uint8_t>(big_endian ? value : value >> 8U));
+    }
+  }
+  return octets;
+}
+
+TEST(Encodings, OctetsThatLieTheOtherWayRoundAreTold) {
+  for (const bool lies_big : {false, true}) {
+    for (const bool says_big : {false, true}) {
+      const auto octets = octets_of_ramp(80, 60, lies_big, 0);
+      OctetOrder order;
+      const RawImage image{80, 60, "mono16", says_big, 160, octets};
+      EXPECT_EQ(order.is_wrong_in(image), lies_big != says_big);
+      EXPECT_EQ(order.is_wrong(), lies_big != says_big);
+    }
+  }
+}
+
+TEST(Encodings, WhereBothOrdersAreAsGoodTheOneThatIsSaidCounts) {
+  std::vector<std::uint8_t> octets;
+  for (int i = 0; i < 80 * 60; ++i) octets.insert(octets.end(), {0, static_cast<std::uint8_t>(3 * (i % 80))});
+  for (const bool says_big : {false, true}) {
+    OctetOrder order;
+    EXPECT_FALSE(order.is_wrong_in({80, 60, "16UC1", says_big, 160, octets}));
+    EXPECT_FALSE(order.is_wrong_in({80, 60, "mono8", says_big, 80, octets})) << "which has none";
+  }
 }
 
 }  // namespace
