@@ -81,6 +81,9 @@ void AgentLoop::judge(const Image& image) {
   if (image.fault != ImageFault::kNone && image.fault != ImageFault::kMissing) {
     ++left_out_[static_cast<std::size_t>(image.fault)];
   }
+  pattern_stays_ |= image.pattern_stays;
+  const bool stands = verdict_.verdict() != ImageFault::kNone;
+  if (image.fault == ImageFault::kRepeated && !stands) ++repeated_;
   if (stamps_are_utc_) clock_set_ns_ = coslam::clock_set_ns();
 }
 
@@ -208,6 +211,8 @@ void AgentLoop::say_state() {
   if (const auto word = words_.alternating(left_out_[static_cast<std::size_t>(ImageFault::kAlternating)] > 0)) {
     warn(*word);
   }
+  if (const auto word = words_.repeating(repeated_, frames_)) warn(*word);
+  if (const auto word = words_.fixed_pattern(pattern_stays_)) warn(*word);
   if (const auto word = words_.clock(clock_set_ns_)) warn(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) say(*word);
 }

@@ -113,6 +113,8 @@ class AgentLoop {
   std::uint32_t frames_ = 0, sent_frames_ = 0;
   ImageVerdict verdict_;
   std::array<std::uint32_t, kImageFaults> left_out_{};  // images
+  std::uint32_t repeated_ = 0;                          // images, not counting those of a picture that stands
+  bool pattern_stays_ = false;
   TimeNs clock_set_ns_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_status_;
   PoseState last_pose_state_ = PoseState::kNone;

@@ -20,12 +20,17 @@ namespace {
 constexpr std::size_t kReadAhead = 3;
 constexpr std::size_t kRealTimeQueue = 8;  // a quarter of a second: one slow step costs no image
 
+void look_at(ImageCheck& check, Image* image) {
+  image->fault = check.check(*image);
+  image->pattern_stays = check.pattern_stays();
+}
+
 class DirectFeed final : public Feed {
  public:
   explicit DirectFeed(std::unique_ptr<ImageSource> source) : source_(std::move(source)) {}
   std::optional<Image> next(const std::atomic<bool>&) override {
     auto image = source_->next();
-    if (image) image->fault = check_.check(*image);
+    if (image) look_at(check_, &*image);
     return image;
   }
   std::uint32_t dropped() const override { return 0; }
@@ -102,7 +107,7 @@ class ThreadedFeed final : public Feed {
       if (rate_ > 0 && !source_->live() && !wait_until_due(stop)) break;
       std::optional<Image> image = source_->next();
       if (!image) break;
-      image->fault = check_.check(*image);
+      look_at(check_, &*image);
       if (rate_ > 0) image->since = std::chrono::steady_clock::now();
       if (!queue_.push(std::move(*image))) break;
     }

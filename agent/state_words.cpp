@@ -40,10 +40,25 @@ std::optional<std::string> StateWords::images(ImageFault verdict) {
 
 std::optional<std::string> StateWords::alternating(bool left_out_some) {
   if (!left_out_some || std::exchange(said_alternating_, true)) return std::nullopt;
-  return "its images are taken in turn at two or three settings, as exposures that are bracketed, dots that are "
-         "projected into every second one, or two cameras in one stream: those of one setting are used, the others "
-         "left "
-         "out; take all at one";
+  return "its images are taken in turn at several settings, as exposures that are bracketed, dots that are projected "
+         "into some of them, or two cameras in one stream: those of one setting are used, the others left out; take "
+         "all "
+         "at one";
+}
+
+std::optional<std::string> StateWords::repeating(std::uint32_t repeats, std::uint32_t others) {
+  constexpr std::uint32_t kSome = 10, kOneIn = 7;
+  if (said_repeating_ || repeats < kSome || kOneIn * repeats < repeats + others) return std::nullopt;
+  said_repeating_ = true;
+  return "many of its images are the one before once more, as of a stream with a higher rate than its camera: they are "
+         "left out";
+}
+
+std::optional<std::string> StateWords::fixed_pattern(bool found) {
+  if (!found || std::exchange(said_pattern_, true)) return std::nullopt;
+  return "a pattern stays in its picture wherever it looks, as dots that are projected along with it (switch the "
+         "emitter "
+         "off), dirt on the lens or a grid drawn over it: what is followed of it does not move, and the map suffers";
 }
 
 std::optional<std::string> StateWords::own_body(double share) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -25,6 +26,10 @@ class StateWords {
   std::optional<std::string> images(ImageFault verdict);
   // Its images alternate between settings, the first time.
   std::optional<std::string> alternating(bool left_out_some);
+  // Many images repeat the one before, the first time.
+  std::optional<std::string> repeating(std::uint32_t repeats, std::uint32_t others);
+  // A pattern stays in the picture, the first time.
+  std::optional<std::string> fixed_pattern(bool found);
   // How much of the picture moves with the camera, when that was found.
   std::optional<std::string> own_body(double share);
   // The time of day was set, when that changes.
@@ -51,7 +56,7 @@ class StateWords {
   Presence pose_{"has a pose in the map", "lost: no pose in the map", "found again: has a pose in the map"};
   Presence link_{nullptr, "the link does not carry all frames; sending fewer", "the link carries all frames again"};
   ImageFault said_fault_ = ImageFault::kNone;
-  bool said_alternating_ = false;
+  bool said_alternating_ = false, said_repeating_ = false, said_pattern_ = false;
   double said_body_ = 0;
   TimeNs said_set_ns_ = 0;
   int said_width_px_ = 0;

@@ -5,21 +5,37 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <utility>
+#include <vector>
 
 namespace coslam {
+namespace {
+
+constexpr std::size_t kShortWindow = 16;  // images
+
+// Of so many settings each is seen four times.
+std::size_t images_to_tell(std::size_t settings) { return std::max(kShortWindow, 4 * settings); }
+
+}  // namespace
+
+const Alternation::Changes& Alternation::Seen::changes(By by) const {
+  if (by == By::kStep) return of_step;
+  return by == By::kExposure ? of_exposure : of_blocks;
+}
 
 bool Alternation::leaves_out(const cv::Mat& blocks, double step) {
   if (!window_.empty() && window_.back().blocks.size() != blocks.size()) *this = {};
   cv::Scalar mean, deviation;
   cv::meanStdDev(blocks, mean, deviation);
-  Seen seen{blocks, step, mean[0], deviation[0]};
-  for (std::size_t back = 1; back <= std::min(kMostBack, window_.size()); ++back) {
+  Seen seen{blocks, step, mean[0], deviation[0], std::min(kMostBack, window_.size())};
+  for (std::size_t back = 1; back <= seen.backs; ++back) {
     const Seen& before = window_[window_.size() - back];
     seen.of_blocks[back - 1] = cv::norm(blocks, before.blocks, cv::NORM_L1) / static_cast<double>(blocks.total());
     seen.of_step[back - 1] = std::abs(step - before.step);
+    seen.of_exposure[back - 1] = std::abs(std::log((seen.mean + 1) / (before.mean + 1)));
   }
   if (settings_ > 1) {  // so many back there is one of each, even if one is missing
-    const Changes& changes = by_step_ ? seen.of_step : seen.of_blocks;
+    const Changes& changes = seen.changes(by_);
     const auto* const like = std::min_element(changes.begin(), changes.begin() + 2 * settings_ - 1);
     seen.used = window_[window_.size() - 1 - static_cast<std::size_t>(like - changes.begin())].used;
   }
@@ -29,49 +45,75 @@ bool Alternation::leaves_out(const cv::Mat& blocks, double step) {
   return !window_.back().used;
 }
 
+// What else goes to and fro, as a camera that shakes, changes no exposure: only by that many settings are told.
 void Alternation::note_settings() {
+  constexpr std::size_t kFewSettings = 3;
   constexpr double kLeastChange = 10, kLeastStep = 0.15;  // grey values; of how much neighbouring pixels differ
-  if (window_.size() < kWindow) return;
+  const double kOneStop = std::log(2);                    // at less, all of them can be followed
+  if (window_.size() < kShortWindow) return;
   double step = 0;
-  for (const Seen& s : window_) step += s.step / kWindow;
-  std::size_t settings = settings_by(&Seen::of_blocks, kLeastChange);
-  const bool by_step = settings == 1;
-  if (by_step) settings = settings_by(&Seen::of_step, kLeastStep * step);
+  for (std::size_t i = window_.size() - kShortWindow; i < window_.size(); ++i) step += window_[i].step / kShortWindow;
+  By by = By::kBlocks;
+  std::size_t settings = settings_by(by, kFewSettings, kLeastChange);
+  if (settings == 1) settings = settings_by(by = By::kStep, kFewSettings, kLeastStep * step);
+  if (settings == 1) settings = settings_by(by = By::kExposure, kMostSettings, kOneStop);
   if (settings == settings_) return;
-  by_step_ = by_step;
+  by_ = by;
   choose(settings);
 }
 
 // Less than half the change means that there are several; they go on until it is nearly as much.
-std::size_t Alternation::settings_by(Changes Seen::*changes, double least_change) const {
+std::size_t Alternation::settings_by(By by, std::size_t most_settings, double least_change) const {
   constexpr double kBegins = 0.5, kEnds = 0.8;  // of the change from one to the next
-  Changes sums{};
-  for (const Seen& s : window_) {
-    for (std::size_t i = 0; i < kMostSettings; ++i) sums[i] += (s.*changes)[i];
+  if (settings_ > 1 && by != by_) return 1;
+  std::size_t likest = 1;
+  double least = 0;
+  for (std::size_t settings = 2; settings <= most_settings && images_to_tell(settings) <= window_.size(); ++settings) {
+    const double change = mean_change(by, settings, window_.size() - images_to_tell(settings));
+    if (likest > 1 && change >= least) continue;
+    likest = settings;
+    least = change;
   }
-  const auto* const least = std::min_element(sums.begin() + 1, sums.begin() + kMostSettings);
-  if (sums[0] < least_change * kWindow || *least > (settings_ > 1 ? kEnds : kBegins) * sums[0]) return 1;
-  return settings_ > 1 ? settings_ : static_cast<std::size_t>(least - sums.begin()) + 1;
+  const double next = mean_change(by, 1, window_.size() - images_to_tell(likest));
+  if (next < least_change || least > (settings_ > 1 ? kEnds : kBegins) * next) return 1;
+  return settings_ > 1 ? settings_ : likest;
+}
+
+// Against so many before, of the images from the first of the window on, or of every so many of them.
+double Alternation::mean_change(By by, std::size_t back, std::size_t first, std::size_t every) const {
+  double sum = 0, count = 0;
+  for (std::size_t i = first; i < window_.size(); i += every) {
+    if (window_[i].backs < back) continue;
+    sum += window_[i].changes(by)[back - 1];
+    ++count;
+  }
+  return sum / count;
 }
 
 void Alternation::choose(std::size_t settings) {
-  constexpr double kMore = 1.2;  // contrast
+  constexpr double kMore = 1.2, kLike = 0.25;  // of contrasts; of the change from one to the next
   settings_ = settings;
-  struct Setting {
-    double mean = 0, contrast = 0;
-  };
-  std::array<Setting, kMostSettings> sums{};
-  for (std::size_t i = 0; i < window_.size(); ++i) {
-    sums[i % settings].mean += window_[i].mean;
-    sums[i % settings].contrast += window_[i].contrast;
+  const std::size_t first = window_.size() - images_to_tell(settings) / settings * settings;
+  std::vector<Seen> means(settings);
+  for (std::size_t i = first; i < window_.size(); ++i) {
+    Seen& mean = means[i % settings];
+    mean.step += window_[i].step;
+    mean.mean += window_[i].mean;
+    mean.contrast += window_[i].contrast;
   }
-  const auto better = [&](const Setting& a, const Setting& b) {
-    if (a.contrast > kMore * b.contrast || b.contrast > kMore * a.contrast) return a.contrast > b.contrast;
-    return a.mean < b.mean;
+  const double most = std::ranges::max_element(means, {}, &Seen::contrast)->contrast;
+  const auto badness = [&](const Seen& s) {
+    if (by_ == By::kStep) return s.step;
+    return s.contrast * kMore < most ? HUGE_VAL : s.mean;
   };
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < settings; ++i) best = better(sums[i], sums[best]) ? i : best;
-  for (std::size_t i = 0; i < window_.size(); ++i) window_[i].used = i % settings == best;
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(means, {}, badness) - means.begin());
+  // Of dots in every third image the other two are alike.
+  const auto is_like_best = [&](std::size_t setting) {
+    if (setting == best) return true;
+    const std::size_t back = (setting + settings - best) % settings;
+    return mean_change(by_, back, setting, settings) < kLike * mean_change(by_, 1, first);
+  };
+  for (std::size_t i = 0; i < window_.size(); ++i) window_[i].used = is_like_best(i % settings);
 }
 
 }  // namespace coslam

@@ -4,15 +4,17 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <opencv2/core/mat.hpp>
 
 namespace coslam {
 
-// A camera that takes its images in turn at two or three settings: bracketed exposures, a projector of dots that is on
-// in every second one, left and right of a pair as one stream. An image is then far more like the one two (or three)
-// before it than like the one before, which motion never does. Images of one setting are used: of that with the most
-// contrast or, where all have about the same, of the darkest one, which has no dots. Pure; for one thread.
+// A camera that takes its images in turn at several settings: exposures bracketed, a projector of dots that is on in
+// some, left and right of a pair as one stream. An image is then far more like the one so many before it than like the
+// one before, which motion never does. Images of one setting, and of those that are like it, are used:
+// without dots, or else that with the most contrast and, where others have about the same, the darkest of these. Pure;
+// for one thread.
 class Alternation {
  public:
   // Of each image in their order the means of its blocks, and by how much neighbouring pixels differ: dots that are
@@ -20,21 +22,26 @@ class Alternation {
   bool leaves_out(const cv::Mat& blocks, double step);
 
  private:
-  static constexpr std::size_t kMostSettings = 3, kMostBack = 2 * kMostSettings - 1, kWindow = 16;
-  using Changes = std::array<double, kMostBack>;  // against the 1, 2, ... before, grey values
+  static constexpr std::size_t kMostSettings = 6, kMostBack = 2 * kMostSettings - 1, kWindow = 4 * kMostSettings;
+  // What tells the settings apart.
+  enum class By : std::uint8_t { kBlocks, kStep, kExposure };
+  using Changes = std::array<double, kMostBack>;  // against the 1, 2, ... before
   struct Seen {
     cv::Mat blocks;
     double step = 0, mean = 0, contrast = 0;  // grey values
-    Changes of_blocks{}, of_step{};
+    std::size_t backs = 0;                    // so many were before it, kMostBack at most
+    Changes of_blocks{}, of_step{}, of_exposure{};
     bool used = true;
+    const Changes& changes(By by) const;
   };
   void note_settings();
-  std::size_t settings_by(Changes Seen::*changes, double least_change) const;
+  std::size_t settings_by(By by, std::size_t most_settings, double least_change) const;
+  double mean_change(By by, std::size_t back, std::size_t first, std::size_t every = 1) const;
   void choose(std::size_t settings);
 
   std::deque<Seen> window_;  // the newest one last
   std::size_t settings_ = 1;
-  bool by_step_ = false;  // they are told apart by the step, not by the blocks
+  By by_ = By::kBlocks;
 };
 
 }  // namespace coslam

@@ -105,11 +105,12 @@ bool is_featureless(const cv::Mat& blocks, double step) {
 ImageFault ImageCheck::check(const Image& image) {
   if (image.fault != ImageFault::kNone) return image.fault;
   const cv::Mat& grey = image.grey;
+  ++since_repeat_;
   if (grey.empty()) return ImageFault::kUnreadable;
   if (same_image(grey, last_)) {
-    ++repeats_;
     // A camera that is late now and then gives one again, which is used as ever.
-    if (never_repeats() && repeats_ > 1) return ImageFault::kRepeated;
+    const bool again = ++repeats_ > 1 || note_repeat();
+    if (never_repeats() && again) return ImageFault::kRepeated;
     if (!never_repeats()) compare(grey, last_blocks_);
     return is_featureless(last_blocks_, mean_step(grey)) ? ImageFault::kFeatureless : ImageFault::kNone;
   }
@@ -125,7 +126,18 @@ ImageFault ImageCheck::check(const Image& image) {
   if (is_cut_off(grey)) return ImageFault::kCutOff;
   const double step = mean_step(grey);
   if (is_featureless(blocks, step)) return ImageFault::kFeatureless;
-  return alternation_.leaves_out(blocks, step) ? ImageFault::kAlternating : ImageFault::kNone;
+  if (alternation_.leaves_out(blocks, step)) return ImageFault::kAlternating;
+  fixed_pattern_.note(grey, blocks);
+  return ImageFault::kNone;
+}
+
+// The newest image is the one before. True: so was, for the third time, one as many images earlier: its stream has more
+// images than its camera, and their times are not when they were taken.
+bool ImageCheck::note_repeat() {
+  constexpr int kMostGap = 3, kRegular = 3;
+  const int gap = std::exchange(since_repeat_, 0);
+  same_gaps_ = gap == std::exchange(last_gap_, gap) ? same_gaps_ + 1 : 0;
+  return gap <= kMostGap && same_gaps_ >= kRegular;
 }
 
 // A picture of which all moves, or noise in all the newest that show the same.

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "agent/capture/alternation.h"
+#include "agent/capture/fixed_pattern.h"
 #include "agent/track/image.h"
 #include "common/model/image_fault.h"
 
@@ -22,6 +23,8 @@ class ImageCheck {
  public:
   // Images in their order; what the source found wrong already stands.
   ImageFault check(const Image& image);
+  // Something was found to stay in the picture wherever the camera looks, as dots that are projected along with it.
+  bool pattern_stays() const { return fixed_pattern_.found(); }
 
  private:
   bool is_out_of_order(const cv::Mat& grey);
@@ -30,15 +33,18 @@ class ImageCheck {
   void compare(const cv::Mat& grey, const cv::Mat& blocks);
   void note_noise(bool noise);
   bool never_repeats() const;
+  bool note_repeat();
 
   cv::Mat last_, last_blocks_;  // the newest image that was not the one before, and the means of its blocks
   std::array<std::uint64_t, 32> earlier_{};  // prints of the newest images
   std::size_t images_ = 0;
-  std::size_t back_ = 0;      // how many images before the newest one it was there already; 0: it was not
-  int repeats_ = 0;           // of last_, in succession
-  bool whole_moved_ = false;  // from the one before to last_ all of the picture did
-  std::deque<bool> noise_;    // of the newest pairs that show the same: whether each row was another
+  std::size_t back_ = 0;  // how many images before the newest one it was there already; 0: it was not
+  int repeats_ = 0;       // of last_, in succession
+  int since_repeat_ = 0, last_gap_ = 0, same_gaps_ = 0;  // images from one repeat to the next
+  bool whole_moved_ = false;                             // from the one before to last_ all of the picture did
+  std::deque<bool> noise_;  // of the newest pairs that show the same: whether each row was another
   Alternation alternation_;
+  FixedPattern fixed_pattern_;
   std::optional<int> usual_same_;  // rows of 16 that are as in the image before, in the best image so far: a rim
   std::optional<int> usual_band_;  // rows at the end that are alike, in the best image so far: a rim
 };

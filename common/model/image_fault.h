@@ -20,7 +20,7 @@ enum class ImageFault : std::uint8_t {
   kRepeated,     // the image before, bit by bit
   kOutOfOrder,   // an image from earlier, bit by bit
   kFeatureless,  // nothing is to be seen: dark, dazzled or covered
-  kAlternating,  // of another setting of a camera that takes its images in turn at two or three; the others are good
+  kAlternating,  // of another setting of a camera that takes its images in turn at several; the others are good
 };
 inline constexpr std::size_t kImageFaults = 10;
 

@@ -118,6 +118,21 @@ TEST_F(StateWordsTest, SaysOnceThatImagesAreTakenInTurnAtSeveralSettings) {
   EXPECT_FALSE(words.alternating(true));
 }
 
+TEST_F(StateWordsTest, SaysOnceThatManyImagesAreRepeats) {
+  StateWords words;
+  EXPECT_FALSE(words.repeating(9, 9)) << "a few";
+  EXPECT_FALSE(words.repeating(10, 200)) << "now and then";
+  EXPECT_THAT(words.repeating(20, 60), testing::Optional(testing::HasSubstr("left out")));
+  EXPECT_FALSE(words.repeating(40, 120));
+}
+
+TEST_F(StateWordsTest, APatternThatStaysOnce) {
+  StateWords words;
+  EXPECT_FALSE(words.fixed_pattern(false));
+  EXPECT_THAT(words.fixed_pattern(true), testing::Optional(testing::HasSubstr("switch the emitter off")));
+  EXPECT_FALSE(words.fixed_pattern(true));
+}
+
 TEST_F(StateWordsTest, SaysHowMuchOfThePictureMovesWithTheCamera) {
   StateWords words;
   EXPECT_FALSE(words.own_body(0));

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -58,6 +60,45 @@ TEST_F(AlternationTest, WithoutDotsThatChangeLittleButHowMuchNeighboursDiffer) {
   step_ = [](int i) { return 20 + 0.1 * i + (i % 2 == 0 ? 8 : 0); };
   const auto u = used(60, [&](int i) { return seen(i, 0.8, i % 2 == 0 ? 3 : 0); });
   for (int i = 20; i < 60; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % 2 == 1) << i;
+}
+
+TEST_F(AlternationTest, OfManyExposuresADarkOneThatHasNearlyTheMostContrast) {
+  const std::vector<double> gains{0.1, 0.25, 0.6, 1.4, 3, 6};
+  for (const std::size_t settings : {4, 5, 6}) {
+    alternation_ = {};
+    const auto u = used(90, [&](int i) { return seen(i, gains[static_cast<std::size_t>(i) % settings]); });
+    std::vector<int> uses(settings);
+    for (std::size_t i = 30; i < 90; ++i) uses[i % settings] += u[i] ? 1 : 0;
+    EXPECT_EQ(uses[3], 60 / static_cast<int>(settings)) << settings;
+    EXPECT_EQ(std::count(uses.begin(), uses.end(), 0), settings - 1) << settings;
+  }
+}
+
+TEST_F(AlternationTest, ExposuresThatAreLessThanAStopApartCanBeFollowed) {
+  for (const bool u : used(60, [&](int i) { return seen(i / 4, 0.5 + 0.15 * (i % 5)); })) EXPECT_TRUE(u);
+}
+
+TEST_F(AlternationTest, WithoutDotsThoughTheyAreInTwoOfThree) {
+  for (const int without : {0, 1, 2}) {
+    alternation_ = {};
+    step_ = [=](int i) { return 20 + (i % 3 == without ? 0 : 8); };
+    const auto u = used(60, [&](int i) { return seen(i, 0.8, i % 3 == without ? 0 : 3); });
+    for (int i = 20; i < 60; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % 3 == without) << i;
+  }
+}
+
+TEST_F(AlternationTest, WithoutDotsThatAreInEveryThird) {
+  step_ = [](int i) { return 20 + 0.01 * i + 0.3 * (i % 4) + (i % 3 == 0 ? 8 : 0); };
+  const auto u = used(90, [&](int i) { return seen(i, 0.8, i % 3 == 0 ? 3 : 0); });
+  for (int i = 20; i < 90; ++i) EXPECT_EQ(u[static_cast<std::size_t>(i)], i % 3 != 0) << i;
+}
+
+TEST_F(AlternationTest, ACameraThatShakesIsUsedWhole) {
+  for (const int period : {4, 5, 6}) {
+    alternation_ = {};
+    const auto shaken = [&](int i) { return seen(40 + static_cast<int>(20 * std::sin(2 * CV_PI * i / period))); };
+    for (const bool u : used(60, shaken)) EXPECT_TRUE(u) << period;
+  }
 }
 
 TEST_F(AlternationTest, FlickerIsNoSetting) {

@@ -66,6 +66,22 @@ TEST_F(ImageCheckTest, AnImageThatComesAgain) {
   EXPECT_EQ(check(first.clone()), ImageFault::kNone) << "that is long ago: who knows";
 }
 
+TEST_F(ImageCheckTest, AStreamThatGivesEachImageOnceMore) {
+  for (const int every : {2, 3}) {  // images are new but for every so manyth one
+    check_ = {};
+    cv::Mat last;
+    int left_out = 0;
+    for (int i = 0; i < 60; ++i) {
+      const bool is_new = i % every != every - 1;
+      if (is_new) last = seen(i);
+      const ImageFault fault = check(last.clone());
+      EXPECT_TRUE(!is_new || fault == ImageFault::kNone) << i;
+      if (fault == ImageFault::kRepeated) ++left_out;
+    }
+    EXPECT_EQ(left_out, 60 / every - 3) << "three of them tell";
+  }
+}
+
 TEST_F(ImageCheckTest, BuffersThatComeAgainAndAgain) {
   std::vector<cv::Mat> ring;
   for (int i = 0; i < 4; ++i) ring.push_back(seen(3 * i));
