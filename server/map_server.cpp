@@ -191,7 +191,9 @@ void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
   const RefineConfig& refine = config_.of<RefineConfig>();
   if (!refine.enabled) return;
-  for (const auto& [camera, path] : adjust_whole(edit_, largest_map(), refine, since, tell)) path_errors_[camera] = path;
+  for (const MapCamera& c : map().cameras()) path_errors_[c.id] = {};
+  for (const auto& [camera, path] : adjust_whole(edit_, largest_map(), refine, since, tell))
+    path_errors_[camera] = path;
   tell_of_lenses();
   adjusted_[largest_map()] = map().now();
   const SettleReport settled = settle_frames(edit_, largest_map());

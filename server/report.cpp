@@ -80,10 +80,13 @@ Json lens_report(const MapCamera& camera) {
 }
 
 // Once the map was adjusted as a whole: how good the camera's path is, without truth.
-Json path_report(const MapServer& server, const MapCamera& camera, double tracked_share) {
+Json path_report(const MapServer& server, const MapCamera& camera, const ImageAccount& images) {
   const auto path = server.path_error(camera.id);
   if (!path) return {};
-  PathFacts facts{.tracked_share = tracked_share};
+  PathFacts facts;
+  const std::uint64_t believed = images.captured() - images[ImageFate::kLeftOut];
+  if (believed > 0)
+    facts.tracked_share = static_cast<double>(images[ImageFate::kTracked]) / static_cast<double>(believed);
   if (path->sigma && path->length > 0) facts.error_percent = 100 * *path->sigma / path->length;
   if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
   const Verdict verdict = verdict_of(facts);
@@ -112,8 +115,7 @@ Json camera_report(const MapServer& server, CameraId id) {
           {"misdated_s", lag && lag->is_off() ? Json(lag->lag_s) : Json()},
           {"lag", lag ? Json{{"lag_s", lag->lag_s}, {"against", server.map().camera(lag->against).name}} : Json()},
           {"lost_intervals", lost_intervals(camera)},
-          {"camera", intrinsics_report(camera.model)},
-          {"path", path_report(server, camera, tracked / n)}};
+          {"camera", intrinsics_report(camera.model)}};
 }
 
 // What an agent says of itself. Deeper than it ever is, it is nonsense that may be too deep to be written.
@@ -133,6 +135,7 @@ Json agent_report(const MapServer& server, const ServerLink& link, const Reporte
   out["frames"] = agent.images.captured();
   out["dropped"] = agent.images[ImageFate::kNotSent];
   out["tracked_percent"] = agent.images.percent(ImageFate::kTracked);
+  out["path"] = path_report(server, server.map().camera(agent.camera), agent.images);
   const LinkBytes bytes = link.bytes(agent.name);
   out["bytes_up"] = bytes.up;
   out["bytes_down"] = bytes.down;

@@ -12,7 +12,7 @@ namespace coslam {
 enum class Quality : std::uint8_t { kGood, kFair, kPoor };
 
 struct PathFacts {
-  double tracked_share = 0;             // of its images that have a pose in the common map
+  double tracked_share = 0;             // of its images that were believed: have a pose in the common map
   std::optional<double> error_percent;  // of its path's length, to be expected from what its images leave open
   std::optional<double> focal_ratio;    // of a calibrated camera: what its images fit, to what its calibration says
 };

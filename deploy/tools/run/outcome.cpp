@@ -30,6 +30,12 @@ double number(const nlohmann::json& j, const char* a, const char* b = nullptr, c
   return at->is_number() ? at->get<double>() : 0;
 }
 
+// Of the verdict of an agent's path; "-" where there is none.
+std::string path_word(const nlohmann::json& agent, const char* key) {
+  const auto path = agent.find("path");
+  return path == agent.end() || !path->is_object() ? "-" : path->value(key, "-");
+}
+
 // The others by name, so that nobody takes them for a part of the common one.
 void print_maps(const std::filesystem::path& out, const nlohmann::json& report) {
   const auto maps = report.find("maps");
@@ -94,17 +100,20 @@ void make_result_folder(const std::filesystem::path& folder, bool force) {
 bool print_summary(const std::filesystem::path& out) {
   if (!std::filesystem::exists(ResultFolder(out).report())) return true;
   const nlohmann::json report = read_json(ResultFolder(out).report());
-  std::printf("%-12s %7s %9s %9s %10s %10s\n", "agent", "images", "tracked", "ms/frame", "kB/s up", "kB/s down");
+  std::printf("%-12s %7s %9s %9s %10s %10s %6s\n", "agent", "images", "tracked", "ms/frame", "kB/s up", "kB/s down",
+              "path");
   for (const auto& [name, a] : report["agents"].items()) {
-    std::printf("%-12s %7.0f %8.1f%% %9.1f %10.1f %10.1f\n", name.c_str(), number(a, "frames"),
+    std::printf("%-12s %7.0f %8.1f%% %9.1f %10.1f %10.1f %6s\n", name.c_str(), number(a, "frames"),
                 number(a, "tracked_percent"), number(a, "ms_per_frame"), number(a, "kb_per_s_up"),
-                number(a, "kb_per_s_down"));
+                number(a, "kb_per_s_down"), path_word(a, "quality").c_str());
   }
   for (const auto& [name, a] : report["agents"].items()) {
     const ImageAccount images = images_of(a);
     if (!images.losses().empty()) std::printf("%s\n", losses_of(name, images).c_str());
     if (a.contains("problem") && !report.contains("problem")) {
       std::printf("%s\n", a["problem"].get<std::string>().c_str());
+    } else if (const std::string why = path_word(a, "why"); why != "-" && !why.empty()) {
+      std::printf("%s: its path is %s, as %s\n", name.c_str(), path_word(a, "quality").c_str(), why.c_str());
     }
   }
   const auto& s = report["server"];

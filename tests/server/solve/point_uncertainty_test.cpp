@@ -44,9 +44,7 @@ class PointUncertaintyTest : public testing::Test {
   SolutionUncertainty uncertainty(std::size_t most = 100) const {
     return uncertainty_of(exact_, std::vector<bool>(exact_.observations.size(), true), most);
   }
-  std::vector<Eigen::Matrix3d> share(std::size_t most = 100) const {
-    return uncertainty(most).share_of_points;
-  }
+  std::vector<Eigen::Matrix3d> share(std::size_t most = 100) const { return uncertainty(most).share_of_points; }
   Eigen::Matrix3d with_exact_poses(int point) const {
     std::vector<View> views;
     for (const auto& o : exact_.observations) {
