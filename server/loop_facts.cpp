@@ -77,6 +77,7 @@ LoopFacts ServerLoop::facts() const {
                           to_seconds(stamps_.correction_ns(agent.camera))});
   }
   out.result = result_.string();
+  out.join = link_.join_options();
   out.memory_mib = resident_memory_mib();
   out.at_work = link_.at_work();
   out.finishing = stopping_;

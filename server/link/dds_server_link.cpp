@@ -92,6 +92,11 @@ class DdsServerLink : public ServerLink {
     return settled_;
   }
 
+  std::string join_options() const override {
+    const bool loopback = config_.interfaces == loopback_config(config_.domain).interfaces;
+    return "--domain " + std::to_string(config_.domain) + (loopback ? " --loopback" : "");
+  }
+
   void send(const MapPatch& patch) override {
     idl::MapPatch message = encode(patch);
     const std::shared_lock ends_lock(ends_mutex_);

@@ -66,6 +66,9 @@ class ServerLink {
   // False at first, while it says nothing, see next_event().
   virtual bool at_work() const = 0;
 
+  // The options with which coslam-agent comes here; empty: agents do not come by themselves.
+  virtual std::string join_options() const { return {}; }
+
   // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.
   virtual void send(const MapPatch& patch) = 0;
   // To everybody who reads it; over DDS only. Never waits.

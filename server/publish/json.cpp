@@ -28,8 +28,14 @@ double seconds_of(TimeNs t_ns) { return static_cast<double>(t_ns) / 1e9; }
 double tenths(double value) { return std::round(value * 10) / 10; }
 
 const char* name_of(PublicStanding standing) {
-  constexpr std::array<const char*, 4> kNames{"none", "tracking", "relative", "lost"};
+  constexpr std::array<const char*, 5> kNames{"none", "tracking", "relative", "lost", "unheard"};
   return kNames.at(static_cast<std::size_t>(standing));
+}
+
+// What only a run at work knows; null where the state was made of a result.
+template <class T>
+Json if_live(const PublicState& state, T value) {
+  return state.run == RunId() ? Json() : Json(value);
 }
 
 Json pose_of(const std::optional<Rigid3>& cam_from_map) {
@@ -56,17 +62,18 @@ Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates
   out["why"] = a.why;
   out["rate_hz"] = tenths(a.rate_hz);
   out["frame_ms"] = tenths(status.frame_ms);
-  out["kB_up_per_s"] = tenths(rate.bytes_up_per_s / kKilo);
-  out["kB_down_per_s"] = tenths(rate.bytes_down_per_s / kKilo);
-  out["lag_s"] = a.facts.wait_s;
-  out["lost_percent"] = tenths(rate.lost_percent);
-  out["account"] = json_of(a.facts.images);
-  out["losses"] = a.facts.images.losses();
+  out["kB_up_per_s"] = if_live(state, tenths(rate.bytes_up_per_s / kKilo));
+  out["kB_down_per_s"] = if_live(state, tenths(rate.bytes_down_per_s / kKilo));
+  out["lag_s"] = if_live(state, a.facts.wait_s);
+  out["lost_percent"] = if_live(state, tenths(rate.lost_percent));
+  out["account"] = if_live(state, json_of(a.facts.images));
+  out["losses"] = if_live(state, a.facts.images.losses());
   out["images"] = words_of(status.image_fault).name;
   out["tracks"] = a.tracks;
   out["bound"] = a.bound;
   out["clock_offset_ms"] = a.clock_offset_s ? Json(kMs * *a.clock_offset_s) : Json();
   out["pose"] = pose_of(a.cam_from_map);
+  out["scale_known"] = a.scale_known;
   out["fov"] = {c.width_px, c.height_px, c.fx, c.fy, c.cx, c.cy};
   return out;
 }
@@ -79,10 +86,10 @@ Json server_of(const PublicState& state, const Rates& rates) {
   out["moving_points"] = state.moving_points;
   out["objects"] = state.objects;
   out["maps"] = state.maps;
-  out["key_frames"] = state.key_frames;
-  out["memory_mib"] = tenths(state.loop.memory_mib);
+  out["key_frames"] = if_live(state, state.key_frames);
+  out["memory_mib"] = if_live(state, tenths(state.loop.memory_mib));
   out["frame_sets"] = state.frame_sets;
-  out["left_out"] = left_out == state.loop.lost.end() ? 0 : left_out->second;
+  out["left_out"] = if_live(state, left_out == state.loop.lost.end() ? 0 : left_out->second);
   return out;
 }
 
@@ -103,9 +110,11 @@ Json links_of(const PublicState& state) {
 std::string state_json(const PublicState& state, const Rates& rates, RosNames& names) {
   Json out;
   out["t_s"] = seconds_of(state.t_ns);
-  out["run"] = format_hex(state.run.value);
+  out["run"] = state.run == RunId() ? "" : format_hex(state.run.value);
   out["scale_known"] = state.scale_known;
   out["finishing"] = state.loop.finishing;
+  out["result"] = state.loop.result;
+  out["join"] = state.loop.join;
   out["server"] = server_of(state, rates);
   out["agents"] = agents_of(state, rates, names);
   out["groups"] = state.groups;
@@ -156,6 +165,7 @@ std::string tracks_json(const PublicImage& image) {
 const std::string_view kStateSchema =
     R"({"title":"coslam.State","type":"object","properties":{)"
     R"("t_s":{"type":"number"},"run":{"type":"string"},"scale_known":{"type":"boolean"},"finishing":{"type":"boolean"},)"
+    R"("result":{"type":"string"},"join":{"type":"string"},)"
     R"("server":{"type":"object"},"agents":{"type":"array","items":{"type":"object"}},)"
     R"("groups":{"type":"array","items":{"type":"array"}},"links":{"type":"array","items":{"type":"array"}}}})";
 const std::string_view kEventSchema = R"({"title":"coslam.Event","type":"object","properties":{)"

@@ -117,7 +117,7 @@ struct PublicEvent {
 };
 
 // How an agent stands, see docs/live.md.
-enum class PublicStanding : std::uint8_t { kNone, kTracking, kRelative, kLost };
+enum class PublicStanding : std::uint8_t { kNone, kTracking, kRelative, kLost, kUnheard };
 
 // What the server's loop knows of an agent, beside the map.
 struct AgentFacts {
@@ -140,6 +140,7 @@ struct StageTime {
 struct LoopFacts {
   std::vector<AgentFacts> agents;
   std::string result;                             // RESULT folder of the run; empty: none
+  std::string join;                               // options with which coslam-agent comes here; empty: none does
   double memory_mib = 0;                          // of the process
   bool at_work = false;                           // no longer looking for another server
   bool finishing = false;                         // the run is over, the map is adjusted as a whole
@@ -161,13 +162,14 @@ struct PublicAgent {
   std::size_t tracks = 0, bound = 0;
   std::optional<double> clock_offset_s;
   std::optional<Rigid3> cam_from_map;
+  bool scale_known = false;  // of its map
   CameraModel camera;
 };
 
 // How the run stands.
 struct PublicState : PublicInstant {
-  TimeNs wall_ns = 0;  // monotonic
-  RunId run;
+  TimeNs wall_ns = 0;        // monotonic
+  RunId run;                 // none: made of a result, which does not hold how the machines did
   bool scale_known = false;  // of the main map
   std::vector<PublicAgent> agents;
   std::vector<std::vector<std::string>> groups;

@@ -159,6 +159,7 @@ PublicAgent MapWatch::agent(const MapServer& server, const AgentFacts& facts) co
   out.clock_offset_s = clock_offset_s(server.clock_offset(c.id));
   const bool placed = out.standing == PublicStanding::kTracking || out.standing == PublicStanding::kRelative;
   if (placed) out.cam_from_map = c.frames.back().cam_from_world;
+  out.scale_known = c.map != MapId() && server.scale_known(c.map);
   out.camera = c.model;
   return out;
 }

@@ -62,6 +62,7 @@ class RecordingLink : public ServerLink {
   void end() { recorder_.end(); }  // of the recording: events that are taken later are not in it
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
   bool at_work() const override { return link_.at_work(); }
+  std::string join_options() const override { return link_.join_options(); }
   void send(const MapPatch& patch) override { link_.send(patch); }
   void send(const MovingState& state) override { link_.send(state); }
   void send(const AgentPose& pose) override { link_.send(pose); }

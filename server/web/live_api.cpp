@@ -111,7 +111,8 @@ void LiveApi::explain(const WebRequest& request, const WebReply& reply) {
   std::string result;
   {
     const std::lock_guard lock(mutex_);
-    if (state_) result = state_->loop.result;
+    if (!state_ || state_->agents.empty()) return reply(plain_answer(404, "nothing yet: no agent has come"));
+    result = state_->loop.result;
   }
   if (result.empty()) return reply(plain_answer(404, "the run keeps no result: nothing can be explained"));
   if (!questions_.push([=] { reply(explained(ResultFolder(result), *question)); }))

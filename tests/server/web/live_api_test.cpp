@@ -107,7 +107,9 @@ TEST_F(LiveApiTest, TheMapIsCopiedWhenSomebodyAsksForIt) {
 }
 
 TEST_F(LiveApiTest, ExplainsFromTheResult) {
-  EXPECT_EQ(ask("/api/v1/explain?kind=point&id=1")->status, 404) << "there is no result";
+  const auto early = ask("/api/v1/explain?kind=point&id=1");
+  EXPECT_EQ(early->status, 404);
+  EXPECT_THAT(early->body, HasSubstr("nothing yet"));
   EXPECT_EQ(ask("/api/v1/explain?kind=door&id=1")->status, 400);
   EXPECT_EQ(ask("/api/v1/explain?kind=point&id=1&at=x")->status, 400);
   const test::TempFolder folder;
