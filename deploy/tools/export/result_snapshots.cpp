@@ -13,8 +13,7 @@
 namespace coslam::exporting {
 namespace {
 
-constexpr double kCloud_s = 1.0, kCloudBytes_per_s = 1.5e6, kPaths_s = 1.0, kState_s = 0.25;
-constexpr double kPoseHolds_s = 0.2;
+constexpr double kCloud_s = 1.0, kCloudBytes_per_s = 1.5e6, kPaths_s = 1.0;
 constexpr std::size_t kMostOfPath = 500;  // poses
 constexpr double kPointBytes = 28;
 
@@ -160,6 +159,7 @@ void ResultSnapshots::gather_instants() {
       for (const StampedPose& pose : path)
         all.push_back({pose.t_ns, {agent.name, map, pose.t_ns, pose.cam_from_world, {}, std::nullopt, std::nullopt}});
       const double length_s = path.size() < 2 ? 0 : to_seconds(path.back().t_ns - path.front().t_ns);
+      if (!path.empty()) agent.last_ns = std::max(agent.last_ns, path.back().t_ns);
       if (length_s > 0) agent.rate_hz = std::max(agent.rate_hz, static_cast<double>(path.size() - 1) / length_s);
     }
   }
@@ -251,60 +251,6 @@ std::shared_ptr<const PublicTracks> ResultSnapshots::tracks_until(TimeNs t_ns) {
     }
   }
   images_.erase(images_.begin(), after);
-  return out;
-}
-
-PublicAgent ResultSnapshots::agent_at(const Agent& agent, TimeNs t_ns) const {
-  PublicAgent out;
-  out.facts.name = agent.name;
-  out.facts.camera = CameraId(static_cast<std::uint16_t>(agent.run.value - 1));
-  out.facts.status.agent = agent.name;
-  out.facts.status.frame_ms = static_cast<float>(agent.frame_ms);
-  out.run = agent.run;
-  out.alive = true;
-  out.rate_hz = agent.rate_hz;
-  out.frames_due = out.frames_used = agent.frames;
-  out.tracks = agent.tracks;
-  out.bound = agent.bound;
-  out.camera = agent.camera;
-  if (!agent.newest) {
-    out.why = "it has no place in any map yet";
-    return out;
-  }
-  out.map = agent.newest->map;
-  const bool holds = to_seconds(t_ns - agent.newest->capture_ns) < kPoseHolds_s;
-  out.standing = holds ? PublicStanding::kTracking : PublicStanding::kLost;
-  if (holds) {
-    out.cam_from_map = agent.newest->cam_from_map;
-  } else {
-    out.why = "it has no pose in the result";
-  }
-  return out;
-}
-
-std::shared_ptr<const PublicState> ResultSnapshots::state_at(TimeNs t_ns) {
-  if (!due(&state_ns_, t_ns, kState_s)) return nullptr;
-  auto out = std::make_shared<PublicState>();
-  out->t_ns = out->wall_ns = t_ns;
-  out->main = main_;
-  out->scale_known = scale_known_;
-  TimeNs groups_ns = -1;
-  for (const ResultGroupRow& row : groups_) {
-    if (row.t_ns > t_ns) break;
-    if (row.t_ns != groups_ns) out->groups.clear();
-    groups_ns = row.t_ns;
-    out->groups.push_back(row.agents);
-  }
-  for (const Agent& agent : agents_) {
-    PublicAgent& told = out->agents.emplace_back(agent_at(agent, t_ns));
-    for (std::size_t g = 0; g < out->groups.size(); ++g) {
-      if (std::ranges::count(out->groups[g], agent.name) > 0) told.group = static_cast<int>(g);
-    }
-  }
-  out->points = told_points_;
-  out->maps = maps_;
-  out->frame_sets = static_cast<int>(next_);
-  out->stages["frame_set"] = {.sum = ms_per_set_ * static_cast<double>(next_), .count = next_};
   return out;
 }
 

@@ -37,6 +37,7 @@ class ResultSnapshots {
     double frame_ms = 0, rate_hz = 0;
     std::vector<std::pair<MapId, Trajectory>> paths;  // of each map that it has poses in
     std::optional<PublicPose> newest;
+    TimeNs last_ns = 0;  // of its poses
     std::uint32_t frames = 0;
     std::size_t tracks = 0, bound = 0;
   };
@@ -54,6 +55,7 @@ class ResultSnapshots {
   std::shared_ptr<const PublicTracks> tracks_until(TimeNs t_ns);
   std::shared_ptr<const PublicState> state_at(TimeNs t_ns);
   PublicAgent agent_at(const Agent& agent, TimeNs t_ns) const;
+  std::optional<std::string> why_lost(const Agent& agent, TimeNs t_ns) const;
   bool due(std::optional<TimeNs>* last, TimeNs t_ns, double period_s) const;
 
   MapId main_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include "common/dataset/event_file.h"
 #include "common/dataset/trajectory.h"
 #include "common/mcap/reader.h"
 #include "common/ros/cdr.h"
@@ -152,8 +153,40 @@ TEST_F(McapExport, TheStateSaysWhoIsWhere) {
   EXPECT_EQ(state["agents"][0]["state"], "tracking");
   EXPECT_EQ(state["agents"][1]["frame"], "map_2");
   EXPECT_EQ(state["groups"].size(), 1U);
+  EXPECT_EQ(state["run"], "");
+  EXPECT_TRUE(state["server"]["key_frames"].is_null()) << "a result does not hold it";
+  EXPECT_TRUE(state["agents"][0]["lag_s"].is_null());
   reader.seek({reader.find("/coslam/a/tracks")->id});
   EXPECT_THAT(reader.next()->octets, HasSubstr("[4,100.0,50.0,1]"));
+}
+
+// Of a: lost from 1 to 1.5 s, without images from 2 to 2.5 s, and from 2.7 s on.
+TEST_F(McapExport, WhoIsLostIsNotWhoSentNothing) {
+  Trajectory a, b;
+  for (int i = 0; i <= 30; ++i) {
+    b.push_back({i * kFrame_ns, Rigid3()});
+    if (i < 10 || (i >= 15 && i < 20) || (i >= 25 && i < 27)) a.push_back({i * kFrame_ns, Rigid3()});
+  }
+  const ResultFolder result(temp_ / "gaps");
+  save_tum(result.trajectory("a"), a);
+  save_tum(result.trajectory("b"), b);
+  PointWriter(result.points()).close();
+  EventWriter events(result.events());
+  events.write({.t_ns = 10 * kFrame_ns, .kind = "camera_lost", .why = "no_pose", .camera = "a", .a = 12, .b = 3});
+  events.write({.t_ns = 15 * kFrame_ns, .kind = "camera_found", .why = "no_pose", .camera = "a"});
+  events.close();
+  const Files files = export_mcap(contents_of(result), temp_ / "out");
+  mcap::Reader reader(files.at(0));
+  const auto agent_at = [&](TimeNs t_ns) {
+    reader.seek({reader.find("/coslam/state")->id}, t_ns);
+    return nlohmann::json::parse(reader.next()->octets)["agents"][0];
+  };
+  EXPECT_EQ(agent_at(500'000'000)["state"], "tracking");
+  EXPECT_EQ(agent_at(1'150'000'000)["state"], "lost");
+  EXPECT_THAT(std::string(agent_at(1'150'000'000)["why"]), HasSubstr("12"));
+  EXPECT_EQ(agent_at(1'600'000'000)["state"], "tracking");
+  EXPECT_EQ(agent_at(2'300'000'000)["state"], "unheard");
+  EXPECT_EQ(agent_at(2'950'000'000)["alive"], false);
 }
 
 }  // namespace
