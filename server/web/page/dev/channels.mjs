@@ -45,19 +45,23 @@ export class Program {
     this.said.push({ kind: "lost", text: `${name} lost its pose: ${WHY_LOST}`, agents: [name] });
   }
 
+  // All agents have ended, and the map is adjusted.
+  finish() { this.run.finishing = true; }
+
   // Calls give(channel, t_s, octets) for what is due until then and wanted.
   advance(to_s, wanted, give) {
     for (let t = this.t_s + 1 / 30; t <= to_s; t += 1 / 30) {
       this.run.step(t);
       for (const channel of this.channels) {
-        const due = channel.rate_hz > 0 && Math.floor(t * channel.rate_hz) !== Math.floor((t - 1 / 30) * channel.rate_hz);
+        const nobody = this.run.cameras.length === 0 && channel.topic !== "/coslam/state";
+        const due = !nobody && channel.rate_hz > 0 && Math.floor(t * channel.rate_hz) !== Math.floor((t - 1 / 30) * channel.rate_hz);
         if (!due || !wanted(channel)) continue;
         const octets = channel.make(this.run, t);
         if (octets) give(channel, t, octets);
       }
       const events = this.channels.find(({ topic }) => topic === "/coslam/events");
       const due = this.said.splice(0).map((event) => ({ t_s: t, ...event }));
-      for (const event of [...due, ...this.run.eventsBetween(this.t_s, t)]) if (wanted(events)) give(events, event.t_s, json(event));
+      for (const event of [...due, ...(this.run.cameras.length === 0 ? [] : this.run.eventsBetween(this.t_s, t))]) if (wanted(events)) give(events, event.t_s, json(event));
       this.t_s = t;
     }
   }

@@ -7,9 +7,11 @@ import { add, apply, compose, inverse, lookAt, quaternion, randomOf, rotate } fr
 import { EVENTS, NAMES, WHY_LOST, frameOf, groupsAt, isLost, mapOf } from "./script.mjs";
 import { LENS, Seen, cameraAt, manAt, pixelOf, pointsOfMan, pointsOfRoom } from "./world.mjs";
 
-// map_from_room: a map's axes are those of its first camera.
+// map_from_room: a map's axes are those of its first camera; map 2 has a unit of its own.
+const UNIT_2 = 6;
 const ROOTS = { 1: inverse(cameraAt(0, 0)), 2: inverse(lookAt([-2.4, 0.3, 1.5], [1.5, -1, 0.9], 0.1)) };
 
+const NOTHING = { moving_points: 0, objects: 0, maps: 0, key_frames: 0 };
 const FIELDS = [["x", 7, 4], ["y", 7, 4], ["z", 7, 4], ["sigma", 7, 4], ["id", 6, 4], ["map", 6, 4], ["state", 2, 1], ["views", 4, 2]];
 const MOVING_FIELDS = [...FIELDS.slice(0, 5), ["object", 6, 4]];
 
@@ -43,6 +45,8 @@ export class Run {
     this.random = randomOf(11);
     this.id = run;
     this.lost = new Set();  // besides those of the script
+    this.finishing = false;
+    this.scaleKnown = true;
   }
 
   isLost(index, t_s) { return this.lost.has(NAMES[index]) || isLost(NAMES[index], t_s); }
@@ -57,7 +61,10 @@ export class Run {
     }
   }
 
-  inMap(index, t_s, room_from_camera) { return compose(ROOTS[mapOf(index, t_s)], room_from_camera); }
+  inMap(index, t_s, room_from_camera) {
+    const pose = compose(ROOTS[mapOf(index, t_s)], room_from_camera);
+    return mapOf(index, t_s) === 2 ? { ...pose, t: pose.t.map((value) => UNIT_2 * value) } : pose;
+  }
 
   // Whole, they stay what they are, and are written once: the mock must not take the time that is measured.
   points(t_s) {
@@ -72,7 +79,8 @@ export class Run {
     return cloud(t_s, "map", FIELDS, shown.length, (view, step) => shown.forEach((i, row) => {
       const map = seen.by[i] === 4 ? mapOf(2, t_s) : 1;
       const at = row * step;
-      xyzTo(view, at, apply(ROOTS[map], seen.points[i]), seen.sigma_m(i));
+      const unit = map === 2 ? UNIT_2 : 1;
+      xyzTo(view, at, apply(ROOTS[map], seen.points[i]).map((value) => unit * value), unit * seen.sigma_m(i));
       view.setUint32(at + 16, i + 1, true);
       view.setUint32(at + 20, map, true);
       view.setUint8(at + 24, t_s - seen.first_s[i] < 1.5 || seen.views[i] < 6 ? 1 : 0);
@@ -144,7 +152,7 @@ export class Run {
     const pose = this.inMap(index, t_s, cameraAt(index, t_s));
     const wobble = (size) => (this.random() - 0.5) * size;
     return {
-      name, alive: true, camera: index, map, group: lost ? -1 : groupsAt(t_s).findIndex((names) => names.includes(name)),
+      name, alive: !this.finishing, images: "none", scale_known: this.scaleKnown && map === 1, camera: index, map, group: lost ? -1 : groupsAt(t_s).findIndex((names) => names.includes(name)),
       frame: frameOf(map), state: lost ? "lost" : "tracking", why: lost ? WHY_LOST : "",
       rate_hz: 29.97 + wobble(0.4), frame_ms: 9.4 + index + wobble(1.4), kB_up_per_s: 27 + 2 * index + wobble(3),
       kB_down_per_s: 6.2 + wobble(1), lag_s: 0.041 + 0.01 * index + wobble(0.01), lost_percent: index === 1 ? 0.4 : 0,
@@ -161,9 +169,9 @@ export class Run {
       .filter((pair) => pair.slice(0, 2).every((name) => !this.isLost(NAMES.indexOf(name), t_s)));
     const points = this.whole ? this.seen.points.length : this.seen.views.reduce((sum, views) => sum + (views > 0), 0);
     return {
-      t_s, run: this.id, scale_known: true,
+      t_s, run: this.id, scale_known: this.scaleKnown, finishing: this.finishing, result: "result", join: "--domain 7",
       server: {
-        ms_per_set: 7.6 + this.random(), points, moving_points: 70, objects: 1, maps: mapOf(2, t_s), key_frames: Math.floor(8 + t_s * 2),
+        ms_per_set: 7.6 + this.random(), points, ...(this.cameras.length === 0 ? NOTHING : { moving_points: 70, objects: 1, maps: mapOf(2, t_s), key_frames: Math.floor(8 + t_s * 2) }),
         memory_mib: 96 + Math.floor(t_s / 3), frame_sets: Math.floor(t_s * 30), left_out: 0,
       },
       agents: this.cameras.map((index) => this.agent(index, t_s)), groups, links,

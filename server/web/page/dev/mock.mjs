@@ -74,12 +74,16 @@ async function answerFile(root, path, response) {
   response.end(bytes ?? "not found\n");
 }
 
-// options: {root, port, points, whole, start_s, recording}; answers {port, stop()}.
+// options: {root, port, points, whole, start_s, cameras, recording, token}; answers {port, program, stop(), end()}: stop() as one
+// that dies, end() as one whose run is over.
 export async function startMock(options) {
   const program = new Program(new Run(options), options.start_s ?? 0);
   const clients = new Set();
+  const granted = (url) => options.token === undefined || url.searchParams.get("token") === options.token;
   const http = createServer((request, response) => {
     const url = new URL(request.url, "http://mock");
+    if (url.pathname.startsWith("/api/") && !granted(url)) return response.writeHead(401).end("this needs the token of the server\n");
+    if (url.pathname === "/api/v1/groups") return response.writeHead(200, { "content-type": "application/json" }).end("{}");
     if (url.pathname === "/api/v1/explain") return answerExplain(url, response);
     if (url.pathname === "/api/v1/run.mcap") {
       response.writeHead(options.recording ? 200 : 404, { "content-type": "application/octet-stream" });
@@ -87,7 +91,10 @@ export async function startMock(options) {
     }
     return answerFile(options.root, url.pathname, response);
   });
-  const sockets = new WebSocketServer({ server: http, path: "/ws", handleProtocols: (names) => [...names].find((name) => name.startsWith("foxglove.")) ?? false });
+  const sockets = new WebSocketServer({
+    server: http, path: "/ws", verifyClient: ({ req }) => granted(new URL(req.url, "http://mock")),
+    handleProtocols: (names) => [...names].find((name) => name.startsWith("foxglove.")) ?? false,
+  });
   sockets.on("connection", (socket) => {
     const client = new Client(socket, program);
     clients.add(client);
@@ -107,5 +114,10 @@ export async function startMock(options) {
     http.closeAllConnections();
     http.close(done);
   });
-  return { port: http.address().port, stop, program };
+  const end = async () => {
+    for (const socket of sockets.clients) socket.close(1001, "the map server ends");
+    await new Promise((done) => setTimeout(done, 100));
+    return stop();
+  };
+  return { port: http.address().port, stop, end, program };
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is said of the thing that is picked.
+import { causeOf } from "./data/cause";
+import { isKnown, positionCovariance } from "./scene/covariance";
 import type { Picked } from "./scene/pick";
 import { DRAWN_SIGMAS, eigen } from "./scene/selection";
 import type { View } from "./scene/view";
@@ -14,17 +16,10 @@ const axes = (covariance: readonly number[], unit: string): string => {
   return values.map((value) => length(Math.sqrt(Math.max(0, value)), unit)).join(" × ");
 };
 
-const place = (p: readonly number[]): string => p.map((value) => digits(value, 2)).join("  ");
-
-const UNKNOWN_VARIANCE = 1e5;  // servers send 1e6 for what they do not know
-
-export function isKnown(covariance: ArrayLike<number> | undefined): covariance is ArrayLike<number> {
-  return covariance !== undefined && covariance[0]! > 0 && covariance[0]! < UNKNOWN_VARIANCE;
-}
-
-// The position part of a ROS covariance, xx xy xz yy yz zz.
-export function positionCovariance(of: ArrayLike<number>): number[] {
-  return [0, 1, 2, 7, 8, 14].map((i) => of[i]!);
+// Coordinates in a frame, in its unit.
+function place(view: View, frame: string, p: readonly number[]): [string, string][] {
+  const text = p.map((value, i) => `${"xyz"[i]} ${digits(value, 2).replace("-", "−")}`).join("  ");
+  return [["Position", `${text} ${view.unitOf(frame)}`], ["In frame", frame]];
 }
 
 // The covariance of the picked thing: what the server told, else a ball of the known size.
@@ -42,10 +37,11 @@ function describePoint(view: View, id: number, told: number[] | undefined): Show
   const ask = { kind: "point" as const, id: String(id) };
   if (index < 0) return { title: `Point ${id}`, about: "Not on the map at this instant.", figures: [], ask };
   const point = view.points.figures(index);
-  const { unit } = view;
+  const frame = view.points.frameOf(index, view.frames);
+  const unit = view.unitOf(frame);
   const figures: [string, string][] = [["Deviation", length(point.sigma, unit)]];
   if (told) figures.push(["Axes, 1 σ", axes(told, unit)]);
-  figures.push(["Views", String(point.views)], ["Position", place(point.position)], ["Map", String(point.map)]);
+  figures.push(["Views", String(point.views)], ...place(view, frame, point.position), ["Map", String(point.map)]);
   const about = point.onTrial ? "On trial: poses do not rest on it yet." : "Static.";
   return { title: `Point ${id}`, about: `${about} Drawn at ${DRAWN_SIGMAS} σ.`, figures, ask };
 }
@@ -56,7 +52,7 @@ function describeMoving(view: View, id: number): Shown {
   const figures: [string, string][] = [];
   if (now && at >= 0) {
     figures.push(["Deviation", length(now.sigma[at]!, view.unit)]);
-    figures.push(["Position", place([...now.xyz.subarray(3 * at, 3 * at + 3)])]);
+    figures.push(...place(view, view.moving.frame, [...now.xyz.subarray(3 * at, 3 * at + 3)]));
     if (now.object[at] !== 0) figures.push(["Object", String(now.object[at])]);
   }
   return { title: `Moving point ${id}`, about: at < 0 ? "Not seen at this instant." : "Seen to move.", figures, ask: { kind: "point", id: String(id) } };
@@ -64,16 +60,19 @@ function describeMoving(view: View, id: number): Shown {
 
 function describeCamera(view: View, name: string): Shown {
   const mark = view.cameras.get(name);
-  const { unit } = view;
   const figures: [string, string][] = [];
-  if (mark?.pose) figures.push(["Position", place([mark.pose.position.x, mark.pose.position.y, mark.pose.position.z])]);
-  if (isKnown(mark?.covariance)) figures.push(["Axes, 1 σ", axes(positionCovariance(mark!.covariance!), unit)]);
+  if (mark?.pose) {
+    const { x, y, z } = mark.pose.position;
+    figures.push(...place(view, mark.frame, [x, y, z]));
+    if (isKnown(mark.covariance)) figures.push(["Axes, 1 σ", axes(positionCovariance(mark.covariance), view.unitOf(mark.frame))]);
+  }
   for (const [a, b, shared] of view.state?.links ?? []) {
     if (a === name || b === name) figures.push([`Shared with ${a === name ? b : a}`, `${shared} points`]);
   }
   const state = mark?.state;
-  if (state) figures.push(["Behind by", seconds(state.lag_s)]);
-  const about = state?.why ? `${state.state}: ${state.why}` : `In map ${state?.map || "none"}, ${state?.state ?? "unknown"}.`;
+  if (state && state.lag_s !== null) figures.push(["Behind by", seconds(state.lag_s)]);
+  const cause = state && mark?.standing === "lost" ? causeOf(state) : "";
+  const about = state?.why ? `${cause === "" ? "" : `${cause}. `}The server says: ${state.why}.` : state?.map ? `In map ${state.map}.` : "In no map.";
   return { title: name, about, figures, ask: { kind: "camera", id: name } };
 }
 

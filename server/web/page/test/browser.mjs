@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A browser with the page of a made-up run.
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -50,6 +52,22 @@ export class Visit {
       return element !== null && new RegExp(source).test(element.textContent);
     }, [selector, pattern.source]);
     return this.text(selector);
+  }
+
+  // What axe-core finds of serious faults for people who see, hear or move otherwise.
+  async faults() {
+    await this.page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+    const { violations } = await this.page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    const serious = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+    return serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ target, any }) => `${target} ${any[0]?.message ?? ""}`).join("; ")}`);
+  }
+
+  // What is downloaded by doing so.
+  async saved(act) {
+    const download = this.page.waitForEvent("download");
+    await act();
+    const file = await download;
+    return { name: file.suggestedFilename(), octets: await readFile(await file.path()) };
   }
 
   // What was done is in the picture two frames later.

@@ -51,7 +51,19 @@ test("a point is picked and tells its life", async () => {
   await visit.says(".inspector h2", /^Point \d+/);
   await visit.says(".inspector .life", /It was made by cam0/);
   await visit.says(".facts", /Axes, 1 σ.*cm/);
+  await visit.says(".facts", /Position.*x .* y .* z .* m.*In framemap/);
   await visit.page.locator(".label.ring").waitFor({ state: "visible" });
+  await visit.page.keyboard.down("Shift");
+  for (const [x, y] of some.toReversed()) {
+    await visit.page.mouse.click(x, y);
+    await visit.frames();
+    if (/To (point|camera|moving)/.test(await visit.text(".facts"))) break;
+  }
+  await visit.page.keyboard.up("Shift");
+  await visit.says(".facts", /To .*\d.* m ± /);
+  await visit.says(".label.length", /m ± /);
+  await visit.page.keyboard.press("Escape");
+  await visit.page.locator(".label.length").waitFor({ state: "hidden" });
   await visit.page.keyboard.press("Escape");
   await visit.page.locator(".inspector").waitFor({ state: "hidden" });
 });
@@ -69,11 +81,66 @@ test("a card shows what the camera sees", async () => {
   await visit.page.click(".agent[data-agent=cam0] .head");
 });
 
+test("each camera has its colour", async () => {
+  const colours = await visit.page.locator(".agent").evaluateAll((cards) => cards.map((card) => card.style.getPropertyValue("--colour")));
+  assert.deepEqual(colours, ["var(--camera-0)", "var(--camera-1)", "var(--camera-2)"]);
+});
+
+test("an opened card has plots", async () => {
+  await visit.page.click(".agent[data-agent=cam2] .head");
+  await visit.says(".agent[data-agent=cam2] .plots", /tracks.*ms a frame.*ms lag.*kB\/s up/);
+  await visit.page.waitForFunction(() => [...document.querySelectorAll(".agent[data-agent=cam2] .spark")].every((canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, Math.max(1, canvas.height - 4));
+    return data.some((value, i) => i % 4 === 3 && value > 0);
+  }));
+  await visit.page.click(".agent[data-agent=cam2] .head");
+});
+
+test("colours have a scale with numbers", async () => {
+  await visit.page.getByLabel("What is shown, and in which colours").click();
+  const by = (name) => visit.page.locator(`.choice input[value=${name}]`).check({ force: true });
+  await by("certainty");
+  await visit.says(".legend .scale", /[cm]m.*deviation.*[cm]m/);
+  await by("height");
+  await visit.says(".legend .scale", /0.*height.* m/);
+  await by("state");
+  await visit.page.locator(".legend .scale").waitFor({ state: "hidden" });
+});
+
+test("the map and a picture of it are saved", async () => {
+  const map = await visit.saved(() => visit.page.getByText("Save map").click());
+  assert.equal(map.name, "map.ply");
+  const head = /^ply\nformat binary_little_endian 1.0\ncomment lengths in metres\nelement vertex (\d+)\n[^]*?end_header\n/.exec(map.octets.toString("latin1"));
+  assert.ok(Number(head[1]) > 500);
+  assert.equal(map.octets.length, head[0].length + 20 * Number(head[1]));
+  const picture = await visit.saved(() => visit.page.getByText("Save picture").click());
+  assert.equal(picture.name, "coslam.png");
+  assert.ok(picture.octets.length > 20000);
+  await visit.page.getByLabel("What is shown, and in which colours").click();
+});
+
+test("from above, from the side, and the sheet of keys", async () => {
+  const axes = () => visit.page.locator(".gizmo").evaluate((canvas) => canvas.toDataURL());
+  const before = await axes();
+  await visit.page.keyboard.press("p");
+  await visit.until(async () => (await axes()) !== before);
+  const side = await axes();
+  await visit.page.keyboard.press("t");
+  await visit.until(async () => (await axes()) !== side);
+  const above = await axes();
+  await visit.page.keyboard.press("p");
+  await visit.until(async () => (await axes()) !== above);
+  await visit.page.keyboard.press("?");
+  await visit.says(".help[open]", /from above, and back/);
+  await visit.page.keyboard.press("Escape");
+  await visit.page.locator(".help").waitFor({ state: "hidden" });
+});
+
 test("who is lost is seen, and why", async () => {
   await visit.says(".agent[data-agent=cam1] .state", /tracking/);
   visit.mock.program.lose("cam1");
   await visit.says(".agent[data-agent=cam1] .state", /lost for/);
-  await visit.says(".agent[data-agent=cam1] .why", /12 are needed/);
+  await visit.says(".agent[data-agent=cam1] .why", /Unknown place.*12 are needed/);
   await visit.says(".news", /cam1 lost its pose/);
   await visit.says(".label.lost", /cam1/);
 });
@@ -119,12 +186,12 @@ test("until here the console has no error", () => assert.deepEqual(visit.errors,
 test("a server that dies is said to be gone, and heard again", async () => {
   await visit.stop();
   await visit.says(".pill", /no connection/);
-  await visit.says(".bar", /does not answer.*Next try in/);
-  await visit.says(".bar", /Next try in [23] s/);  // the pauses grow
+  await visit.says(".notice", /does not answer.*Next try in/);
+  await visit.says(".notice", /Next try in [23] s/);  // the pauses grow
   await visit.restart({ start_s: 180 });
   await visit.says(".pill", /^live/);
   await visit.says(".time", /^3:/);
-  await visit.page.locator(".bar").waitFor({ state: "hidden" });
+  await visit.page.locator(".notice").waitFor({ state: "hidden" });
   await visit.pixelsUntil("point", (count) => count > 800);
   const others = visit.errors.filter((text) => !/ERR_CONNECTION|WebSocket connection to/.test(text));
   assert.deepEqual(others, []);

@@ -32,6 +32,6 @@ if (!existsSync(join(page, "node_modules/typescript"))) leaveOut("all tests of t
 run("node_modules/typescript/bin/tsc", "--noEmit");
 run("build.mjs");
 const browser = existsSync(CHROMIUM);
-const tests = ["test/values.test.mjs", ...(browser ? ["test/live.test.mjs", "test/recorded.test.mjs"] : [])];
+const tests = ["test/values.test.mjs", ...(browser ? ["test/live.test.mjs", "test/states.test.mjs", "test/recorded.test.mjs"] : [])];
 run("--test", "--test-concurrency=1", ...tests);
 if (!browser) leaveOut("the tests in a browser", `there is no ${CHROMIUM} (Debian's package chromium)`);

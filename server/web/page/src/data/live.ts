@@ -15,12 +15,21 @@ const CONNECT_S = 8;
 const SILENT_S = 3;      // shown
 const GIVE_UP_S = 12;    // a connection that says nothing for so long is made again
 const MESSAGE_DATA = 1;
+const GOING_AWAY = 1001;
+const NO_ACCESS = 401;
 
 export type Link =
   | { kind: "connecting" }
   | { kind: "open" }
   | { kind: "silent"; since_ms: number }
-  | { kind: "lost"; again_ms: number; tries: number };
+  | { kind: "lost"; again_ms: number }
+  | { kind: "over"; again_ms: number }      // the server ended as it should
+  | { kind: "refused"; again_ms: number };  // it wants a token
+
+// Of states: how long they came, and how far their times moved on meanwhile.
+const PACE_OVER_S = 20;
+const PACE_LEAST_S = 6;
+const UTC_S = 1e8;
 
 export class Live implements Source {
   readonly live = true;
@@ -42,9 +51,12 @@ export class Live implements Source {
   private everOpen = false;
   private opened_ms = 0;
   private run = "";
+  private finishing = false;
+  private readonly heard: { at_ms: number; t_s: number }[] = [];
   private readonly timer: number;
 
-  constructor(private readonly url: string) {
+  // askUrl: something that is answered to whom may read.
+  constructor(private readonly url: string, private readonly askUrl: string) {
     this.connect();
     this.timer = window.setInterval(() => this.watch(), 250);
     window.addEventListener("online", this.retry);
@@ -54,7 +66,13 @@ export class Live implements Source {
   prepare(): Promise<void> { return Promise.resolve(); }
   last(topic: string, t_s: number): Message | undefined { return this.history.last(topic, t_s); }
   between(topic: string, from_s: number, to_s: number): Message[] { return this.history.between(topic, from_s, to_s); }
-  bytes(): number { return this.history.bytes(); }
+
+  // How fast the run goes, where its times are those of files; undefined: not known, or it is not played.
+  pace(): number | undefined {
+    const [first, last] = [this.heard[0], this.heard.at(-1)];
+    if (!first || !last || last.t_s > UTC_S || last.at_ms - first.at_ms < 1000 * PACE_LEAST_S) return undefined;
+    return (1000 * (last.t_s - first.t_s)) / (last.at_ms - first.at_ms);
+  }
 
   want(agent: string, tracks: boolean): void {
     if (tracks) this.tracksOf.add(agent);
@@ -69,11 +87,13 @@ export class Live implements Source {
   }
 
   // At once, without the rest of the pause.
-  retry = (): void => { if (this.link.kind === "lost") this.connect(); };
+  retry = (): void => { if ("again_ms" in this.link) this.connect(); };
 
   private connect(): void {
     this.drop();
-    this.link = { kind: "connecting" };
+    // What is known of the end stays until something is heard.
+    if (this.link.kind === "over" || this.link.kind === "refused") this.link = { ...this.link, again_ms: Infinity };
+    else this.link = { kind: "connecting" };
     this.opened_ms = performance.now();
     const socket = new WebSocket(this.url, PROTOCOLS);
     this.socket = socket;
@@ -85,7 +105,7 @@ export class Live implements Source {
       if (typeof data === "string") this.hear(JSON.parse(data));
       else this.take(data as ArrayBuffer);
     };
-    socket.onclose = () => this.fail();
+    socket.onclose = ({ code }) => this.fail(code === GOING_AWAY);
   }
 
   private drop(): void {
@@ -98,18 +118,30 @@ export class Live implements Source {
     this.subscribed.clear();
   }
 
-  private fail(): void {
+  private fail(ended = false): void {
     this.drop();
     const pause_s = PAUSES_S[Math.min(this.tries, PAUSES_S.length - 1)]!;
     this.tries += 1;
-    this.link = { kind: "lost", again_ms: performance.now() + 1000 * pause_s, tries: this.tries };
-    if (!this.everOpen && this.tries === 1) this.onFirstFailure();
+    const again_ms = performance.now() + 1000 * pause_s;
+    const over = ended || this.finishing || this.link.kind === "over";
+    this.link = { kind: over ? "over" : this.link.kind === "refused" ? "refused" : "lost", again_ms };
+    this.heard.length = 0;
+    if (this.everOpen) return;
+    if (this.tries === 1) this.onFirstFailure();
+    void this.ask(again_ms);
+  }
+
+  // A WebSocket does not say why it was refused.
+  private async ask(again_ms: number): Promise<void> {
+    const status = await fetch(this.askUrl).then((answer) => answer.status, () => 0);
+    if (status === NO_ACCESS && !this.everOpen) this.link = { kind: "refused", again_ms };
   }
 
   private watch(): void {
     const now = performance.now();
     const silent_s = (now - Math.max(this.heard_ms, this.opened_ms)) / 1000;
-    if (this.link.kind === "lost" && now >= this.link.again_ms) this.connect();
+    if ("again_ms" in this.link && this.socket === undefined && now >= this.link.again_ms) this.connect();
+    else if ("again_ms" in this.link && this.socket !== undefined && silent_s > CONNECT_S) this.fail();
     else if (this.link.kind === "connecting" && silent_s > CONNECT_S) this.fail();
     else if (this.link.kind === "open" && silent_s > SILENT_S) this.link = { kind: "silent", since_ms: this.heard_ms };
     else if (this.link.kind === "silent" && silent_s > GIVE_UP_S) this.fail();
@@ -181,9 +213,13 @@ export class Live implements Source {
     if (this.run !== "" && state.run !== this.run) {
       this.history.clear();
       this.chronicle.clear();
+      this.heard.length = 0;
       this.onNewRun();
     }
     this.run = state.run;
+    this.finishing = state.finishing === true;
+    this.heard.push({ at_ms: performance.now(), t_s: state.t_s });
+    while (this.heard.at(-1)!.at_ms - this.heard[0]!.at_ms > 1000 * PACE_OVER_S) this.heard.shift();
     this.chronicle.addState(state);
   }
 }

@@ -19,7 +19,7 @@ export interface Message {
   channel: Channel;
 }
 
-export type AgentStatus = "tracking" | "relative" | "lost" | "none";
+export type AgentStatus = "tracking" | "relative" | "lost" | "none" | "unheard";
 
 export interface AgentState {
   name: string;
@@ -33,16 +33,18 @@ export interface AgentState {
   why: string;
   rate_hz: number;
   frame_ms: number;
-  kB_up_per_s: number;
-  kB_down_per_s: number;
-  lag_s: number;
-  lost_percent: number;
-  account?: { captured: number; tracked: number };   // images, and a number for each other fate
-  losses?: string;                                    // what became of those that are not tracked; empty: all are
+  kB_up_per_s: number | null;  // null, here and below: what the state was made of does not hold it
+  kB_down_per_s: number | null;
+  lag_s: number | null;
+  lost_percent: number | null;
+  account?: { captured: number; tracked: number } | null;  // images, and a number for each other fate
+  losses?: string | null;      // what became of those that are not tracked; empty: all are
+  images?: string;             // why its images are not to be believed; "none": they are
   tracks: number;
   bound: number;
   clock_offset_ms: number | null;
   pose: number[] | null;
+  scale_known?: boolean;       // of its map
   fov: number[];
 }
 
@@ -52,10 +54,10 @@ export interface ServerFigures {
   moving_points: number;
   objects: number;
   maps: number;
-  key_frames: number;
-  memory_mib: number;
+  key_frames: number | null;
+  memory_mib: number | null;
   frame_sets: number;
-  left_out: number;
+  left_out: number | null;
 }
 
 export interface RunState {
@@ -63,6 +65,8 @@ export interface RunState {
   run: string;
   scale_known: boolean;
   finishing?: boolean;   // no frames come any more, and the whole is adjusted
+  result?: string;       // folder of the result; empty: none
+  join?: string;         // options with which coslam-agent comes here; empty: none does
   server: ServerFigures;
   agents: AgentState[];
   groups: string[][];
@@ -88,6 +92,7 @@ export interface Vector { x: number; y: number; z: number }
 export interface Quaternion extends Vector { w: number }
 export interface Pose { position: Vector; orientation: Quaternion }
 export interface Header { stamp: { sec: number; nsec?: number; nanosec?: number }; frame_id: string }
+export const secondsOf = ({ stamp }: Header): number => stamp.sec + (stamp.nsec ?? stamp.nanosec ?? 0) / 1e9;
 export interface PoseEstimate { header: Header; pose: { pose: Pose; covariance: ArrayLike<number> } }
 export interface Path { header: Header; poses: { header: Header; pose: Pose }[] }
 export interface Marker {

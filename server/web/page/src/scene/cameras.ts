@@ -1,14 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cameras: a frustum in the colour of the group, the way it came, its name. One without a pose stays where it was, dashed.
+// Cameras: a frustum in the camera's colour, the way it came, its name. One without a pose stays where it was, dashed.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Matrix4, Mesh, MeshBasicMaterial, Vector3 } from "three";
 
-import type { AgentState, Path, Pose, PoseEstimate } from "../data/types";
+import type { Standing } from "../data/chronicle";
+import { countUntil } from "../data/source";
+import { secondsOf, type AgentState, type Path, type Pose, type PoseEstimate } from "../data/types";
 import { type Frames, lookOf } from "./frames";
 import { type Label, Label as LabelOf, type Labels } from "./labels";
 import { Strokes, strip } from "./lines";
 import type { Palette } from "./palette";
+
+const OFF_WAY_S = 10;  // what is longer after a pose was elsewhere
 
 // The corners of the image at a depth of one, from the top left, clockwise.
 function cornersOf(fov: readonly number[]): [number[], number[], number[], number[]] {
@@ -16,6 +20,9 @@ function cornersOf(fov: readonly number[]): [number[], number[], number[], numbe
   const ray = (u: number, v: number) => [(u - cx) / fx, (v - cy) / fy, 1];
   return [ray(0, 0), ray(width, 0), ray(width, height), ray(0, height)];
 }
+
+// Beside its name.
+const DETAIL: Record<Standing, string> = { tracking: "", relative: "by what moves", lost: "lost", none: "", unheard: "no images", gone: "left", ended: "" };
 
 export class CameraMark {
   readonly body = new Group();
@@ -25,6 +32,7 @@ export class CameraMark {
   pose: Pose | undefined;
   covariance: ArrayLike<number> | undefined;
   state: AgentState | undefined;
+  standing: Standing = "none";
   private readonly edges = new Strokes(2);
   private readonly broken = new Strokes(2, { dashed: true });
   private readonly face: Mesh;
@@ -43,8 +51,9 @@ export class CameraMark {
     this.body.matrixAutoUpdate = false;
   }
 
-  takeState(state: AgentState): void {
+  takeState(state: AgentState, standing: Standing): void {
     this.state = state;
+    this.standing = standing;
     const lens = state.fov.join();
     if (lens === this.lens) return;
     this.lens = lens;
@@ -75,17 +84,17 @@ export class CameraMark {
   }
 
   paint(colour: Color, palette: Palette): void {
-    const lost = this.state?.state === "lost" || this.state?.alive === false;
-    const relative = this.state?.state === "relative";
-    const shown = lost ? palette.lost : relative ? palette.relative : colour;
-    this.edges.object.visible = !lost && !relative;
-    this.broken.object.visible = lost || relative;
+    const { standing } = this;
+    const holds = standing === "tracking" || standing === "ended";
+    const shown = { lost: palette.lost, gone: palette.gone, unheard: palette.gone, relative: palette.relative }[standing as string] ?? colour;
+    this.edges.object.visible = holds;
+    this.broken.object.visible = !holds;
     for (const strokes of [this.edges, this.broken]) strokes.paint(shown);
     this.trail.paint(colour);
     (this.face.material as MeshBasicMaterial).color.copy(shown);
-    this.label.element.style.setProperty("--colour", `#${shown.getHexString()}`);
-    this.label.element.classList.toggle("lost", lost);
-    this.label.text(this.name, lost ? (this.state?.alive === false ? "gone" : "lost") : relative ? "by its own motion" : "");
+    this.label.element.style.setProperty("--colour", `#${colour.getHexString()}`);
+    this.label.element.classList.toggle("lost", standing === "lost");
+    this.label.text(this.name, DETAIL[standing]);
   }
 
   // The image plane is tinted, but not for one who looks through it.
@@ -113,6 +122,16 @@ export class CameraMark {
     const scale = new Vector3(this.size, this.size, this.size);
     this.body.matrix.copy(new Matrix4().compose(new Vector3(position.x, position.y, position.z), lookOf(this.pose), scale));
     this.body.updateMatrixWorld(true);
+  }
+
+  // Where it was at that time, in its frame; undefined: not on its way.
+  placeAt(t_s: number): Vector3 | undefined {
+    if (this.path?.header.frame_id !== this.frame) return undefined;
+    const { poses } = this.path;
+    const at = countUntil(poses.length, (i) => secondsOf(poses[i]!.header), t_s) - 1;
+    if (at < 0 || t_s - secondsOf(poses[at]!.header) > OFF_WAY_S) return undefined;
+    const { x, y, z } = poses[at]!.pose.position;
+    return new Vector3(x, y, z);
   }
 
   // Where it was, in its frame.

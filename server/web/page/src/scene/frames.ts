@@ -13,12 +13,17 @@ const SETTLE_S = 10;      // of a map's life in which up is found better and bet
 const LEVEL = 0.02;       // how much x axes weigh: small is much
 const GAP = 0.25;         // between maps, of their size
 const SLACK = 0.06;       // a map stays where it is while that is good enough
+const BORDER = 0.04;      // around a map, of its size
+const BESIDE = 0.5;       // size of a map of its own unit, of that of the main map
+const RESCALED = 1.4;     // it has become larger or smaller by so much: it is scaled anew
 
 export interface MapFrame {
   name: string;
   group: Group;
   extent: Box3;           // of its points, rotated and not yet moved
   turned: Quaternion;
+  scale: number;          // of the picture: maps of another unit are drawn to fit beside
+  ownUnit: boolean;
   settled: boolean;
   ahead: Vector3 | undefined;
   used: boolean;
@@ -40,7 +45,7 @@ export class Frames {
   of(name: string): MapFrame {
     let frame = this.all.get(name);
     if (!frame) {
-      frame = { name, group: new Group(), extent: new Box3(), turned: new Quaternion(), settled: false, ahead: undefined, used: true };
+      frame = { name, group: new Group(), extent: new Box3(), turned: new Quaternion(), scale: 1, ownUnit: name !== "map", settled: false, ahead: undefined, used: true };
       frame.group.matrixAutoUpdate = false;
       this.all.set(name, frame);
       this.root.add(frame.group);
@@ -52,6 +57,8 @@ export class Frames {
   takeState(state: RunState): void {
     this.nameOfMap.clear();
     for (const agent of state.agents) if (agent.map !== 0) this.nameOfMap.set(agent.map, agent.frame);
+    const metric = new Set(state.agents.filter((agent) => agent.scale_known).map(({ frame }) => frame));
+    for (const frame of this.all.values()) frame.ownUnit = frame.name !== "map" && !(metric.has(frame.name) && state.scale_known);
     const named = new Set(this.nameOfMap.values());
     for (const frame of this.all.values()) frame.used = named.size === 0 || named.has(frame.name) || frame.name === "map";
   }
@@ -87,44 +94,70 @@ export class Frames {
     if (age_s > SETTLE_S) this.of(name).settled = true;
   }
 
+  // Those that are shown, the main one first.
+  shown(): MapFrame[] {
+    const frames = [...this.all.values()].filter((frame) => frame.used && !frame.extent.isEmpty());
+    return frames.sort((a, b) => (a.name === "map" ? -1 : b.name === "map" ? 1 : a.name < b.name ? -1 : 1));
+  }
+
   // Where maps stand beside each other; called when what they hold has changed.
   arrange(): void {
-    const frames = [...this.all.values()].filter((frame) => frame.used && !frame.extent.isEmpty());
-    frames.sort((a, b) => (a.name === "map" ? -1 : b.name === "map" ? 1 : a.name < b.name ? -1 : 1));
+    const frames = this.shown();
     let from = 0;
     for (const [index, frame] of frames.entries()) {
-      const size = frame.extent.getSize(new Vector3());
+      this.rescale(frame, frames[0]!);
+      const extent = scaled(frame);
+      const size = extent.getSize(new Vector3());
       const gap = GAP * Math.max(size.x, size.z);
-      const x = index === 0 ? 0 : from + gap - frame.extent.min.x;
-      const z = index === 0 ? 0 : -(frame.extent.min.z + frame.extent.max.z) / 2;
-      const wanted = new Vector3(x, -frame.extent.min.y, z);
+      const x = index === 0 ? 0 : from + gap - extent.min.x;
+      const z = index === 0 ? 0 : -(extent.min.z + extent.max.z) / 2;
+      const wanted = new Vector3(x, -extent.min.y, z);
       if (wanted.distanceTo(frame.group.position) > SLACK * size.length()) {
         this.put(frame, wanted);
         ++this.version;
       }
-      from = frame.group.position.x + frame.extent.max.x;
+      from = frame.group.position.x + extent.max.x;
     }
     for (const frame of this.all.values()) frame.group.visible = frame.used;
   }
 
   // All that is shown.
-  extent(): Box3 {
-    const box = new Box3();
-    for (const frame of this.all.values()) {
-      if (!frame.used || frame.extent.isEmpty()) continue;
-      box.union(frame.extent.clone().translate(frame.group.position));
-    }
-    return box;
+  extent(): Box3 { return this.shown().reduce((box, frame) => box.union(boxOf(frame)), new Box3()); }
+
+  // Nobody knows how large the one is beside the other.
+  private rescale(frame: MapFrame, main: MapFrame): void {
+    const wanted = frame === main || !frame.ownUnit ? 1 : (BESIDE * widthOf(main)) / Math.max(1e-9, widthOf(frame));
+    const by = wanted / frame.scale;
+    if (wanted !== 1 && by < RESCALED && by > 1 / RESCALED) return;
+    if (Math.abs(by - 1) < 1e-9) return;
+    frame.scale = wanted;
+    this.put(frame, frame.group.position);
+    ++this.version;
   }
 
   private put(frame: MapFrame, position: Vector3): void {
     frame.group.position.copy(position);
     frame.group.quaternion.copy(frame.turned);
+    frame.group.scale.setScalar(frame.scale);
     frame.group.updateMatrix();
     frame.group.matrixWorldNeedsUpdate = true;
     frame.group.updateMatrixWorld(true);
   }
 }
+
+function scaled({ extent, scale }: MapFrame): Box3 { return new Box3(extent.min.clone().multiplyScalar(scale), extent.max.clone().multiplyScalar(scale)); }
+
+// Where it stands in the picture.
+export function boxOf(frame: MapFrame): Box3 { return scaled(frame).translate(frame.group.position); }
+
+// The corners of the border that is drawn around it.
+export function floorOf(frame: MapFrame): Vector3[] {
+  const { min, max } = boxOf(frame);
+  const by = BORDER * Math.max(max.x - min.x, max.z - min.z);
+  return [[min.x - by, min.z - by], [max.x + by, min.z - by], [max.x + by, max.z + by], [min.x - by, max.z + by]].map(([x, z]) => new Vector3(x, 0, z));
+}
+
+function widthOf({ extent }: MapFrame): number { return Math.max(extent.max.x - extent.min.x, extent.max.z - extent.min.z); }
 
 const BASE_FROM_OPTICAL = new Quaternion(-0.5, 0.5, -0.5, 0.5);
 

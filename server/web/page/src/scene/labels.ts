@@ -56,6 +56,18 @@ export class Labels {
     label.element.remove();
   }
 
+  // Those that are shown, for a picture.
+  texts(): { text: string; x: number; y: number; width: number; colour: string; background: string }[] {
+    const holder = this.holder.getBoundingClientRect();
+    return [...this.all].filter(({ element }) => !element.hidden && element.textContent !== "").map(({ element }) => {
+      const { left, top, width, height } = element.getBoundingClientRect();
+      const { color, backgroundColor, paddingLeft } = getComputedStyle(element);
+      const [name, detail] = (element.dataset["text"] ?? "").split("\n");
+      const indent = parseFloat(paddingLeft);
+      return { text: [name, detail].filter(Boolean).join("  "), x: left - holder.left + indent, y: top - holder.top + height / 2, width: width - 2 * indent, colour: color, background: backgroundColor };
+    });
+  }
+
   place(stage: Stage): void {
     const taken: Box[] = [];
     for (const label of this.all) {

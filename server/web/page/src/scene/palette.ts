@@ -14,10 +14,12 @@ export interface Palette {
   accent: Color;
   lost: Color;
   relative: Color;
-  groups: Color[];
+  gone: Color;
+  cameras: Color[];
+  ramp: [Color, Color, Color];  // of figures, low to high
 }
 
-const GROUPS = 8;
+export const CAMERA_COLOURS = 8;
 
 export function readPalette(): Palette {
   const style = getComputedStyle(document.documentElement);
@@ -32,6 +34,8 @@ export function readPalette(): Palette {
     accent: colour("accent"),
     lost: colour("lost"),
     relative: colour("relative"),
-    groups: Array.from({ length: GROUPS }, (_, i) => colour(`group-${i}`)),
+    gone: colour("gone"),
+    cameras: Array.from({ length: CAMERA_COLOURS }, (_, i) => colour(`camera-${i}`)),
+    ramp: [colour("ramp-0"), colour("ramp-1"), colour("ramp-2")],
   };
 }

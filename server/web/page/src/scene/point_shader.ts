@@ -8,26 +8,19 @@ import { Color, ShaderMaterial } from "three";
 export const COLOUR_BY = ["state", "certainty", "height", "views"] as const;
 export type ColourBy = (typeof COLOUR_BY)[number];
 
-// Dark blue, teal, sand; linear.
-const RAMP = [[0.24, 0.36, 0.72], [0.25, 0.68, 0.66], [0.95, 0.83, 0.52]] as const;
-const vec3 = (colour: readonly number[]) => `vec3(${colour.join(", ")})`;
-
-export function rampColour(t: number, into: Color): Color {
-  const [from, to] = t < 0.5 ? [RAMP[0], RAMP[1]] : [RAMP[1], RAMP[2]];
-  const part = t < 0.5 ? 2 * t : 2 * t - 1;
-  return into.setRGB(from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1]), from[2] + part * (to[2] - from[2]));
+export function rampColour(ramp: readonly [Color, Color, Color], t: number, into: Color): Color {
+  return t < 0.5 ? into.lerpColors(ramp[0], ramp[1], 2 * t) : into.lerpColors(ramp[1], ramp[2], 2 * t - 1);
 }
 
 const VERTEX = `
 attribute vec4 look;  // state, certainty, views, new: each 0..1
 uniform float size, smallest, pixelScale, radius, fresh, leastCertain, floorHeight, ceilingHeight;
 uniform int colourBy;
-uniform vec3 background, fixedColour, trialColour, freshColour;
+uniform vec3 background, fixedColour, trialColour, freshColour, rampLow, rampMiddle, rampHigh;
 varying vec3 colour;
 
 vec3 ramp(float t) {
-  vec3 low = ${vec3(RAMP[0])}, middle = ${vec3(RAMP[1])}, high = ${vec3(RAMP[2])};
-  return t < 0.5 ? mix(low, middle, 2.0 * t) : mix(middle, high, 2.0 * t - 1.0);
+  return t < 0.5 ? mix(rampLow, rampMiddle, 2.0 * t) : mix(rampMiddle, rampHigh, 2.0 * t - 1.0);
 }
 
 void main() {
@@ -76,6 +69,9 @@ export function pointMaterial(): ShaderMaterial {
       fixedColour: { value: new Color() },
       trialColour: { value: new Color() },
       freshColour: { value: new Color() },
+      rampLow: { value: new Color() },
+      rampMiddle: { value: new Color() },
+      rampHigh: { value: new Color() },
     },
   });
 }

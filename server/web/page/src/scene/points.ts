@@ -28,6 +28,14 @@ function columnsOf(size: number): Columns {
   };
 }
 
+const OCTETS = new DataView(new ArrayBuffer(4));
+
+// The number that has these octets as a float.
+function floatOf(octets: number): number {
+  OCTETS.setUint32(0, octets);
+  return OCTETS.getFloat32(0);
+}
+
 export interface PointFigures { id: number; map: number; onTrial: boolean; sigma: number; views: number; position: number[] }
 
 export class Points {
@@ -147,6 +155,20 @@ export class Points {
     return best;
   }
 
+  // Of the scales of colours: standard deviations of the least and the most certain, height, views.
+  scaleOf(by: ColourBy): [low: number, high: number] {
+    if (by === "certainty") return [floatOf(this.range[1]!), floatOf(this.range[0]!)];
+    return by === "height" ? [0, this.ceiling - this.floor] : [0, MANY_VIEWS];
+  }
+
+  // The proven points of the main map.
+  *proven(): Generator<PointFigures> {
+    for (let i = 0; i < this.count; ++i) {
+      const figures = this.figures(i);
+      if (figures.map === this.main && !figures.onTrial) yield figures;
+    }
+  }
+
   get floor(): number { return this.material.uniforms["floorHeight"]!.value as number; }
   get ceiling(): number { return this.material.uniforms["ceilingHeight"]!.value as number; }
 
@@ -161,6 +183,7 @@ export class Points {
     uniforms["fixedColour"]!.value = palette.fixed;
     uniforms["trialColour"]!.value = palette.trial;
     uniforms["freshColour"]!.value = palette.accent;
+    [uniforms["rampLow"]!.value, uniforms["rampMiddle"]!.value, uniforms["rampHigh"]!.value] = palette.ramp;
   }
 
   // True while new points still shine.

@@ -64,7 +64,7 @@ export class SoftPoints {
       for (let index = 0; index < 256; ++index) {
         const certain = (index & 127) / 127;
         if (by === "state") full.copy(index >= 128 ? palette.trial : palette.fixed);
-        else rampColour(index / 255, full);
+        else rampColour(palette.ramp, index / 255, full);
         const light = by !== "state" ? 0.85 : index >= 128 ? 0.75 : 0.5 + 0.48 * certain;
         mixed.lerpColors(palette.background, full, light * faded);
         const hex = mixed.getHex();

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The picture: renderer, viewer's camera and how it is moved. Draws only when something has changed.
-import { Box3, Matrix4, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer } from "three";
+import { Box3, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 const FOV_DEG = 40;
@@ -41,12 +41,14 @@ export class Stage {
   readonly controls: OrbitControls;
   onDraw: () => void = () => {};
   onUserMove: () => void = () => {};
+  onResize: () => void = () => {};
   frames_per_s = 0;
   width = 1;
   height = 1;
   private insets = { left: 0, right: 0, top: 0, bottom: 0 };
   private changed = true;
   private glide: Glide | undefined;
+  private held = false;       // by somebody who may turn it, or only click
   private ratio = 1;
   private readonly bestRatio: number;
   private drawn_ms = 0;
@@ -67,17 +69,26 @@ export class Stage {
     this.controls.addEventListener("change", () => {
       this.moved_ms = performance.now();
       this.invalidate();
+      if (this.held) this.onUserMove();
     });
     this.controls.addEventListener("start", () => {
       this.glide = undefined;
-      this.onUserMove();
+      this.held = true;
     });
+    this.controls.addEventListener("end", () => { this.held = false; });
     this.camera.position.set(0, 3, 6);
     new ResizeObserver(() => this.resize()).observe(holder);
     this.resize();
   }
 
   invalidate(): void { this.changed = true; }
+
+  // At once, so that the picture can be read.
+  drawNow(): void {
+    this.changed = false;
+    this.onDraw();
+    this.renderer.render(this.scene, this.camera);
+  }
 
   // How many pixels a length of one at a distance of one takes.
   pixelScale(): number { return (this.height * this.ratio) / (2 * Math.tan((this.camera.fov * Math.PI) / 360)); }
@@ -88,28 +99,32 @@ export class Stage {
     if (this.controls.enabled) this.controls.update();
     if (this.ratio < this.bestRatio && now_ms - this.moved_ms > STILL_MS && !this.glide) this.setRatio(this.bestRatio);
     if (!this.changed) return;
-    this.changed = false;
-    this.onDraw();
-    this.renderer.render(this.scene, this.camera);
+    this.drawNow();
     this.measure(now_ms);
   }
 
   // Looks at all of these places, from where the viewer stands or from `from` (a direction).
   fit(places: readonly Vector3[], from?: Vector3): void {
     if (places.length === 0) return;
-    const box = new Box3().setFromPoints(places as Vector3[]);
-    const target = box.getCenter(new Vector3());
     const back = (from?.clone() ?? this.camera.position.clone().sub(this.controls.target)).normalize();
+    const { target, distance } = this.plan(places, back);
+    this.moveTo(target.clone().addScaledVector(back, MARGIN * distance), target);
+    const box = new Box3().setFromPoints(places as Vector3[]);
+    this.setDepth(Math.max(1e-3, 0.5 * box.getSize(new Vector3()).length()));
+  }
+
+  // Where to look at, and from how far, so that all of these places are just in the picture.
+  plan(places: readonly Vector3[], back: Vector3): { target: Vector3; distance: number } {
+    const target = new Box3().setFromPoints(places as Vector3[]).getCenter(new Vector3());
     const axes = new Matrix4().lookAt(back, new Vector3(), new Vector3(0, 1, 0));
     const [right, up] = [0, 1].map((i) => new Vector3().setFromMatrixColumn(axes, i)) as [Vector3, Vector3];
     const half = Math.tan((FOV_DEG * Math.PI) / 360) / this.height;
-    const tall = half * (this.height - this.insets.top - this.insets.bottom);
-    const wide = half * (this.width - this.insets.left - this.insets.right);
-    let distance = 0;
+    const tall = half * Math.max(0.2 * this.height, this.height - this.insets.top - this.insets.bottom);
+    const wide = half * Math.max(0.2 * this.width, this.width - this.insets.left - this.insets.right);
     for (let round = 0; ; ++round) {
       const seen = places.map((place) => place.clone().sub(target)).map((p) => [p.dot(right), p.dot(up), p.dot(back)] as const);
-      distance = Math.max(...seen.map(([x, y, z]) => Math.max(Math.abs(x) / wide, Math.abs(y) / tall) + z));
-      if (round === CENTERINGS) break;
+      const distance = Math.max(...seen.map(([x, y, z]) => Math.max(Math.abs(x) / wide, Math.abs(y) / tall) + z));
+      if (round === CENTERINGS) return { target, distance };
       // What is near takes more room: the middle of the picture is not that of the box.
       const middle = (axis: 0 | 1) => {
         const ends = seen.map((p) => p[axis] / (distance - p[2]));
@@ -117,14 +132,14 @@ export class Stage {
       };
       target.addScaledVector(right, middle(0)).addScaledVector(up, middle(1));
     }
-    this.moveTo(target.clone().addScaledVector(back, MARGIN * distance), target);
-    this.setDepth(Math.max(1e-3, 0.5 * box.getSize(new Vector3()).length()));
   }
 
   // What panels cover of the picture: its middle is that of the rest.
   inset(left: number, right: number, top: number, bottom: number): void {
+    const before = Object.values(this.insets).join();
     this.insets = { left, right, top, bottom };
     this.center();
+    if (Object.values(this.insets).join() !== before) this.onResize();
   }
 
   setDepth(radius: number): void {
@@ -133,11 +148,6 @@ export class Stage {
     this.controls.minDistance = radius / 100;
     this.controls.maxDistance = radius * 20;
     this.camera.updateProjectionMatrix();
-  }
-
-  fromAbove(places: readonly Vector3[]): void {
-    const azimuth = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target)).theta;
-    this.fit(places, new Vector3().setFromSphericalCoords(1, 0.0005, azimuth));
   }
 
   // Moves viewer and target together.
@@ -204,5 +214,6 @@ export class Stage {
     this.renderer.setSize(this.width, this.height);
     this.camera.aspect = this.width / this.height;
     this.center();
+    this.onResize();
   }
 }

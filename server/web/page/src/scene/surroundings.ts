@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The floor as a grid of round lengths, and links between cameras that share points.
+// The floor as a grid of round lengths, borders of maps that stand beside each other, and links between cameras that share
+// points.
 import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments, type Box3, Vector3 } from "three";
 
+import { floorOf, type MapFrame } from "./frames";
+import { Label, type Labels } from "./labels";
 import { Strokes } from "./lines";
 import type { Palette } from "./palette";
 
@@ -75,6 +78,7 @@ export class Floor {
 
 export class Links {
   readonly strokes = new Strokes(1.5, { dashed: true });
+  any = false;
 
   show(links: { from: Vector3; to: Vector3; shared: number }[], palette: Palette, size: number): void {
     const ends: number[] = [];
@@ -85,8 +89,38 @@ export class Links {
       shade.lerpColors(palette.background, palette.link, 0.25 + 0.75 * Math.min(1, shared / MANY_SHARED));
       for (let i = 0; i < 2; ++i) colours.push(shade.r, shade.g, shade.b);
     }
+    this.any = ends.length > 0;
     this.strokes.material.dashSize = 0.5 * size;
     this.strokes.material.gapSize = 0.35 * size;
     this.strokes.set(ends, colours);
+  }
+}
+
+// Where there are several maps: a frame around each, and its name.
+export class Borders {
+  readonly strokes = new Strokes(1);
+  private readonly names = new Map<string, Label>();
+
+  constructor(private readonly labels: Labels) {}
+
+  show(frames: readonly MapFrame[]): void {
+    const shown = frames.length > 1 ? frames : [];
+    const ends: number[] = [];
+    for (const frame of shown) {
+      const corners = floorOf(frame);
+      corners.forEach((corner, i) => ends.push(...corner.toArray(), ...corners[(i + 1) % corners.length]!.toArray()));
+      this.name(frame).place.copy(corners[2]!).lerp(corners[3]!, 0.5);
+    }
+    this.strokes.set(ends);
+    for (const [name, label] of this.names) label.visible = shown.some((frame) => frame.name === name);
+  }
+
+  paint(palette: Palette): void { this.strokes.paint(palette.gone); }
+
+  private name(frame: MapFrame): Label {
+    let label = this.names.get(frame.name);
+    if (!label) this.names.set(frame.name, (label = this.labels.add(new Label("border"))));
+    label.text(frame.name === "map" ? "main map" : frame.name.replace("_", " "), frame.ownUnit ? "own unit, drawn to fit" : "");
+    return label;
   }
 }

@@ -22,6 +22,8 @@ const ICONS = {
   fit: "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5",
   top: "M12 3v10m0 0-4-4m4 4 4-4M4 17l8 4 8-4",
   layers: "m12 4 9 5-9 5-9-5zM3 14l9 5 9-5",
+  help: "M9 9a3 3 0 1 1 4.2 2.7c-.9.4-1.2 1-1.2 2M12 17.5v.01M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18z",
+  ruler: "M3 16 16 3l5 5L8 21zM7 12l2 2M10 9l2 2M13 6l2 2",
   theme: "M12 4a8 8 0 1 0 8 8 6 6 0 0 1-8-8z",
   open: "M3 19V6h6l2 2h10v11zM12 11v5m0-5-2.2 2.2M12 11l2.2 2.2",
   play: "M8 5v14l11-7z",
@@ -42,6 +44,21 @@ export function icon(name: keyof typeof ICONS): SVGSVGElement {
   return svg;
 }
 
+// A number with what it is, in a list of such.
+export class Figure {
+  readonly element: HTMLElement;
+  private readonly value = make("dd");
+  private readonly unit = make("dt");
+
+  constructor(key: string, title?: string) { this.element = make("div", { title, "data-key": key }, this.value, this.unit); }
+
+  show(value: string, unit: string, kind = ""): void {
+    if (this.element.className !== kind) this.element.className = kind;
+    setText(this.value, value);
+    setText(this.unit, unit);
+  }
+}
+
 export function button(name: keyof typeof ICONS, title: string, onclick: () => void, text = ""): HTMLButtonElement {
   const children: Child[] = [icon(name)];
   if (text !== "") children.push(text);
@@ -55,19 +72,26 @@ export function setText(element: HTMLElement, text: string): void {
 
 const whole = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
 export const count = (value: number): string => whole.format(value);
-export const digits = (value: number | undefined, places: number): string => (value === undefined || !Number.isFinite(value) ? "–" : value.toFixed(places));
+export const digits = (value: number | null | undefined, places: number): string => (value === null || value === undefined || !Number.isFinite(value) ? "–" : value.toFixed(places));
 export const plural = (value: number, one: string, many = `${one}s`): string => `${count(value)} ${value === 1 ? one : many}`;
 
 // "2.1 cm"; in units of the map where the scale is not known.
 export function length(value: number, unit: string): string {
   if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
   if (unit !== "m") return `${value.toPrecision(2)} ${unit}`;
   if (value >= 1) return `${value.toFixed(2)} m`;
   return value >= 0.01 ? `${(100 * value).toFixed(1)} cm` : `${(1000 * value).toFixed(1)} mm`;
 }
 
-export function seconds(value: number): string {
-  if (!Number.isFinite(value)) return "–";
+// "5 m", "1 unit": how large a square of the grid is.
+export function gridText(cell: number, unit: string): string {
+  const size = Number(cell.toPrecision(3));
+  return `grid ${size} ${size === 1 && unit === "units" ? "unit" : unit}`;
+}
+
+export function seconds(value: number | null): string {
+  if (value === null || !Number.isFinite(value)) return "–";
   return value < 1 ? `${Math.round(1000 * value)} ms` : `${value.toFixed(1)} s`;
 }
 

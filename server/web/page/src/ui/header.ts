@@ -2,90 +2,114 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The top line: how the connection is, what the map holds, and how it is looked at.
+import type { Chronicle } from "../data/chronicle";
+import type { MapFigure } from "../data/figures";
 import type { Live } from "../data/live";
 import type { RunState } from "../data/types";
 import type { Player } from "../player";
-import { button, count, digits, make, plural, seconds, setText } from "./dom";
+import { button, count, digits, Figure, make, seconds, setText } from "./dom";
+import { Spark, SPARK_S } from "./spark";
 
 export interface HeaderActions {
   fit(): void;
   top(): void;
   theme(): void;
   layers(): void;
-  open(): void;
-  retry(): void;
+  help(): void;
+  // Tells what can be done about an unknown scale.
+  scale(): void;
 }
+
+const PACE_OFF = 0.2;  // a run that goes so much faster or slower is not of now
+export const NO_SCALE = "Lengths are in units of the map: images alone do not tell how large things are. A printed tag, a rig of cameras or a known baseline does: see `scale` in docs/configuration.md.";
+
+export const isOfNow = (pace: number | undefined): boolean => pace === undefined || Math.abs(pace - 1) < PACE_OFF;
 
 export class Header {
   readonly element: HTMLElement;
   private readonly pill: HTMLElement;
   private readonly figures = make("dl", { class: "figures" });
-  private readonly values = new Map<string, HTMLElement>();
+  private readonly values = new Map<string, Figure>();
+  private readonly sparks = new Map<string, Spark>();
   private readonly run = make("span", { class: "run" });
-  private readonly bar = make("div", { class: "bar", role: "alert", hidden: "" });
+  private readonly scale: HTMLButtonElement;
 
   constructor(actions: HeaderActions) {
     this.pill = make("span", { class: "pill", role: "status" });
+    this.scale = make("button", { type: "button", class: "scale", title: NO_SCALE, hidden: "", onclick: actions.scale }, "no scale");
     const tools = make("nav", { class: "tools", "aria-label": "view" },
       button("fit", "Show everything (F)", actions.fit),
-      button("top", "From above (T)", actions.top),
+      button("top", "From above, and back (T)", actions.top),
       button("layers", "What is shown, and in which colours", actions.layers),
-      button("open", "Open a recording (.mcap)", actions.open),
-      button("theme", "Light or dark", actions.theme));
-    const brand = make("h1", {}, "CoSLAM");
-    this.element = make("header", {}, brand, this.pill, this.run, this.figures, tools, this.bar);
-    this.bar.addEventListener("click", () => actions.retry());
+      button("theme", "Light or dark", actions.theme),
+      button("help", "Keys and colours (?)", actions.help));
+    this.element = make("header", {}, make("h1", {}, "CoSLAM"), this.pill, this.run, this.figures, this.scale, tools);
   }
 
-  showState(state: RunState | undefined): void {
-    setText(this.run, state ? `run ${state.run.slice(0, 8)}` : "");
+  showState(state: RunState | undefined, chronicle: Chronicle, t_s: number): void {
+    setText(this.run, state && state.run !== "" ? `run ${state.run.slice(0, 8)}` : "");
+    this.scale.hidden = state === undefined || state.scale_known || state.server.points === 0;
     if (!state) return;
     const { server } = state;
     this.figure("points", count(server.points), "points");
+    this.plot("points", chronicle, t_s);
     this.figure("moving", count(server.moving_points), "moving", server.moving_points > 0 ? "moving" : "");
     this.figure("objects", count(server.objects), server.objects === 1 ? "object" : "objects", server.objects > 0 ? "moving" : "");
     this.figure("maps", count(server.maps), server.maps === 1 ? "map" : "maps", server.maps > 1 ? "warn" : "");
-    this.figure("keys", count(server.key_frames), "key frames");
+    this.figure("keys", server.key_frames === null ? null : count(server.key_frames), "key frames");
     this.figure("set", digits(server.ms_per_set, 1), "ms a set");
-    this.figure("memory", count(server.memory_mib), "MiB");
-    if (server.left_out > 0) this.figure("left", count(server.left_out), "sets left out", "warn");
-    this.figure("scale", state.scale_known ? "metres" : "no scale", "", state.scale_known ? "" : "warn");
+    this.plot("set", chronicle, t_s);
+    this.figure("memory", server.memory_mib === null ? null : count(server.memory_mib), "MiB");
+    this.figure("left", server.left_out ? count(server.left_out) : null, "sets left out", "warn");
   }
+
+  redraw(): void { for (const spark of this.sparks.values()) spark.redraw(); }
 
   showRecording(name: string): void {
     this.pill.className = "pill recorded";
     setText(this.pill, name);
-    this.bar.hidden = true;
   }
 
   showLink(live: Live, player: Player, lag_s: number | undefined, finishing: boolean): void {
-    const now = performance.now();
-    const { link } = live;
-    const [kind, text] = ((): [string, string] => {
-      if (link.kind === "connecting") return ["waiting", live.heard_ms === 0 ? "connecting" : "connecting again"];
-      if (link.kind === "silent") return ["waiting", `silent for ${digits((now - link.since_ms) / 1000, 0)} s`];
-      if (link.kind === "lost") return ["lost", "no connection"];
-      if (finishing && player.mode === "live") return ["waiting", "over, being adjusted"];
-      return player.mode === "live" ? ["live", lag_s === undefined ? "live" : `live, ${seconds(lag_s)} behind`] : ["past", "looking back"];
-    })();
+    const [kind, text] = pillOf(live, player, lag_s, finishing);
     this.pill.className = `pill ${kind}`;
     setText(this.pill, text);
-    this.bar.hidden = link.kind !== "lost";
-    if (link.kind !== "lost") return;
-    const left_s = Math.max(0, Math.ceil((link.again_ms - now) / 1000));
-    const old = live.heard_ms === 0 ? "" : ` What you see is ${plural(Math.round((now - live.heard_ms) / 1000), "second")} old.`;
-    setText(this.bar, `The server does not answer.${old} Next try in ${left_s} s; click to try now.`);
   }
 
-  private figure(key: string, value: string, unit: string, kind = ""): void {
-    let element = this.values.get(key);
-    if (!element) {
-      element = make("div", { "data-key": key }, make("dd"), make("dt"));
-      this.values.set(key, element);
-      this.figures.append(element);
+  // null: not known, and not shown.
+  private figure(key: string, value: string | null, unit: string, kind = ""): void {
+    let figure = this.values.get(key);
+    if (!figure) {
+      this.values.set(key, (figure = new Figure(key)));
+      this.figures.append(figure.element);
     }
-    element.className = kind;
-    setText(element.firstElementChild as HTMLElement, value);
-    setText(element.lastElementChild as HTMLElement, unit);
+    figure.element.hidden = value === null;
+    if (value !== null) figure.show(value, unit, kind);
   }
+
+  private plot(key: "points" | "set", chronicle: Chronicle, t_s: number): void {
+    let spark = this.sparks.get(key);
+    if (!spark) {
+      this.sparks.set(key, (spark = new Spark()));
+      const { element } = this.values.get(key)!;
+      element.append(spark.element);
+      element.title = `The last ${SPARK_S} seconds`;
+    }
+    const name: MapFigure = key === "set" ? "ms a set" : key;
+    spark.show(chronicle.figures.ofMap(name, t_s - SPARK_S, t_s), t_s);
+  }
+}
+
+function pillOf(live: Live, player: Player, lag_s: number | undefined, finishing: boolean): [kind: string, text: string] {
+  const { link } = live;
+  if (link.kind === "connecting") return ["waiting", live.heard_ms === 0 ? "connecting" : "connecting again"];
+  if (link.kind === "silent") return ["waiting", `silent for ${digits((performance.now() - link.since_ms) / 1000, 0)} s`];
+  if (link.kind === "lost") return ["lost", "no connection"];
+  if (link.kind === "refused") return ["waiting", "no token"];
+  if (player.mode !== "live") return ["past", "looking back"];
+  if (link.kind === "over") return ["recorded", "over"];
+  if (finishing) return ["waiting", "over, being adjusted"];
+  const pace = live.pace();
+  if (!isOfNow(pace)) return ["live", `live, ×${digits(pace, 1)}`];
+  return ["live", lag_s === undefined ? "live" : `live, ${seconds(lag_s)} behind`];
 }

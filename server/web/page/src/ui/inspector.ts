@@ -17,21 +17,23 @@ export class Inspector {
   readonly element: HTMLElement;
   onClose: () => void = () => {};
   onLife: (life: Life) => void = () => {};
+  onMeasure: () => void = () => {};
   onTime: ((t_s: number) => void) | undefined;
   private readonly title = make("h2");
   private readonly about = make("p", { class: "about" });
   private readonly figures = make("dl", { class: "facts" });
   private readonly life = make("section", { class: "life" });
+  private readonly ruler = button("ruler", "Measure: then click the other end (M)", () => this.onMeasure());
   private asked = "";
   private abort = new AbortController();
 
   constructor(private readonly token: string | null) {
     const close = button("close", "Close (Esc)", () => this.onClose());
     this.element = make("aside", { class: "inspector", hidden: "", "aria-label": "what is picked" },
-      make("div", { class: "head" }, this.title, close), this.about, this.figures, this.life);
+      make("div", { class: "head" }, this.title, this.ruler, close), this.about, this.figures, this.life);
   }
 
-  show(shown: Shown | undefined, served: boolean): void {
+  show(shown: Shown | undefined, served: boolean, measures: boolean): void {
     this.element.hidden = shown === undefined;
     if (!shown) {
       this.asked = "";
@@ -39,7 +41,8 @@ export class Inspector {
       return;
     }
     setText(this.title, shown.title);
-    setText(this.about, shown.about);
+    this.ruler.setAttribute("aria-pressed", String(measures));
+    setText(this.about, measures ? "Click the other end of the length." : shown.about);
     const look = JSON.stringify(shown.figures);
     if (this.figures.dataset["look"] !== look) {
       this.figures.dataset["look"] = look;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is drawn, and in which colours.
+// What is drawn, in which colours, and what is made a file of.
 import { COLOUR_BY, type ColourBy } from "../scene/point_shader";
 import type { View } from "../scene/view";
 import { make } from "./dom";
@@ -11,7 +11,7 @@ const NAMES: Record<ColourBy, string> = { state: "State", certainty: "Certainty"
 export class Layers {
   readonly element: HTMLElement;
 
-  constructor(private readonly view: View) {
+  constructor(private readonly view: View, actions: { picture(): void; map(): void; open(): void }) {
     const by = make("div", { class: "choice", role: "radiogroup", "aria-label": "colour of points" }, ...COLOUR_BY.map((each) => this.choice(each)));
     const least = make("input", { type: "range", min: "0", max: "0.95", step: "0.05", value: "0", "aria-label": "hide uncertain points" });
     least.addEventListener("input", () => this.set("leastCertain", Number(least.value)));
@@ -22,7 +22,10 @@ export class Layers {
       make("h3", {}, "Points by"), by,
       make("label", {}, "Hide uncertain", least), make("label", {}, "Size", size),
       make("h3", {}, "Show"), ...Object.keys(all).map((name) => this.toggle(name as keyof typeof all)),
-      make("a", { href: "licences.txt", target: "_blank" }, "What this page is made of"));
+      make("h3", {}, "Files"), make("div", { class: "files" },
+        make("button", { type: "button", title: "A PNG of what is shown (S)", onclick: actions.picture }, "Save picture"),
+        make("button", { type: "button", title: "The proven points of the main map, as PLY", onclick: actions.map }, "Save map"),
+        make("button", { type: "button", title: "A recorded run, .mcap; it can be dropped on the page too", onclick: actions.open }, "Open recording")));
   }
 
   flip(): void { this.element.hidden = !this.element.hidden; }

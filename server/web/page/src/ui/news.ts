@@ -12,7 +12,7 @@ const MOST = 3;
 const QUIET = new Set(["joined", "left", "map_started"]);  // on the time line alone
 
 export class News {
-  readonly element = make("div", { class: "news", role: "log", "aria-live": "polite" });
+  readonly element = make("div", { class: "toasts", role: "log", "aria-live": "polite", "aria-label": "what just happened" });
   private known = new WeakSet<RunEvent>();
 
   // What happened before is no news.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The time line: who had which state when, what happened, and which instant is shown. Dragged, or zoomed by the wheel.
-import type { Chronicle, Span } from "../data/chronicle";
+import type { Chronicle, Standing } from "../data/chronicle";
 import type { Source } from "../data/source";
 import type { RunEvent } from "../data/types";
 import type { Player } from "../player";
@@ -22,7 +22,9 @@ const STEPS_S = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600, 7200];
 const EVENT_COLOURS: Record<string, string> = {
   lost: "lost", split: "relative", found: "good", merge: "accent", maps_joined: "accent", loop: "accent",
 };
-const SPAN_COLOURS: Record<Span["state"], string> = { tracking: "lane", relative: "relative", lost: "lost", none: "line", gone: "panel" };
+const SPAN_COLOURS: Partial<Record<Standing, string>> = { relative: "relative", lost: "lost", none: "none", unheard: "none" };  // tracking: the camera's
+const SPAN_PX: Partial<Record<Standing, number>> = { tracking: 4, relative: 8, lost: 8, none: 1, unheard: 1 };            // else nothing
+const SPAN_WORDS: Partial<Record<Standing, string>> = { none: "waiting", unheard: "no images received", gone: "left", ended: "the run is over" };
 
 export class Timeline {
   readonly element: HTMLElement;
@@ -36,7 +38,7 @@ export class Timeline {
   private drawn = "";
   private chronicle: Chronicle;
 
-  constructor(private source: Source, private readonly player: Player, private readonly onChange: () => void) {
+  constructor(private source: Source, private readonly player: Player, private readonly colourIndex: (agent: string) => number, private readonly onChange: () => void) {
     this.chronicle = source.chronicle;
     this.play = button("play", "Play or pause (space)", () => { this.player.toggle(); this.onChange(); });
     this.live = make("button", { type: "button", class: "go-live", title: "Back to now (L)", onclick: () => { this.player.goLive(); this.onChange(); } }, "Live");
@@ -55,7 +57,8 @@ export class Timeline {
 
   repaint(): void { this.drawn = ""; }
 
-  show(agents: string[]): void {
+  // live: there is a now to go back to.
+  show(agents: string[], live: boolean): void {
     this.agents = agents;
     const { range } = this.source;
     const t_s = this.player.shown_s;
@@ -65,7 +68,7 @@ export class Timeline {
     const playing = this.player.mode === "playing";
     this.play.querySelector("path")!.setAttribute("d", this.player.mode === "paused" ? "M8 5v14l11-7z" : "M8 5v14M16 5v14");
     this.play.setAttribute("aria-pressed", String(playing));
-    this.live.hidden = !this.source.live;
+    this.live.hidden = !live;
     this.live.setAttribute("aria-pressed", String(this.player.mode === "live"));
     this.canvas.setAttribute("aria-valuenow", known ? (t_s - this.zero_s).toFixed(1) : "0");
     this.canvas.setAttribute("aria-valuetext", known ? clock(t_s - this.zero_s) : "nothing yet");
@@ -156,7 +159,7 @@ export class Timeline {
     const event = offsetY < EVENTS_PX + 4 ? this.eventNear(offsetX) : undefined;
     const lane = this.agents[Math.floor((offsetY - EVENTS_PX) / LANE_PX)];
     const span = lane === undefined ? undefined : this.chronicle.spanAt(lane, t_s);
-    const words = event ? event.text : span ? `${lane}: ${span.state}${span.why === "" ? "" : `, ${span.why}`}` : "";
+    const words = event ? event.text : span ? `${lane}: ${SPAN_WORDS[span.state] ?? span.state}${span.why === "" ? "" : `, ${span.why}`}` : "";
     setText(this.tip, `${clock((event?.t_s ?? t_s) - this.zero_s)}${words === "" ? "" : `  ${words}`}`);
     this.tip.hidden = offsetX < GUTTER_PX;
     const x = this.canvas.offsetLeft + offsetX;
@@ -213,9 +216,9 @@ export class Timeline {
         const left = Math.max(GUTTER_PX, this.xOf(span.from_s));
         const right = Math.min(width, this.xOf(span.to_s));
         if (right < left) continue;
-        context.fillStyle = colour(SPAN_COLOURS[span.state]);
-        const thin = span.state === "tracking" || span.state === "none" ? 3 : 8;
-        context.fillRect(left, y + (LANE_PX - thin) / 2, Math.max(1, right - left), thin);
+        const thick = SPAN_PX[span.state] ?? 0;
+        context.fillStyle = colour(SPAN_COLOURS[span.state] ?? `camera-${this.colourIndex(agent)}`);
+        context.fillRect(left, y + (LANE_PX - thick) / 2, Math.max(1, right - left), thick);
       }
     }
   }
