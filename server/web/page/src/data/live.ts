@@ -37,6 +37,7 @@ export class Live implements Source {
   private readonly history = new History();
   readonly range = this.history.range;
   link: Link = { kind: "connecting" };
+  tries = 0;             // in vain, since something was heard
   heard_ms = 0;          // when something was heard last; 0: nothing yet
   recorded: string | undefined;  // a server that plays a run names the file
   onNewRun: () => void = () => {};
@@ -47,7 +48,6 @@ export class Live implements Source {
   private readonly subscribed = new Map<number, Channel>();     // of subscription
   private readonly tracksOf = new Set<string>();
   private nextSubscription = 1;
-  private tries = 0;
   private everOpen = false;
   private opened_ms = 0;
   private run = "";

@@ -54,7 +54,7 @@ export class Header {
     this.figure("points", count(server.points), "points");
     this.plot("points", chronicle, t_s);
     this.figure("moving", count(server.moving_points), "moving", server.moving_points > 0 ? "moving" : "");
-    this.figure("objects", count(server.objects), server.objects === 1 ? "object" : "objects", server.objects > 0 ? "moving" : "");
+    this.figure("objects", server.objects > 0 ? count(server.objects) : null, server.objects === 1 ? "object" : "objects", server.objects > 0 ? "moving" : "");
     this.figure("maps", count(server.maps), server.maps === 1 ? "map" : "maps", server.maps > 1 ? "warn" : "");
     this.figure("keys", server.key_frames === null ? null : count(server.key_frames), "key frames");
     this.figure("set", digits(server.ms_per_set, 1), "ms a set");

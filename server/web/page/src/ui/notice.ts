@@ -23,14 +23,15 @@ export function noticeOf(live: Live, state: RunState | undefined, now_ms: number
     return { kind: "wait", title: "This server wants a token", text: "Add ?token=… to the address. The server printed the whole address when it was started." };
   }
   if (link.kind === "over") {
-    const result = state?.result ?? "";
+    if (!state) return { kind: "over", title: "The run is over", text: "It ended before anything was heard of it." };
+    const result = state.result ?? "";
     if (result === "") return { kind: "over", title: "The run is over", text: "It kept no result. What you see is how it ended." };
     return { kind: "over", title: "The run is over", text: "What you see is how it ended. To see it again at any time:", command: `coslam view ${shellWord(result)}` };
   }
-  if (link.kind === "lost") {
-    const left_s = Math.max(0, Math.ceil((link.again_ms - now_ms) / 1000));
+  if (link.kind === "lost" || (link.kind === "connecting" && live.tries > 0)) {
+    const next = link.kind === "lost" ? `Next try in ${Math.max(0, Math.ceil((link.again_ms - now_ms) / 1000))} s.` : "Trying again.";
     const old = live.heard_ms === 0 ? "" : `What you see is ${plural(Math.round((now_ms - live.heard_ms) / 1000), "second")} old. `;
-    return { kind: "lost", title: "The server does not answer", text: `${old}Next try in ${left_s} s.`, retry: true };
+    return { kind: "lost", title: "The server does not answer", text: old + next, retry: true };
   }
   if (!state || state.finishing) return undefined;
   if (state.agents.length === 0) return waiting(state);
@@ -44,8 +45,8 @@ function waiting({ join = "" }: RunState): Said {
 }
 
 export class Notice {
-  readonly element = make("section", { class: "notice", role: "status", hidden: "" });
-  private readonly title = make("h2");
+  readonly element = make("section", { class: "notice", "aria-label": "the run", hidden: "" });
+  private readonly title = make("h2", { role: "status" });
   private readonly text = make("p");
   private readonly command = make("code");
   private readonly retry: HTMLButtonElement;
