@@ -74,7 +74,7 @@ async function answerFile(root, path, response) {
   response.end(bytes ?? "not found\n");
 }
 
-// options: {root, port, points, whole, start_s, cameras, recording, token}; answers {port, program, stop(), end()}: stop() as one
+// options: {root, port, points, whole, start_s, cameras, recording, token, rate}; answers {port, program, stop(), end()}: stop() as one
 // that dies, end() as one whose run is over.
 export async function startMock(options) {
   const program = new Program(new Run(options), options.start_s ?? 0);
@@ -100,10 +100,11 @@ export async function startMock(options) {
     clients.add(client);
     socket.on("close", () => clients.delete(client));
   });
-  const began = performance.now() / 1000 - program.t_s;
+  const rate = options.rate ?? 1;
+  const began_s = performance.now() / 1000 - program.t_s / rate;
   const timer = setInterval(() => {
     const wanted = (channel) => [...clients].some((client) => client.subscriptions.has(channel.id));
-    program.advance(performance.now() / 1000 - began, wanted, (channel, t_s, octets) => {
+    program.advance(rate * (performance.now() / 1000 - began_s), wanted, (channel, t_s, octets) => {
       for (const client of clients) client.give(channel, t_s, octets);
     });
   }, 33);

@@ -17,7 +17,7 @@ import { Agents } from "./ui/agents";
 import { clock, gridText, make } from "./ui/dom";
 import { acceptFiles } from "./ui/files";
 import { Gizmo } from "./ui/gizmo";
-import { Header, isOfNow, NO_SCALE } from "./ui/header";
+import { Header, NO_SCALE } from "./ui/header";
 import { Help } from "./ui/help";
 import { Inspector } from "./ui/inspector";
 import { Layers } from "./ui/layers";
@@ -165,7 +165,7 @@ export class App {
     const { view, live, player, source: { chronicle } } = this;
     const state = view.state;
     const t_s = player.shown_s;
-    const lagHolds = isOfNow(live?.pace());
+    const lagHolds = live?.lagHolds() ?? true;
     this.header.showState(state, chronicle, t_s);
     if (live?.recorded !== undefined && live === this.source) void this.fetchRun(live.recorded);
     const lags = state?.agents.flatMap(({ state: each, lag_s }) => (each === "tracking" && lag_s !== null ? [lag_s] : [])) ?? [];

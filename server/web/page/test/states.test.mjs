@@ -91,3 +91,8 @@ test("a phone that is turned shows all of it again", visiting({ start_s: 50, siz
   await visit.until(async () => (await visit.page.locator(".label.camera:visible").count()) === 3);
   for (const camera of ["cam0", "cam1", "cam2"]) await inside(visit, `.label[data-camera=${camera}]`);
 }));
+
+test("a run that is played slowly is not said to be behind", visiting({ start_s: 50, rate: 0.5 }, async (visit) => {
+  await visit.says(".pill", /^live, ×0\.[4-6]$/);
+  await visit.page.locator(".agent[data-agent=cam0] .short [data-key=lag]").waitFor({ state: "hidden" });
+}));

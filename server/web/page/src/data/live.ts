@@ -30,6 +30,9 @@ export type Link =
 const PACE_OVER_S = 20;
 const PACE_LEAST_S = 6;
 const UTC_S = 1e8;
+const PACE_OFF = 0.2;
+
+export const isOfNow = (pace: number | undefined): boolean => pace !== undefined && Math.abs(pace - 1) < PACE_OFF;
 
 export class Live implements Source {
   readonly live = true;
@@ -87,6 +90,12 @@ export class Live implements Source {
   }
 
   // At once, without the rest of the pause.
+  // Lags are by the clock: they say nothing of a run that is played faster or slower, nor before that is known.
+  lagHolds(): boolean {
+    const last = this.heard.at(-1);
+    return last !== undefined && (last.t_s > UTC_S || isOfNow(this.pace()));
+  }
+
   retry = (): void => { if ("again_ms" in this.link) this.connect(); };
 
   private connect(): void {

@@ -4,7 +4,7 @@
 // The top line: how the connection is, what the map holds, and how it is looked at.
 import type { Chronicle } from "../data/chronicle";
 import type { MapFigure } from "../data/figures";
-import type { Live } from "../data/live";
+import { isOfNow, type Live } from "../data/live";
 import type { RunState } from "../data/types";
 import type { Player } from "../player";
 import { button, count, digits, Figure, make, seconds, setText } from "./dom";
@@ -20,10 +20,7 @@ export interface HeaderActions {
   scale(): void;
 }
 
-const PACE_OFF = 0.2;  // a run that goes so much faster or slower is not of now
 export const NO_SCALE = "Lengths are in units of the map: images alone do not tell how large things are. A printed tag, a rig of cameras or a known baseline does: see `scale` in docs/configuration.md.";
-
-export const isOfNow = (pace: number | undefined): boolean => pace === undefined || Math.abs(pace - 1) < PACE_OFF;
 
 export class Header {
   readonly element: HTMLElement;
@@ -110,6 +107,6 @@ function pillOf(live: Live, player: Player, lag_s: number | undefined, finishing
   if (link.kind === "over") return ["recorded", "over"];
   if (finishing) return ["waiting", "over, being adjusted"];
   const pace = live.pace();
-  if (!isOfNow(pace)) return ["live", `live, ×${digits(pace, 1)}`];
-  return ["live", lag_s === undefined ? "live" : `live, ${seconds(lag_s)} behind`];
+  if (pace !== undefined && !isOfNow(pace)) return ["live", `live, ×${digits(pace, 1)}`];
+  return ["live", lag_s === undefined || !live.lagHolds() ? "live" : `live, ${seconds(lag_s)} behind`];
 }
