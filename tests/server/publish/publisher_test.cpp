@@ -251,6 +251,8 @@ TEST_F(PublisherTest, TheStateIsAsTheDocsHaveIt) {
   for (const char* key : {"ms_per_set", "points", "moving_points", "objects", "maps", "key_frames", "memory_mib",
                           "frame_sets", "left_out"})
     EXPECT_TRUE(state["server"][key].is_number()) << key;
+  EXPECT_EQ(state["result"], "");
+  EXPECT_EQ(state["join"], "");
   const json& agent = state["agents"][0];
   EXPECT_EQ(agent["name"], "cam-0");
   EXPECT_EQ(agent["topic"], "/coslam/cam_0");
@@ -261,7 +263,8 @@ TEST_F(PublisherTest, TheStateIsAsTheDocsHaveIt) {
   EXPECT_NEAR(agent["pose"][0].get<double>(), 1, 1e-12);
   EXPECT_TRUE(agent["clock_offset_ms"].is_null());
   for (const char* key : {"alive", "camera", "map", "group", "why", "rate_hz", "frame_ms", "kB_up_per_s",
-                          "kB_down_per_s", "lag_s", "lost_percent", "account", "losses", "tracks", "bound"})
+                          "kB_down_per_s", "lag_s", "lost_percent", "account", "losses", "tracks", "bound",
+                          "scale_known"})
     EXPECT_TRUE(agent.contains(key)) << key;
   const json& lost = state["agents"][1];
   EXPECT_EQ(lost["state"], "lost");
