@@ -179,6 +179,7 @@ export class App {
     this.timeline.show((state?.agents ?? []).map(({ name }) => name), live !== undefined && live.link.kind !== "over");
     this.news.show(chronicle, player.mode === "live", t_s);
     this.legend.show();
+    this.gizmo.draw();
     this.inspector.onTime = this.source.range.start_s < 1e8 ? (at_s) => player.seek(at_s) : undefined;
     this.picking.show(this.served && !(live?.link.kind === "over" || live?.link.kind === "lost"));
   }

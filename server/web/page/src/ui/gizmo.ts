@@ -9,6 +9,7 @@ import { make } from "./dom";
 
 const SIZE_PX = 72;
 const REACH_PX = 24;
+const PAUSE_MS = 60;  // a picture of the map is not to wait for it
 const AXES = [["x", new Vector3(1, 0, 0)], ["y", new Vector3(0, 1, 0)], ["z", new Vector3(0, 0, 1)]] as const;
 
 export class Gizmo {
@@ -17,6 +18,8 @@ export class Gizmo {
     title: "x, y, z: the axes of the map, which coordinates are told in. Up is estimated from how the cameras were held; north is not known.",
   });
   private drawn = "";
+  private drawn_ms = 0;
+  private style: { font: string; colours: Map<string, string> } | undefined;  // of the theme
 
   constructor(private readonly view: View) {
     const ratio = Math.min(2, window.devicePixelRatio);
@@ -24,9 +27,15 @@ export class Gizmo {
     this.element.getContext("2d")!.scale(ratio, ratio);
   }
 
-  redraw(): void { this.drawn = ""; }
+  redraw(): void {
+    this.drawn = "";
+    this.style = undefined;
+  }
 
   draw(): void {
+    const now_ms = performance.now();
+    if (now_ms - this.drawn_ms < PAUSE_MS) return;
+    this.drawn_ms = now_ms;
     const { stage, frames } = this.view;
     const frame = frames.all.get("map");
     this.element.hidden = frame === undefined;
@@ -36,15 +45,15 @@ export class Gizmo {
     if (look === this.drawn) return;
     this.drawn = look;
     const context = this.element.getContext("2d")!;
-    const style = getComputedStyle(this.element);
+    const { font, colours } = (this.style ??= this.readStyle());
     context.clearRect(0, 0, SIZE_PX, SIZE_PX);
-    context.font = `600 11px ${style.fontFamily}`;
+    context.font = font;
     context.textAlign = "center";
     context.textBaseline = "middle";
     for (const { name, x, y, near } of this.ends(turned, frame.turned)) {
       const middle = SIZE_PX / 2;
       context.globalAlpha = near ? 1 : 0.55;
-      context.strokeStyle = context.fillStyle = style.getPropertyValue(`--axis-${name}`);
+      context.strokeStyle = context.fillStyle = colours.get(name)!;
       context.lineWidth = 2;
       context.beginPath();
       context.moveTo(middle, middle);
@@ -53,6 +62,11 @@ export class Gizmo {
       context.globalAlpha = 1;
       context.fillText(name, middle + (REACH_PX + 7) * x, middle + (REACH_PX + 7) * y);
     }
+  }
+
+  private readStyle(): { font: string; colours: Map<string, string> } {
+    const style = getComputedStyle(this.element);
+    return { font: `600 11px ${style.fontFamily}`, colours: new Map(AXES.map(([name]) => [name, style.getPropertyValue(`--axis-${name}`)])) };
   }
 
   // Farthest first.

@@ -7,6 +7,7 @@ import { make } from "./dom";
 
 export const SPARK_S = 60;
 const PAD_PX = 2;
+const OFTEN_HZ = 2;
 const LEAST_S = 5;
 const GAP_S = 3;  // nothing for so long: the line is broken
 
@@ -19,9 +20,10 @@ export class Spark {
   // From zero to the most.
   show({ t_s, values }: Curve, to_s: number): void {
     const { element } = this;
+    const look = [Math.floor(OFTEN_HZ * to_s), t_s.length >> 2, t_s[0]].join();
+    if (look === this.drawn) return;
     const [width, height] = [element.clientWidth, element.clientHeight];
-    const look = [width, height, t_s.length, t_s.at(-1), t_s[0], to_s.toFixed(1)].join();
-    if (width === 0 || look === this.drawn) return;
+    if (width === 0) return;
     this.drawn = look;
     const ratio = Math.min(2, window.devicePixelRatio);
     element.width = width * ratio;
