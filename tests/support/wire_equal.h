@@ -10,6 +10,7 @@
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
+#include "common/model/agent_images.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 
