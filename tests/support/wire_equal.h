@@ -6,11 +6,11 @@
 
 #include <cstring>
 
+#include "common/model/agent_images.h"
 #include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
-#include "common/model/agent_images.h"
 #include "common/model/session.h"
 #include "common/model/track_frame.h"
 

@@ -262,9 +262,9 @@ TEST_F(PublisherTest, TheStateIsAsTheDocsHaveIt) {
   ASSERT_EQ(agent["pose"].size(), 7U);
   EXPECT_NEAR(agent["pose"][0].get<double>(), 1, 1e-12);
   EXPECT_TRUE(agent["clock_offset_ms"].is_null());
-  for (const char* key : {"alive", "camera", "map", "group", "why", "rate_hz", "frame_ms", "kB_up_per_s",
-                          "kB_down_per_s", "lag_s", "lost_percent", "account", "losses", "tracks", "bound",
-                          "scale_known"})
+  for (const char* key :
+       {"alive", "camera", "map", "group", "why", "rate_hz", "frame_ms", "kB_up_per_s", "kB_down_per_s", "lag_s",
+        "lost_percent", "account", "losses", "tracks", "bound", "scale_known"})
     EXPECT_TRUE(agent.contains(key)) << key;
   const json& lost = state["agents"][1];
   EXPECT_EQ(lost["state"], "lost");
