@@ -9,7 +9,7 @@
 namespace coslam {
 namespace {
 
-// What observations leave open is a third to the half of what truth says in most recordings: see docs/accuracy.md.
+// Truth is one to three times as far off as observations leave open, in most recordings: see docs/accuracy.md.
 constexpr double kGood_percent = 0.3, kFair_percent = 1;
 constexpr double kGoodShare = 0.9, kFairShare = 0.5;
 constexpr double kLensIsOther = 0.1;  // of the focal length: the calibration is of another camera

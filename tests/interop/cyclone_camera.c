@@ -102,7 +102,7 @@ int main(int argc, char **argv) {
   sensor_msgs_msg_dds__CameraInfo_ info = {0};
   sensor_msgs_msg_dds__PointCloud2_ points = {0};
   dds_sequence_octet kinds[kKinds];
-  double d[5] = {-0.25, 0.125, 0.0078125, -0.03125, 0.015625};
+  double d[5] = {-0.25, 0.125, 0.0078125, -0.00390625, 0.015625};
 
   const dds_entity_t writer = writer_of(argc, argv,
                                         is_image  ? &sensor_msgs_msg_dds__Image__desc

@@ -153,7 +153,7 @@ TEST_F(Ros2Source, WhatIsNotThereIsNamedBesideWhatIs) {
 
 TEST_F(Ros2Source, WhatCannotBeReadIsNamed) {
   const auto odd = camera({"topic=/odd", "encoding=64FC1"});
-  EXPECT_THAT(error("/odd"), HasSubstr("no image came that can be read; its encoding is 64FC1, known are mono8"));
+  EXPECT_THAT(error("/odd"), HasSubstr("no image came that can be read; its encoding is 64FC1, as of depth or heat"));
   const auto owner = camera({"topic=/owned", "exclusive=1"});
   EXPECT_THAT(error("/owned"),
               HasSubstr("who writes topic /owned offers another QoS than is read here: its ownership"));

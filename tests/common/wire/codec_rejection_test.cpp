@@ -195,7 +195,7 @@ TEST(CodecRejects, Hellos) {
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.height_px(3); });
   expect_rejected<M>(hello, Rejection::kNotFinite, [](M& m) { m.fx(kNan); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.fx(-500); });
-  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.cx(641); });
+  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.cx(1281); });
   expect_rejected<M>(hello, Rejection::kNotFinite, [](M& m) { m.coefficients()[7] = kInf; });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.distortion(6); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.pacing(2); });
