@@ -201,11 +201,12 @@ void leave_out_repeated(const std::filesystem::path& file, const std::vector<Lin
     if ((*truth)[i].t_ns < (*truth)[i - 1].t_ns)
       throw UserError(lines[i].where + "the time is earlier than that of the line before");
   }
-  const auto repeated = std::ranges::unique(*truth, {}, &StampedPose::t_ns);
-  if (repeated.empty()) return;
-  log_warn(file.string() + ": " + std::to_string(repeated.size()) +
+  const auto same_time = [](const StampedPose& a, const StampedPose& b) { return a.t_ns == b.t_ns; };
+  const auto repeated = std::unique(truth->begin(), truth->end(), same_time);
+  if (repeated == truth->end()) return;
+  log_warn(file.string() + ": " + std::to_string(truth->end() - repeated) +
            " poses have the time of the one before and are left out");
-  truth->erase(repeated.begin(), repeated.end());
+  truth->erase(repeated, truth->end());
 }
 
 }  // namespace
