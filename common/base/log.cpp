@@ -65,7 +65,7 @@ class Given {
     const std::lock_guard lock(mutex_);
     auto at = std::ranges::find(warnings_, key, &std::pair<std::string, Warning>::first);
     if (at == warnings_.end() && warnings_.size() == kMost) return;
-    if (at == warnings_.end()) at = warnings_.insert(at, {std::move(key), {}});
+    if (at == warnings_.end()) at = warnings_.emplace(at, std::move(key), Warning());
     at->second.text = text;
     ++at->second.count;
   }

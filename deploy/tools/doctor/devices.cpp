@@ -40,7 +40,8 @@ std::vector<std::string> modes_of(int device) {
     for (unsigned shift = 0; shift < 32; shift += 8)
       mode.push_back(static_cast<char>(format.pixelformat >> shift & 255U));
     const std::string size = largest(device, format.pixelformat);
-    modes.push_back(mode + (size.empty() ? "" : " up to " + size));
+    if (!size.empty()) mode.append(" up to ").append(size);
+    modes.push_back(mode);
   }
   return modes;
 }
