@@ -4,7 +4,8 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "common/base/printed.h"
 
 namespace coslam {
 namespace {
@@ -13,12 +14,6 @@ namespace {
 constexpr double kGood_percent = 0.3, kFair_percent = 1;
 constexpr double kGoodShare = 0.9, kFairShare = 0.5;
 constexpr double kLensIsOther = 0.1;  // of the focal length: the calibration is of another camera
-
-std::string printed(const char* format, double value) {
-  std::array<char, 160> out{};
-  std::snprintf(out.data(), out.size(), format, value);
-  return out.data();
-}
 
 Quality at_most(double value, double good, double fair) {
   if (value <= good) return Quality::kGood;

@@ -3,8 +3,9 @@
 #include "server/why_no_pose.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <vector>
+
+#include "common/base/printed.h"
 
 namespace coslam {
 namespace {
@@ -22,12 +23,6 @@ std::string why_not_believed(const std::array<std::uint64_t, kImageFaults>& faul
   const auto most = std::ranges::max_element(faults);
   if (*most == 0) return "they were not believed";
   return std::string(words_of(static_cast<ImageFault>(most - faults.begin())).why);
-}
-
-std::string printed(const char* format, auto... values) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
 }
 
 }  // namespace

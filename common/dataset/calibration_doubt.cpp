@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
+#include "common/base/printed.h"
 #include "common/dataset/calibration_dialects.h"
 
 namespace coslam {
@@ -21,13 +21,6 @@ constexpr double kOddAspect = 1.1, kHopelessAspect = 2.5;
 constexpr double kOddOffCentre = 0.25, kHopelessOffCentre = 0.4;     // of the image's size
 constexpr double kOddTangential = 0.01, kHopelessTangential = 0.05;  // the first is a sensor tilted by 2 degrees
 constexpr double kShortestPinhole = 0.15;                            // of the larger side: 147 degrees across
-
-template <class... Numbers>
-std::string printed(const char* format, Numbers... numbers) {
-  std::array<char, 256> out{};
-  std::snprintf(out.data(), out.size(), format, numbers...);
-  return out.data();
-}
 
 using Projection = std::array<double, 4>;  // fx fy cx cy, as the file has them
 

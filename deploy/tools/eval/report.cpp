@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/tools/eval/report.h"
 
-#include <cstdio>
+#include "common/base/printed.h"
 
 namespace coslam::eval {
 namespace {
@@ -116,12 +116,6 @@ Json json_of(const AgentEvaluation& a) {
           {"live_ate_m", json_of(a.live_ate_m)},
           {"worst_frame", json_of(a.worst)},
           {"live_worst_frame", json_of(a.live_worst)}};
-}
-
-std::string printed(const char* format, auto... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 // A number in a column, or a dash.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 
 #include "common/base/error.h"
+#include "common/base/printed.h"
 #include "common/dataset/file.h"
 #include "deploy/tools/export/colmap_adjust.h"
 #include "deploy/tools/export/colmap_model.h"
@@ -14,12 +14,6 @@ namespace {
 
 // The centre of COLMAP's first pixel is (0.5, 0.5), ours is (0, 0).
 constexpr double kPixelCenter = 0.5;
-
-std::string printed(const char* format, auto... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string camera_text(std::size_t id, const CameraModel& c) {
   const auto& k = c.coefficients;

@@ -3,12 +3,11 @@
 #include "deploy/tools/status/census.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/base/printed.h"
 #include "common/base/text.h"
 namespace coslam {
 namespace {
@@ -16,13 +15,6 @@ namespace {
 constexpr std::size_t kMostUnanswered = 256;  // frames
 
 double seconds(Instant from, Instant to) { return std::chrono::duration<double>(to - from).count(); }
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 const char* word_of(PoseState state) {
   switch (state) {
@@ -172,21 +164,21 @@ std::vector<std::string> Census::gone() const {
 std::string Census::text(Instant now) const {
   std::string text;
   for (const auto& [run, s] : servers_) {
-    text += format("map server %s: %s, %u frame sets, %u points\n", format_hex(run.value).c_str(), state_of(run, s),
-                   s.frame_sets, s.points);
+    text += printed("map server %s: %s, %u frame sets, %u points\n", format_hex(run.value).c_str(), state_of(run, s),
+                    s.frame_sets, s.points);
   }
   if (servers_.empty()) text += "no map server\n";
-  text += format("%-16s %-8s %-8s %5s %8s %8s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "images",
-                 "tracked", "tracks", "ms/frame", "Hz", "lag ms", "kB/s up", "kB/s down");
+  text += printed("%-16s %-8s %-8s %5s %8s %8s %6s %8s %6s %7s %8s %9s\n", "agent", "state", "pose", "group", "images",
+                  "tracked", "tracks", "ms/frame", "Hz", "lag ms", "kB/s up", "kB/s down");
   const std::vector<Figures> all = agents(now);
   for (const Figures& f : all) {
-    text += format("%-16s %-8s %-8s", f.name.c_str(), f.state.c_str(), f.pose.c_str());
-    text += f.group ? format(" %5u", *f.group) : format(" %5s", "-");
-    text += format(" %8llu", static_cast<unsigned long long>(f.captured()));
-    text += f.images ? format(" %7.1f%%", f.images->percent(ImageFate::kTracked)) : format(" %8s", "-");
-    text += format(" %6u %8.1f %6.1f", f.status.tracks, f.status.frame_ms, f.rate_hz);
-    text += f.lag_ms ? format(" %7.1f", *f.lag_ms) : format(" %7s", "-");
-    text += format(" %8.1f %9.1f\n", f.up_kb_s, f.down_kb_s);
+    text += printed("%-16s %-8s %-8s", f.name.c_str(), f.state.c_str(), f.pose.c_str());
+    text += f.group ? printed(" %5u", *f.group) : printed(" %5s", "-");
+    text += printed(" %8llu", static_cast<unsigned long long>(f.captured()));
+    text += f.images ? printed(" %7.1f%%", f.images->percent(ImageFate::kTracked)) : printed(" %8s", "-");
+    text += printed(" %6u %8.1f %6.1f", f.status.tracks, f.status.frame_ms, f.rate_hz);
+    text += f.lag_ms ? printed(" %7.1f", *f.lag_ms) : printed(" %7s", "-");
+    text += printed(" %8.1f %9.1f\n", f.up_kb_s, f.down_kb_s);
     if (f.images && !f.images->losses().empty()) text += "  " + losses_of(f.name, *f.images) + "\n";
     if (f.status.image_fault == ImageFault::kNone) continue;
     text += "  its images are not to be believed: " + std::string(words_of(f.status.image_fault).why) + "\n";
@@ -194,12 +186,12 @@ std::string Census::text(Instant now) const {
   for (const auto& [key, state] : moving_) {
     const char* unit = state.scale_known ? "m" : "units";
     for (const MovingObjectState& o : state.objects) {
-      text += format("object %u: %u points at %.2f %.2f %.2f, %.2f %s/s, %.2f x %.2f x %.2f %s\n", o.object.value,
-                     static_cast<unsigned>(o.points), o.centroid.x(), o.centroid.y(), o.centroid.z(),
-                     o.velocity_per_s.norm(), unit, o.extent.x(), o.extent.y(), o.extent.z(), unit);
+      text += printed("object %u: %u points at %.2f %.2f %.2f, %.2f %s/s, %.2f x %.2f x %.2f %s\n", o.object.value,
+                      static_cast<unsigned>(o.points), o.centroid.x(), o.centroid.y(), o.centroid.z(),
+                      o.velocity_per_s.norm(), unit, o.extent.x(), o.extent.y(), o.extent.z(), unit);
     }
   }
-  for (const std::string& name : gone()) text += format("%-16s %-8s\n", name.c_str(), "gone");
+  for (const std::string& name : gone()) text += printed("%-16s %-8s\n", name.c_str(), "gone");
   for (const Figures& f : all) {
     if (!f.refused.empty()) text += "refused: " + f.refused + "\n";
   }
