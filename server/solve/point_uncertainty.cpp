@@ -64,12 +64,41 @@ Eigen::MatrixXd pose_covariance(Eigen::MatrixXd information, const BundleProblem
   return information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
 }
 
+// Leaves the points out of the poses' information. The inverse of each point's own block; one that is not known, or
+// coupled to one pose alone, says nothing of poses.
+std::vector<Eigen::Matrix3d> eliminate(std::vector<PointBlocks>* blocks, Eigen::MatrixXd* information) {
+  std::vector<Eigen::Matrix3d> own_inverse(blocks->size(), Eigen::Matrix3d::Zero());
+  for (std::size_t p = 0; p < blocks->size(); ++p) {
+    PointBlocks& b = (*blocks)[p];
+    bool known = false;
+    b.own.computeInverseWithCheck(own_inverse[p], known, 1e-30);
+    if (!known || b.coupling.size() < 2) {
+      b.coupling.clear();
+      continue;
+    }
+    for (const auto& [i, wi] : b.coupling) {
+      const Matrix63 left = wi * own_inverse[p];
+      for (const auto& [j, wj] : b.coupling) information->block<6, 6>(6 * i, 6 * j) -= left * wj.transpose();
+    }
+  }
+  return own_inverse;
+}
+
+Eigen::Matrix3d share_of(const PointBlocks& b, const Eigen::Matrix3d& own_inverse, const Eigen::MatrixXd& covariance) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto& [i, wi] : b.coupling) {
+    for (const auto& [j, wj] : b.coupling) {
+      sum += wi.transpose() * covariance.block<6, 6>(6 * i, 6 * j) * wj;
+    }
+  }
+  return own_inverse * sum * own_inverse;
+}
+
 }  // namespace
 
 SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vector<bool>& use, std::size_t max_poses) {
   SolutionUncertainty out{std::vector<Eigen::Matrix3d>(problem.points.size(), Eigen::Matrix3d::Zero()),
                           std::vector<std::optional<double>>(problem.poses.size())};
-  std::vector<Eigen::Matrix3d>& share = out.share_of_points;
   const std::vector<int> index = choose(problem, max_poses);
   const int n = 1 + *std::max_element(index.begin(), index.end());
   if (n < 2) return out;
@@ -96,20 +125,7 @@ SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vect
     information.block<6, 6>(6 * at, 6 * at) += by_pose.transpose() * by_pose;
     b.coupling.emplace_back(at, by_pose.transpose() * by_point);
   }
-  std::vector<Eigen::Matrix3d> own_inverse(blocks.size(), Eigen::Matrix3d::Zero());
-  for (std::size_t p = 0; p < blocks.size(); ++p) {
-    PointBlocks& b = blocks[p];
-    bool known = false;
-    b.own.computeInverseWithCheck(own_inverse[p], known, 1e-30);
-    if (!known || b.coupling.size() < 2) {
-      b.coupling.clear();
-      continue;
-    }
-    for (const auto& [i, wi] : b.coupling) {
-      const Matrix63 left = wi * own_inverse[p];
-      for (const auto& [j, wj] : b.coupling) information.block<6, 6>(6 * i, 6 * j) -= left * wj.transpose();
-    }
-  }
+  const std::vector<Eigen::Matrix3d> own_inverse = eliminate(&blocks, &information);
   const Eigen::MatrixXd covariance = pose_covariance(std::move(information), problem, index, floats);
   if (!covariance.allFinite()) return out;
   // A centre moves as the translation does, turned: c = -R^T t.
@@ -117,13 +133,7 @@ SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vect
     if (index[i] >= 0) out.centre_variances[i] = covariance.diagonal().segment<3>(6 * index[i] + 3).sum();
   }
   for (std::size_t p = 0; p < blocks.size(); ++p) {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const auto& [i, wi] : blocks[p].coupling) {
-      for (const auto& [j, wj] : blocks[p].coupling) {
-        sum += wi.transpose() * covariance.block<6, 6>(6 * i, 6 * j) * wj;
-      }
-    }
-    share[p] = own_inverse[p] * sum * own_inverse[p];
+    out.share_of_points[p] = share_of(blocks[p], own_inverse[p], covariance);
   }
   return out;
 }
