@@ -37,6 +37,11 @@ LoopFacts MapTeller::facts(const ServerLoop& loop) const {
     out.watching = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
                     h.mean_ms() * static_cast<double>(h.count()), h.count()};
   }
+  for (AgentFacts& agent : out.agents) {
+    const auto settled = loop.map_server().path_error(agent.camera);
+    const auto path = settled ? settled : paths_.of(agent.camera);
+    if (path) agent.path = verdict_of(loop.map_server().map().camera(agent.camera), *path, agent.images);
+  }
   return out;
 }
 
@@ -44,6 +49,7 @@ void MapTeller::after_set(const FrameSet& set, const ServerLoop& loop) {
   const auto before = processor_time();
   tell(
       watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+  paths_.look(loop.map_server(), std::chrono::steady_clock::now());
   times_.add("view", processor_time() - before);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/metrics.h"
+#include "server/path_watch.h"
 #include "server/publication.h"
 #include "server/publish/watch.h"
 #include "server/server_observer.h"
@@ -28,6 +29,7 @@ class MapTeller final : public ServerObserver {
 
   StageTimes times_;
   MapWatch watch_;
+  PathWatch paths_;
   Publication publication_;
 };
 

@@ -10,7 +10,7 @@
 #include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
 #include "server/solve/corrected_calibration.h"
-#include "server/verdict.h"
+#include "server/publish/verdict.h"
 
 namespace coslam {
 namespace {
@@ -83,18 +83,13 @@ Json lens_report(const MapCamera& camera) {
 Json path_report(const MapServer& server, const MapCamera& camera, const ImageAccount& images) {
   const auto path = server.path_error(camera.id);
   if (!path) return {};
-  PathFacts facts;
-  const std::uint64_t believed = images.captured() - images[ImageFate::kLeftOut];
-  if (believed > 0)
-    facts.tracked_share = static_cast<double>(images[ImageFate::kTracked]) / static_cast<double>(believed);
-  if (path->sigma && path->length > 0) facts.error_percent = 100 * *path->sigma / path->length;
-  if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
-  const Verdict verdict = verdict_of(facts);
-  return {{"quality", name_of(verdict.quality)},
-          {"why", verdict.why},
-          {"length", path->length},
-          {"sigma", path->sigma ? Json(*path->sigma) : Json()},
-          {"sigma_percent", facts.error_percent ? Json(*facts.error_percent) : Json()}};
+  const PathVerdict told = verdict_of(camera, *path, images);
+  const auto sigma_percent = told.sigma_percent();
+  return {{"quality", name_of(told.verdict.quality)},
+          {"why", told.verdict.why},
+          {"length", told.length},
+          {"sigma", told.sigma ? Json(*told.sigma) : Json()},
+          {"sigma_percent", sigma_percent ? Json(*sigma_percent) : Json()}};
 }
 
 // An agent as the server saw it. Tracked: in the common map, where the others are.

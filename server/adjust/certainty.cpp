@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "server/solve/path_uncertainty.h"
 #include "server/solve/point_uncertainty.h"
 
 namespace coslam {
@@ -52,42 +53,50 @@ std::vector<double> track_variances(const Map& map, const RefineJob& job, const 
 
 namespace {
 
-// In the order of the job. Each track counts for two views.
-SolutionUncertainty uncertainty_of_solution(const Map& map, const RefineJob& job, const BundleResult& result) {
-  constexpr std::size_t kMostPoses = 200;
-  BundleProblem solved = job.problem;
-  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
-    solved.poses[i].cam_from_world = result.poses[i];
-    solved.poses[i].fixed = solved.poses[i].fixed && !job.floating;
+// What a job's observations are worth for covariances: each track counts for two views.
+void weigh_for_covariances(const Map& map, const std::vector<bool>& counts, RefineJob* job) {
+  const std::vector<double> worth = worth_of_observations(*job, counts);
+  for (std::size_t i = 0; i < worth.size(); ++i) {
+    BundleProblem::Observation& o = job->problem.observations[i];
+    const MapCamera& camera = map.camera(job->poses[static_cast<std::size_t>(o.pose)].camera);
+    o.sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
   }
-  solved.points = result.points;
-  const std::vector<double> worth = worth_of_observations(job, result.is_inlier);
-  for (std::size_t i = 0; i < solved.observations.size(); ++i) {
-    const MapCamera& camera = map.camera(job.poses[static_cast<std::size_t>(solved.observations[i].pose)].camera);
-    solved.observations[i].sigma_px = map.covariance_sigma_px(camera) / std::sqrt(worth[i]);
-  }
-  return uncertainty_of(solved, result.is_inlier, kMostPoses);
 }
 
-PathErrors path_errors(const RefineJob& job, const BundleResult& result,
-                       const std::vector<std::optional<double>>& centre_variances) {
+// As it is solved, for covariances.
+RefineJob solved_job(const Map& map, const RefineJob& job, const BundleResult& result) {
+  RefineJob solved = job;
+  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
+    solved.problem.poses[i].cam_from_world = result.poses[i];
+    solved.problem.poses[i].fixed = solved.problem.poses[i].fixed && !job.floating;
+  }
+  solved.problem.points = result.points;
+  weigh_for_covariances(map, result.is_inlier, &solved);
+  return solved;
+}
+
+PathErrors path_errors(const RefineJob& solved, const std::vector<bool>& use) {
   struct Sum {
     double variance = 0;
     int known = 0;
     std::optional<Eigen::Vector3d> last;
   };
+  const auto variances = centre_variances(solved.problem, use);
   std::map<CameraId, Sum> sums;
   PathErrors out;
-  for (std::size_t i = 0; i < job.poses.size(); ++i) {
-    if (job.problem.poses[i].fixed && !job.floating) continue;
-    Sum& sum = sums[job.poses[i].camera];
-    PathError& path = out[job.poses[i].camera];
-    const Eigen::Vector3d centre = result.poses[i].center();
+  for (std::size_t i = 0; i < solved.poses.size(); ++i) {
+    if (solved.problem.poses[i].fixed) continue;
+    Sum& sum = sums[solved.poses[i].camera];
+    PathError& path = out[solved.poses[i].camera];
+    const Eigen::Vector3d centre = solved.problem.poses[i].cam_from_world.center();
     if (sum.last) path.length += (centre - *sum.last).norm();
     sum.last = centre;
-    if (!centre_variances[i]) continue;
-    sum.variance += *centre_variances[i];
+    if (!variances[i]) continue;
+    sum.variance += *variances[i];
     path.sigma = std::sqrt(sum.variance / ++sum.known);
+  }
+  for (auto& [camera, path] : out) {
+    if (path.sigma && !(*path.sigma < path.length)) path.sigma.reset();
   }
   return out;
 }
@@ -95,13 +104,29 @@ PathErrors path_errors(const RefineJob& job, const BundleResult& result,
 }  // namespace
 
 PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  constexpr std::size_t kMostPoses = 200;
   const auto variances = track_variances(edit.map(), job, result);
-  const auto [share, centre_variances] = uncertainty_of_solution(edit.map(), job, result);
+  const RefineJob solved = solved_job(edit.map(), job, result);
+  const auto share = share_of_poses(solved.problem, result.is_inlier, kMostPoses);
   for (std::size_t i = 0; i < share.size(); ++i) {
     const MapPoint* p = edit.map().find(job.points[i]);
     if (p != nullptr) edit.move_point(*p, p->position, variances[i] * p->covariance + share[i]);
   }
-  return path_errors(job, result, centre_variances);
+  return path_errors(solved, result.is_inlier);
+}
+
+std::optional<RefineJob> plan_path_errors(const Map& map, MapId of) {
+  constexpr int kMostPoses = 1500;
+  auto job = plan_newest(map, of, kMostPoses);
+  if (!job) return job;
+  for (BundleProblem::Pose& pose : job->problem.poses) pose.fixed = false;
+  weigh_for_covariances(map, std::vector<bool>(job->observations.size(), true), &*job);
+  return job;
+}
+
+PathErrors path_errors(const RefineJob& job) {
+  constexpr double kAgree_sigmas = 4;
+  return path_errors(job, agreeing(job.problem, kAgree_sigmas));
 }
 
 }  // namespace coslam

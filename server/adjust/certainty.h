@@ -31,4 +31,9 @@ using PathErrors = std::map<CameraId, PathError>;
 // (point_uncertainty.h). How uncertain the paths themselves are.
 PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result);
 
+// The same of a map as it stands, while it grows: of its newest key frames, as many as fit; empty when there is too
+// little. The job is to be given to path_errors(), anywhere.
+std::optional<RefineJob> plan_path_errors(const Map& map, MapId of);
+PathErrors path_errors(const RefineJob& job);
+
 }  // namespace coslam

@@ -358,6 +358,11 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
   return job;
 }
 
+std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses) {
+  const KeyPoses keys = newest_of(key_poses(map, of), SetId(), most_poses);
+  return plan_job(map, of, keys.sets, 0, RefineExtent::kWhole, false, Workers::alone());
+}
+
 BundleResult solve_refine(const RefineJob& job) {
   BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
   solve_zooms(job, &result);

@@ -81,6 +81,8 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
                                             Workers& workers = Workers::alone());
 // For all key frames after a set; those before it hold them and stay.
 std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
+// The newest key frames of a map with so many poses together, none held; not to be adjusted, but to be judged.
+std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses);
 BundleResult solve_refine(const RefineJob& job);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.

@@ -90,6 +90,12 @@ void put_agents(const PublicState& state, MetricsText* text) {
        [](const auto& a) { return a.clock_offset_s.value_or(std::nan("")); });
   each("coslam_agent_images_doubted", Kind::kGauge, "1: its images are not to be believed now",
        [](const auto& a) { return a.facts.status.image_fault == ImageFault::kNone ? 0.0 : 1.0; });
+  each("coslam_agent_path_sigma_ratio", Kind::kGauge,
+       "Error of its path that its images leave to be expected, over its length; NaN: not known", [](const auto& a) {
+         constexpr double kPercent = 100;
+         const auto percent = a.facts.path ? a.facts.path->sigma_percent() : std::nullopt;
+         return percent.value_or(std::nan("")) / kPercent;
+       });
   text->begin("coslam_agent_images_total", Kind::kCounter, "Images of its source, by what became of them");
   for (const PublicAgent& a : state.agents) {
     for (std::size_t i = 0; i < kImageFates; ++i) {

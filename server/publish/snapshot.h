@@ -19,6 +19,7 @@
 #include "common/model/pose_covariance.h"
 #include "common/model/session.h"
 #include "common/ros/views.h"
+#include "server/publish/verdict.h"
 
 // What of the map the public is told, copied from it at one instant and never changed again: the map's thread copies,
 // others encode. Each part by itself, since each has a pace of its own.
@@ -128,6 +129,7 @@ struct AgentFacts {
   std::uint64_t bytes_up = 0, bytes_down = 0;
   double wait_s = 0;              // how much longer than at best its newest frame was under way
   double stamp_correction_s = 0;  // added to its stamps
+  std::optional<PathVerdict> path;  // as last looked at; empty: not yet, or it has no place in the main map
 };
 
 // Of the whole run, ms.

@@ -96,9 +96,9 @@ Eigen::Matrix3d share_of(const PointBlocks& b, const Eigen::Matrix3d& own_invers
 
 }  // namespace
 
-SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vector<bool>& use, std::size_t max_poses) {
-  SolutionUncertainty out{std::vector<Eigen::Matrix3d>(problem.points.size(), Eigen::Matrix3d::Zero()),
-                          std::vector<std::optional<double>>(problem.poses.size())};
+std::vector<Eigen::Matrix3d> share_of_poses(const BundleProblem& problem, const std::vector<bool>& use,
+                                            std::size_t max_poses) {
+  std::vector<Eigen::Matrix3d> out(problem.points.size(), Eigen::Matrix3d::Zero());
   const std::vector<int> index = choose(problem, max_poses);
   const int n = 1 + *std::max_element(index.begin(), index.end());
   if (n < 2) return out;
@@ -128,13 +128,7 @@ SolutionUncertainty uncertainty_of(const BundleProblem& problem, const std::vect
   const std::vector<Eigen::Matrix3d> own_inverse = eliminate(&blocks, &information);
   const Eigen::MatrixXd covariance = pose_covariance(std::move(information), problem, index, floats);
   if (!covariance.allFinite()) return out;
-  // A centre moves as the translation does, turned: c = -R^T t.
-  for (std::size_t i = 0; i < index.size(); ++i) {
-    if (index[i] >= 0) out.centre_variances[i] = covariance.diagonal().segment<3>(6 * index[i] + 3).sum();
-  }
-  for (std::size_t p = 0; p < blocks.size(); ++p) {
-    out.share_of_points[p] = share_of(blocks[p], own_inverse[p], covariance);
-  }
+  for (std::size_t p = 0; p < blocks.size(); ++p) out[p] = share_of(blocks[p], own_inverse[p], covariance);
   return out;
 }
 

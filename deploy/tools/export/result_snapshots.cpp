@@ -64,6 +64,20 @@ ResultSnapshots::ResultSnapshots(const ResultContents& contents)
   gather_instants();
 }
 
+namespace {
+
+// Of a report.
+std::optional<PathVerdict> path_of(const nlohmann::json& path) {
+  if (!path.is_object()) return std::nullopt;
+  const auto quality = quality_of(path.value("quality", ""));
+  if (!quality) return std::nullopt;
+  PathVerdict out{.verdict = {*quality, path.value("why", "")}, .length = path.value("length", 0.0), .sigma = {}};
+  if (const auto sigma = path.find("sigma"); sigma != path.end() && sigma->is_number()) out.sigma = sigma->get<double>();
+  return out;
+}
+
+}  // namespace
+
 ResultSnapshots::Agent* ResultSnapshots::find(const std::string& name) {
   const auto found = std::ranges::find(agents_, name, &Agent::name);
   return found == agents_.end() ? nullptr : &*found;
@@ -85,6 +99,7 @@ void ResultSnapshots::read_report(const ResultFolder& result) {
   for (Agent& agent : agents_) {
     const nlohmann::json said = part(part(report, "agents"), agent.name.c_str());
     agent.frame_ms = number(said, "ms_per_frame");
+    agent.path = path_of(part(said, "path"));
     const nlohmann::json camera = part(said, "camera");
     agent.camera.width_px = static_cast<int>(number(camera, "width_px"));
     agent.camera.height_px = static_cast<int>(number(camera, "height_px"));

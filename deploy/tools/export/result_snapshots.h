@@ -40,6 +40,7 @@ class ResultSnapshots {
     TimeNs last_ns = 0;  // of its poses
     std::uint32_t frames = 0;
     std::size_t tracks = 0, bound = 0;
+    std::optional<PathVerdict> path;  // in the end
   };
 
   void read_report(const ResultFolder& result);

@@ -21,6 +21,7 @@ PublicAgent ResultSnapshots::agent_at(const Agent& agent, TimeNs t_ns) const {
   out.alive = true;
   out.rate_hz = agent.rate_hz;
   out.frames_due = out.frames_used = agent.frames;
+  out.facts.path = agent.path;
   out.tracks = agent.tracks;
   out.bound = agent.bound;
   out.camera = agent.camera;

@@ -18,12 +18,13 @@ async function load(contents) {
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].text).toString("base64")}`);
 }
 
-const { readCloud, column, parseLife, eigen, Frames, roundLength, History, clock, Figures, Chronicle, causeOf, noticeOf, plyOf, distanceOf } = await load(`
+const { readCloud, column, parseLife, eigen, Frames, roundLength, History, clock, Figures, Chronicle, causeOf, pathSentence, worstPath, noticeOf, plyOf, distanceOf } = await load(`
   export { readCloud, column } from "./data/cloud";
   export { parseLife } from "./data/explain";
   export { Figures } from "./data/figures";
   export { Chronicle } from "./data/chronicle";
   export { causeOf } from "./data/cause";
+  export { pathSentence, worstPath } from "./data/quality";
   export { noticeOf } from "./ui/notice";
   export { plyOf } from "./save";
   export { distanceOf } from "./scene/measure";
@@ -207,4 +208,20 @@ test("texts can be read, and cameras told apart by colour-blind eyes, in both th
       for (const b of cameras.slice(0, i)) assert.ok(apart(theme[a], theme[b]) > 0.055, `${a} and ${b}: ${apart(theme[a], theme[b]).toFixed(3)}`);
     }
   }
+});
+
+test("a path's quality is told with what it rests on, once", () => {
+  const open = { quality: "fair", why: "what it saw leaves its path open by 0.5 % of its length", length: 5.8, sigma: 0.0293, sigma_percent: 0.505 };
+  assert.equal(pathSentence(open, true), "Its path is fair: an error of about 0.029 m over 5.8 m, 0.51 %, is to be expected.");
+  const images = { ...open, why: "34 % of its images have no pose in the common map" };
+  assert.equal(pathSentence(images, false), "Its path is fair: an error of about 0.029 over 5.8, 0.51 %, is to be expected; 34 % of its images have no pose in the common map.");
+  const untold = { quality: "poor", why: "its images do not tell its path", length: 0.1, sigma: null, sigma_percent: null };
+  assert.equal(pathSentence(untold, true), "Its path is poor; its images do not tell its path.");
+});
+
+test("a map is as good as its worst path", () => {
+  const of = (...qualities) => ({ agents: qualities.map((quality) => ({ path: quality && { quality } })) });
+  assert.equal(worstPath(of("good", "fair", null)), "fair");
+  assert.equal(worstPath(of("poor", "good")), "poor");
+  assert.equal(worstPath(of(null)), null);
 });

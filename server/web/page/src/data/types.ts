@@ -21,6 +21,9 @@ export interface Message {
 
 export type AgentStatus = "tracking" | "relative" | "lost" | "none" | "unheard";
 
+// How good a path is, as far as can be told without truth. sigma: the error to be expected, also in percent of the length.
+export interface PathQuality { quality: "good" | "fair" | "poor"; why: string; length: number; sigma: number | null; sigma_percent: number | null }
+
 export interface AgentState {
   name: string;
   topic?: string;        // "/coslam/<its name as ROS allows it>"; its channels begin so
@@ -39,6 +42,7 @@ export interface AgentState {
   lost_percent: number | null;
   account?: { captured: number; tracked: number } | null;  // images, and a number for each other fate
   losses?: string | null;      // what became of those that are not tracked; empty: all are
+  path?: PathQuality | null;
   images?: string;             // why its images are not to be believed; "none": they are
   tracks: number;
   bound: number;

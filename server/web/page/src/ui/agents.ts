@@ -5,6 +5,7 @@
 import { causeOf } from "../data/cause";
 import type { Chronicle, Standing } from "../data/chronicle";
 import { AGENT_FIGURES, type AgentFigure } from "../data/figures";
+import { pathSentence } from "../data/quality";
 import type { AgentState, RunState, Tracks } from "../data/types";
 import { button, count, digits, Figure, make, seconds, setText } from "./dom";
 import { Plane } from "./plane";
@@ -34,12 +35,14 @@ class Card {
   readonly element: HTMLElement;
   readonly plane = new Plane();
   open = false;
+  private readonly quality = make("span", { class: "quality", hidden: "" });
   private readonly state = make("span", { class: "state" });
   private readonly cause = make("b");
   private readonly said = make("span");
   private readonly why = make("p", { class: "why", hidden: "" }, this.cause, this.said);
   private readonly short = make("dl", { class: "short" });
   private readonly long = make("dl", { class: "long" });
+  private readonly path = make("p", { class: "path", hidden: "" });
   private readonly plots = new Map(AGENT_FIGURES.map((name) => [name, { spark: new Spark(), value: make("b"), row: make("div", { class: "plot" }) }]));
   private readonly more: HTMLElement;
   private readonly follow: HTMLButtonElement;
@@ -49,7 +52,7 @@ class Card {
 
   constructor(readonly name: string, actions: AgentActions) {
     this.head = make("button", { type: "button", class: "head", "aria-expanded": "false", onclick: () => this.toggle(actions) },
-      make("i", { class: "swatch" }), make("b", {}, name), this.state);
+      make("i", { class: "swatch" }), make("b", {}, name), this.quality, this.state);
     this.follow = button("follow", `Follow ${name}`, () => actions.follow(name), "Follow");
     this.through = button("eye", `Look through ${name}`, () => actions.through(name), "Look through");
     const details = make("button", { type: "button", onclick: () => actions.select(name) }, "Life");
@@ -59,7 +62,7 @@ class Card {
       row.append(make("p", {}, value, ` ${PLOTS[name]}`), spark.element);
       plots.append(row);
     }
-    this.more = make("div", { class: "more", hidden: "" }, this.long, plots, this.plane.element, legend, make("div", { class: "buttons" }, this.follow, this.through, details));
+    this.more = make("div", { class: "more", hidden: "" }, this.path, this.long, plots, this.plane.element, legend, make("div", { class: "buttons" }, this.follow, this.through, details));
     this.element = make("article", { class: "agent", "data-agent": name }, this.head, this.why, this.short, this.more);
     this.plane.onPick = (track) => actions.track(name, track);
   }
@@ -71,6 +74,7 @@ class Card {
     const text = STATE_TEXT[standing];
     setText(this.state, standing === "lost" && lostFor_s !== undefined ? `lost for ${seconds(lostFor_s)}` : text);
     this.showWhy(agent, standing);
+    this.showPath(agent);
     this.figure(this.short, "rate", digits(agent.rate_hz, 1), "Hz", "Frames a second");
     this.figure(this.short, "frame", digits(agent.frame_ms, 1), "ms", "What the agent needs for a frame");
     const bytes = agent.kB_up_per_s === null ? null : `${digits(agent.kB_up_per_s, 0)} / ${digits(agent.kB_down_per_s, 0)}`;
@@ -119,6 +123,17 @@ class Card {
     this.why.hidden = !SAYS_WHY.has(standing) || (agent.why === "" && cause === "");
     setText(this.cause, cause);
     setText(this.said, agent.why);
+  }
+
+  // How good its path is: a word, and what it rests on.
+  private showPath({ path, scale_known }: AgentState): void {
+    this.quality.hidden = this.path.hidden = !path;
+    if (!path) return;
+    const said = pathSentence(path, scale_known === true);
+    this.quality.dataset["quality"] = path.quality;
+    this.quality.title = said;
+    setText(this.quality, path.quality);
+    setText(this.path, said);
   }
 
   private showLong({ agent }: Shown): void {

@@ -5,6 +5,7 @@
 import type { Chronicle } from "../data/chronicle";
 import type { MapFigure } from "../data/figures";
 import { isOfNow, type Live } from "../data/live";
+import { worstPath } from "../data/quality";
 import type { RunState } from "../data/types";
 import type { Player } from "../player";
 import { button, count, digits, Figure, make, seconds, setText } from "./dom";
@@ -53,6 +54,8 @@ export class Header {
     this.figure("moving", count(server.moving_points), "moving", server.moving_points > 0 ? "moving" : "");
     this.figure("objects", server.objects > 0 ? count(server.objects) : null, server.objects === 1 ? "object" : "objects", server.objects > 0 ? "moving" : "");
     this.figure("maps", count(server.maps), server.maps === 1 ? "map" : "maps", server.maps > 1 ? "warn" : "");
+    const worst = worstPath(state);
+    this.figure("quality", worst, "map", worst === "poor" ? "warn" : "");
     this.figure("keys", server.key_frames === null ? null : count(server.key_frames), "key frames");
     this.figure("set", digits(server.ms_per_set, 1), "ms a set");
     this.plot("set", chronicle, t_s);

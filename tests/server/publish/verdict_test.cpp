@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/verdict.h"
+#include "server/publish/verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,6 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+
+#include "common/model/image_account.h"
+#include "server/adjust/certainty.h"
 
 // How good a camera's path is, in words that need no truth.
 namespace coslam {
@@ -24,5 +28,17 @@ struct Verdict {
 
 Verdict verdict_of(const PathFacts& facts);
 const char* name_of(Quality quality);  // "good", "fair", "poor"
+std::optional<Quality> quality_of(std::string_view name);
+
+// Of one camera, with what it rests on.
+struct PathVerdict {
+  Verdict verdict;
+  double length = 0;            // as PathError
+  std::optional<double> sigma;  // as PathError
+  std::optional<double> sigma_percent() const {
+    return sigma && length > 0 ? std::optional(100 * *sigma / length) : std::nullopt;
+  }
+};
+PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images);
 
 }  // namespace coslam

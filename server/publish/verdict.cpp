@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "server/verdict.h"
+#include "server/publish/verdict.h"
 
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@ namespace {
 // Truth is one to three times as far off as observations leave open, in most recordings: see docs/accuracy.md.
 constexpr double kGood_percent = 0.3, kFair_percent = 1;
 constexpr double kGoodShare = 0.9, kFairShare = 0.5;
+constexpr std::array<const char*, 3> kNames{"good", "fair", "poor"};
 constexpr double kLensIsOther = 0.1;  // of the focal length: the calibration is of another camera
 
 Quality at_most(double value, double good, double fair) {
@@ -42,9 +43,25 @@ Verdict verdict_of(const PathFacts& facts) {
   return out;
 }
 
-const char* name_of(Quality quality) {
-  constexpr std::array<const char*, 3> kNames{"good", "fair", "poor"};
-  return kNames[static_cast<std::size_t>(quality)];
+PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images) {
+  PathVerdict out{.verdict = {}, .length = path.length, .sigma = path.sigma};
+  PathFacts facts;
+  const std::uint64_t believed = images.captured() - images[ImageFate::kLeftOut];
+  if (believed > 0)
+    facts.tracked_share = static_cast<double>(images[ImageFate::kTracked]) / static_cast<double>(believed);
+  facts.error_percent = out.sigma_percent();
+  if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
+  out.verdict = verdict_of(facts);
+  return out;
+}
+
+const char* name_of(Quality quality) { return kNames[static_cast<std::size_t>(quality)]; }
+
+std::optional<Quality> quality_of(std::string_view name) {
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) return static_cast<Quality>(i);
+  }
+  return std::nullopt;
 }
 
 }  // namespace coslam
