@@ -9,8 +9,8 @@
 #include "common/base/version.h"
 #include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
-#include "server/solve/corrected_calibration.h"
 #include "server/publish/verdict.h"
+#include "server/solve/corrected_calibration.h"
 
 namespace coslam {
 namespace {

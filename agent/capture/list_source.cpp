@@ -55,6 +55,10 @@ class ListSource final : public ImageSource {
     return position_ < frames_.size() ? std::optional(frames_[position_].source_ns) : std::nullopt;
   }
 
+  std::filesystem::path peek_file() const override {
+    return position_ < frames_.size() ? frames_[position_].file : std::filesystem::path();
+  }
+
  private:
   std::vector<ListedFrame> frames_;
   bool color_;

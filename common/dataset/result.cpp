@@ -264,10 +264,9 @@ void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>
   for (const ResultPoint& p : points) {
     if (!is_static(p)) continue;
     const Eigen::Vector3f position = p.position.cast<float>();
-    const std::array<std::uint8_t, 3> colour = {p.grey, p.grey, p.grey};
     const float sigma = static_cast<float>(std::sqrt(p.covariance.trace()));
     out.write({reinterpret_cast<const char*>(position.data()), 3 * sizeof(float)});
-    out.write({reinterpret_cast<const char*>(colour.data()), colour.size()});
+    out.write({reinterpret_cast<const char*>(p.rgb.data()), p.rgb.size()});
     out.write({reinterpret_cast<const char*>(&sigma), sizeof sigma});
   }
   out.close();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -32,7 +33,7 @@ struct ResultPoint {
   TimeNs first_ns = 0;
   TimeNs last_ns = 0;
   int views = 0;
-  std::uint8_t grey = 128;  // in map.ply only
+  std::array<std::uint8_t, 3> rgb{128, 128, 128};  // in map.ply only
 };
 
 struct ResultTrackRow {
@@ -119,7 +120,7 @@ void for_each_dynamic_row(const std::filesystem::path& file, const std::function
 void for_each_object_row(const std::filesystem::path& file, const std::function<void(const ResultObjectRow&)>& row);
 std::vector<ResultGroupRow> read_groups(const std::filesystem::path& file);
 
-// The static ones of the points as binary PLY: position, grey as red, green, blue, and sqrt_trace_sigma.
+// The static ones of the points as binary PLY: position, red, green, blue, and sqrt_trace_sigma.
 void write_ply(const std::filesystem::path& file, const std::vector<ResultPoint>& points, LengthUnit unit);
 
 nlohmann::json read_json(const std::filesystem::path& file);

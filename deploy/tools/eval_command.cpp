@@ -55,6 +55,10 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
       if (point.state == PointState::kStatic) view.points.push_back(shown_from_map * point.position);
     }
   }
+  if (std::filesystem::exists(result.dynamic())) {
+    for_each_dynamic_row(result.dynamic(),
+                         [&](const ResultDynamicRow& row) { view.moving.push_back(shown_from_map * row.position); });
+  }
   double poses = 0;
   for (std::size_t i = 0; i < agents.size(); ++i) {
     poses += static_cast<double>(agents[i].estimate.size());

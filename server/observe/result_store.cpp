@@ -19,14 +19,17 @@ namespace {
 constexpr std::uint32_t kTrackEvery = 10;  // frames
 constexpr std::size_t kMostLive = 8192;    // poses of one agent in one map that stay in memory
 
-std::uint8_t grey_of(const MapPoint& p) { return p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2]; }
+std::array<std::uint8_t, 3> rgb_of(const MapPoint& p) {
+  const std::uint8_t grey = p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2];
+  return {grey, grey, grey};
+}
 
 std::vector<ResultPoint> result_points(const Map& map, MapId of) {
   std::vector<ResultPoint> out;
   for (const auto& [id, p] : map.points()) {
     if (p.map != of) continue;
     out.push_back({id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views),
-                   grey_of(p)});
+                   rgb_of(p)});
   }
   return out;
 }

@@ -143,8 +143,7 @@ std::vector<bool> agreeing(const BundleProblem& problem, double sigmas) {
     const CameraModel& camera = problem.cameras[at(pose.camera)];
     const Eigen::Matrix2d whiten = camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px;
     const Eigen::Vector3d in_cam = pose.cam_from_world * problem.points[at(o.point)];
-    out.push_back(in_cam.z() > 0 &&
-                  reprojection_residual(camera, whiten, o.undistorted_px, in_cam).norm() <= sigmas);
+    out.push_back(in_cam.z() > 0 && reprojection_residual(camera, whiten, o.undistorted_px, in_cam).norm() <= sigmas);
   }
   return out;
 }

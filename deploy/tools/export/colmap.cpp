@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/base/printed.h"
 #include "common/dataset/file.h"
 #include "deploy/tools/export/colmap_adjust.h"
 #include "deploy/tools/export/colmap_model.h"
 #include "deploy/tools/export/export.h"
+#include "deploy/tools/export/masks.h"
 #include "deploy/tools/export/undistort.h"
 
 namespace coslam::exporting {
@@ -40,7 +42,7 @@ std::string image_text(std::size_t id, const ColmapModel& model, const ColmapMod
   const Eigen::Quaterniond& q = image.cam_from_world.rotation;
   const Eigen::Vector3d& t = image.cam_from_world.translation;
   std::string text = printed("%zu %.12f %.12f %.12f %.12f %.9g %.9g %.9g %zu %s\n", id, q.w(), q.x(), q.y(), q.z(),
-                             t.x(), t.y(), t.z(), image.camera + 1, model.name_of(image).c_str());
+                             t.x(), t.y(), t.z(), image.camera + 1, image.name.c_str());
   for (const auto& o : image.observations) {
     const long long point = o.point == PointId() ? -1 : static_cast<long long>(o.point.value);
     text += printed("%s%.3f %.3f %lld", &o == image.observations.data() ? "" : " ", o.px.x() + kPixelCenter,
@@ -75,8 +77,8 @@ Files write_model(const ColmapModel& model, const std::filesystem::path& folder)
   return files;
 }
 
-ColmapModel read_model(const ResultMap& map, const Sequence& sequence) {
-  ColmapModel model = read_colmap_model(map, sequence);
+ColmapModel read_model(const ResultMap& map, const Sequence& sequence, const ColmapOptions& options) {
+  ColmapModel model = read_colmap_model(map, sequence, options.every);
   if (model.images.empty()) {
     throw UserError(map.folder.path().string() + ": no image of the sequence has a pose and enough points");
   }
@@ -100,7 +102,7 @@ void write_stereo_plan(const ColmapModel& model, const std::filesystem::path& fo
   const auto plan = folder / "patch-match.cfg", fusion = folder / "fusion.cfg";
   std::ofstream plans = create_file(plan), fusions = create_file(fusion);
   for (const auto& image : model.images) {
-    const std::string name = model.name_of(image);
+    const std::string& name = image.name;
     plans << name << "\n__auto__, 20\n";
     fusions << name << "\n";
     for (const char* maps : {"depth_maps", "normal_maps", "consistency_graphs"}) {
@@ -115,23 +117,35 @@ void write_stereo_plan(const ColmapModel& model, const std::filesystem::path& fo
 
 }  // namespace
 
-Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder) {
-  ColmapModel model = read_model(map, sequence);
+Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder,
+                    const ColmapOptions& options) {
+  ColmapModel model = read_model(map, sequence, options);
   adjust_colmap_model(&model);
+  add_images_between(map, options.every, &model);
+  const std::filesystem::path images = name_as_files(&model);
+  if (images.empty()) {
+    log_info("the sequence has no file for each image: --undistort writes them beside the model");
+  } else {
+    log_info("the images of the model lie in " + images.string() + ": that is COLMAP's --image_path");
+  }
   return write_model(model, folder);
 }
 
-Files export_colmap_undistorted(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder) {
-  ColmapModel model = read_model(map, sequence);
+Files export_colmap_undistorted(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder,
+                                const ColmapOptions& options) {
+  ColmapModel model = read_model(map, sequence, options);
   std::vector<CameraModel> lenses;
   for (const auto& camera : model.cameras) lenses.push_back(camera.model);
   undistort_model(&model);
   adjust_colmap_model(&model);
+  add_images_between(map, options.every, &model);
+  name_as_pngs(&model);
   write_undistorted_images(lenses, sequence.rate_hz, folder / "images", &model);
   Files files = write_model(model, folder / "sparse");
   link_as_first_model(files);
   write_stereo_plan(model, folder / "stereo");
   for (const char* more : {"images", "stereo"}) files.push_back(folder / more);
+  if (write_masks(map.folder, model, folder / "masks")) files.push_back(folder / "masks");
   return files;
 }
 

@@ -13,6 +13,7 @@
 #include "common/dataset/sequence.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "deploy/tools/export/played_images.h"
 
 namespace coslam::exporting {
 
@@ -26,8 +27,10 @@ struct ColmapModel {
   struct Image {
     std::size_t camera = 0;  // index
     FrameId frame;
+    TimeNs t_ns = 0;
     Rigid3 cam_from_world;
     std::vector<Observation> observations;
+    std::string name;  // a path within the folder of images
   };
   struct TrackElement {
     std::size_t image = 0, observation = 0;  // indices
@@ -40,18 +43,31 @@ struct ColmapModel {
   struct Camera {
     SequenceAgent agent;
     CameraModel model;
+    std::vector<PlayedImage> played;  // all images of it; empty: they are not there any more
   };
   std::vector<Camera> cameras;
   std::vector<Image> images;
   std::map<PointId, Point> points;
 
   const CameraModel& camera_of(const Image& image) const { return cameras[image.camera].model; }
-  std::string name_of(const Image& image) const;  // <agent>/<6-digit frame>.png
 };
 
-// The images of tracks/<agent>.csv that have a pose. A track is an observation of its point in all of them but those in
-// which it was seen to move. Throws UserError.
-ColmapModel read_colmap_model(const ResultMap& map, const Sequence& sequence);
+// Images have tracks so seldom, see ResultStore.
+inline constexpr int kTracksOfEvery = 10;
+
+// The images of tracks/<agent>.csv that have a pose, and of these each so manieth. A track is an observation of its
+// point in all of them but those in which it was seen to move. Throws UserError.
+ColmapModel read_colmap_model(const ResultMap& map, const Sequence& sequence, int every = kTracksOfEvery);
+
+// With the model adjusted, puts in images between those with tracks: each so manieth that has a pose, moved as those
+// beside it were. None where `every` is no less than kTracksOfEvery. Throws UserError: the images are not there.
+void add_images_between(const ResultMap& map, int every, ColmapModel* model);
+
+// Names images as the files of their sources: by the path from the deepest folder that has them all, which is returned.
+// Where a source has no files: <agent>/<6-digit frame>.png; empty where none has any.
+std::filesystem::path name_as_files(ColmapModel* model);
+// <agent>/<name of the file>.png, or the 6-digit frame.
+void name_as_pngs(ColmapModel* model);
 
 // Makes the tracks of the points from the observations. Images that show too few points to have a place of their own
 // go, and points that fewer than two images see.

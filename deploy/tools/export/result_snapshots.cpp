@@ -72,7 +72,8 @@ std::optional<PathVerdict> path_of(const nlohmann::json& path) {
   const auto quality = quality_of(path.value("quality", ""));
   if (!quality) return std::nullopt;
   PathVerdict out{.verdict = {*quality, path.value("why", "")}, .length = path.value("length", 0.0), .sigma = {}};
-  if (const auto sigma = path.find("sigma"); sigma != path.end() && sigma->is_number()) out.sigma = sigma->get<double>();
+  if (const auto sigma = path.find("sigma"); sigma != path.end() && sigma->is_number())
+    out.sigma = sigma->get<double>();
   return out;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 
 #include "common/base/error.h"
+#include "common/base/printed.h"
 #include "common/dataset/file.h"
 #include "common/dataset/trajectory.h"
 #include "deploy/tools/export/export.h"
@@ -18,6 +20,7 @@ const std::vector<std::string>& agents_of(const ResultMap& map) {
   return map.agents;
 }
 
+// A line for each pose of each agent.
 Files export_lines(const ResultMap& map, const std::filesystem::path& folder, const std::string& extension,
                    const std::string& header, const PoseText& pose_text) {
   Files files;
@@ -72,17 +75,33 @@ Files export_euroc(const ResultMap& map, const std::filesystem::path& folder) {
 }
 
 Files export_kitti(const ResultMap& map, const std::filesystem::path& folder) {
-  return export_lines(map, folder, ".txt", "", kitti_text);
+  Files files = export_lines(map, folder, ".txt", "", kitti_text);
+  const Files times = export_lines(map, folder, ".times.txt", "",
+                                   [](const StampedPose& pose) { return printed("%.9f\n", to_seconds(pose.t_ns)); });
+  files.insert(files.end(), times.begin(), times.end());
+  return files;
 }
 
-Files export_ply(const ResultMap& map, const std::filesystem::path& folder) {
-  if (!std::filesystem::exists(map.folder.map())) throw UserError(map.folder.map().string() + ": there is no such map");
-  const auto file = folder / "map.ply";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  std::filesystem::copy_file(map.folder.map(), file, std::filesystem::copy_options::overwrite_existing, error);
-  if (error) throw UserError(file.string() + ": cannot be written: " + error.message());
-  return {file};
+std::string gaps_of(const ResultMap& map) {
+  constexpr double kGap = 1.5;  // of the usual time between two poses
+  std::string out;
+  for (const std::string& agent : map.agents) {
+    const Trajectory path = load_tum(map.folder.trajectory(agent));
+    std::vector<TimeNs> steps_ns;
+    for (std::size_t i = 1; i < path.size(); ++i) steps_ns.push_back(path[i].t_ns - path[i - 1].t_ns);
+    if (steps_ns.empty()) continue;
+    std::vector<TimeNs> sorted = steps_ns;
+    std::ranges::nth_element(sorted, sorted.begin() + std::ssize(sorted) / 2);
+    const double usual_s = to_seconds(sorted[sorted.size() / 2]);
+    const auto longest = std::ranges::max_element(steps_ns);
+    const auto gaps = std::ranges::count_if(steps_ns, [&](TimeNs step) { return to_seconds(step) > kGap * usual_s; });
+    if (gaps == 0) continue;
+    const auto at = static_cast<std::size_t>(longest - steps_ns.begin());
+    out += printed("%s%s has no pose at %ld %s, the longest of %.2f s after %.2f s", out.empty() ? "" : "; ",
+                   agent.c_str(), static_cast<long>(gaps), gaps == 1 ? "place" : "places", to_seconds(*longest),
+                   to_seconds(path[at].t_ns));
+  }
+  return out;
 }
 
 Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as) {

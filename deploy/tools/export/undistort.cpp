@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "deploy/tools/export/point_colors.h"
 
 namespace coslam::exporting {
 namespace {
@@ -60,49 +59,6 @@ bool contains(const CameraModel& camera, const Eigen::Vector2d& px) {
   return camera.contains_raw(px, -kToEdge);
 }
 
-cv::Vec3b color_at(const cv::Mat& image, const Eigen::Vector2d& px) {
-  const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
-  return image.channels() == 3 ? image.at<cv::Vec3b>(y, x) : cv::Vec3b::all(image.at<std::uint8_t>(y, x));
-}
-
-// Means over the images.
-class PointColors {
- public:
-  void add(const cv::Mat& image, const ColmapModel::Image& seen) {
-    for (const auto& o : seen.observations) {
-      if (o.point == PointId()) continue;
-      Sum& sum = sums_[o.point];
-      sum.bgr += cv::Vec3d(color_at(image, o.px));
-      ++sum.images;
-    }
-  }
-  void give(ColmapModel* model) const {
-    for (const auto& [id, sum] : sums_) {
-      auto& rgb = model->points.at(id).rgb;
-      for (int i = 0; i < 3; ++i)
-        rgb[static_cast<std::size_t>(i)] = cv::saturate_cast<std::uint8_t>(sum.bgr[2 - i] / sum.images);
-    }
-  }
-
- private:
-  struct Sum {
-    cv::Vec3d bgr{0, 0, 0};
-    int images = 0;
-  };
-  std::map<PointId, Sum> sums_;
-};
-
-using ImagesByFrame = std::map<FrameId, const ColmapModel::Image*>;
-
-ImagesByFrame images_of(const ColmapModel& model, std::size_t camera) {
-  ImagesByFrame images;
-  for (const auto& image : model.images) {
-    if (image.camera == camera) images.emplace(image.frame, &image);
-  }
-  return images;
-}
-
 void write_image(const std::filesystem::path& file, const cv::Mat& image) {
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
@@ -112,37 +68,6 @@ void write_image(const std::filesystem::path& file, const cv::Mat& image) {
   } catch (const cv::Exception&) {  // the sentence below says it
   }
   if (!written) throw UserError(file.string() + ": the image cannot be written");
-}
-
-// Those of one camera.
-void write_images(const CameraModel& lens, double rate_hz, const std::filesystem::path& folder,
-                  const ColmapModel& model, std::size_t camera, PointColors* colors) {
-  ImagesByFrame missing = images_of(model, camera);
-  if (missing.empty()) return;
-  const SequenceAgent& agent = model.cameras[camera].agent;
-  const auto source = open_source(agent.source, {agent.start_s, agent.duration_s, rate_hz, lens.width_px,
-                                                 lens.height_px, agent.calibration.string(), agent.covered, true});
-  if (source->live()) throw UserError("agent " + agent.name + ": the images of a live source are gone");
-  const Undistorter undistort(lens, model.cameras[camera].model);
-  for (FrameId at(0); !missing.empty();) {
-    if (!missing.contains(at)) {
-      if (!source->skip()) break;
-      at = FrameId(at.value + 1);
-      continue;
-    }
-    const auto image = next_readable(*source);
-    if (!image) break;
-    at = FrameId(image->frame.value + 1);
-    const auto wanted = missing.find(image->frame);
-    if (wanted == missing.end()) continue;
-    const cv::Mat seen = undistort(image->color.empty() ? image->grey : image->color);
-    write_image(folder / model.name_of(*wanted->second), seen);
-    colors->add(seen, *wanted->second);
-    missing.erase(wanted);
-  }
-  if (missing.empty()) return;
-  throw UserError("agent " + agent.name + ": " + shown_source(agent.source) + " has no image " +
-                  std::to_string(missing.begin()->first.value) + ": is that the sequence that was played?");
 }
 
 }  // namespace
@@ -201,7 +126,14 @@ void undistort_model(ColmapModel* model) {
 void write_undistorted_images(const std::vector<CameraModel>& lenses, double rate_hz,
                               const std::filesystem::path& folder, ColmapModel* model) {
   PointColors colors;
-  for (std::size_t c = 0; c < model->cameras.size(); ++c) write_images(lenses[c], rate_hz, folder, *model, c, &colors);
+  for (std::size_t c = 0; c < model->cameras.size(); ++c) {
+    const Undistorter undistort(lenses[c], model->cameras[c].model);
+    see_images(*model, c, lenses[c], rate_hz, [&](const ColmapModel::Image& image, const cv::Mat& taken) {
+      const cv::Mat seen = undistort(taken);
+      write_image(folder / image.name, seen);
+      colors.add(seen, image);
+    });
+  }
   colors.give(model);
 }
 

@@ -15,7 +15,7 @@
 namespace coslam::plot {
 namespace {
 
-const cv::Scalar kInk(40, 40, 40), kPoint(175, 175, 175), kTruth(0, 0, 0);
+const cv::Scalar kInk(40, 40, 40), kPoint(175, 175, 175), kMoving(60, 150, 255), kTruth(0, 0, 0);
 // Told apart by people with colour blindness too (Okabe and Ito), blue green red.
 const std::array<cv::Scalar, 7> kColours = {
     cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
@@ -38,10 +38,10 @@ class Canvas {
   double px_per_unit() const { return px_per_unit_; }
   cv::Mat& image() { return image_; }
 
-  void point(const Eigen::Vector3d& p) {
+  void point(const Eigen::Vector3d& p, const cv::Scalar& colour) {
     const Eigen::Vector2d at = pixel(p);
     if (!inside(at)) return;
-    cv::circle(image_, fixed(at), (3 << kShift) / 2, kPoint, cv::FILLED, cv::LINE_AA, kShift);
+    cv::circle(image_, fixed(at), (3 << kShift) / 2, colour, cv::FILLED, cv::LINE_AA, kShift);
   }
 
   // dash_px = 0: a full line.
@@ -117,6 +117,11 @@ void draw_legend(Canvas& canvas, const TopView& view) {
     canvas.text(view.paths[i].label, {70, y}, 0.5);
     any_truth = any_truth || !view.paths[i].truth.empty();
   }
+  if (!view.moving.empty()) {
+    y += kLegendRow_px;
+    for (int x = 24; x < 60; x += 12) cv::circle(canvas.image(), {x, y - 5}, 2, kMoving, cv::FILLED, cv::LINE_AA);
+    canvas.text("what moves", {70, y}, 0.5);
+  }
   if (!any_truth) return;
   y += kLegendRow_px;
   for (int x = 20; x < 60; x += 12) cv::line(canvas.image(), {x, y - 5}, {x + 6, y - 5}, kTruth, 1, cv::LINE_AA);
@@ -126,9 +131,10 @@ void draw_legend(Canvas& canvas, const TopView& view) {
 }  // namespace
 
 cv::Mat draw_top_view(const TopView& view, int width_px, int height_px) {
-  const int legend_px = kLegendRow_px * static_cast<int>(view.paths.size() + 3);
+  const int legend_px = kLegendRow_px * static_cast<int>(view.paths.size() + 4);
   Canvas canvas(widest_plane(view), width_px, height_px, std::min(legend_px, height_px / 3));
-  for (const Eigen::Vector3d& point : view.points) canvas.point(point);
+  for (const Eigen::Vector3d& point : view.points) canvas.point(point, kPoint);
+  for (const Eigen::Vector3d& point : view.moving) canvas.point(point, kMoving);
   for (std::size_t i = 0; i < view.paths.size(); ++i) {
     const cv::Scalar& colour = kColours[i % kColours.size()];
     canvas.line(view.paths[i].estimate, colour, 3, 0);

@@ -25,6 +25,7 @@ struct TopView {
   std::string title;
   std::string unit = "m";  // of the scale bar
   Positions points;
+  Positions moving;  // where moving points were at any time
   std::vector<TopViewPath> paths;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();  // mean of the cameras' unit vectors upwards; 0: not known
 };

@@ -145,7 +145,7 @@ TEST_F(Result, PlyHoldsTheStaticPoints) {
   std::vector<ResultPoint> points(3);
   points[0].position = {1, 2, 3};
   points[0].covariance = kCovariance;
-  points[0].grey = 200;
+  points[0].rgb = {200, 150, 100};
   points[1].state = PointState::kDynamic;
   write_ply(folder_.map(), points, LengthUnit::kMapUnits);
   const std::string text = text_of(folder_.map());
@@ -159,6 +159,7 @@ TEST_F(Result, PlyHoldsTheStaticPoints) {
   std::memcpy(&sigma, body.data() + 15, 4);
   EXPECT_THAT(position, ElementsAre(1, 2, 3));
   EXPECT_EQ(static_cast<unsigned char>(body[12]), 200);
+  EXPECT_EQ(static_cast<unsigned char>(body[14]), 100);
   EXPECT_FLOAT_EQ(sigma, 4);  // sqrt(4 + 5 + 7)
 }
 

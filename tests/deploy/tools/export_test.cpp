@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "common/base/error.h"
@@ -51,6 +52,15 @@ TEST_F(Export, Trajectories) {
   std::vector<double> m(12);
   for (double& v : m) kitti >> v;
   EXPECT_THAT(m, ::testing::Pointwise(::testing::DoubleNear(1e-9), {-1., 0., 0., 1., 0., -1., 0., 2., 0., 0., 1., 3.}));
+  EXPECT_THAT(lines_of(out_ / "a.times.txt"), ElementsAre("0.000000000", "0.500000000"));
+}
+
+TEST_F(Export, SaysWherePosesAreMissing) {
+  EXPECT_EQ(gaps_of(common()), "");
+  Trajectory path;
+  for (const int i : {0, 1, 2, 3, 9, 10, 11, 14, 15}) path.push_back({i * 100'000'000LL, Rigid3()});
+  save_tum(result_.trajectory("a"), path);
+  EXPECT_EQ(gaps_of(common()), "a has no pose at 2 places, the longest of 0.60 s after 0.30 s");
 }
 
 TEST_F(Export, Ply) {
@@ -64,37 +74,61 @@ TEST_F(Export, Ply) {
 // Sixteen points that both images see; points 1 to 16.
 Eigen::Vector3d seen_point(int i) { return {2.0 + i % 4, 3.0 + i / 4, 14.0 + (i * 7) % 5}; }
 
-TEST_F(Export, Colmap) {
-  const CameraModel camera{640, 480, 400, 410, 320, 240, DistortionModel::kRadTan, {0.1, 0, 0, 0}};
-  save_calibration(temp_ / "calib.yaml", camera);
-  Sequence sequence;
-  sequence.agents.push_back({"a", "", temp_ / "calib.yaml", 0, {}, {}});
-  const Trajectory path = load_tum(result_.trajectory("a"));
-  const auto raw_px = [&](std::size_t image, int i) {
-    return camera.raw_from_undistorted(camera.project(path[image].cam_from_world * seen_point(i)));
-  };
-  PointWriter points(result_.points());
-  TrackWriter tracks(result_.tracks("a"));
-  for (int i = 0; i < 17; ++i) {
-    ResultPoint point;
-    point.id = PointId(static_cast<std::uint32_t>(i + 1));
-    point.position = seen_point(i);
-    points.write(point);
-    const TrackId track(static_cast<std::uint32_t>(i + 1));
-    const PointId then = i == 3 ? PointId() : point.id;  // it had no point yet
-    tracks.write({FrameId(0), 0, track, raw_px(0, i), then, PointState::kStatic});
+// Camera a with two images that have tracks, frames 0 and 10.
+class ColmapExport : public Export {
+ protected:
+  ColmapExport() {
+    save_calibration(temp_ / "calib.yaml", camera_);
+    sequence_.rate_hz = 20;
+    sequence_.agents.push_back({"a", "", temp_ / "calib.yaml", 0, {}, {}});
+    const Trajectory path = load_tum(result_.trajectory("a"));
+    const auto raw_px = [&](std::size_t image, int i) {
+      return camera_.raw_from_undistorted(camera_.project(path[image].cam_from_world * seen_point(i)));
+    };
+    PointWriter points(result_.points());
+    TrackWriter tracks(result_.tracks("a"));
+    for (int i = 0; i < 17; ++i) {
+      ResultPoint point;
+      point.id = PointId(static_cast<std::uint32_t>(i + 1));
+      point.position = seen_point(i);
+      points.write(point);
+      const TrackId track(static_cast<std::uint32_t>(i + 1));
+      const PointId then = i == 3 ? PointId() : point.id;  // it had no point yet
+      tracks.write({FrameId(0), 0, track, raw_px(0, i), then, PointState::kStatic});
+    }
+    tracks.write({FrameId(0), 0, TrackId(18), {3, 4}, PointId(99), PointState::kDynamic});
+    for (int i = 0; i < 16; ++i) {  // point 17 is seen once
+      const Eigen::Vector2d off(0, i == 5 ? 40 : 0);
+      const TrackId track(static_cast<std::uint32_t>(i + 1));
+      tracks.write({FrameId(10), 500'000'000, track, raw_px(1, i) + off, PointId(track.value), PointState::kStatic});
+    }
+    tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(1), PointState::kStatic});  // has no pose
+    points.close();
+    tracks.close();
   }
-  tracks.write({FrameId(0), 0, TrackId(18), {3, 4}, PointId(99), PointState::kDynamic});
-  for (int i = 0; i < 16; ++i) {  // point 17 is seen once
-    const Eigen::Vector2d off(0, i == 5 ? 40 : 0);
-    const TrackId track(static_cast<std::uint32_t>(i + 1));
-    tracks.write({FrameId(10), 500'000'000, track, raw_px(1, i) + off, PointId(track.value), PointState::kStatic});
+  // Images of one colour, as the source of camera a; with a pose for each.
+  void write_images(const cv::Scalar& bgr) {
+    std::filesystem::create_directories(temp_ / "shot");
+    std::ofstream times(temp_ / "shot/times.txt");
+    Trajectory path = load_tum(result_.trajectory("a"));
+    for (int i = 0; i <= 10; ++i) {
+      times << 0.05 * i << "\n";
+      cv::imwrite((temp_ / ("shot/" + std::to_string(100000 + i) + ".png")).string(),
+                  cv::Mat(camera_.height_px, camera_.width_px, CV_8UC3, bgr));
+      if (i % 10 != 0)
+        path.insert(path.end() - 1,
+                    {i * 50'000'000LL, interpolate(path.front().cam_from_world, path.back().cam_from_world, 0.1 * i)});
+    }
+    save_tum(result_.trajectory("a"), path);
+    sequence_.agents[0].source = (temp_ / "shot").string();
   }
-  tracks.write({FrameId(20), 900'000'000, TrackId(1), {9, 9}, PointId(1), PointState::kStatic});  // has no pose
-  points.close();
-  tracks.close();
 
-  const auto files = export_colmap(common(), sequence, out_);
+  const CameraModel camera_{640, 480, 400, 410, 320, 240, DistortionModel::kRadTan, {0.1, 0, 0, 0}};
+  Sequence sequence_;
+};
+
+TEST_F(ColmapExport, HasImagesPointsAndTracks) {
+  const auto files = export_colmap(common(), sequence_, out_, {});
   EXPECT_EQ(lines_of(files[0]).back(), "1 OPENCV 640 480 400 410 320.5 240.5 0.1 0 0 0");
   const auto images = lines_of(files[1]);
   ASSERT_EQ(images.size(), 6u);
@@ -110,6 +144,51 @@ TEST_F(Export, Colmap) {
   EXPECT_THAT(model_points[1], HasSubstr("# Number of points: 15, mean reprojection error: 0.0"));
   EXPECT_EQ(model_points[2].substr(0, 2), "1 ");
   EXPECT_THAT(model_points[5], HasSubstr(" 1 3 2 3"));
+}
+
+TEST_F(ColmapExport, NamesImagesAsTheirFilesAndTakesThoseBetween) {
+  write_images({30, 60, 90});
+  const auto all = lines_of(export_colmap(common(), sequence_, out_, {.every = 5})[1]);
+  ASSERT_EQ(all.size(), 2u + 2u * 3u);
+  EXPECT_THAT(all[2], HasSubstr(" 1 100000.png"));
+  EXPECT_THAT(all[6], HasSubstr(" 1 100005.png"));
+  EXPECT_EQ(all[7], "") << "no tracks are known of it";
+  std::istringstream pose(all[6]);
+  std::vector<double> numbers(8);
+  for (double& n : numbers) pose >> n;
+  const Rigid3 between = interpolate(load_tum(result_.trajectory("a")).front().cam_from_world,
+                                     load_tum(result_.trajectory("a")).back().cam_from_world, 0.5);
+  EXPECT_NEAR(numbers[5], between.translation.x(), 0.05);
+  EXPECT_NEAR(numbers[7], between.translation.z(), 0.05);
+}
+
+TEST_F(ColmapExport, UndistortedHasImagesAndMasksOfWhatMoves) {
+  write_images({30, 60, 90});
+  DynamicWriter moving(result_.dynamic());
+  moving.write({.t_ns = 0, .id = PointId(70), .position = seen_point(5)});
+  moving.close();
+  export_colmap_undistorted(common(), sequence_, out_, {});
+  EXPECT_THAT(lines_of(out_ / "sparse/images.txt")[2], HasSubstr(" 1 a/100000.png"));
+  const cv::Mat image = cv::imread((out_ / "images/a/100000.png").string());
+  ASSERT_FALSE(image.empty());
+  EXPECT_EQ(image.at<cv::Vec3b>(100, 100), cv::Vec3b(30, 60, 90));
+  const cv::Mat mask = cv::imread((out_ / "masks/a/100000.png.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(mask.size(), image.size());
+  const double black = mask.total() - static_cast<double>(cv::countNonZero(mask));
+  EXPECT_GT(black, 500);
+  EXPECT_LT(black, 4000);
+  const cv::Mat later = cv::imread((out_ / "masks/a/100010.png.png").string(), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(cv::countNonZero(later), static_cast<int>(later.total()));
+}
+
+TEST_F(ColmapExport, PlyGetsTheColoursOfTheImages) {
+  write_images({30, 60, 90});
+  const auto file = export_ply_in_colour(common(), sequence_, out_).front();
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string end = "end_header\n";
+  const auto colour = text.substr(text.find(end) + end.size() + 12, 3);
+  EXPECT_EQ(colour, (std::string{90, 60, 30}));
 }
 
 TEST_F(Export, EachMapByItself) {

@@ -84,5 +84,17 @@ TEST(TopViewPicture, EmptyAndPointlikeWorldsAreDrawn) {
   EXPECT_FALSE(draw_top_view(still).empty());
 }
 
+TEST(TopView, ShowsWhatMoves) {
+  const auto orange = [](const cv::Mat& picture) {
+    int n = 0;
+    for (const cv::Vec3b& px : cv::Mat_<cv::Vec3b>(picture)) n += px[0] < 100 && px[2] > 230 ? 1 : 0;
+    return n;
+  };
+  TopView view = flat_world();
+  EXPECT_EQ(orange(draw_top_view(view)), 0);
+  for (int i = 0; i < 40; ++i) view.moving.emplace_back(0.1 * i, 0, 2);
+  EXPECT_GT(orange(draw_top_view(view)), 40);
+}
+
 }  // namespace
 }  // namespace coslam::plot

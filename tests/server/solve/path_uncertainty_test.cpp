@@ -30,7 +30,8 @@ BundleProblem corridor(int poses, double step_m = 0.25) {
     for (int i = 0; i < poses; ++i) {
       const Eigen::Vector3d x = p.poses[static_cast<std::size_t>(i)].cam_from_world * at;
       const Eigen::Vector2d px = p.cameras[0].project(x);
-      if (x.z() > 0.5 && p.cameras[0].contains_raw(px)) seen.push_back({i, static_cast<int>(p.points.size()), px, kSigmaPx});
+      if (x.z() > 0.5 && p.cameras[0].contains_raw(px))
+        seen.push_back({i, static_cast<int>(p.points.size()), px, kSigmaPx});
     }
     if (seen.size() < 3) continue;
     p.points.push_back(at);
@@ -67,7 +68,8 @@ TEST(PathUncertainty, IsTheScatterOfManySolutions) {
     for (const Rigid3& p : r.poses) found.push_back(p.center());
     const auto truth_from_found = align_points(found, centres, AlignmentScale::kFree).target_from_source;
     ASSERT_TRUE(truth_from_found);
-    for (std::size_t i = 0; i < found.size(); ++i) scatter2 += (*truth_from_found * found[i] - centres[i]).squaredNorm();
+    for (std::size_t i = 0; i < found.size(); ++i)
+      scatter2 += (*truth_from_found * found[i] - centres[i]).squaredNorm();
   }
   const double scatter = std::sqrt(scatter2 / static_cast<double>(kSolutions * centres.size()));
   EXPECT_NEAR(scatter / rms(exact), 1, 0.25);
