@@ -38,7 +38,7 @@ std::string camera_text(std::size_t id, const CameraModel& c) {
   return text + "\n";
 }
 
-std::string image_text(std::size_t id, const ColmapModel& model, const ColmapModel::Image& image) {
+std::string image_text(std::size_t id, const ColmapModel::Image& image) {
   const Eigen::Quaterniond& q = image.cam_from_world.rotation;
   const Eigen::Vector3d& t = image.cam_from_world.translation;
   std::string text = printed("%zu %.12f %.12f %.12f %.12f %.9g %.9g %.9g %zu %s\n", id, q.w(), q.x(), q.y(), q.z(),
@@ -66,7 +66,7 @@ Files write_model(const ColmapModel& model, const std::filesystem::path& folder)
   close_file(cameras, files[0]);
   std::ofstream images = create_file(files[1]);
   images << "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
-  for (std::size_t i = 0; i < model.images.size(); ++i) images << image_text(i + 1, model, model.images[i]);
+  for (std::size_t i = 0; i < model.images.size(); ++i) images << image_text(i + 1, model.images[i]);
   close_file(images, files[1]);
   std::ofstream points = create_file(files[2]);
   points << "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n"

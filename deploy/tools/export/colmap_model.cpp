@@ -200,8 +200,9 @@ std::filesystem::path name_as_files(ColmapModel* model) {
   }
   for (auto& image : model->images) {
     const auto* file = file_of(*model, image);
-    image.name = file == nullptr ? numbered(*model, image)
-                                 : std::filesystem::absolute(*file).lexically_normal().lexically_relative(*folder);
+    image.name = file == nullptr
+                     ? numbered(*model, image)
+                     : std::filesystem::absolute(*file).lexically_normal().lexically_relative(*folder).string();
   }
   return folder.value_or("");
 }
