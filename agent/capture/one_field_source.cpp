@@ -41,6 +41,9 @@ class OneFieldSource final : public ImageSource {
   std::optional<TimeNs> peek_ns() const override {
     return held_.empty() ? source_->peek_ns() : std::optional(held_.front().capture_ns);
   }
+  std::filesystem::path peek_file() const override {
+    return held_.empty() ? source_->peek_file() : std::filesystem::path();
+  }
   bool live() const override { return source_->live(); }
   std::size_t undated() const override { return source_->undated(); }
   void stop() override { source_->stop(); }

@@ -24,7 +24,8 @@ class ImageSource {
   virtual bool skip() = 0;
   // Capture time of the next image without reading it; empty at the end or for live sources.
   virtual std::optional<TimeNs> peek_ns() const = 0;
-  // The file that the next image is, of sources that are lists of them; empty: it is part of one, or of none.
+  // The file that the next image is, of sources that are lists of them; empty: it is part of one, or of none. By
+  // next() images are read ahead, and it is not known any more.
   virtual std::filesystem::path peek_file() const { return {}; }
   virtual bool live() const { return false; }
   // Images passed over so far, as they have no time of their own: no stamp, or one that is not later.
