@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "deploy/scene/scene.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/eval/doubts.h"
@@ -12,6 +13,7 @@
 #include "deploy/tools/eval/report.h"
 #include "deploy/tools/plot/top_view.h"
 #include "deploy/tools/result_argument.h"
+#include "deploy/tools/run/played.h"
 #include "deploy/tools/sequence_argument.h"
 
 namespace coslam {
@@ -75,6 +77,7 @@ plot::TopView top_view_of(const ResultFolder& result, const std::vector<eval::Ag
 int evaluate_result(const EvalArguments& arguments) {
   const ResultFolder result = result_argument(arguments.result);
   Sequence sequence = as_played(sequence_argument(arguments.sequence), result);
+  if (const std::string other = of_another_sequence(sequence, result); !other.empty()) log_warn(other);
   cover_lenses(sequence, arguments.covered);
   const auto agents = eval::load_paths(result, sequence);
   std::unique_ptr<Scene> scene;

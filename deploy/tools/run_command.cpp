@@ -17,6 +17,7 @@
 #include "deploy/tools/commands.h"
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/own_bodies.h"
+#include "deploy/tools/run/played.h"
 #include "deploy/tools/run/run.h"
 #include "deploy/tools/run/sources.h"
 #include "deploy/tools/run/starts.h"
@@ -139,6 +140,7 @@ int run(RunArguments arguments) {
   }
   starts.say();
   starts.write(options.out);
+  note_played(options.sequence, options.sets, ResultFolder(options.out));
   const bool mapped = print_summary(options.out);
   return end.exit_code == 0 && !mapped && !end.interrupted ? 1 : end.exit_code;
 }
