@@ -213,6 +213,7 @@ AgentOptions options_of(const Arguments& a) {
   if (a.start_s) o.play.start_s = *a.start_s;
   if (a.duration_s) o.play.duration_s = *a.duration_s;
   for (const auto& [from_s, to_s] : a.covered) o.play.covered.push_back({from_s, to_s});
+  o.play.rate_is_given = a.rate_hz || o.play.rate_hz != SourceOptions().rate_hz;
   if (a.rate_hz) o.play.rate_hz = *a.rate_hz;
   return o;
 }

@@ -42,7 +42,22 @@ bool Alternation::leaves_out(const cv::Mat& blocks, double step) {
   window_.push_back(std::move(seen));
   if (window_.size() > kWindow) window_.pop_front();
   note_settings();
+  if (settings_ > 1 && none_used_of_late()) look_anew();
   return !window_.back().used;
+}
+
+// Of each setting there were two since.
+bool Alternation::none_used_of_late() const {
+  const auto late = window_.end() - std::min<std::ptrdiff_t>(std::ssize(window_), 2 * static_cast<int>(settings_));
+  return std::none_of(late, window_.end(), [](const Seen& seen) { return seen.used; });
+}
+
+// Images whose settings do not come in their turn, as of a lamp that beats with the camera, were taken for like those
+// that are left out, one after the other.
+void Alternation::look_anew() {
+  settings_ = 1;
+  note_settings();
+  if (settings_ == 1) choose(1);
 }
 
 // What else goes to and fro, as a camera that shakes, changes no exposure: only by that many settings are told.

@@ -35,6 +35,8 @@ class Alternation {
     const Changes& changes(By by) const;
   };
   void note_settings();
+  bool none_used_of_late() const;
+  void look_anew();
   std::size_t settings_by(By by, std::size_t most_settings, double least_change) const;
   double mean_change(By by, std::size_t back, std::size_t first, std::size_t every = 1) const;
   void choose(std::size_t settings);

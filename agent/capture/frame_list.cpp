@@ -144,6 +144,7 @@ FrameList at_rate(const fs::path& folder, const std::vector<fs::path>& files, st
   std::int64_t step = numbers.size() > 1 ? numbers[1] - numbers[0] : 1;  // usually 1; 5 where one in five was kept
   for (std::size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
   FrameList list;
+  list.at_rate = true;
   std::optional<std::size_t> gap;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const double steps = static_cast<double>(numbers[i] - numbers[0]) / static_cast<double>(step);

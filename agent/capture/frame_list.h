@@ -24,6 +24,7 @@ struct FrameList {
   std::vector<std::optional<TimeNs>> all_ns;  // of all images that were there, with those that were left out
   TimeNs zero_ns = 0;                         // where their times count from, as it was written
   std::vector<std::string> guesses;           // sentences for the user
+  bool at_rate = false;                       // they have no times, and come at the rate
 };
 
 FrameList list_csv(const std::filesystem::path& file);             // `t_s,file[,...]`, paths relative to the CSV

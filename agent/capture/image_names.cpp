@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <span>
@@ -154,7 +155,12 @@ bool count_time(const std::vector<std::int64_t>& numbers) {
     return static_cast<double>(std::abs(step - usual)) <= kEven * static_cast<double>(usual);
   });
   const bool far = numbers.front() >= kFrom && numbers.front() < kTo;
-  return (usual >= kMicroseconds || (usual >= kMilliseconds && far)) && 2 * even > std::ssize(steps);
+  if ((usual >= kMicroseconds || (usual >= kMilliseconds && far)) && 2 * even > std::ssize(steps)) return true;
+  // Counts go on by 1, or by a number of which all steps are multiples; a clock of a few milliseconds does not.
+  constexpr std::int64_t kLeastUsual = 15, kLeastSteps = 8;
+  const std::int64_t common =
+      std::accumulate(steps.begin(), steps.end(), std::int64_t{0}, std::gcd<std::int64_t, std::int64_t>);
+  return usual >= kLeastUsual && std::ssize(steps) >= kLeastSteps && common == 1 && 10 * even >= 8 * std::ssize(steps);
 }
 
 }  // namespace

@@ -23,6 +23,15 @@ std::optional<FrameList> listed(const std::filesystem::path& path, double rate_h
   return std::nullopt;
 }
 
+}  // namespace
+
+std::string without_times(const std::string& name, double rate_hz) {
+  return name + ": its images have no times, and are taken to come " + format_double(rate_hz) +
+         " times a second; rate_hz (--fps of an agent) says another rate";
+}
+
+namespace {
+
 bool is_list_or_video(const std::string& uri) {
   return !is_live_uri(uri) && std::filesystem::exists(uri) && !recording::is_recording(uri);
 }
@@ -39,7 +48,10 @@ std::unique_ptr<ImageSource> open_uncovered(const std::string& uri, const Source
   }
   if (!std::filesystem::exists(path)) throw UserError("there is no source '" + uri + "'");
   if (recording::is_recording(path)) return open_recorded(uri, options);
-  if (const auto frames = listed(path, options.rate_hz)) return open_list(uri, *frames, options);
+  if (auto frames = listed(path, options.rate_hz)) {
+    if (frames->at_rate && !options.rate_is_given) frames->guesses.push_back(without_times(uri, options.rate_hz));
+    return open_list(uri, *frames, options);
+  }
   return open_video(path, options);
 }
 

@@ -43,6 +43,7 @@ struct SourceOptions {
   std::string calibration;        // the file of that size, named when the size is another
   std::vector<TimeSpan> covered;  // played times at which the lens is covered: black images with noise, for trials
   bool color = false;             // images in colour too, of files and videos
+  bool rate_is_given = true;      // false: rate_hz is a guess, which is said where it matters
 };
 
 // Frames with source time in [start_s, start_s + duration_s) are played, the first of them is frame 0. The source time

@@ -50,8 +50,7 @@ class VideoTimes {
     const bool told = stream_hz > kSlowest_hz && stream_hz < kFastest_hz;
     if (told) rate_hz_ = stream_hz;
     if (told || stream_s) return;
-    log_warn(name_ + ": its images have no times, and are taken to come " + format_double(rate_hz_) +
-             " times a second; rate_hz (--fps of an agent) says another rate");
+    log_warn(without_times(name_, rate_hz_));
   }
 
   const std::string name_;

@@ -171,7 +171,9 @@ Sequence load_sequence(const fs::path& path) {
       {"name", "rate_hz", "scale", "agents", "truth_points", "masks", "overlap", "rigs", "scene", "scene_seed"});
   const auto name = root.find("name");
   sequence.name = name ? name->text() : fs::absolute(sequence.file).stem().string();
-  if (const auto rate = root.find("rate_hz")) sequence.rate_hz = rate->number(0.01, 1000);
+  const auto rate = root.find("rate_hz");
+  sequence.rate_is_given = rate.has_value();
+  if (rate) sequence.rate_hz = rate->number(0.01, 1000);
   if (const auto scale = root.find("scale")) {
     scale->allow_only({"baseline_m", "tag_m", "tag_family"});
     const auto tag = scale->find("tag_m");

@@ -38,6 +38,7 @@ struct Sequence {
   std::string name;
   std::filesystem::path file;  // the YAML file it came from
   double rate_hz = 30;
+  bool rate_is_given = false;
   std::optional<double> baseline_m;  // known distance of the first two cameras at the start
   std::optional<double> tag_m;       // or else the side of every printed tag
   std::string tag_family = "DICT_APRILTAG_36h11";

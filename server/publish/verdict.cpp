@@ -14,7 +14,9 @@ namespace {
 constexpr double kGood_percent = 0.3, kFair_percent = 1;
 constexpr double kGoodShare = 0.9, kFairShare = 0.5;
 constexpr std::array<const char*, 3> kNames{"good", "fair", "poor"};
-constexpr double kLensIsOther = 0.1;  // of the focal length: the calibration is of another camera
+// Of the focal length: the calibration is of another camera; one as far off as that seldom leads to the right lens.
+constexpr double kLensIsOther = 0.1, kLensIsFar = 0.5;
+constexpr double kBreathes = 0.02, kZooms = 0.08;  // of the focal length, from image to image
 
 Quality at_most(double value, double good, double fair) {
   if (value <= good) return Quality::kGood;
@@ -38,8 +40,11 @@ Verdict verdict_of(const PathFacts& facts) {
           printed("what it saw leaves its path open by %.2g %% of its length", *facts.error_percent));
   }
   if (facts.focal_ratio && std::abs(std::log(*facts.focal_ratio)) > kLensIsOther) {
-    lower(Quality::kFair, printed("its images fit a focal length of %.2f times its calibration's", *facts.focal_ratio));
+    lower(std::abs(std::log(*facts.focal_ratio)) > kLensIsFar ? Quality::kPoor : Quality::kFair,
+          printed("its images fit a focal length of %.2f times its calibration's", *facts.focal_ratio));
   }
+  lower(at_most(facts.breathing, kBreathes, kZooms),
+        printed("its focal length changes by up to %.0f %% from image to image", 100 * facts.breathing));
   return out;
 }
 
@@ -50,6 +55,7 @@ PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const Ima
   if (believed > 0)
     facts.tracked_share = static_cast<double>(images[ImageFate::kTracked]) / static_cast<double>(believed);
   facts.error_percent = out.sigma_percent();
+  facts.breathing = camera.breathing;
   if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
   out.verdict = verdict_of(facts);
   return out;

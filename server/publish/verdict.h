@@ -19,6 +19,7 @@ struct PathFacts {
   double tracked_share = 0;             // of its images that were believed: have a pose in the common map
   std::optional<double> error_percent;  // of its path's length, to be expected from what its images leave open
   std::optional<double> focal_ratio;    // of a calibrated camera: what its images fit, to what its calibration says
+  double breathing = 0;                 // how far its focal length goes from the mean, as a share
 };
 
 struct Verdict {

@@ -36,6 +36,7 @@ InlineAgent connect_agent(InlineLink& link, const RunOptions& options, const Seq
   hello.rate_hz = options.sequence.rate_hz;
   SourceOptions play{agent.start_s, agent.duration_s, options.sequence.rate_hz};
   play.covered = agent.covered;
+  play.rate_is_given = options.sequence.rate_is_given;
   auto [found, images] = open_camera(agent.source, agent.calibration, play);
   hello.camera = found.camera;
   if (!found.guess.empty()) log_warn("agent " + agent.name + ": " + found.guess);

@@ -60,10 +60,9 @@ Child start_agent(const RunOptions& options, const SequenceAgent& agent, int dom
                                    agent.source,
                                    "--rate",
                                    options.rate,
-                                   "--fps",
-                                   format_double(options.sequence.rate_hz),
                                    "--start",
                                    format_double(agent.start_s)};
+  if (options.sequence.rate_is_given) command.insert(command.end(), {"--fps", format_double(options.sequence.rate_hz)});
   if (!agent.calibration.empty()) command.insert(command.end(), {"--calibration", agent.calibration.string()});
   if (agent.duration_s) command.insert(command.end(), {"--duration", format_double(*agent.duration_s)});
   for (const TimeSpan& span : agent.covered) {

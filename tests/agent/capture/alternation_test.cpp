@@ -116,5 +116,25 @@ TEST_F(AlternationTest, EndsWhenAllAreTakenAtOneSetting) {
   for (int i = 60; i < 80; ++i) EXPECT_TRUE(u[static_cast<std::size_t>(i)]) << i;
 }
 
+TEST_F(AlternationTest, NeverLeavesOutAllForLong) {
+  // A lamp that beats with the camera: 3.3 images a period, which no count of settings describes.
+  const auto beating =
+      used(240, [&](int i) { return seen(i / 6, 0.35 + 0.65 * std::pow(std::sin(M_PI * i / 3.3), 2)); });
+  // Three exposures, of which images are missing now and then.
+  alternation_ = {};
+  int taken = 0;
+  const std::vector<double> gains{0.4, 0.9, 2};
+  const auto bracketed = used(240, [&](int i) {
+    taken += i % 17 == 16 ? 2 : 1;
+    return seen(i / 6, gains[static_cast<std::size_t>(taken % 3)]);
+  });
+  for (const auto& u : {beating, bracketed}) {
+    int out = 0, most_out = 0;
+    for (const bool use : u) most_out = std::max(most_out, out = use ? 0 : out + 1);
+    EXPECT_LE(most_out, 12);
+    EXPECT_GT(std::count(u.begin(), u.end(), true), 60);
+  }
+}
+
 }  // namespace
 }  // namespace coslam

@@ -133,7 +133,8 @@ Paths numbered(const std::vector<std::int64_t>& numbers) {
 TEST(ImageNames, NumbersOfAClockAreTimes) {
   for (const auto& times : std::vector<std::vector<std::int64_t>>{{98'765'400'000, 98'765'466'667, 98'765'533'333},
                                                                   {0, 33'333, 66'667, 100'000, 166'667},
-                                                                  {12'345'678, 12'345'745, 12'345'811, 12'345'945}}) {
+                                                                  {12'345'678, 12'345'745, 12'345'811, 12'345'945},
+                                                                  {213, 262, 311, 363, 412, 462, 512, 561, 611}}) {
     const NamedTimes named = times_in_names(numbered(times));
     ASSERT_EQ(named.times.size(), times.size());
     EXPECT_EQ(named.unit, TimeUnit::kNanoseconds);
@@ -144,6 +145,7 @@ TEST(ImageNames, NumbersOfAClockAreTimes) {
                                                                     {10, 20, 29, 39},
                                                                     {1'000'000, 1'000'001, 1'000'002},
                                                                     {20'140'624'193'500, 20'140'624'193'505},
+                                                                    {50, 100, 150, 200, 300, 350, 400, 450, 500, 550},
                                                                     {0, 70, 5'000, 20'000, 90'000},
                                                                     {}}) {
     EXPECT_THAT(times_in_names(numbered(counted)).times, IsEmpty());

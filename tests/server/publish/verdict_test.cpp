@@ -36,6 +36,15 @@ TEST(Verdict, IsNeverGoodThroughTheLensOfAnotherCamera) {
   EXPECT_THAT(verdict.why, HasSubstr("1.38 times"));
 }
 
+TEST(Verdict, IsPoorThroughALensThatIsHalfAsLongOrZooms) {
+  EXPECT_EQ(verdict_of({.tracked_share = 1, .error_percent = 0.1, .focal_ratio = 0.58}).quality, Quality::kPoor);
+  EXPECT_EQ(verdict_of({.tracked_share = 1, .error_percent = 0.1, .breathing = 0.01}).quality, Quality::kGood);
+  const Verdict fair = verdict_of({.tracked_share = 1, .error_percent = 0.1, .breathing = 0.037});
+  EXPECT_EQ(fair.quality, Quality::kFair);
+  EXPECT_EQ(fair.why, "its focal length changes by up to 4 % from image to image");
+  EXPECT_EQ(verdict_of({.tracked_share = 1, .error_percent = 0.1, .breathing = 0.1}).quality, Quality::kPoor);
+}
+
 TEST(Verdict, IsPoorWhereNothingTellsThePath) {
   EXPECT_EQ(verdict_of({.tracked_share = 1, .error_percent = {}, .focal_ratio = 1}).quality, Quality::kPoor);
   EXPECT_STREQ(name_of(Quality::kPoor), "poor");
