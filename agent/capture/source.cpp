@@ -7,6 +7,7 @@
 
 #include "agent/capture/sources.h"
 #include "common/base/error.h"
+#include "common/base/text.h"
 #include "common/dataset/live_topic.h"
 #include "common/dataset/recorded_topic.h"
 #include "common/dataset/sequence.h"
