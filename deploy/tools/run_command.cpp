@@ -15,6 +15,7 @@
 #include "common/config/config.h"
 #include "common/dataset/result_folder.h"
 #include "deploy/tools/commands.h"
+#include "deploy/tools/run/other_lenses.h"
 #include "deploy/tools/run/outcome.h"
 #include "deploy/tools/run/own_bodies.h"
 #include "deploy/tools/run/played.h"
@@ -125,17 +126,20 @@ int run(RunArguments arguments) {
   make_result_folder(options.out, arguments.force);
   Starts starts(&options.sequence);
   OwnBodies own_bodies(&options.sequence);
+  OtherLenses other_lenses(&options.sequence);
   const auto play = [&] { return arguments.in_one_process ? run_inline(options) : run_processes(options); };
   RunEnd end = play();
   const bool whole = end.exit_code == 0 && !end.interrupted;
   const bool other_times = whole && starts.improve(options.out), bodies = whole && own_bodies.improve(options.out);
-  if ((other_times || bodies) && options.map.empty() && options.record.empty()) {
+  const bool lenses = whole && other_lenses.improve(options.out);
+  if ((other_times || bodies || lenses) && options.map.empty() && options.record.empty()) {
     if (other_times) log_info("run once more, with each source at the time that was found");
     if (bodies) log_info("run once more, without what moves with the cameras");
+    if (lenses) log_info("run once more, with lenses that are found from the images");
     make_result_folder(options.out, true);
     own_bodies.write(options.out);
     end = play();
-  } else if (other_times || bodies) {
+  } else if (other_times || bodies || lenses) {
     log_warn("this run is not repeated with what it found: what --map or --record keeps is of one run");
   }
   starts.say();
