@@ -14,6 +14,7 @@
 
 #include "agent/capture/two_views.h"
 #include "common/base/error.h"
+#include "common/base/printed.h"
 
 namespace coslam {
 namespace {
@@ -133,14 +134,36 @@ ImageFault size_fault(const cv::Mat& image, cv::Size expected) {
   return image.size() == expected ? ImageFault::kNone : ImageFault::kResized;
 }
 
+namespace {
+
+// What helps where a calibration is for images of another size.
+std::string remedy(const cv::Mat& image, const SourceOptions& options) {
+  constexpr double kSame = 0.01;
+  if (image.cols == 2 * options.width_px && image.rows == options.height_px) {
+    return ". If it is two pictures side by side, " + how_to_split(image.cols);
+  }
+  if (image.cols == options.height_px && image.rows == options.width_px) {
+    return ": the one is turned by 90 degrees; turn the images, or leave the calibration out, and the lens is found";
+  }
+  const double x = static_cast<double>(image.cols) / options.width_px;
+  const double y = static_cast<double>(image.rows) / options.height_px;
+  if (std::abs(x / y - 1) < kSame) {
+    return printed(
+        ". If the images were scaled, so are fx, fy, cx and cy: times %.4g; without a calibration the lens is "
+        "found",
+        x);
+  }
+  return ". Is it cropped, or of another mode of the camera? Without a calibration the lens is found";
+}
+
+}  // namespace
+
 void require_size(const cv::Mat& image, const SourceOptions& options, const std::string& image_name) {
   if (options.width_px <= 0 || options.height_px <= 0) return;
   if (image.cols == options.width_px && image.rows == options.height_px) return;
-  const bool twice_as_wide = image.cols == 2 * options.width_px && image.rows == options.height_px;
   throw UserError(image_name + " is " + size_text(image.cols, image.rows) + " pixels, but the calibration " +
                   (options.calibration.empty() ? "" : options.calibration + " ") + "is for " +
-                  size_text(options.width_px, options.height_px) +
-                  (twice_as_wide ? ". If it is two pictures side by side, " + how_to_split(image.cols) : ""));
+                  size_text(options.width_px, options.height_px) + remedy(image, options));
 }
 
 }  // namespace coslam

@@ -243,7 +243,7 @@ FrameList list_euroc(const fs::path& camera_folder) {
 
 FrameList list_images(const fs::path& folder, double rate_hz) {
   std::vector<fs::path> files = images_in(folder);
-  if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder");
+  if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder" + instead_of_images(folder));
   std::vector<std::string> guesses;
   const auto times = times_of(folder);
   std::vector<WrittenFrame> frames;

@@ -183,6 +183,24 @@ std::vector<fs::path> images_in(const fs::path& folder) {
   return files;
 }
 
+std::string instead_of_images(const fs::path& folder) {
+  std::map<std::string, int> files;
+  int folders = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().starts_with('.')) continue;
+    if (entry.is_directory()) {
+      ++folders;
+    } else {
+      ++files[entry.path().extension().string()];
+    }
+  }
+  if (folders > 0) return "; it holds " + std::to_string(folders) + " folders: name one of them for each camera";
+  const auto most = std::ranges::max_element(files, {}, [](const auto& f) { return f.second; });
+  if (most == files.end()) return "";
+  return "; it holds " + std::to_string(most->second) + " files " +
+         (most->first.empty() ? "without an ending" : most->first);
+}
+
 std::vector<fs::path> of_one_camera(const fs::path& folder, const std::vector<fs::path>& files,
                                     std::vector<std::string>* guesses) {
   Families families = families_of(files);

@@ -15,6 +15,9 @@ namespace coslam {
 // Image files by the numbers in their names, so that 999 precedes 1000 and -1 precedes 0; hidden ones are left out.
 std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
 
+// What there is in a folder without images, as the end of a sentence: "; it holds 120 files .npy". Empty: nothing.
+std::string instead_of_images(const std::filesystem::path& folder);
+
 // Those of one camera. Depth images beside others are left out, which is said in `guesses`. Throws UserError where the
 // names without their numbers are those of several cameras.
 std::vector<std::filesystem::path> of_one_camera(const std::filesystem::path& folder,

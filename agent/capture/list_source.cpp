@@ -23,8 +23,9 @@ class ListSource final : public ImageSource {
       if (!first_image_.empty()) break;
     }
     if (first_image_.empty()) {
+      const auto& first = frames_.front().file;
       throw UserError(name + ": none of the " + std::to_string(frames_.size()) + " images can be read, the first is " +
-                      frames_.front().file.string());
+                      first.string() + (std::filesystem::exists(first) ? "" : ", which is not there"));
     }
     require_size(first_image_, options, frames_[first_].file.string());
     size_ = first_image_.size();
@@ -40,7 +41,10 @@ class ListSource final : public ImageSource {
     if (image.fault == ImageFault::kNone && color_) image.color = read_color(frames_[i].file);
     if (image.fault != ImageFault::kNone && log_.pass()) {
       log_warn(frames_[i].file.string() +
-               (image.grey.empty() ? " cannot be read" : " has not the size of the first image") + "; passed over");
+               (!image.grey.empty()                        ? " has not the size of the first image"
+                : std::filesystem::exists(frames_[i].file) ? " cannot be read"
+                                                           : " is not there") +
+               "; passed over");
     }
     return image;
   }

@@ -3,6 +3,7 @@
 #include "deploy/tools/run/sources.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string_view>
 
@@ -73,7 +74,24 @@ bool names_sequence(const std::string& text) {
          fs::exists(path / "sequence.yaml") || !fs::exists(path);
 }
 
+namespace {
+
+// A shell makes a file each of `folder/*.jpg`.
+void refuse_images_one_by_one(const std::vector<std::string>& sources) {
+  constexpr std::array<std::string_view, 7> kImages{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp"};
+  const auto is_image = [&](const std::string& source) {
+    return std::ranges::count(kImages, fs::path(source).extension().string()) > 0 && fs::is_regular_file(source);
+  };
+  if (sources.size() < 2 || !std::ranges::all_of(sources, is_image)) return;
+  const fs::path folder = fs::path(sources.front()).parent_path();
+  throw UserError("each of the " + std::to_string(sources.size()) + " images would be a camera: name their folder, " +
+                  (folder.empty() ? "." : folder.string()));
+}
+
+}  // namespace
+
 Sequence sequence_of_sources(const std::vector<std::string>& sources) {
+  refuse_images_one_by_one(sources);
   Sequence sequence;
   for (const std::string& source : sources) {
     SequenceAgent agent;

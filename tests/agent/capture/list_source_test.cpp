@@ -8,6 +8,7 @@
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam {
@@ -283,6 +284,45 @@ TEST_F(Lists, RawRecordingsOfKittiHaveDates) {
   for (const char* source : {"drive", "drive/image_00", "drive/image_00/data"}) {
     EXPECT_THAT(play(*open(source)), ElementsAre(Pair(0, 0), Pair(1, 103'600'000))) << source;
   }
+}
+
+TEST_F(Lists, SayWhatIsThereInstead) {
+  for (const char* name : {"a/1.npy", "a/2.npy", "a/note.txt"}) {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    folder_.write(name, "x");
+  }
+  EXPECT_THAT(error("a"), HasSubstr("no image in the folder; it holds 2 files .npy"));
+  std::filesystem::create_directories(folder_ / "b/one");
+  EXPECT_THAT(error("b"), HasSubstr("it holds 1 folders: name one of them"));
+  folder_.write("list.csv", "t_s,file\n0.0,img/0.png\n0.1,img/1.png\n");
+  EXPECT_THAT(error("list.csv"), HasSubstr("0.png, which is not there"));
+}
+
+TEST_F(Lists, SayWhatHelpsAgainstAnotherSize) {
+  image("c/0.png", 50);
+  const auto of_size = [&](int width, int height) {
+    SourceOptions options = kOptions;
+    options.width_px = width;
+    options.height_px = height;
+    return error("c", options);
+  };
+  EXPECT_THAT(of_size(2 * kWidth, 2 * kHeight), HasSubstr("so are fx, fy, cx and cy: times 0.5"));
+  EXPECT_THAT(of_size(kHeight, kWidth), HasSubstr("turned by 90 degrees"));
+  EXPECT_THAT(of_size(kWidth + 8, kHeight), HasSubstr("cropped"));
+}
+
+TEST_F(Lists, SayARateThatNobodyTold) {
+  for (int i = 0; i < 3; ++i) image("d/" + std::to_string(i) + ".png", 50);
+  const auto said = [&](bool given) {
+    const std::size_t before = warnings_given().size();
+    SourceOptions options = kOptions;
+    options.rate_is_given = given;
+    open("d", options);
+    return warnings_given().size() - before;
+  };
+  EXPECT_EQ(said(true), 0U);
+  EXPECT_EQ(said(false), 1U);
+  EXPECT_THAT(warnings_given().back().text, HasSubstr("have no times, and are taken to come 10 times a second"));
 }
 
 }  // namespace

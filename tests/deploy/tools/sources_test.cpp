@@ -61,5 +61,10 @@ TEST_F(Sources, WhatIsNotThereIsNamed) {
   EXPECT_THAT(error({film, folder_.write("s.yaml", "").string()}), HasSubstr("a sequence is given alone"));
 }
 
+TEST_F(Sources, ImagesOneByOneAreNoCameras) {
+  const std::string a = folder_.write("0.jpg", "").string(), b = folder_.write("1.jpg", "").string();
+  EXPECT_THAT(error({a, b}), HasSubstr("each of the 2 images would be a camera: name their folder, "));
+}
+
 }  // namespace
 }  // namespace coslam
