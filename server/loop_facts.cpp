@@ -68,13 +68,20 @@ std::string ServerLoop::problem() const {
 
 LoopFacts ServerLoop::facts() const {
   LoopFacts out;
+  const std::vector<MapFrames> maps = stopping_ ? server_.maps() : std::vector<MapFrames>();
   for (const auto& [name, agent] : agents_) {
     AgentStatus status = agent.last_status;
     status.report_json.clear();
     const LinkBytes bytes = link_.bytes(name);
-    out.agents.push_back({name, agent.camera, std::move(status), agent.images.so_far(), bytes.up, bytes.down,
-                          lockstep_ ? 0 : stamps_.wait_s(agent.camera),
-                          to_seconds(stamps_.correction_ns(agent.camera))});
+    AgentFacts& facts = out.agents.emplace_back();
+    facts.name = name;
+    facts.camera = agent.camera;
+    facts.status = std::move(status);
+    facts.images = stopping_ ? account_of(agent, maps) : agent.images.so_far();
+    facts.bytes_up = bytes.up;
+    facts.bytes_down = bytes.down;
+    facts.wait_s = lockstep_ ? 0 : stamps_.wait_s(agent.camera);
+    facts.stamp_correction_s = to_seconds(stamps_.correction_ns(agent.camera));
   }
   out.result = result_.string();
   out.join = link_.join_options();
