@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is not run as it stands in the documents, by name and with its reason."""
+
+# Blocks without a language that are no commands, by the document and the words that they begin with.
+NOT_COMMANDS = {
+    ("README.md", "camera ─▶ capture"): "a diagram",
+    ("README.md", "idl/"): "the folders",
+    ("docs/architecture.md", "camera ─▶ agent/capture"): "a diagram",
+    ("docs/live.md", '{"t_s"'): "the form of a message",
+}
+# Blocks that show what was printed, by what they begin with: the commands before them printed the head of a table as it
+# stands there, and lines with the same first words as the others.
+SHOWN = ["agent ", "map server ", "server info: "]
+# Languages whose blocks are code.
+NOT_RUN = {"cpp": "tests/deploy/install_test.sh builds a program that listens"}
+
+# Scripts that are not run: they exist, and each option stands in their --help.
+CHECKED = {
+    "deploy/build.sh": "the test is part of what it builds",
+    "deploy/demo.sh": "installs packages and builds",
+    "deploy/lint.sh": "looks at the whole tree, and takes long",
+    "deploy/package.sh": "builds everything anew",
+    "deploy/test-field.sh": "makes network namespaces; with --list it is run",
+    "deploy/test.sh": "runs this test",
+    "tests/benchmark/accuracy.py": "takes hours, and recordings that are not here",
+}
+# Programs of others.
+OF_OTHERS = {
+    "MicroXRCEAgent": "PX4's own agent is not installed",
+    "apt": "installs; deploy/package.sh --check does so in a fresh Debian",
+    "cd": "leads to the packages, which are not made here",
+    "cmake": "installs; the test deploy.install does so",
+    "ctest": "runs this test",
+    "ros2": "ROS is not installed",
+    "rviz2": "ROS is not installed",
+    "systemctl": "starts services; only that the unit exists is checked",
+}
+PROGRAMS = ["coslam", "coslam-server", "coslam-agent", "coslam-bridge"]
+STAYING = PROGRAMS[1:]
+# In place of a camera at work.
+FILM, CALIBRATION, BOARDS = "camera.mp4", "left.yaml", "chessboard"
