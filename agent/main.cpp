@@ -25,6 +25,7 @@
 #include "common/config/program.h"
 #include "common/flow/clock.h"
 #include "common/wire/participant.h"
+#include "common/wire/peer_names.h"
 #include "common/wire/ports.h"
 #include "common/wire/run_id.h"
 
@@ -228,6 +229,7 @@ int main_of(int argc, char** argv) {
     print_config("coslam-agent", o);
   } else {
     init_log(o.id, arguments.common.log_format);
+    await_names(&o.wire.peers, while_starting([] { return stop_requested.load(); }));
     run(o);
   }
   return 0;

@@ -5,8 +5,10 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/printed.h"
 #include "common/config/program.h"
 #include "common/wire/participant.h"
+#include "common/wire/peer_names.h"
 #include "common/wire/run_id.h"
 #include "server/greeting.h"
 #include "server/link/dds_server_link.h"
@@ -92,6 +94,18 @@ struct ServeOptions {
   bool progress = false;
 };
 
+// What came of each agent, at the end.
+void say_paths(const nlohmann::ordered_json& report) {
+  for (const auto& [name, agent] : report.value("agents", nlohmann::ordered_json::object()).items()) {
+    const auto path = agent.find("path");
+    if (path == agent.end() || !path->is_object()) continue;
+    const std::string why = path->value("why", "");
+    log_info(name + ": " + printed("%.1f", agent.value("tracked_percent", 0.0)) +
+             " % of its images are tracked; its path is " + path->value("quality", "") +
+             (why.empty() ? "" : ", as " + why));
+  }
+}
+
 void serve(const ServeOptions& options) {
   const ServerOptions& keys = options.keys;
   const RunId run = draw_run_id();
@@ -127,6 +141,7 @@ void serve(const ServeOptions& options) {
   if (recording) recording->end();
   log_info(stop_requested() ? "stopped" : "all agents have ended");
   loop.finish(config::dump_json(without_secrets(keys)), stop_is_urgent());
+  if (!options.progress) say_paths(loop.report());
   // A program that started this one reads the report.
   if (!options.progress && !stop_is_urgent() && !loop.problem().empty()) throw UserError(loop.problem());
 }
@@ -160,9 +175,14 @@ int main_of(int argc, char** argv) {
   common.apply_to(o);
   if (domain) o.wire.domain = *domain;
   if (view_port) o.view.port = *view_port;
+  if (o.server.map.of<ScaleConfig>().baseline_m > 0 && o.agents.empty()) {
+    throw UserError(
+        "server.baseline_m is the distance of the first two of `agents`: name them all, as in --set agents=a,b,c");
+  }
   if (common.print) {
     print_config("coslam-server", o);
   } else {
+    await_names(&o.wire.peers, while_starting(stop_requested));
     serve(options);
   }
   return 0;

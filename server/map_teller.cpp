@@ -49,7 +49,7 @@ void MapTeller::after_set(const FrameSet& set, const ServerLoop& loop) {
   const auto before = processor_time();
   tell(
       watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
-  paths_.look(loop.map_server(), std::chrono::steady_clock::now());
+  if (publication_.wanted().has(Part::kState)) paths_.look(loop.map_server(), std::chrono::steady_clock::now());
   times_.add("view", processor_time() - before);
 }
 

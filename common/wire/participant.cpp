@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/participant.h"
+#include "common/wire/peer_names.h"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
@@ -264,6 +265,18 @@ std::vector<std::string> addresses_of_peer(const std::string& peer) {
     std::array<char, INET_ADDRSTRLEN> text{};
     inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ai_addr)->sin_addr, text.data(), text.size());
     out.emplace_back(text.data());
+  }
+  return out;
+}
+
+std::vector<std::string> unknown_peers(const std::vector<std::string>& peers) {
+  std::vector<std::string> out;
+  for (const std::string& peer : peers) {
+    require_peer(peer);
+    int error = 0;
+    if (!is_address(AF_INET, peer) && !look_up(peer, AF_INET, &error) && !look_up(peer, AF_INET6, &error)) {
+      out.push_back(peer);
+    }
   }
   return out;
 }

@@ -46,7 +46,8 @@ them, looks after map files, calibrates cameras.")
 coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with CoSLAM"
 "What crosses the wire between agents and map server, for programs in C++ that
 want to know where the cameras are and what moves around them.")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
+# A robot has the agent alone, and the tools that look at it; `coslam run` says what it lacks.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, libfastrtps-dev")
 foreach(part agent server bridge)
   string(TOUPPER ${part} upper)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "server/adjust/lens.h"
@@ -95,11 +96,13 @@ namespace {
 // An outline is solved in about a fifth of the time of the whole.
 constexpr int kOutlineShare_percent = 20;
 
+// A job that is solved in two steps, as with zooms, begins to count anew: what was told stands.
 void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgress& tell) {
   if (!tell) return;
   const int all = std::max(1, job->config.max_iterations);
-  job->config.after_iteration = [=](int done) {
-    tell(from_percent + (to_percent - from_percent) * std::min(done, all) / all);
+  job->config.after_iteration = [=, told = std::make_shared<int>(0)](int done) {
+    *told = std::max(*told, from_percent + (to_percent - from_percent) * std::min(done, all) / all);
+    tell(*told);
   };
 }
 

@@ -185,6 +185,20 @@ std::string change_text(const GroupChange& c) {
   return printed("%.1f s ", to_seconds(c.t_ns)) + list_of(c.first) + (c.merge ? " + " : " | ") + list_of(c.second);
 }
 
+// What besides a map that is joined wrongly may keep two agents apart.
+std::string why_apart(const Evaluation& e, const std::string& a, const std::string& b) {
+  constexpr double kOtherUnits = 1.2;
+  const auto scale_of = [&](const std::string& name) {
+    const auto agent = std::ranges::find(e.agents, name, &AgentEvaluation::name);
+    return agent == e.agents.end() ? std::optional<double>() : agent->own_scale;
+  };
+  const auto scale_a = scale_of(a), scale_b = scale_of(b);
+  if (!scale_a || !scale_b || !(*scale_a > 0) || !(*scale_b > 0)) return "";
+  const double ratio = std::max(*scale_a / *scale_b, *scale_b / *scale_a);
+  if (ratio < kOtherUnits) return "; or their truths are not of one frame: mirrored, or with axes in another order";
+  return printed("; by scale they differ %.4g times: is one truth in other units?", ratio);
+}
+
 std::string group_lines(const Evaluation& e) {
   std::string text;
   if (e.maps.size() > 1) {
@@ -196,7 +210,8 @@ std::string group_lines(const Evaluation& e) {
     }
   }
   for (const auto& [a, b] : e.wrong_merges) {
-    text += printed("  WRONG MERGE: %s and %s do not fit together\n", a.c_str(), b.c_str());
+    text += printed("  WRONG MERGE: %s and %s do not fit together, though each alone follows its truth%s\n", a.c_str(),
+                    b.c_str(), why_apart(e, a, b).c_str());
   }
   if (!e.groups) return text;
   const GroupScore& g = *e.groups;

@@ -84,6 +84,7 @@ void Census::add(const AgentImages& images, std::uint64_t bytes, Instant now) {
   Agent& agent = heard(images.agent, images.agent_run, 0, now);
   agent.bytes_down += bytes;
   agent.images = images.images;
+  agent.complete = images.complete;
 }
 
 void Census::add(const MovingState& state, std::uint64_t, Instant) { moving_[{state.server_run, state.map}] = state; }
@@ -112,6 +113,7 @@ std::string Census::refusal(RunId run) const {
 
 std::string Census::state_of(RunId run, const Agent& agent) const {
   if (!refusal(run).empty()) return "refused";
+  if (agent.complete) return "ended";
   if (!alive(run)) return "silent";
   return word_of(agent.status ? agent.status->state : AgentState::kWaiting);
 }

@@ -46,6 +46,7 @@ class Census {
     Instant since;
     std::optional<AgentStatus> status;
     std::optional<ImageAccount> images;  // as the server has it
+    bool complete = false;               // it ended, says the server
     std::uint64_t bytes_up = 0, bytes_down = 0;
     int frames = 0;
     Instant first_frame, last_frame;

@@ -45,6 +45,9 @@ TEST(Census, RatesLagAndBytes) {
   EXPECT_THAT(census.text(start + milliseconds(1000)),
               ContainsRegex("left +running +tracked +2 +80 +90.0% +123 +4.5 +10.0 +20.0 +11.0 +2.2\n"
                             "  left: of 80 images 8 not sent in time\n"));
+  images.complete = true;
+  census.add(images, 0, start);
+  EXPECT_THAT(census.text(start + milliseconds(1000)), ContainsRegex("left +ended "));
 }
 
 TEST(Census, WhoIsMissing) {
