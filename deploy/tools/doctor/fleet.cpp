@@ -233,14 +233,15 @@ Findings judge(const FleetFacts& facts) {
   Findings out = judge_multicast(facts);
   const auto add = [&](const Findings& more) { out.insert(out.end(), more.begin(), more.end()); };
   for (const std::uint32_t address : facts.sealed_by_others) out.push_back(judge_sealed(address, facts));
+  // A fleet next door is the likelier reason for what else is missing.
+  const bool somebody = std::ranges::any_of(facts.voices, [](const Voice& v) { return is_ours(v.name); });
+  add(judge_neighbours(facts, somebody || !facts.sealed_by_others.empty()));
   for (const Called& called : facts.called) {
     const auto sealed = [&](std::uint32_t address) { return facts.sealed_by_others.contains(address); };
     if (!called.heard && std::ranges::none_of(called.addresses, sealed)) out.push_back(judge_silent(called, facts));
   }
   for (const Voice& voice : facts.voices) out.push_back(judge(voice, facts));
   add(judge_names(facts));
-  const bool somebody = std::ranges::any_of(facts.voices, [](const Voice& v) { return is_ours(v.name); });
-  add(judge_neighbours(facts, somebody || !facts.sealed_by_others.empty()));
   const bool told = std::ranges::any_of(out, [](const Finding& f) { return f.grade == Grade::kFail; });
   if (!somebody && !told) add(judge_silence(facts));
   return out;
