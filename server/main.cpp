@@ -96,7 +96,9 @@ struct ServeOptions {
 
 // What came of each agent, at the end.
 void say_paths(const nlohmann::ordered_json& report) {
-  for (const auto& [name, agent] : report.value("agents", nlohmann::ordered_json::object()).items()) {
+  const auto agents = report.find("agents");
+  if (agents == report.end()) return;
+  for (const auto& [name, agent] : agents->items()) {
     const auto path = agent.find("path");
     if (path == agent.end() || !path->is_object()) continue;
     const std::string why = path->value("why", "");

@@ -96,7 +96,7 @@ class Section:
             words += ["--domain", str(self.here)]
         if (program in STAYING and not prints_config) or command in ("status", "doctor"):
             words += [] if "--loopback" in words else ["--loopback"]
-            has_domain = "--domain" in words or (program in STAYING and "--config" in words)
+            has_domain = "--domain" in words
             words += [] if has_domain else ["--domain", str(self.fleet)]
         if program == "coslam-agent" and self.key and not prints_config:
             words += ["--set", f"wire.key_file={self.key}"]

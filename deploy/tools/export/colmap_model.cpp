@@ -3,8 +3,10 @@
 #include "deploy/tools/export/colmap_model.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <unordered_map>
 
 #include "common/base/error.h"
@@ -190,29 +192,47 @@ void add_images_between(const ResultMap& map, int every, ColmapModel* model) {
   }
 }
 
+namespace {
+
+using NameOfFile = std::function<std::string(const ColmapModel::Image&, const std::filesystem::path&)>;
+
+// No two images have one name: those of a camera whose files would, as of a list that has one twice, have numbers.
+void name_images(const NameOfFile& name_of_file, ColmapModel* model) {
+  std::set<std::string> taken;
+  std::set<std::size_t> by_number;
+  for (auto& image : model->images) {
+    const auto* file = file_of(*model, image);
+    image.name = file == nullptr ? numbered(*model, image) : name_of_file(image, *file);
+    if (!taken.insert(image.name).second) by_number.insert(image.camera);
+  }
+  for (auto& image : model->images) {
+    if (by_number.contains(image.camera)) image.name = numbered(*model, image);
+  }
+}
+
+}  // namespace
+
 std::filesystem::path name_as_files(ColmapModel* model) {
+  const auto whole = [](const std::filesystem::path& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
   std::optional<std::filesystem::path> folder;
   for (const auto& image : model->images) {
     const auto* file = file_of(*model, image);
     if (file == nullptr) continue;
-    const auto of_file = std::filesystem::absolute(*file).lexically_normal().parent_path();
+    const auto of_file = whole(*file).parent_path();
     folder = folder ? common_folder(*folder, of_file) : of_file;
   }
-  for (auto& image : model->images) {
-    const auto* file = file_of(*model, image);
-    image.name = file == nullptr
-                     ? numbered(*model, image)
-                     : std::filesystem::absolute(*file).lexically_normal().lexically_relative(*folder).string();
-  }
+  name_images([&](const auto&, const auto& file) { return whole(file).lexically_relative(*folder).string(); }, model);
   return folder.value_or("");
 }
 
 void name_as_pngs(ColmapModel* model) {
-  for (auto& image : model->images) {
-    const auto* file = file_of(*model, image);
-    image.name = file == nullptr ? numbered(*model, image)
-                                 : model->cameras[image.camera].agent.name + "/" + file->stem().string() + ".png";
-  }
+  name_images(
+      [&](const auto& image, const auto& file) {
+        return model->cameras[image.camera].agent.name + "/" + file.stem().string() + ".png";
+      },
+      model);
 }
 
 void link_points(ColmapModel* model) {

@@ -64,7 +64,7 @@ ColmapModel read_colmap_model(const ResultMap& map, const Sequence& sequence, in
 void add_images_between(const ResultMap& map, int every, ColmapModel* model);
 
 // Names images as the files of their sources: by the path from the deepest folder that has them all, which is returned.
-// Where a source has no files: <agent>/<6-digit frame>.png; empty where none has any.
+// Where a source has no files, or one twice: <agent>/<6-digit frame>.png; empty where none has any.
 std::filesystem::path name_as_files(ColmapModel* model);
 // <agent>/<name of the file>.png, or the 6-digit frame.
 void name_as_pngs(ColmapModel* model);

@@ -162,6 +162,17 @@ TEST_F(ColmapExport, NamesImagesAsTheirFilesAndTakesThoseBetween) {
   EXPECT_NEAR(numbers[7], between.translation.z(), 0.05);
 }
 
+TEST_F(ColmapExport, NoTwoImagesHaveOneName) {
+  write_images({30, 60, 90});
+  std::ofstream list(temp_ / "list.csv");
+  for (int i = 0; i <= 10; ++i) list << 0.05 * i << ",shot/" << 100000 + i % 2 << ".png\n";
+  list.close();
+  sequence_.agents[0].source = (temp_ / "list.csv").string();
+  const auto images = lines_of(export_colmap(common(), sequence_, out_, {.every = 5})[1]);
+  EXPECT_THAT(images[2], HasSubstr(" 1 a/000000.png"));
+  EXPECT_THAT(images[4], HasSubstr(" 1 a/000010.png"));
+}
+
 TEST_F(ColmapExport, UndistortedHasImagesAndMasksOfWhatMoves) {
   write_images({30, 60, 90});
   DynamicWriter moving(result_.dynamic());
