@@ -90,6 +90,8 @@ class Section:
                 words[i] = self.some_point(words[i - 2])
             elif before == "track":
                 words[i] = self.some_track(words[i - 2], word)
+        if program == "coslam-agent" and "--config" in words and not prints_config and "--source" not in words:
+            words += ["--id", "ben", "--source", FILM, "--calibration", CALIBRATION]
         if command == "view":
             words += ["--port", "0"]
         if command == "run":
