@@ -92,6 +92,7 @@ class Section:
                 words[i] = self.some_track(words[i - 2], word)
         if program == "coslam-agent" and "--config" in words and not prints_config and "--source" not in words:
             words += ["--id", "ben", "--source", FILM, "--calibration", CALIBRATION]
+            words += ["--set", "wire.interfaces=127.0.0.1", "--set", "wire.peers=127.0.0.1"]
         if command == "view":
             words += ["--port", "0"]
         if command == "run":
