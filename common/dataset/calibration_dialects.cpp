@@ -89,7 +89,7 @@ void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   if (before == 0) {
     const YamlValue distortion = section.at("distortion_model");
     if (distortion.text() != "fov") return set_distortion(camera, distortion, distortion.text(), k);
-    if (k.size() != 1) coefficients->fail("one number is expected, the angle w of the lens");
+    if (k.size() != 1) section.at("distortion_coeffs").fail("one number is expected, the angle w of the lens");
     return set_fit(camera, section, "fov", field_of_view_lens(k.front()));
   }
   if (const auto distortion = section.find("distortion_model")) {

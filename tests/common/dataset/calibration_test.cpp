@@ -161,6 +161,9 @@ TEST_F(Calibration, Kalibr) {
   EXPECT_THAT(error(camera("cam0", "eucm", "radtan", "458.5")), HasSubstr("[alpha, beta, fx, fy, cx, cy]"));
   EXPECT_THAT(error(camera("cam0", "ucm", "radtan", "458.5")), HasSubstr("the camera model 'ucm' is not supported"));
   EXPECT_THAT(error(camera("cam0", "pinhole", "fov", "458.5")), HasSubstr("one number is expected"));
+  EXPECT_THAT(error("cam0:\n  camera_model: pinhole\n  distortion_model: fov\n  intrinsics: [458, 457, 367, 248]\n"
+                    "  resolution: [752, 480]\n"),
+              HasSubstr("the key 'distortion_coeffs' is missing"));
 }
 
 TEST_F(Calibration, KalibrSpheres) {
