@@ -133,29 +133,13 @@ void hold_gauge(const BundleProblem& problem, const BundleStructure& s, BundleSy
   block += block.trace() * along * along.transpose();
 }
 
-}  // namespace
-
-std::vector<bool> agreeing(const BundleProblem& problem, double sigmas) {
-  std::vector<bool> out;
-  out.reserve(problem.observations.size());
-  for (const auto& o : problem.observations) {
-    const auto& pose = problem.poses[at(o.pose)];
-    const CameraModel& camera = problem.cameras[at(pose.camera)];
-    const Eigen::Matrix2d whiten = camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px;
-    const Eigen::Vector3d in_cam = pose.cam_from_world * problem.points[at(o.point)];
-    out.push_back(in_cam.z() > 0 && reprojection_residual(camera, whiten, o.undistorted_px, in_cam).norm() <= sigmas);
-  }
-  return out;
-}
-
-std::vector<std::optional<double>> centre_variances(const BundleProblem& whole, const std::vector<bool>& use) {
-  std::vector<std::optional<double>> out(whole.poses.size());
-  const BundleProblem problem = Telling(whole, use).problem(whole);
+// floats: nothing holds the map where it is.
+std::vector<std::optional<double>> variances_of(const BundleProblem& problem, bool floats) {
+  std::vector<std::optional<double>> out(problem.poses.size());
   const BundleStructure s = structure_of(problem);
   if (s.columns < 2) return out;
   const BundleEstimate estimate = start_of(problem);
   BundleSystem system = system_around(problem, s, BundleLoss(0), estimate);
-  const bool floats = std::ranges::none_of(whole.poses, &BundleProblem::Pose::fixed);
   if (floats) hold_gauge(problem, s, &system);
 
   std::vector<Eigen::Matrix3d> inverse;
@@ -183,6 +167,26 @@ std::vector<std::optional<double>> centre_variances(const BundleProblem& whole, 
     if (column >= 0) out[i] = draws.middleRows<3>(6 * column + 3).squaredNorm() / kDraws;
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<bool> agreeing(const BundleProblem& problem, double sigmas) {
+  std::vector<bool> out;
+  out.reserve(problem.observations.size());
+  for (const auto& o : problem.observations) {
+    const auto& pose = problem.poses[at(o.pose)];
+    const CameraModel& camera = problem.cameras[at(pose.camera)];
+    const Eigen::Matrix2d whiten = camera.raw_by_undistorted(o.undistorted_px) / o.sigma_px;
+    const Eigen::Vector3d in_cam = pose.cam_from_world * problem.points[at(o.point)];
+    out.push_back(in_cam.z() > 0 && reprojection_residual(camera, whiten, o.undistorted_px, in_cam).norm() <= sigmas);
+  }
+  return out;
+}
+
+std::vector<std::optional<double>> centre_variances(const BundleProblem& problem, const std::vector<bool>& use) {
+  const bool floats = std::ranges::none_of(problem.poses, &BundleProblem::Pose::fixed);
+  return variances_of(Telling(problem, use).problem(problem), floats);
 }
 
 }  // namespace coslam

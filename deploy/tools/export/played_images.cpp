@@ -31,11 +31,11 @@ std::vector<PlayedImage> PlayedImages::list() const {
   return out;
 }
 
-void PlayedImages::each(std::set<FrameId> missing, const std::function<void(FrameId, const cv::Mat&)>& visit) const {
-  if (missing.empty()) return;
+void PlayedImages::each(std::set<FrameId> frames, const std::function<void(FrameId, const cv::Mat&)>& visit) const {
+  if (frames.empty()) return;
   const auto source = open_again(agent_, rate_hz_, lens_);
-  for (FrameId at(0); !missing.empty();) {
-    if (!missing.contains(at)) {
+  for (FrameId at(0); !frames.empty();) {
+    if (!frames.contains(at)) {
       if (!source->skip()) break;
       at = FrameId(at.value + 1);
       continue;
@@ -43,11 +43,11 @@ void PlayedImages::each(std::set<FrameId> missing, const std::function<void(Fram
     const auto image = next_readable(*source);
     if (!image) break;
     at = FrameId(image->frame.value + 1);
-    if (missing.erase(image->frame) > 0) visit(image->frame, image->color.empty() ? image->grey : image->color);
+    if (frames.erase(image->frame) > 0) visit(image->frame, image->color.empty() ? image->grey : image->color);
   }
-  if (missing.empty()) return;
+  if (frames.empty()) return;
   throw UserError("agent " + agent_.name + ": " + shown_source(agent_.source) + " has no image " +
-                  std::to_string(missing.begin()->value) + ": is that the sequence that was played?");
+                  std::to_string(frames.begin()->value) + ": is that the sequence that was played?");
 }
 
 }  // namespace coslam::exporting

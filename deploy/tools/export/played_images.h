@@ -30,7 +30,7 @@ class PlayedImages {
 
   // In their order. Throws UserError: the source cannot be opened, or it is live.
   std::vector<PlayedImage> list() const;
-  // Some of them with their pixels, in colour where the source has it. Throws UserError too where one is not there.
+  // These of them with their pixels, in colour where the source has it. Throws UserError too where one is not there.
   void each(std::set<FrameId> frames, const std::function<void(FrameId, const cv::Mat&)>& visit) const;
 
  private:

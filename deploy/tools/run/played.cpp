@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/base/printed.h"
 #include "common/config/config.h"
 #include "common/dataset/result.h"
 #include "deploy/tools/run/run.h"
@@ -45,7 +46,8 @@ std::string of_another_sequence(const Sequence& sequence, const ResultFolder& re
     const std::string source =
         of->value(nlohmann::json::json_pointer("/agents/" + agent.name + "/source"), std::string());
     if (source.empty() || source == shown_source(agent.source)) continue;
-    return "the result is of the sequence " + name + ", whose " + agent.name + " is " + source + ", not " +
+    return printed("the result is of the sequence %s, whose %s is %s, not ", name.c_str(), agent.name.c_str(),
+                   source.c_str()) +
            shown_source(agent.source) + " as in " + sequence.name + ": what is said of it means nothing";
   }
   return "";
