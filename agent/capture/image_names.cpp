@@ -27,14 +27,6 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Of all that OpenCV reads as pixels of 8 or 16 bits.
-bool is_image(const fs::path& file) {
-  constexpr auto kImages =
-      std::to_array<std::string_view>({".png", ".jpg", ".jpeg", ".jpe", ".jp2", ".webp", ".bmp", ".dib", ".tif",
-                                       ".tiff", ".pgm", ".ppm", ".pbm", ".pnm", ".pam", ".sr", ".ras"});
-  return std::ranges::find(kImages, lower(file.extension().string())) != kImages.end();
-}
-
 using Families = std::map<std::string, std::vector<fs::path>>;
 
 Families families_of(const std::vector<fs::path>& files) {
@@ -164,6 +156,13 @@ bool count_time(const std::vector<std::int64_t>& numbers) {
 }
 
 }  // namespace
+
+bool is_image(const fs::path& file) {
+  constexpr auto kImages =
+      std::to_array<std::string_view>({".png", ".jpg", ".jpeg", ".jpe", ".jp2", ".webp", ".bmp", ".dib", ".tif",
+                                       ".tiff", ".pgm", ".ppm", ".pbm", ".pnm", ".pam", ".sr", ".ras"});
+  return std::ranges::find(kImages, lower(file.extension().string())) != kImages.end();
+}
 
 std::vector<fs::path> images_in(const fs::path& folder) {
   std::vector<std::pair<Name, fs::path>> named;

@@ -12,6 +12,9 @@
 // What the names of images in a folder tell.
 namespace coslam {
 
+// By its ending: of all that OpenCV reads as pixels of 8 or 16 bits.
+bool is_image(const std::filesystem::path& file);
+
 // Image files by the numbers in their names, so that 999 precedes 1000 and -1 precedes 0; hidden ones are left out.
 std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
 

@@ -23,9 +23,9 @@ TimeNs recorded_zero_ns(const std::string& uri);
 // ros2:/TOPIC, see live_topic.h.
 std::unique_ptr<ImageSource> open_ros2(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
-// Of interlaced images one field; `name` as the user called the source.
 // Of images that come at a rate which nobody told.
 std::string without_times(const std::string& name, double rate_hz);
+// Of interlaced images one field; `name` as the user called the source.
 std::unique_ptr<ImageSource> of_one_field(std::unique_ptr<ImageSource> source, std::string name);
 std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
 // Any kind that plays from now on.

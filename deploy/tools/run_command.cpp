@@ -126,12 +126,11 @@ int run(RunArguments arguments) {
   make_result_folder(options.out, arguments.force);
   Starts starts(&options.sequence);
   OwnBodies own_bodies(&options.sequence);
-  OtherLenses other_lenses(&options.sequence);
   const auto play = [&] { return arguments.in_one_process ? run_inline(options) : run_processes(options); };
   RunEnd end = play();
   const bool whole = end.exit_code == 0 && !end.interrupted;
   const bool other_times = whole && starts.improve(options.out), bodies = whole && own_bodies.improve(options.out);
-  const bool lenses = whole && other_lenses.improve(options.out);
+  const bool lenses = whole && leave_other_lenses(&options.sequence, options.out);
   if ((other_times || bodies || lenses) && options.map.empty() && options.record.empty()) {
     if (other_times) log_info("run once more, with each source at the time that was found");
     if (bodies) log_info("run once more, without what moves with the cameras");

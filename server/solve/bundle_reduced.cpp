@@ -2,9 +2,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/solve/bundle_reduced.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 
 namespace coslam {
+
+Eliminated eliminate(const BundleStructure& s, const BundleSystem& system, double radius) {
+  Eliminated out;
+  out.inverse.reserve(system.points.size());
+  out.dampings.reserve(system.points.size());
+  for (const Eigen::Matrix3d& own : system.points) {
+    out.dampings.emplace_back(damping(own, radius));
+    Eigen::Matrix3d damped = own;
+    damped.diagonal() += out.dampings.back();
+    out.inverse.emplace_back(damped.inverse());
+  }
+  out.by_points.resize(s.links.size());
+  for (std::size_t l = 0; l < s.links.size(); ++l) {
+    out.by_points[l].noalias() = system.links[l].lazyProduct(out.inverse[at(s.links[l].point)]);
+  }
+  return out;
+}
 
 ReducedSystem::ReducedSystem(const BundleStructure& s) : s_(s), slot_(at(s.columns)) {
   first_.reserve(at(s.columns) + 1);

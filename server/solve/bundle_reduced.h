@@ -19,6 +19,14 @@ auto damping(const Block& block, double radius) {
   return (block.diagonal().array().max(kLeast) / radius).matrix().eval();
 }
 
+// The points, damped, so that they can be left out of the system.
+struct Eliminated {
+  std::vector<Eigen::Vector3d> dampings;
+  std::vector<Eigen::Matrix3d> inverse;
+  std::vector<Matrix63> by_points;  // H_cp H_pp^-1 of each link
+};
+Eliminated eliminate(const BundleStructure& s, const BundleSystem& system, double radius);
+
 // The lower half of the system of poses and lenses that is left without the points, by its blocks. Refers to the
 // structure.
 class ReducedSystem {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/solve/bundle_schur.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -19,30 +18,6 @@ struct Step {
   std::vector<Eigen::Vector3d> points;
   double decrease = 0;  // of the cost that the system promises
 };
-
-// The points, damped, so that they can be left out of the system.
-struct Eliminated {
-  std::vector<Eigen::Vector3d> dampings;
-  std::vector<Eigen::Matrix3d> inverse;
-  std::vector<Matrix63> by_points;  // H_cp H_pp^-1 of each link
-};
-
-Eliminated eliminate(const BundleStructure& s, const BundleSystem& system, double radius) {
-  Eliminated out;
-  out.inverse.reserve(system.points.size());
-  out.dampings.reserve(system.points.size());
-  for (const Eigen::Matrix3d& own : system.points) {
-    out.dampings.emplace_back(damping(own, radius));
-    Eigen::Matrix3d damped = own;
-    damped.diagonal() += out.dampings.back();
-    out.inverse.emplace_back(damped.inverse());
-  }
-  out.by_points.resize(s.links.size());
-  for (std::size_t l = 0; l < s.links.size(); ++l) {
-    out.by_points[l].noalias() = system.links[l].lazyProduct(out.inverse[at(s.links[l].point)]);
-  }
-  return out;
-}
 
 std::optional<Step> solve(const BundleStructure& s, const BundleSystem& system, double radius, ReducedSystem* reduced) {
   const auto [dampings, inverse, by_points] = eliminate(s, system, radius);

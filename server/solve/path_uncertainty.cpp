@@ -3,7 +3,6 @@
 #include "server/solve/path_uncertainty.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -142,14 +141,7 @@ std::vector<std::optional<double>> variances_of(const BundleProblem& problem, bo
   BundleSystem system = system_around(problem, s, BundleLoss(0), estimate);
   if (floats) hold_gauge(problem, s, &system);
 
-  std::vector<Eigen::Matrix3d> inverse;
-  for (const Eigen::Matrix3d& own : system.points) {
-    Eigen::Matrix3d damped = own;
-    damped.diagonal() += damping(own, kHardlyDamped);
-    inverse.emplace_back(damped.inverse());
-  }
-  std::vector<Matrix63> by_points(s.links.size());
-  for (std::size_t l = 0; l < s.links.size(); ++l) by_points[l] = system.links[l] * inverse[at(s.links[l].point)];
+  const std::vector<Matrix63> by_points = eliminate(s, system, kHardlyDamped).by_points;
   ReducedSystem reduced(s);
   if (!reduced.factor(system, kHardlyDamped, by_points)) return out;
 

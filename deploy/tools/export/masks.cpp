@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <set>
+#include <utility>
 #include <vector>
 
-#include "common/base/error.h"
+#include "deploy/tools/export/point_colors.h"
 
 namespace coslam::exporting {
 namespace {
@@ -21,21 +20,18 @@ using Bodies = std::vector<std::vector<Eigen::Vector3d>>;
 class MovingThings {
  public:
   explicit MovingThings(const ResultFolder& result) {
-    std::map<TimeNs, std::map<PointId, ObjectId>> object_of;
+    std::map<std::pair<TimeNs, PointId>, ObjectId> object_of;
     if (std::filesystem::exists(result.objects())) {
       for_each_object_row(result.objects(), [&](const ResultObjectRow& row) {
-        for (const PointId id : row.members) object_of[row.t_ns][id] = row.object;
+        for (const PointId id : row.members) object_of[{row.t_ns, id}] = row.object;
       });
     }
     if (!std::filesystem::exists(result.dynamic())) return;
     std::map<TimeNs, std::map<ObjectId, std::vector<Eigen::Vector3d>>> objects;
     for_each_dynamic_row(result.dynamic(), [&](const ResultDynamicRow& row) {
-      const auto at = object_of.find(row.t_ns);
-      const auto member =
-          at == object_of.end() ? std::map<PointId, ObjectId>::const_iterator() : at->second.find(row.id);
-      const bool of_object = at != object_of.end() && member != at->second.end();
-      if (of_object) {
-        objects[row.t_ns][member->second].push_back(row.position);
+      const auto object = object_of.find({row.t_ns, row.id});
+      if (object != object_of.end()) {
+        objects[row.t_ns][object->second].push_back(row.position);
       } else {
         bodies_[row.t_ns].push_back({row.position});
       }
@@ -93,10 +89,7 @@ bool write_masks(const ResultFolder& result, const ColmapModel& model, const std
     const CameraModel& camera = model.camera_of(image);
     cv::Mat mask(camera.height_px, camera.width_px, CV_8U, cv::Scalar(255));
     for (const auto& body : moving.at(image.t_ns)) darken(body, image, camera, &mask);
-    const std::filesystem::path file = folder / (image.name + ".png");
-    std::error_code error;
-    std::filesystem::create_directories(file.parent_path(), error);
-    if (error || !cv::imwrite(file.string(), mask)) throw UserError(file.string() + ": the mask cannot be written");
+    write_image(folder / (image.name + ".png"), mask);
   }
   return true;
 }

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 #include <set>
+
+#include "common/base/error.h"
 
 namespace coslam::exporting {
 namespace {
@@ -32,6 +35,17 @@ void PointColors::give(ColmapModel* model) const {
     for (int i = 0; i < 3; ++i)
       rgb[static_cast<std::size_t>(i)] = cv::saturate_cast<std::uint8_t>(sum.bgr[2 - i] / sum.images);
   }
+}
+
+void write_image(const std::filesystem::path& file, const cv::Mat& image) {
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  bool written = false;
+  try {
+    written = !error && cv::imwrite(file.string(), image);
+  } catch (const cv::Exception&) {  // the sentence below says it
+  }
+  if (!written) throw UserError(file.string() + ": the image cannot be written");
 }
 
 void see_images(const ColmapModel& model, std::size_t camera, const CameraModel& lens, double rate_hz,

@@ -25,6 +25,9 @@ class PointColors {
   std::map<PointId, Sum> sums_;
 };
 
+// Makes the folder too. Throws UserError.
+void write_image(const std::filesystem::path& file, const cv::Mat& image);
+
 // Each image of one camera of the model with its pixels as they were taken, by that lens. Throws UserError.
 void see_images(const ColmapModel& model, std::size_t camera, const CameraModel& lens, double rate_hz,
                 const std::function<void(const ColmapModel::Image&, const cv::Mat&)>& visit);

@@ -59,17 +59,6 @@ bool contains(const CameraModel& camera, const Eigen::Vector2d& px) {
   return camera.contains_raw(px, -kToEdge);
 }
 
-void write_image(const std::filesystem::path& file, const cv::Mat& image) {
-  std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
-  bool written = false;
-  try {
-    written = !error && cv::imwrite(file.string(), image);
-  } catch (const cv::Exception&) {  // the sentence below says it
-  }
-  if (!written) throw UserError(file.string() + ": the image cannot be written");
-}
-
 }  // namespace
 
 CameraModel pinhole_of(const CameraModel& lens) {

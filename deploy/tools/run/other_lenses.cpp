@@ -11,13 +11,13 @@
 
 namespace coslam {
 
-bool OtherLenses::improve(const std::filesystem::path& result) {
+bool leave_other_lenses(Sequence* sequence, const std::filesystem::path& result) {
   constexpr double kOther = 0.22;  // the logarithm of a quarter more
   const ResultFolder folder(result);
   if (!std::filesystem::exists(folder.report())) return false;
   const nlohmann::json report = read_json(folder.report());
   bool any = false;
-  for (SequenceAgent& agent : sequence_.agents) {
+  for (SequenceAgent& agent : sequence->agents) {
     const auto ratio =
         report.value(nlohmann::json::json_pointer("/agents/" + agent.name + "/lens/focal_ratio"), nlohmann::json());
     if (agent.calibration.empty() || !ratio.is_number() || !(ratio.get<double>() > 0)) continue;

@@ -3,10 +3,10 @@
 #include "deploy/tools/run/sources.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <string_view>
 
+#include "agent/capture/image_names.h"
 #include "common/base/error.h"
 #include "common/dataset/recorded_topic.h"
 
@@ -78,11 +78,8 @@ namespace {
 
 // A shell makes a file each of `folder/*.jpg`.
 void refuse_images_one_by_one(const std::vector<std::string>& sources) {
-  constexpr std::array<std::string_view, 7> kImages{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp"};
-  const auto is_image = [&](const std::string& source) {
-    return std::ranges::count(kImages, fs::path(source).extension().string()) > 0 && fs::is_regular_file(source);
-  };
-  if (sources.size() < 2 || !std::ranges::all_of(sources, is_image)) return;
+  const auto one = [](const std::string& source) { return is_image(source) && fs::is_regular_file(source); };
+  if (sources.size() < 2 || !std::ranges::all_of(sources, one)) return;
   const fs::path folder = fs::path(sources.front()).parent_path();
   throw UserError("each of the " + std::to_string(sources.size()) + " images would be a camera: name their folder, " +
                   (folder.empty() ? "." : folder.string()));

@@ -18,16 +18,15 @@ TEST(OtherLensesTest, LeavesAsideWhatTheImagesDoNotFit) {
     sequence.agents.push_back({.name = name, .source = name, .calibration = std::string(name) + ".yaml"});
   }
   sequence.agents.back().calibration.clear();
-  OtherLenses lenses(&sequence);
-  EXPECT_FALSE(lenses.improve(folder / "result")) << "there is no report";
+  EXPECT_FALSE(leave_other_lenses(&sequence, folder / "result")) << "there is no report";
   const auto lens = [](double ratio) { return nlohmann::ordered_json{{"lens", {{"focal_ratio", ratio}}}}; };
   write_json(ResultFolder(folder / "result").report(),
              {{"agents", {{"right", lens(1.002)}, {"near", lens(0.85)}, {"double", lens(0.58)}, {"none", lens(0.7)}}}});
-  EXPECT_TRUE(lenses.improve(folder / "result"));
+  EXPECT_TRUE(leave_other_lenses(&sequence, folder / "result"));
   EXPECT_EQ(sequence.agents[0].calibration, "right.yaml");
   EXPECT_EQ(sequence.agents[1].calibration, "near.yaml");
   EXPECT_TRUE(sequence.agents[2].calibration.empty());
-  EXPECT_FALSE(lenses.improve(folder / "result")) << "once";
+  EXPECT_FALSE(leave_other_lenses(&sequence, folder / "result")) << "once";
 }
 
 }  // namespace
