@@ -18,11 +18,11 @@ constexpr int kShareBeside = 20, kShareOfMap = 200;
 
 void PathWatch::look(const MapServer& server, Clock::time_point now) {
   constexpr std::size_t kLeastKeyFrames = 8;
-  if (auto found = beside_.take()) {
+  if (auto found = beside_ ? beside_->take() : std::nullopt) {
     paths_ = std::move(found->paths);
     due_ = now + std::max<Clock::duration>({kLeastApart, kShareBeside * found->took, kShareOfMap * planning_});
   }
-  if (beside_.busy() || now < due_ || server.map().key_frames().size() < kLeastKeyFrames) return;
+  if ((beside_ && beside_->busy()) || now < due_ || server.map().key_frames().size() < kLeastKeyFrames) return;
   const Clock::time_point begin = Clock::now();
   auto job = plan_path_errors(server.map(), server.largest_map());
   planning_ = Clock::now() - begin;
@@ -30,7 +30,8 @@ void PathWatch::look(const MapServer& server, Clock::time_point now) {
     due_ = now + kLeastApart;
     return;
   }
-  beside_.start([job = std::move(*job)] {
+  if (!beside_) beside_.emplace("paths");
+  beside_->start([job = std::move(*job)] {
     const Clock::time_point from = Clock::now();
     PathErrors paths = path_errors(job);
     return Found{std::move(paths), Clock::now() - from};

@@ -27,7 +27,7 @@ class PathWatch {
   std::chrono::steady_clock::time_point due_;
   std::chrono::steady_clock::duration planning_{};
   PathErrors paths_;
-  BackgroundJob<Found> beside_{"paths"};
+  std::optional<BackgroundJob<Found>> beside_;  // from the first look on
 };
 
 }  // namespace coslam

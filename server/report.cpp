@@ -83,13 +83,7 @@ Json lens_report(const MapCamera& camera) {
 Json path_report(const MapServer& server, const MapCamera& camera, const ImageAccount& images) {
   const auto path = server.path_error(camera.id);
   if (!path) return {};
-  const PathVerdict told = verdict_of(camera, *path, images);
-  const auto sigma_percent = told.sigma_percent();
-  return {{"quality", name_of(told.verdict.quality)},
-          {"why", told.verdict.why},
-          {"length", told.length},
-          {"sigma", told.sigma ? Json(*told.sigma) : Json()},
-          {"sigma_percent", sigma_percent ? Json(*sigma_percent) : Json()}};
+  return json_of(verdict_of(camera, *path, images));
 }
 
 // An agent as the server saw it. Tracked: in the common map, where the others are.

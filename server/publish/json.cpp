@@ -46,16 +46,6 @@ Json pose_of(const std::optional<Rigid3>& cam_from_map) {
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-Json path_of(const std::optional<PathVerdict>& path) {
-  if (!path) return nullptr;
-  const auto sigma_percent = path->sigma_percent();
-  return {{"quality", name_of(path->verdict.quality)},
-          {"why", path->verdict.why},
-          {"length", path->length},
-          {"sigma", path->sigma ? Json(*path->sigma) : Json()},
-          {"sigma_percent", sigma_percent ? Json(*sigma_percent) : Json()}};
-}
-
 Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates, RosNames& names) {
   const Rates::Agent rate = rates.of(a.facts.name);
   const AgentStatus& status = a.facts.status;
@@ -78,7 +68,7 @@ Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates
   out["lost_percent"] = if_live(state, tenths(rate.lost_percent));
   out["account"] = if_live(state, json_of(a.facts.images));
   out["losses"] = if_live(state, a.facts.images.losses());
-  out["path"] = path_of(a.facts.path);
+  out["path"] = a.facts.path ? json_of(*a.facts.path) : Json();
   out["images"] = words_of(status.image_fault).name;
   out["tracks"] = a.tracks;
   out["bound"] = a.bound;

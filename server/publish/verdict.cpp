@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/base/printed.h"
 
@@ -46,6 +47,16 @@ Verdict verdict_of(const PathFacts& facts) {
   lower(at_most(facts.breathing, kBreathes, kZooms),
         printed("its focal length changes by up to %.0f %% from image to image", 100 * facts.breathing));
   return out;
+}
+
+nlohmann::ordered_json json_of(const PathVerdict& path) {
+  using Json = nlohmann::ordered_json;
+  const auto sigma_percent = path.sigma_percent();
+  return {{"quality", name_of(path.verdict.quality)},
+          {"why", path.verdict.why},
+          {"length", path.length},
+          {"sigma", path.sigma ? Json(*path.sigma) : Json()},
+          {"sigma_percent", sigma_percent ? Json(*sigma_percent) : Json()}};
 }
 
 PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images) {

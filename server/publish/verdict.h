@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,6 +41,8 @@ struct PathVerdict {
     return sigma && length > 0 ? std::optional(100 * *sigma / length) : std::nullopt;
   }
 };
+// As reports and the public have it.
+nlohmann::ordered_json json_of(const PathVerdict& path);
 PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images);
 
 }  // namespace coslam
