@@ -33,7 +33,8 @@ struct AgentConfig {
   int descriptor_features = 310;  // most, in an answer to a request for descriptors everywhere
   int place_features = 160;       // the same at tracks
   TagConfig tags;
-  double readout_s = -1;  // of a rolling shutter, from the first row to the last; negative: found out
+  bool thumbnails = true;  // a small image goes to the server when somebody at the live page asks for one
+  double readout_s = -1;   // of a rolling shutter, from the first row to the last; negative: found out
 };
 
 // How much of what the server asked for goes with an image; the rest waits for a later one.

@@ -47,6 +47,8 @@ void describe(V& v, AgentConfig& c) {
   v.field(
       "readout_s", c.readout_s, {-1, 0.2},
       "of a rolling shutter, from the first row to the last; 0: global shutter; -1: found out while the camera turns");
+  v.field("thumbnails", c.thumbnails,
+          "small images for the live page, when somebody there asks to see what the camera sees; false: none, ever");
   v.field("descriptor_features", c.descriptor_features, {50, kMostDescribed},
           "most in an answer to a descriptor request");
   v.field("place_features", c.place_features, {10, kMostDescribed},

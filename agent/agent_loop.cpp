@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "agent/thumbnail.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/dataset/report_parts.h"
@@ -32,7 +33,8 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
       hello_(hello),
       agent_(hello.agent, hello.agent_run, hello.camera, config, std::move(tracker)),
       now_(std::move(now)),
-      send_rate_(hello.rate_hz) {
+      send_rate_(hello.rate_hz),
+      gives_thumbnails_(config.thumbnails) {
   if (hello.pacing == Pacing::kLive) describer_.emplace("describe");
 }
 
@@ -40,6 +42,7 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::optional<Image> image = feed_->next(stop);
   if (!image) return false;
   judge(*image);
+  answer_who_looks(*image);
   if (image->fault != ImageFault::kNone) {
     tell_state();
     return true;
@@ -85,6 +88,18 @@ void AgentLoop::judge(const Image& image) {
   const bool stands = verdict_.verdict() != ImageFault::kNone;
   if (image.fault == ImageFault::kRepeated && !stands) ++repeated_;
   if (stamps_are_utc_) clock_set_ns_ = coslam::clock_set_ns();
+}
+
+// Images that are not to be believed are those that people want to see.
+void AgentLoop::answer_who_looks(const Image& image) {
+  constexpr std::chrono::milliseconds kPeriod{900}, kNarrowPeriod{10'000};
+  if (image.grey.empty() || !link_.take_thumbnail_request()) return;
+  const auto now = now_();
+  if (last_thumbnail_ && now - *last_thumbnail_ < (narrow_link_ ? kNarrowPeriod : kPeriod)) return;
+  last_thumbnail_ = now;
+  Thumbnail thumbnail{hello_.agent, hello_.agent_run, image.capture_ns, {}};
+  if (gives_thumbnails_) thumbnail.jpeg = thumbnail_jpeg(image.grey);
+  link_.send(thumbnail);
 }
 
 // To the log and, when something changed or a second is over, to the server.

@@ -73,6 +73,7 @@ class AgentLoop {
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
   std::uint32_t not_sent() const { return feed_->dropped() + frames_ - sent_frames_; }
+  void answer_who_looks(const Image& image);
   std::uint32_t left_out() const;
   std::optional<DescriptorReply> last_image();
   nlohmann::json own_body() const;
@@ -116,7 +117,8 @@ class AgentLoop {
   std::uint32_t repeated_ = 0;                          // images, not counting those of a picture that stands
   bool pattern_stays_ = false;
   TimeNs clock_set_ns_ = 0;
-  std::optional<std::chrono::steady_clock::time_point> last_status_;
+  std::optional<std::chrono::steady_clock::time_point> last_status_, last_thumbnail_;
+  const bool gives_thumbnails_;
   PoseState last_pose_state_ = PoseState::kNone;
   ImageFault last_verdict_ = ImageFault::kNone;
 };

@@ -24,4 +24,8 @@ LiveView::LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector
   api_.count([this] { return web_.counts(); });
 }
 
+void LiveView::look_by(ServerLink& link) {
+  api_.look_by([&link](const std::string& agent) { return link.thumbnail(agent); });
+}
+
 }  // namespace coslam

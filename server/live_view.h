@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/link/server_link.h"
 #include "server/map_teller.h"
 #include "server/web/live_api.h"
 #include "server/web/view_config.h"
@@ -18,6 +19,9 @@ class LiveView {
   // Watches the loop from now on; it is not to run on after this has gone. others: who is told too; they outlive this.
   // Throws UserError when the port cannot be had.
   LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector<PublicSink*>& others = {});
+
+  // Images of agents come over this link, which outlives this.
+  void look_by(ServerLink& link);
 
   // Where a browser finds it.
   std::string url() const { return web_.url(); }

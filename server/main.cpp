@@ -135,6 +135,7 @@ void serve(const ServeOptions& options) {
   std::optional<MapTeller> teller;
   if (keys.view.on()) {
     announcer.show(view.emplace(keys.view, loop, sinks));
+    view->look_by(link);
   } else {
     teller.emplace(loop, sinks);
   }

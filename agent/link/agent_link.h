@@ -9,6 +9,7 @@
 #include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
 
@@ -42,6 +43,9 @@ class AgentLink {
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
   virtual void send_status(const AgentStatus& status) = 0;
+  // The server asked for a thumbnail since the last call.
+  virtual bool take_thumbnail_request() { return false; }
+  virtual void send(const Thumbnail&) {}
   // From now on.
   virtual void limit_replies(const ReplyLimits&) {}
   virtual RepliesWaiting waiting() const { return {}; }

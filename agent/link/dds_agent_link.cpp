@@ -51,6 +51,7 @@ struct Ends {
   ReplyWriters<idl::PatchReply> patches{participant};
   ReplyWriters<idl::DescriptorReply> descriptors{participant};
   std::optional<Writer<idl::Hello>> hello;
+  Writer<idl::Thumbnail> thumbnail{participant};
   Writer<idl::AgentStatus> status{
       participant};  // after hello: its end waits for the last word, before the sign of life
   Loop loop;         // last: stops first
@@ -114,6 +115,15 @@ class DdsAgentLink : public AgentLink {
   void send_status(const AgentStatus& status) override {
     const std::shared_lock lock(ends_mutex_);
     if (ends_) say(*ends_, status);
+  }
+
+  bool take_thumbnail_request() override {
+    const std::lock_guard lock(mutex_);
+    return inbox_.take_thumbnail_request();
+  }
+  void send(const Thumbnail& thumbnail) override {
+    const std::shared_lock lock(ends_mutex_);
+    if (ends_) ends_->thumbnail.write(encode(thumbnail));
   }
 
   void limit_replies(const ReplyLimits& limits) override {
@@ -200,6 +210,9 @@ class DdsAgentLink : public AgentLink {
                                    partition_of(hello_.agent_run));
     ends->loop.read<idl::AgentImages>([this](const idl::AgentImages& m, const Sample&) { receive(decode(m), [] {}); },
                                       {}, partition_of(hello_.agent_run));
+    ends->loop.read<idl::ThumbnailRequest>(
+        [this](const idl::ThumbnailRequest& m, const Sample&) { receive(decode(m), [] {}); }, {},
+        partition_of(hello_.agent_run));
     ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
                                        [this](const WriterId& w, Presence p) { server_presence(w, p); });
     const int ways = hello_.pacing == Pacing::kLive ? kWays : 1;

@@ -46,6 +46,12 @@ std::optional<Rejection> Inbox::add(AgentImages images) {
   return std::nullopt;
 }
 
+std::optional<Rejection> Inbox::add(const ThumbnailRequest& request) {
+  if (request.agent_run != agent_run_ || !from_our_server(request.server_run)) return Rejection::kWrongRun;
+  thumbnail_wanted_ = true;
+  return std::nullopt;
+}
+
 std::optional<MapPatch> Inbox::pop() {
   if (patches_.empty()) return std::nullopt;
   std::optional<MapPatch> patch(std::move(patches_.front()));

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/wire/counters.h"
 
 namespace coslam {
@@ -30,6 +32,7 @@ class Inbox {
   std::optional<Rejection> add(MapPatch patch);
   std::optional<Rejection> add(ServerStatus status);
   std::optional<Rejection> add(AgentImages images);
+  std::optional<Rejection> add(const ThumbnailRequest& request);
 
   std::optional<MapPatch> pop();
   // Newest frame that the present server has answered, whether the answer was popped or not.
@@ -39,6 +42,8 @@ class Inbox {
 
   const std::optional<ServerStatus>& status() const { return status_; }
   const std::optional<AgentImages>& images() const { return images_; }
+  // One was asked for since the last call.
+  bool take_thumbnail_request() { return std::exchange(thumbnail_wanted_, false); }
   // The status if it came after the last call.
   std::optional<ServerStatus> take_fresh_status();
 
@@ -54,7 +59,7 @@ class Inbox {
   std::deque<MapPatch> patches_;
   std::optional<ServerStatus> status_;
   std::optional<AgentImages> images_;
-  bool fresh_status_ = false;
+  bool fresh_status_ = false, thumbnail_wanted_ = false;
 };
 
 }  // namespace coslam

@@ -43,6 +43,8 @@ idl::MapPatch encode(const MapPatch& patch);
 idl::MovingState encode(const MovingState& state);
 idl::AgentPose encode(const AgentPose& pose);
 idl::AgentImages encode(const AgentImages& images);
+idl::ThumbnailRequest encode(const ThumbnailRequest& request);
+idl::Thumbnail encode(const Thumbnail& thumbnail);
 idl::PublicSample encode(const PublicSample& sample);
 idl::ServerStatus encode(const ServerStatus& status);
 
@@ -57,6 +59,8 @@ Decoded<MapPatch> decode(const idl::MapPatch& message);
 Decoded<MovingState> decode(const idl::MovingState& message);
 Decoded<AgentPose> decode(const idl::AgentPose& message);
 Decoded<AgentImages> decode(const idl::AgentImages& message);
+Decoded<ThumbnailRequest> decode(const idl::ThumbnailRequest& message);
+Decoded<Thumbnail> decode(const idl::Thumbnail& message);
 Decoded<PublicSample> decode(const idl::PublicSample& message);
 Decoded<ServerStatus> decode(const idl::ServerStatus& message);
 

@@ -16,6 +16,7 @@
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 #include "idl/coslam.h"
 
@@ -86,6 +87,12 @@ inline constexpr std::tuple kMessageTypes{
     // The newest account.
     MessageType<AgentImages, class AgentImagesPubSubType, coslam::AgentImages>{
         {.name = "coslam/images", .way = Way::kDown, .late_joiners = true, .by_run = true}},
+    // Lost ones stay lost: it is said again while somebody looks.
+    MessageType<ThumbnailRequest, class ThumbnailRequestPubSubType, coslam::ThumbnailRequest>{
+        {.name = "coslam/thumbnail_request", .way = Way::kDown, .reliable = false, .by_run = true}},
+    // The newest image.
+    MessageType<Thumbnail, class ThumbnailPubSubType, coslam::Thumbnail>{
+        {.name = "coslam/thumbnail", .way = Way::kUp, .reliable = false}},
     // A few of each topic, so that none is crowded out by another.
     MessageType<PublicSample, class PublicSamplePubSubType, coslam::PublicSample>{
         {.name = "coslam/public", .way = Way::kDown, .writer_depth = 8, .reader_depth = 8}},

@@ -51,8 +51,9 @@ struct Ends {
   struct WayBack {
     Writer<idl::MapPatch> patches;
     Writer<idl::AgentImages> images;
+    Writer<idl::ThumbnailRequest> thumbnails;
     WayBack(Participant& participant, const std::string& partition)
-        : patches(participant, partition), images(participant, partition) {}
+        : patches(participant, partition), images(participant, partition), thumbnails(participant, partition) {}
   };
   std::map<RunId, WayBack> ways;
   Loop loop;  // last: stops first
@@ -122,6 +123,19 @@ class DdsServerLink : public ServerLink {
     if (!ends_) return;
     const auto way = ends_->ways.find(images.agent_run);
     if (way != ends_->ways.end()) sessions_.count_down(images.agent_run, way->second.images.write(encode(images)));
+  }
+
+  std::optional<Thumbnail> thumbnail(const std::string& agent) override {
+    const std::shared_lock ends_lock(ends_mutex_);
+    const std::lock_guard lock(mutex_);
+    const Instant now = Clock::now();
+    if (const auto run = sessions_.look(agent, now); run && ends_) {
+      const auto way = ends_->ways.find(*run);
+      if (way != ends_->ways.end()) {
+        sessions_.count_down(*run, way->second.thumbnails.write(encode(ThumbnailRequest{agent, *run, server_run_})));
+      }
+    }
+    return sessions_.thumbnail(agent, now);
   }
 
   bool public_wanted() const override {

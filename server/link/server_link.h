@@ -16,6 +16,7 @@
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
 
@@ -79,6 +80,9 @@ class ServerLink {
   // Public messages, for bridges; from any thread.
   virtual bool public_wanted() const { return false; }
   virtual void send_public(const PublicSample& /*sample*/) {}
+  // What a camera sees, for somebody who looks now: asks its agent for an image, once a second at most, and returns the
+  // newest of the last 5 s, if there is one. From any thread.
+  virtual std::optional<Thumbnail> thumbnail(const std::string& /*agent*/) { return std::nullopt; }
   // Publishes the status; the link adds its own refusals (same name twice, another protocol) to status.refused.
   virtual void send_status(const ServerStatus& status) = 0;
   // Turns an agent away after its Hello, with one sentence for its user; nothing of that run is delivered any more.

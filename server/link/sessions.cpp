@@ -99,6 +99,22 @@ void Sessions::receive(const idl::AgentStatus& message, std::uint64_t bytes, Ins
   if (admit_sample(status->agent, status->agent_run, bytes) != nullptr) events_.emplace_back(std::move(*status));
 }
 
+void Sessions::receive(const idl::Thumbnail& message, std::uint64_t bytes, Instant now) {
+  auto thumbnail = decode(message);
+  if (!thumbnail) return note(thumbnail.rejection());
+  if (admit_sample(thumbnail->agent, thumbnail->agent_run, bytes) != nullptr)
+    thumbnails_.add(std::move(*thumbnail), now);
+}
+
+std::optional<RunId> Sessions::look(const std::string& agent, Instant now) {
+  const auto open = std::ranges::find_if(sessions_, [&](const auto& entry) {
+    const Session& session = entry.second;
+    return session.open && session.hello.agent == agent;
+  });
+  if (open == sessions_.end() || !thumbnails_.look(agent, now)) return std::nullopt;
+  return open->first;
+}
+
 void Sessions::deliver_frames(Session& session, Instant now) {
   while (auto joined = session.joiner.pop(now)) events_.emplace_back(std::move(*joined));
 }
@@ -129,6 +145,7 @@ void Sessions::end(RunId run, Session& session) {
 
 void Sessions::tick(Instant now) {
   admission_.tick(now);
+  thumbnails_.tick(now);
   settle();
   for (auto& [run, session] : sessions_) {
     if (session.open) deliver_frames(session, now);

@@ -13,6 +13,7 @@
 #include "server/link/admission.h"
 #include "server/link/frame_joiner.h"
 #include "server/link/server_link.h"
+#include "server/link/thumbnails.h"
 
 namespace coslam {
 
@@ -29,6 +30,7 @@ class Sessions {
   void receive(const idl::PatchReply& message, std::uint64_t bytes, Instant now);
   void receive(const idl::DescriptorReply& message, std::uint64_t bytes, Instant now);
   void receive(const idl::AgentStatus& message, std::uint64_t bytes, Instant now);
+  void receive(const idl::Thumbnail& message, std::uint64_t bytes, Instant now);
   void presence(RunId run, Presence presence);
   void tick(Instant now);
 
@@ -45,6 +47,12 @@ class Sessions {
   std::vector<ServerEvent> take_events() { return std::exchange(events_, {}); }
   // Lock-step frames that came again since the last call: the frame or its answer was lost, or the server is slow.
   std::vector<std::pair<RunId, FrameId>> take_repeated() { return std::exchange(repeated_, {}); }
+
+  // The run that is to be asked for a thumbnail now, because somebody looks; and the newest one.
+  std::optional<RunId> look(const std::string& agent, Instant now);
+  std::optional<Thumbnail> thumbnail(const std::string& agent, Instant now) const {
+    return thumbnails_.newest(agent, now);
+  }
 
   void count_down(RunId run, std::uint64_t bytes);
   void count_down_all(std::uint64_t bytes);  // sent to every agent
@@ -75,6 +83,7 @@ class Sessions {
   std::map<RunId, AgentStatus> early_;  // statuses that came before their run was open
   std::map<std::string, LinkBytes> bytes_;
   std::vector<ServerEvent> events_;
+  Thumbnails thumbnails_;
   std::vector<std::pair<RunId, FrameId>> repeated_;
   std::uint64_t late_of_ended_ = 0;
 };

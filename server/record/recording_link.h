@@ -69,6 +69,7 @@ class RecordingLink : public ServerLink {
   void send(const AgentImages& images) override { link_.send(images); }
   bool public_wanted() const override { return link_.public_wanted(); }
   void send_public(const PublicSample& sample) override { link_.send_public(sample); }
+  std::optional<Thumbnail> thumbnail(const std::string& agent) override { return link_.thumbnail(agent); }
   void send_status(const ServerStatus& status) override { link_.send_status(status); }
   void refuse(const Hello& hello, const std::string& reason) override { link_.refuse(hello, reason); }
   LinkBytes bytes(const std::string& agent) const override { return link_.bytes(agent); }

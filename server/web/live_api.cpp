@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/web/live_api.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/flow/give_way.h"
@@ -50,6 +51,11 @@ void LiveApi::count(std::function<WebCounts()> counts) {
   counts_ = std::move(counts);
 }
 
+void LiveApi::look_by(ThumbnailOf thumbnail_of) {
+  const std::lock_guard lock(mutex_);
+  thumbnail_of_ = std::move(thumbnail_of);
+}
+
 void LiveApi::answer(const WebRequest& request, WebReply reply) {
   const std::string& path = request.path;
   if (path == "/api/v1/map.ply") return map(std::move(reply));
@@ -61,6 +67,7 @@ void LiveApi::answer(const WebRequest& request, WebReply reply) {
   if (path == "/api/v1/agents")
     return reply(state_ ? answer_of(agents_json(*state_, rates_, names_), kJson) : not_begun());
   if (path == "/api/v1/groups") return reply(state_ ? answer_of(groups_json(*state_), kJson) : not_begun());
+  if (path == "/api/v1/thumbnail") return reply(thumbnail(request));
   reply(plain_answer(404, "there is nothing at " + path));
 }
 
@@ -88,6 +95,25 @@ WebAnswer LiveApi::metrics() const {
   if (state_) put_metrics(*state_, &text);
   if (counts_) put_counts(counts_(), &text);
   return answer_of(text.take(), std::string(kMetricsType));
+}
+
+WebAnswer LiveApi::thumbnail(const WebRequest& request) const {
+  const auto asked = request.query.find("agent");
+  if (asked == request.query.end()) return plain_answer(400, "which agent's image? ?agent=NAME is missing");
+  const std::string& name = asked->second;
+  const auto is_asked = [&](const PublicAgent& a) { return a.facts.name == name; };
+  if (!state_ || std::ranges::none_of(state_->agents, is_asked)) {
+    return plain_answer(404, "there is no agent '" + name + "'");
+  }
+  if (!thumbnail_of_) return plain_answer(404, "the agents of this run give no images");
+  const auto thumbnail = thumbnail_of_(name);
+  if (!thumbnail) {
+    return plain_answer(202, name + " is asked for an image: ask again in a second. None comes while it plays nothing");
+  }
+  if (thumbnail->jpeg.empty()) {
+    return plain_answer(403, name + " keeps its images to itself: agent.thumbnails is false there");
+  }
+  return answer_of(std::string(thumbnail->jpeg.begin(), thumbnail->jpeg.end()), "image/jpeg");
 }
 
 void LiveApi::map(WebReply reply) {

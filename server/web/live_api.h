@@ -7,10 +7,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/flow/bounded_queue.h"
 #include "common/flow/worker.h"
+#include "common/model/thumbnail.h"
 #include "server/publish/names.h"
 #include "server/publish/rates.h"
 #include "server/web/web_server.h"
@@ -26,6 +29,10 @@ class LiveApi final : public PublicSink {
   void answer(const WebRequest& request, WebReply reply);
   // Figures of the web server for /metrics.
   void count(std::function<WebCounts()> counts);
+
+  // Where images of an agent come from: asks for one, and gives the newest. None: the agents of this run give none.
+  using ThumbnailOf = std::function<std::optional<Thumbnail>(const std::string& agent)>;
+  void look_by(ThumbnailOf thumbnail_of);
 
   void announce(const ChannelPtr&) override {}
   bool wants(const Channel&) const override { return false; }
@@ -43,11 +50,13 @@ class LiveApi final : public PublicSink {
   WebAnswer health() const;
   WebAnswer ready() const;
   WebAnswer metrics() const;
+  WebAnswer thumbnail(const WebRequest& request) const;
   void map(WebReply reply);
   void explain(const WebRequest& request, const WebReply& reply);
 
   mutable std::mutex mutex_;
   std::function<WebCounts()> counts_;
+  ThumbnailOf thumbnail_of_;
   std::shared_ptr<const PublicState> state_;
   Clock::time_point state_at_ = Clock::now();
   std::shared_ptr<const PublicCloud> cloud_;

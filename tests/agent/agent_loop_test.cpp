@@ -44,6 +44,8 @@ class FakeLink final : public AgentLink {
     sent.push_back(std::move(frame));
     if (descriptors) described.push_back(*descriptors);
   }
+  bool take_thumbnail_request() override { return std::exchange(looked_at, false); }
+  void send(const Thumbnail& thumbnail) override { thumbnails.push_back(thumbnail); }
   void send_status(const AgentStatus& status) override { statuses.push_back(status); }
   void limit_replies(const ReplyLimits& limits) override { found_narrow = limits.narrow_link; }
   std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {
@@ -77,7 +79,8 @@ class FakeLink final : public AgentLink {
     p.received_ns = 1 + to_ns(downlink_s);
   }
 
-  bool found_narrow = false;
+  bool found_narrow = false, looked_at = false;
+  std::vector<Thumbnail> thumbnails;
   std::vector<TrackFrame> sent;
   std::vector<DescriptorReply> described;
   std::vector<AgentStatus> statuses;
@@ -131,6 +134,7 @@ class AgentLoopTest : public testing::Test {
   void prepare(Image& image) const {
     image.since = since_;
     image.fault = fault_;
+    image.grey = grey_;
   }
   bool step() { return loop_->step(stop_); }
   // Steps, each with the answer to the frame before.
@@ -151,6 +155,7 @@ class AgentLoopTest : public testing::Test {
   Time time_;
   std::optional<Instant> since_;          // when the next image was there
   ImageFault fault_ = ImageFault::kNone;  // of the next image
+  cv::Mat grey_;
   FakeLink link_{time_};
   std::atomic<bool> stop_{false};
   test::SimTracker* tracker_ = nullptr;
@@ -194,6 +199,24 @@ TEST_F(AgentLoopTest, LockstepGivesUpAServerThatIsGone) {
   EXPECT_GT(time_.now - asked, 5s) << "a pause is no end";
   EXPECT_LT(time_.now - asked, 6s);
   EXPECT_THAT(link_.sent, SizeIs(1));
+}
+
+TEST_F(AgentLoopTest, AThumbnailGoesWhenSomebodyLooksOnceASecondAtMost) {
+  grey_ = cv::Mat(48, 64, CV_8UC1, cv::Scalar(90));
+  run(2);
+  EXPECT_THAT(link_.thumbnails, IsEmpty()) << "nobody looks";
+  for (int i = 0; i < 40; ++i, time_.now += 100ms) {
+    link_.looked_at = true;
+    run(1);
+  }
+  EXPECT_THAT(link_.thumbnails, SizeIs(5)) << "in 4 s, where some requests come early";
+  EXPECT_EQ(link_.thumbnails[0].capture_ns, 2 * kPeriodNs);
+  EXPECT_EQ(link_.thumbnails[0].jpeg[0], 0xFF);
+  fault_ = ImageFault::kFeatureless;
+  time_.now += 1s;
+  link_.looked_at = true;
+  ASSERT_TRUE(step());
+  EXPECT_THAT(link_.thumbnails, SizeIs(6)) << "an image that is not believed is what people want to see";
 }
 
 TEST_F(AgentLoopTest, LockstepEndsWithTheServer) {

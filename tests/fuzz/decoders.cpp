@@ -100,6 +100,8 @@ void fuzz::write_seeds(const WriteSeed& write_seed) {
   write(topic_index<idl::MovingState>(), serialize(encode(values.moving_state())));
   write(topic_index<idl::AgentPose>(), serialize(encode(values.agent_pose("cam0", RunId(1)))));
   write(topic_index<idl::AgentImages>(), serialize(encode(values.agent_images("cam0", RunId(1)))));
+  write(topic_index<idl::ThumbnailRequest>(), serialize(encode(ThumbnailRequest{"cam0", RunId(1), RunId(4)})));
+  write(topic_index<idl::Thumbnail>(), serialize(encode(values.thumbnail("cam0", RunId(1)))));
   write(topic_index<idl::PublicSample>(), serialize(encode(values.public_sample())));
   write(topic_index<idl::ServerStatus>(), serialize(encode(values.server_status(RunId(4)))));
   write(kSealed, Sample(64, 'x'));

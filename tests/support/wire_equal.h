@@ -12,6 +12,7 @@
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 
 // Equality bit for bit, field by field.
@@ -189,6 +190,19 @@ inline void expect_same(const AgentImages& a, const AgentImages& b) {
   EXPECT_EQ(a.images, b.images);
   EXPECT_EQ(a.complete, b.complete);
   EXPECT_EQ(a.problem, b.problem);
+}
+
+inline void expect_same(const ThumbnailRequest& a, const ThumbnailRequest& b) {
+  EXPECT_EQ(a.agent, b.agent);
+  EXPECT_EQ(a.agent_run, b.agent_run);
+  EXPECT_EQ(a.server_run, b.server_run);
+}
+
+inline void expect_same(const Thumbnail& a, const Thumbnail& b) {
+  EXPECT_EQ(a.agent, b.agent);
+  EXPECT_EQ(a.agent_run, b.agent_run);
+  EXPECT_EQ(a.capture_ns, b.capture_ns);
+  EXPECT_EQ(a.jpeg, b.jpeg);
 }
 
 inline void expect_same(const PublicSample& a, const PublicSample& b) {

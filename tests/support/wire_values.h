@@ -180,6 +180,13 @@ class WireValues {
     return a;
   }
 
+  Thumbnail thumbnail(const std::string& agent, RunId run) {
+    Thumbnail t{agent, run, 1'700'000'000'000'000'000, {0xFF, 0xD8}};
+    for (int i = 0; i < 100; ++i) t.jpeg.push_back(static_cast<std::uint8_t>(below(256)));
+    t.jpeg.insert(t.jpeg.end(), {0xFF, 0xD9});
+    return t;
+  }
+
   PublicSample public_sample() {
     PublicSample s{"/coslam/map/points", "sensor_msgs/msg/PointCloud2", 1'700'000'000'000'000'000, {}};
     for (int i = 0; i < 100; ++i) s.octets.push_back(static_cast<std::uint8_t>(below(256)));

@@ -21,9 +21,11 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{3}, kWindow{2}, kAgain{1};
 
-// These are made only for those who read them, and tell nothing of the link.
+// These are made only for those who read them or ask for them, and tell nothing of the link.
+template <class Message, class... Others>
+constexpr bool kOneOf = (std::is_same_v<Message, Others> || ...);
 template <class Message>
-constexpr bool kHeeded = !std::is_same_v<Message, idl::AgentPose> && !std::is_same_v<Message, idl::PublicSample>;
+constexpr bool kHeeded = !kOneOf<Message, idl::AgentPose, idl::PublicSample, idl::ThumbnailRequest, idl::Thumbnail>;
 
 class Listener {
  public:

@@ -95,6 +95,8 @@ TEST(CodecFuzz, DescriptorReply) {
 TEST(CodecFuzz, MovingState) { fuzz(encode(test::WireValues(7).moving_state()), plain); }
 TEST(CodecFuzz, AgentImages) { fuzz(encode(test::WireValues(8).agent_images("cam0", RunId(1))), plain); }
 TEST(CodecFuzz, AgentPose) { fuzz(encode(test::WireValues(8).agent_pose("cam0", RunId(1))), plain); }
+TEST(CodecFuzz, ThumbnailRequest) { fuzz(encode(ThumbnailRequest{"cam0", RunId(1), RunId(4)}), plain); }
+TEST(CodecFuzz, Thumbnail) { fuzz(encode(test::WireValues(10).thumbnail("cam0", RunId(1))), plain); }
 TEST(CodecFuzz, PublicSample) { fuzz(encode(test::WireValues(9).public_sample()), plain); }
 TEST(CodecFuzz, Hello) { fuzz(encode(test::WireValues(4).hello("cam0", RunId(1))), plain); }
 TEST(CodecFuzz, AgentStatus) {

@@ -300,6 +300,25 @@ TEST(CodecRejects, AgentImagesThatAreNone) {
   expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.problem("a\nb"); });
 }
 
+TEST(CodecRejects, RequestsForThumbnailsThatAreNone) {
+  using M = idl::ThumbnailRequest;
+  const auto good = encode(ThumbnailRequest{"cam0", RunId(9), RunId(4)});
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.agent("../x"); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.agent_run(0); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.server_run(0); });
+}
+
+TEST(CodecRejects, ThumbnailsThatAreNoJpeg) {
+  using M = idl::Thumbnail;
+  const auto good = encode(WireValues(3).thumbnail("cam0", RunId(9)));
+  expect_rejected<M>(good, Rejection::kBadText, [](M& m) { m.agent("../x"); });
+  expect_rejected<M>(good, Rejection::kBadId, [](M& m) { m.agent_run(0); });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.jpeg()[0] = '<'; });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.jpeg().back() = '>'; });
+  expect_rejected<M>(good, Rejection::kOutOfRange, [](M& m) { m.jpeg().resize(3); });
+  expect_rejected<M>(good, Rejection::kTooMany, [](M& m) { m.jpeg().resize(kMostThumbnailBytes + 1); });
+}
+
 TEST(CodecRejects, PublicSamplesThatAreNone) {
   using M = idl::PublicSample;
   const auto good = encode(WireValues(3).public_sample());

@@ -159,6 +159,14 @@ TEST(CodecRoundTrip, AgentImages) {
   expect_unharmed(images);
 }
 
+TEST(CodecRoundTrip, Thumbnails) {
+  expect_unharmed(ThumbnailRequest{"cam0", RunId(9), RunId(4)});
+  Thumbnail thumbnail = WireValues(15).thumbnail("cam0", RunId(9));
+  expect_unharmed(thumbnail);
+  thumbnail.jpeg.clear();
+  expect_unharmed(thumbnail);
+}
+
 TEST(CodecRoundTrip, PublicSamples) {
   PublicSample sample = WireValues(13).public_sample();
   expect_unharmed(sample);

@@ -73,6 +73,22 @@ TEST_F(DdsLinkTest, WhatMovesIsHeardByWhoeverReadsIt) {
   expect_same(*heard, state);
 }
 
+TEST_F(DdsLinkTest, AThumbnailComesWhenSomebodyLooks) {
+  EchoServer server(config_, kServer);
+  const auto link = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)));
+  ASSERT_TRUE(server.serve_until_events<Hello>(1));
+  EXPECT_FALSE(link->take_thumbnail_request()) << "nobody looks";
+  const Thumbnail thumbnail = WireValues(2).thumbnail("cam0", RunId(1));
+  std::optional<Thumbnail> seen;
+  ASSERT_TRUE(server.serve_until([&] {
+    seen = server.link().thumbnail("cam0");
+    if (link->take_thumbnail_request()) link->send(thumbnail);
+    return seen.has_value();
+  }));
+  expect_same(*seen, thumbnail);
+  EXPECT_FALSE(server.link().thumbnail("cam1"));
+}
+
 TEST_F(DdsLinkTest, ASecondAgentOfTheSameNameIsRefused) {
   EchoServer server(config_, kServer);
   const auto first = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)));

@@ -220,5 +220,18 @@ TEST_F(SessionsTest, BytesAreThoseOfAdmittedRuns) {
   EXPECT_EQ(sessions_.bytes("b").down, 0U) << "nothing reaches it yet";
 }
 
+TEST_F(SessionsTest, AThumbnailIsTakenFromTheRunThatWasAsked) {
+  join("a", 1);
+  EXPECT_EQ(sessions_.look("b", now_), std::nullopt) << "there is no such agent";
+  EXPECT_EQ(sessions_.look("a", now_), RunId(1));
+  sessions_.receive(encode(values_.thumbnail("a", RunId(2))), 100, now_);
+  EXPECT_FALSE(sessions_.thumbnail("a", now_)) << "of a run that is not admitted";
+  sessions_.receive(encode(values_.thumbnail("a", RunId(1))), 100, now_);
+  EXPECT_TRUE(sessions_.thumbnail("a", now_));
+  EXPECT_THAT(events(), IsEmpty()) << "the map does not hear of it";
+  is(1, Presence::kGone);
+  EXPECT_EQ(sessions_.look("a", now_ + 1s), std::nullopt);
+}
+
 }  // namespace
 }  // namespace coslam

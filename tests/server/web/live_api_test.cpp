@@ -88,6 +88,29 @@ TEST_F(LiveApiTest, AgentsGroupsAndMetrics) {
   EXPECT_EQ(ask("/api/v1/nothing")->status, 404);
 }
 
+TEST_F(LiveApiTest, AnImageOfACameraComesWhenItWasAskedFor) {
+  tell(true);
+  EXPECT_EQ(ask("/api/v1/thumbnail")->status, 400);
+  EXPECT_EQ(ask("/api/v1/thumbnail?agent=cam7")->status, 404);
+  EXPECT_THAT(ask("/api/v1/thumbnail?agent=cam0")->body, HasSubstr("of this run give no images"));
+  std::vector<std::string> looked;
+  std::optional<Thumbnail> newest;
+  api_.look_by([&](const std::string& agent) {
+    looked.push_back(agent);
+    return newest;
+  });
+  EXPECT_EQ(ask("/api/v1/thumbnail?agent=cam7")->status, 404);
+  EXPECT_EQ(ask("/api/v1/thumbnail?agent=cam0")->status, 202);
+  EXPECT_THAT(looked, testing::ElementsAre("cam0"));
+  newest = Thumbnail{"cam0", RunId(1), 0, {'j', 'p', 'g'}};
+  const WebAnswer image = *ask("/api/v1/thumbnail?agent=cam0");
+  EXPECT_EQ(image.status, 200);
+  EXPECT_EQ(image.type, "image/jpeg");
+  EXPECT_EQ(image.body, "jpg");
+  newest->jpeg.clear();
+  EXPECT_EQ(ask("/api/v1/thumbnail?agent=cam0")->status, 403);
+}
+
 TEST_F(LiveApiTest, TheMapIsCopiedWhenSomebodyAsksForIt) {
   EXPECT_FALSE(api_.parts().has(Part::kCloud));
   EXPECT_FALSE(ask("/api/v1/map.ply"));

@@ -29,6 +29,9 @@ covariance 0.00002 0.000004 0.00006 0.00003 0.00002 0.00038
 `,
 };
 
+// One grey pixel.
+const IMAGE = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNoAAAAggCBd81ytgAAAABJRU5ErkJggg==", "base64");
+
 class Client {
   constructor(socket, program) {
     this.socket = socket;
@@ -66,6 +69,17 @@ function answerExplain(url, response) {
   response.end(life ? life(id) : `the run had no ${kind} ${id}\n`);
 }
 
+// The first request asks the agent, the next have its image.
+const asked = new Set();
+function answerThumbnail(url, response, given) {
+  const agent = url.searchParams.get("agent");
+  const type = (name) => ({ "content-type": name });
+  if (!given) return response.writeHead(403, type("text/plain; charset=utf-8")).end(`${agent} keeps its images to itself: agent.thumbnails is false there\n`);
+  if (asked.has(agent)) return response.writeHead(200, type("image/png")).end(IMAGE);
+  asked.add(agent);
+  response.writeHead(202, type("text/plain; charset=utf-8")).end(`${agent} is asked for an image: ask again in a second. None comes while it plays nothing\n`);
+}
+
 async function answerFile(root, path, response) {
   const name = path === "/" ? "index.html" : path.slice(1).replaceAll("..", "");
   const bytes = await readFile(join(root, name)).catch(() => null);
@@ -74,7 +88,7 @@ async function answerFile(root, path, response) {
   response.end(bytes ?? "not found\n");
 }
 
-// options: {root, port, points, whole, start_s, cameras, recording, token, rate}; answers {port, program, stop(), end()}: stop() as one
+// options: {root, port, points, whole, start_s, cameras, recording, token, rate, thumbnails}; answers {port, program, stop(), end()}: stop() as one
 // that dies, end() as one whose run is over.
 export async function startMock(options) {
   const program = new Program(new Run(options), options.start_s ?? 0);
@@ -84,6 +98,7 @@ export async function startMock(options) {
     const url = new URL(request.url, "http://mock");
     if (url.pathname.startsWith("/api/") && !granted(url)) return response.writeHead(401).end("this needs the token of the server\n");
     if (url.pathname === "/api/v1/groups") return response.writeHead(200, { "content-type": "application/json" }).end("{}");
+    if (url.pathname === "/api/v1/thumbnail") return answerThumbnail(url, response, options.thumbnails ?? true);
     if (url.pathname === "/api/v1/explain") return answerExplain(url, response);
     if (url.pathname === "/api/v1/run.mcap") {
       response.writeHead(options.recording ? 200 : 404, { "content-type": "application/octet-stream" });

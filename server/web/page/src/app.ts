@@ -74,7 +74,7 @@ export class App {
       select: (name) => this.change(() => this.picking.pick({ kind: "camera", name })), follow: (name) => this.following.follow(name, false),
       through: (name) => this.following.follow(name, true), opened: (name, open) => this.want(name, open),
       track: (agent, id) => this.change(() => this.picking.pick({ kind: "track", agent, id })),
-    });
+    }, this.token);
     this.timeline = new Timeline(this.source, this.player, (name) => this.view.fleet.colourIndex(name), () => { this.panels_ms = 0; });
     this.inspector = new Inspector(this.token);
     this.picking = new Picking(this.view, this.inspector, canvas);
@@ -172,7 +172,7 @@ export class App {
     if (live) this.header.showLink(live, player, lags.length > 0 ? Math.max(...lags) : undefined, state?.finishing === true);
     else this.header.showRecording(this.recordingName);
     this.notice.show(live && player.mode === "live" ? noticeOf(live, state, now_ms) : undefined);
-    this.agents.show(state, (name) => view.colourOf(name), chronicle, t_s, lagHolds);
+    this.agents.show(state, (name) => view.colourOf(name), chronicle, t_s, lagHolds, live !== undefined && live.link.kind !== "over" && player.mode === "live");
     this.agents.showTracks(view.tracks);
     const { now } = this.following;
     this.agents.mark(this.picking.first?.kind === "camera" ? this.picking.first.name : undefined, now?.name, now?.through ?? false);

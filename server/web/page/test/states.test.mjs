@@ -92,6 +92,28 @@ test("a phone that is turned shows all of it again", visiting({ start_s: 50, siz
   for (const camera of ["cam0", "cam1", "cam2"]) await inside(visit, `.label[data-camera=${camera}]`);
 }));
 
+test("what a camera sees is shown while it is wanted", visiting({ start_s: 50 }, async (visit) => {
+  const requests = [];
+  visit.page.on("request", (request) => { if (request.url().includes("thumbnail")) requests.push(request.url()); });
+  await visit.page.click(".agent[data-agent=cam0] .head");
+  await visit.page.getByLabel("Image of what cam1 sees").waitFor({ state: "hidden" });
+  assert.equal(requests.length, 0);
+  await visit.page.getByLabel("Image of what cam0 sees").click();
+  await visit.page.getByAltText("What cam0 sees").waitFor({ state: "visible" });
+  assert.ok(requests.every((url) => url.endsWith("thumbnail?agent=cam0")));
+  assert.deepEqual(await visit.faults(), []);
+  await visit.page.click(".agent[data-agent=cam0] .head");
+  const asked = requests.length;
+  await visit.page.waitForTimeout(1500);
+  assert.equal(requests.length, asked);
+}));
+
+test("an agent that gives no images says so", visiting({ start_s: 50, thumbnails: false }, async (visit) => {
+  await visit.page.click(".agent[data-agent=cam0] .head");
+  await visit.page.getByLabel("Image of what cam0 sees").click();
+  await visit.says(".agent[data-agent=cam0] .thumbnail", /cam0 keeps its images to itself/);
+}));
+
 test("a run that is played slowly is not said to be behind", visiting({ start_s: 50, rate: 0.5 }, async (visit) => {
   await visit.says(".pill", /^live, ×0\.[4-6]$/);
   await visit.page.locator(".agent[data-agent=cam0] .short [data-key=lag]").waitFor({ state: "hidden" });

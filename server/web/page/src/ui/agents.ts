@@ -10,6 +10,7 @@ import type { AgentState, RunState, Tracks } from "../data/types";
 import { button, count, digits, Figure, make, seconds, setText } from "./dom";
 import { Plane } from "./plane";
 import { Spark, SPARK_S } from "./spark";
+import { Thumbnail } from "./thumbnail";
 
 export interface AgentActions {
   select(agent: string): void;
@@ -34,6 +35,7 @@ const plotValue = (name: AgentFigure, { agent, lagHolds }: Shown): number | null
 class Card {
   readonly element: HTMLElement;
   readonly plane = new Plane();
+  private readonly thumbnail: Thumbnail;
   open = false;
   private readonly quality = make("span", { class: "quality", hidden: "" });
   private readonly state = make("span", { class: "state" });
@@ -50,7 +52,8 @@ class Card {
   private readonly head: HTMLElement;
   private readonly values = new Map<string, Figure>();
 
-  constructor(readonly name: string, actions: AgentActions) {
+  constructor(readonly name: string, actions: AgentActions, token: string | null) {
+    this.thumbnail = new Thumbnail(name, token);
     this.head = make("button", { type: "button", class: "head", "aria-expanded": "false", onclick: () => this.toggle(actions) },
       make("i", { class: "swatch" }), make("b", {}, name), this.quality, this.state);
     this.follow = button("follow", `Follow ${name}`, () => actions.follow(name), "Follow");
@@ -62,13 +65,14 @@ class Card {
       row.append(make("p", {}, value, ` ${PLOTS[name]}`), spark.element);
       plots.append(row);
     }
-    this.more = make("div", { class: "more", hidden: "" }, this.path, this.long, plots, this.plane.element, legend, make("div", { class: "buttons" }, this.follow, this.through, details));
+    this.more = make("div", { class: "more", hidden: "" }, this.path, this.long, plots, this.thumbnail.element, this.plane.element, legend, make("div", { class: "buttons" }, this.follow, this.through, this.thumbnail.switch, details));
     this.element = make("article", { class: "agent", "data-agent": name }, this.head, this.why, this.short, this.more);
     this.plane.onPick = (track) => actions.track(name, track);
   }
 
-  show(shown: Shown, colour: string): void {
+  show(shown: Shown, colour: string, live: boolean): void {
     const { agent, standing, lostFor_s } = shown;
+    this.thumbnail.allow(live && standing !== "gone" && standing !== "ended");
     this.element.dataset["state"] = standing;
     this.element.style.setProperty("--colour", colour);
     const text = STATE_TEXT[standing];
@@ -113,9 +117,12 @@ class Card {
     this.open = !this.open;
     this.more.hidden = !this.open;
     this.head.setAttribute("aria-expanded", String(this.open));
+    if (!this.open) this.thumbnail.set(false);
     actions.opened(this.name, this.open);
     if (this.open) this.plane.draw();
   }
+
+  end(): void { this.thumbnail.set(false); }
 
   // In its own terms first, then as the server says it.
   private showWhy(agent: AgentState, standing: Standing): void {
@@ -163,29 +170,32 @@ export class Agents {
   readonly element = make("section", { class: "agents", "aria-label": "cameras" });
   private readonly cards = new Map<string, Card>();
 
-  constructor(private readonly actions: AgentActions) {}
+  // token: of the server, for what is asked of it.
+  constructor(private readonly actions: AgentActions, private readonly token: string | null) {}
 
   clear(): void {
+    for (const card of this.cards.values()) card.end();
     this.cards.clear();
     this.element.replaceChildren();
   }
 
-  show(state: RunState | undefined, colourOf: (agent: string) => string, chronicle: Chronicle, t_s: number, lagHolds: boolean): void {
+  show(state: RunState | undefined, colourOf: (agent: string) => string, chronicle: Chronicle, t_s: number, lagHolds: boolean, live: boolean): void {
     const agents = state?.agents ?? [];
     for (const agent of agents) {
       let card = this.cards.get(agent.name);
       if (!card) {
-        this.cards.set(agent.name, (card = new Card(agent.name, this.actions)));
+        this.cards.set(agent.name, (card = new Card(agent.name, this.actions, this.token)));
         this.element.append(card.element);
       }
       const standing = chronicle.standing(agent, state!);
       const span = chronicle.spanAt(agent.name, t_s);
       const shown = { agent, standing, lostFor_s: span?.state === "lost" ? Math.max(0, t_s - span.from_s) : undefined, lagHolds };
-      card.show(shown, colourOf(agent.name));
+      card.show(shown, colourOf(agent.name), live);
       card.showPlots(chronicle, shown, t_s);
     }
     for (const [name, card] of this.cards) {
       if (agents.some((agent) => agent.name === name)) continue;
+      card.end();
       card.element.remove();
       this.cards.delete(name);
     }
