@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "agent/feed.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/base/time.h"
 #include "common/dataset/calibration.h"
 #include "deploy/tools/calibrate/chessboard.h"
 #include "deploy/tools/commands.h"
@@ -69,18 +71,23 @@ ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessbo
   const auto feed = live ? real_time_feed(std::move(source), 1, 0) : prefetching_feed(std::move(source));
   Progress progress(live ? "views" : "images");
   std::optional<TimeNs> searched_ns;
+  bool is_new = false;  // the image before is a new view
+  TimeNs before_ns = 0;
   while (const auto image = feed->next(stop_requested)) {
     if (image->fault != ImageFault::kNone) continue;
+    if (is_new) views.add_next(image->grey, to_seconds(image->capture_ns - before_ns));
+    is_new = false;
+    before_ns = image->capture_ns;
     if (!searched_ns || image->capture_ns - *searched_ns >= kPeriod_ns) {
       searched_ns = image->capture_ns;
-      views.add(image->grey);
+      is_new = views.add(image->grey);
     }
     if (live) {
       progress(views.count(), ChessboardViews::kMost);
     } else {
       progress(static_cast<int>(image->frame.value) + 1, images);
     }
-    if (views.count() == ChessboardViews::kMost) break;
+    if (live && views.count() == ChessboardViews::kMost && !is_new) break;
   }
   return views;
 }
@@ -96,8 +103,13 @@ int calibrate(const CalibrateArguments& arguments) {
   const CameraModel& c = fit.camera;
   std::printf("%s: %dx%d pixels, fx %.1f, fy %.1f, cx %.1f, cy %.1f\n", arguments.out.c_str(), c.width_px, c.height_px,
               c.fx, c.fy, c.cx, c.cy);
-  std::printf("RMS reprojection error %.3f pixels over %d views%s\n", fit.rms_px, views.count(),
+  std::printf("RMS reprojection error %.3f pixels over %d views%s\n", fit.rms_px, fit.views,
               fit.rms_px > 1 ? ": that is much; is the board flat, and are the images sharp?" : "");
+  if (fit.readout_s != 0) {
+    std::printf("rolling shutter: %.1f ms from the %s row to the %s; agent.readout_s takes it\n",
+                1000 * std::abs(fit.readout_s), fit.readout_s > 0 ? "first" : "last",
+                fit.readout_s > 0 ? "last" : "first");
+  }
   return 0;
 }
 

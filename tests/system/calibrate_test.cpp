@@ -9,46 +9,19 @@
 
 #include "common/dataset/calibration.h"
 #include "common/geometry/rigid3.h"
+#include "tests/support/board_film.h"
 #include "tests/support/temp_folder.h"
 #include "tests/system/program.h"
 
 namespace coslam {
 namespace {
 
+using test::FilmedBoard;
 using test::Program;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const CameraModel kCamera{320, 240, 260, 262, 163, 118, DistortionModel::kRadTan, {-0.22, 0.06, 0.001, -0.0005}};
-constexpr double kSquare_m = 0.03;
-constexpr int kColumns = 7, kRows = 5;  // inner corners
-
-// The board's squares reach from -1 to kColumns, kRows, with a white border around.
-double grey_at(double column, double row) {
-  if (column < -1 || row < -1 || column > kColumns || row > kRows) return 230;
-  return (static_cast<int>(std::floor(column)) + static_cast<int>(std::floor(row))) % 2 == 0 ? 25 : 230;
-}
-
-cv::Mat picture_of_board(const Rigid3& board_from_cam) {
-  cv::Mat picture(kCamera.height_px, kCamera.width_px, CV_8U);
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
-      double sum = 0;
-      for (const double du : {-0.25, 0.25}) {
-        for (const double dv : {-0.25, 0.25}) {
-          const auto px = kCamera.undistorted_from_raw({u + du, v + dv});
-          if (!px) continue;
-          const Eigen::Vector2d n = kCamera.normalized_from_pixel(*px);
-          const Eigen::Vector3d ray = board_from_cam.rotation * n.homogeneous();
-          const Eigen::Vector3d hit = board_from_cam.translation - board_from_cam.translation.z() / ray.z() * ray;
-          sum += grey_at(hit.x() / kSquare_m, hit.y() / kSquare_m);
-        }
-      }
-      picture.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(sum / 4);
-    }
-  }
-  return picture;
-}
 
 // The camera looks at the middle of the board, moved and turned from there; most_tilt_rad 0: straight on.
 Rigid3 view(int i, double most_tilt_rad) {
@@ -56,7 +29,8 @@ Rigid3 view(int i, double most_tilt_rad) {
   const Eigen::Quaterniond board_from_cam(Eigen::AngleAxisd(most_tilt_rad * std::sin(turn), Eigen::Vector3d::UnitX()) *
                                           Eigen::AngleAxisd(most_tilt_rad * std::cos(turn), Eigen::Vector3d::UnitY()) *
                                           Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()));
-  const Eigen::Vector3d middle(0.5 * (kColumns - 1) * kSquare_m, 0.5 * (kRows - 1) * kSquare_m, 0);
+  const Eigen::Vector3d middle(0.5 * (FilmedBoard::kColumns - 1) * FilmedBoard::kSquare_m,
+                               0.5 * (FilmedBoard::kRows - 1) * FilmedBoard::kSquare_m, 0);
   const Eigen::Vector3d in_cam(0.04 * std::sin(2.0 * i), 0.03 * std::cos(1.7 * i), 0.30 + 0.02 * (i % 4));
   return {board_from_cam, middle - board_from_cam * in_cam};
 }
@@ -64,8 +38,10 @@ Rigid3 view(int i, double most_tilt_rad) {
 class Calibrate : public ::testing::Test {
  protected:
   void take(int pictures, double most_tilt_rad) const {
+    const test::BoardFilm film(kCamera, {});
     for (int i = 0; i < pictures; ++i) {
-      cv::imwrite((temp_ / (std::to_string(100 + i) + ".png")).string(), picture_of_board(view(i, most_tilt_rad)));
+      const auto still = [&](double) { return view(i, most_tilt_rad); };
+      cv::imwrite((temp_ / (std::to_string(100 + i) + ".png")).string(), film.picture(still, 0));
     }
   }
   std::vector<std::string> arguments(const std::string& board = "7x5") const {
