@@ -45,6 +45,8 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
     const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
                                  [&](const SequenceAgent& a) { return a.name == name; });
     if (at == sequence.agents.end()) throw UsageError("the sequence " + sequence.name + " has no agent " + name);
+    if (std::ranges::find(chosen, name, &SequenceAgent::name) != chosen.end())
+      throw UsageError("--agents names " + name + " twice");
     chosen.push_back(*at);
   }
   // The known baseline is that of the sequence's own first two.

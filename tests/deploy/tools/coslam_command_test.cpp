@@ -156,6 +156,12 @@ TEST_F(CoslamCommand, FailuresAreOneSentence) {
   EXPECT_THAT(scene.text, HasSubstr("no-such-scene"));
 }
 
+TEST_F(CoslamCommand, NoAgentPlaysTwice) {
+  const Outcome o = coslam("run " + sequence_ + " --agents cam0,cam0 --out " + (temp_ / "out").string());
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_EQ(o.text, "coslam: --agents names cam0 twice\n");
+}
+
 TEST_F(CoslamCommand, ReplayOfWhatIsNoRecording) {
   const std::string out = " --out " + (temp_ / "out").string();
   const std::string text = temp_.write("a.txt", "no recording of anybody").string();
