@@ -103,7 +103,10 @@ Answer answer(const ResultFolder& result, const Question& question) {
   const Life life = life_of(log, question);
   Answer out{.text = "", .caution = caution_of(log)};
   if (question.at_s) {
-    out.text = told_at(log, life, log.start_ns + to_ns(*question.at_s));
+    const TimeNs at_ns = log.start_ns + to_ns(*question.at_s);
+    const bool over = log.end == EventLog::End::kRunIsOver && at_ns > log.end_ns;
+    if (over) out.text = "The run ended at " + seconds(log, log.end_ns) + ".\n";
+    out.text += told_at(log, life, over ? log.end_ns : at_ns);
     return out;
   }
   out.text = life.subject + ", in seconds of the run\n" + told(log, life);

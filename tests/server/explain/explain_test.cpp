@@ -14,6 +14,7 @@ namespace coslam::explain {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using ::testing::Not;
 
 // A story, one frame set a tenth of a second.
@@ -345,6 +346,8 @@ TEST_F(Answers, EndWithWhatTheResultHas) {
             "dynamic.csv has its path, 2 places from 2.000 s to 3.000 s, the last one at (1, 2, 3), standard deviation "
             "1, 2 views.\n");
   EXPECT_THAT(ask("track", "left/17", 2).text, HasSubstr("At 2.000 s track left/17 was mapped, as point 3.\n"));
+  EXPECT_THAT(ask("track", "left/17", 99).text,
+              StartsWith("The run ended at 9.000 s.\nAt 9.000 s track left/17 was mapped, as point 3.\n"));
   EXPECT_THAT(ask("camera", "left").text, HasSubstr("0.000 s  It joined because its agent said hello.\n"));
 }
 
