@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "common/base/text.h"
 #include "common/base/words.h"
 #include "common/wire/ports.h"
@@ -179,6 +180,8 @@ RunEnd run_processes(const RunOptions& options) {
   const int domain = options.domain >= 0 ? options.domain : free_domain();
   std::signal(SIGINT, [](int) { ++interrupts; });
   std::signal(SIGTERM, [](int) { ++interrupts; });
+  const std::string number = std::to_string(domain);
+  log_info("the run is in DDS domain " + number + ": coslam status --loopback --domain " + number);
   Supervisor supervisor(options, domain);
   const int exit_code = supervisor.watch();
   return {exit_code, interrupts > 0};
