@@ -119,7 +119,7 @@ LogPause::~LogPause() { --pauses; }
 
 bool LogLimiter::pass() {
   const auto now = std::chrono::steady_clock::now();
-  if (now - last_ < std::chrono::seconds(1)) return false;
+  if (last_ && now - *last_ < period_) return false;
   last_ = now;
   return true;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,13 +37,15 @@ class LogPause {
   LogPause& operator=(const LogPause&) = delete;
 };
 
-// Lets one event a second through and counts the rest. Not for the pure core.
+// Lets one event a second, or another period, through. Not for the pure core.
 class LogLimiter {
  public:
+  explicit LogLimiter(std::chrono::seconds period = std::chrono::seconds(1)) : period_(period) {}
   bool pass();
 
  private:
-  std::chrono::steady_clock::time_point last_{};
+  const std::chrono::seconds period_;
+  std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
 }  // namespace coslam

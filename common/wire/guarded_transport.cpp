@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/guarded_transport.h"
 
+#include <algorithm>
+#include <chrono>
 #include <mutex>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -56,23 +60,26 @@ class Transport : public ChainedTransport<Descriptor> {
       return;
     }
     descriptor_.refused.add(*opened.refused);
-    if (*opened.refused == Rejection::kUnauthentic) complain(remote);
+    if (*opened.refused == Rejection::kUnauthentic) complain({data, size}, remote);
   }
 
  private:
-  void complain(const rtps::Locator& remote) {
+  void complain(std::span<const octet> datagram, const rtps::Locator& remote) {
+    constexpr std::string_view kUnsealed = "RTPS";
+    const bool unsealed = std::ranges::equal(datagram.first(std::min(datagram.size(), kUnsealed.size())), kUnsealed);
     {
       const std::lock_guard lock(complaints_mutex_);
-      if (!complaints_.pass()) return;
+      if (!(unsealed ? of_no_key_ : of_another_key_).pass()) return;
     }
-    log_warn("datagrams without the fleet's key arrive, the last one from " + IPLocator::toIPv4string(remote) +
+    log_warn("datagrams " + std::string(unsealed ? "without a key" : "with another key than the fleet's") +
+             " arrive, the last one from " + IPLocator::toIPv4string(remote) +
              "; refused so far: " + std::to_string(descriptor_.refused[Rejection::kUnauthentic]));
   }
 
   Sealer sealer_;
   Opener opener_;
   std::mutex complaints_mutex_;
-  LogLimiter complaints_;
+  LogLimiter of_no_key_{std::chrono::minutes(1)}, of_another_key_{std::chrono::minutes(1)};
 };
 
 rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }

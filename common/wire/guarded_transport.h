@@ -15,7 +15,7 @@ namespace coslam {
 
 // A transport that seals what it sends over `carrier` and passes on what it can open: the middleware, which stops the
 // process on some malformed datagrams, reads none of a stranger. Refused ones are counted in `refused`, which outlives
-// the participant, and logged, at most once a second. Messages are kSealBytes smaller than those of `carrier`.
+// the participant, and logged, once a minute at most. Messages are kSealBytes smaller than those of `carrier`.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> guarded_transport(
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier, const FleetKey& key,
     RejectionCounts& refused);

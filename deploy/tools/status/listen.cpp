@@ -40,8 +40,10 @@ class Listener {
   void run(const StatusOptions& options, const std::function<void(const std::string&)>& tell) {
     std::unique_lock lock(mutex_);
     if (!heard_.wait_for(lock, kPatience, [this] { return !census_.empty(); })) {
+      const bool strangers = participant_.rejections()[Rejection::kUnauthentic] > 0;
       throw UserError("nobody was heard in DDS domain " + std::to_string(participant_.config().domain) +
-                      ": another domain or key, or a firewall, or no multicast between the machines?");
+                      (strangers ? " who has the same key: others are there, with another one or none"
+                                 : ": another domain or key, or a firewall, or no multicast between the machines?"));
     }
     for (auto pause = kWindow;; pause = kAgain) {
       lock.unlock();

@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "common/base/log.h"
 #include "common/wire/codec.h"
 #include "common/wire/loop.h"
 #include "common/wire/participant.h"
@@ -28,6 +29,7 @@ using test::Octets;
 using test::Socket;
 using testing::Contains;
 using testing::IsEmpty;
+using testing::IsSupersetOf;
 
 constexpr int kUnused = 31;         // participants are numbered from 0; all announce themselves to this one too
 constexpr std::uint64_t kSome = 5;  // announcements: enough to be sure that they arrive
@@ -156,6 +158,10 @@ TEST_F(GuardedTransport, StrangersAreNotSeenAndSeeNobody) {
     EXPECT_TRUE(eventually([&] { return participant->rejections()[Rejection::kUnauthentic] >= 2 * kSome; }));
   }
   for (const Participant* participant : {&ours, &theirs, &open}) EXPECT_THAT(participant->others(), IsEmpty());
+  const auto said = [](const std::string& what) {
+    return testing::Field(&Warning::text, testing::StartsWith("datagrams " + what + " arrive, the last one from 127."));
+  };
+  EXPECT_THAT(warnings_given(), IsSupersetOf({said("without a key"), said("with another key than the fleet's")}));
 }
 
 TEST_F(GuardedTransport, DatagramsStayBelowTheirBound) {
