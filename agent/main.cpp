@@ -8,6 +8,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "agent/agent_options.h"
 #include "agent/capture/camera_of.h"
 #include "agent/capture/ros2_topic.h"
+#include "agent/capture/sources.h"
 #include "agent/link/dds_agent_link.h"
 #include "agent/play_start.h"
 #include "common/base/error.h"
@@ -33,6 +35,12 @@ namespace coslam {
 namespace {
 
 std::atomic<bool> stop_requested{false};
+std::atomic<bool> awaits_source{false};  // a live source may take long to open
+
+void stop(int) {
+  if (awaits_source) std::_Exit(0);  // nobody has heard of this agent yet
+  stop_requested = true;
+}
 
 void warn_of_clock(double ahead_s) {
   constexpr double kWorthAWord_s = 3.0;
@@ -42,7 +50,8 @@ void warn_of_clock(double ahead_s) {
 }
 
 // Why nobody is heard, in the end of a sentence.
-std::string likely_cause(const WireConfig& wire) {
+std::string likely_cause(const WireConfig& wire, const RejectionCounts& refused) {
+  if (refused[Rejection::kUnauthentic] > 0) return "who is heard has another key, or none";
   const std::string key = wire.key_file.empty() ? "has it a key, which this agent lacks?" : "has it the same key?";
   const std::string ports = "UDP ports from " + std::to_string(multicast_port(wire.domain)) + " on";
   if (wire.peers.empty()) {
@@ -77,7 +86,8 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
       } else {
         ++unheard;
         log_info("waiting for a map server in domain " + std::to_string(wire.domain) + ", on " +
-                 joined(addresses_used(wire)) + (unheard >= kUnheard ? ": " + likely_cause(wire) : ""));
+                 joined(addresses_used(wire)) +
+                 (unheard >= kUnheard ? ": " + likely_cause(wire, link.rejections()) : ""));
       }
     }
   }
@@ -142,7 +152,10 @@ void run(AgentOptions& o) {
   Hello hello;
   hello.agent = o.id;
   hello.agent_run = draw_run_id();
+  awaits_source = is_live_uri(o.source) || ros2_domain(o.calibration);
+  if (stop_requested) return;
   auto [found, source] = open_camera(o.source, o.calibration, o.play);
+  awaits_source = false;
   hello.camera = found.camera;
   if (!found.guess.empty()) log_warn(found.guess);
   hello.rate_hz = o.play.rate_hz;
@@ -239,8 +252,8 @@ int main_of(int argc, char** argv) {
 }  // namespace coslam
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, [](int) { coslam::stop_requested = true; });
-  std::signal(SIGTERM, [](int) { coslam::stop_requested = true; });
+  std::signal(SIGINT, coslam::stop);
+  std::signal(SIGTERM, coslam::stop);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // we say ourselves what cannot be opened
 #ifdef M_ARENA_MAX
   // One heap for all threads: each of its own would grow by what an image is described with.
