@@ -209,8 +209,9 @@ void AgentLoop::warn_when_slow() {
   warn("a frame of " + std::to_string(hello_.camera.width_px) + "x" + std::to_string(hello_.camera.height_px) +
        " pixels takes " + std::to_string(std::lround(taken_ms)) + " ms, but the next comes after " +
        std::to_string(std::lround(period_ms)) +
-       ": images are dropped; use smaller ones, or fewer tracks "
-       "(agent.tracker.max_tracks)");
+       ": images are dropped; track them smaller (agent.tracker.most_width_px), or fewer points "
+       "(agent.tracker.max_tracks)" +
+       (stamps_are_utc_ ? "" : "; with --rate max nothing is dropped"));
 }
 
 void AgentLoop::say_state() {
