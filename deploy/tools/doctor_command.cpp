@@ -2,35 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "deploy/tools/commands.h"
 #include "deploy/tools/doctor/doctor.h"
 #include "deploy/tools/doctor/report.h"
+#include "deploy/tools/wire_arguments.h"
 
 namespace coslam {
 namespace {
 
 struct DoctorArguments {
-  std::optional<int> domain;
-  bool loopback = false, json = false;
-  std::vector<std::string> peers;
-  std::string key_file, config, source, calibration, out;
+  WireArguments wire;
+  bool json = false;
+  std::string source, calibration, out;
 };
 
 doctor::Patient patient_of(const DoctorArguments& arguments) {
-  doctor::Patient patient = doctor::patient_of(arguments.config);
-  WireConfig& wire = patient.settings.wire;
-  if (arguments.loopback) {
-    const std::string key_file = wire.key_file;
-    wire = loopback_config(wire.domain);
-    wire.key_file = key_file;
-  }
-  if (arguments.domain) wire.domain = *arguments.domain;
-  if (!arguments.key_file.empty()) wire.key_file = arguments.key_file;
-  patient.named = arguments.peers;
+  doctor::Patient patient = doctor::patient_of(arguments.wire.config);
+  patient.settings.wire = arguments.wire.over(patient.settings.wire);
+  patient.named = arguments.wire.peers;
   if (!arguments.source.empty()) patient.settings.source = arguments.source;
   if (!arguments.calibration.empty()) patient.settings.calibration = arguments.calibration;
   patient.out = arguments.out;
@@ -53,12 +44,7 @@ void add_doctor_command(CLI::App& app, Command& chosen) {
   auto a = std::make_shared<DoctorArguments>();
   CLI::App* command = app.add_subcommand(
       "doctor", "Tell what keeps a fleet from working here, a line each with what mends it; takes a few seconds");
-  command->add_option("--domain", a->domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
-  command->add_flag("--loopback", a->loopback, "look on this machine only, as for coslam run");
-  command->add_option("--peer", a->peers, "host to ask by address or name; may be repeated")->type_name("HOST");
-  command->add_option("--key", a->key_file, "file with the fleet's key, where it has one")->type_name("FILE");
-  command->add_option("--config", a->config, "agent.yaml or server.yaml, whose settings are examined")
-      ->type_name("FILE");
+  a->wire.add_to(*command);
   command->add_option("--source", a->source, "images of an agent, looked at for two seconds")->type_name("URI");
   command->add_option("--calibration", a->calibration, "of that source")->type_name("FILE");
   command->add_option("--out", a->out, "where results are to go: room and rights")->type_name("DIR");
