@@ -111,17 +111,23 @@ Findings judge(const std::vector<VideoDevice>& devices) {
 }
 
 Findings judge(const SourceFacts& facts) {
+  Findings out;
   if (!facts.problem.empty()) {
-    return {{Grade::kFail, "source", facts.problem,
-             facts.live ? "v4l2-ctl --list-devices shows cameras, gst-launch-1.0 tries a pipeline"
-                        : "coslam calibration FILE shows what a calibration is for"}};
-  }
-  Findings out{{Grade::kOk, "source", facts.name}};
-  if (!facts.doubt.empty()) {
-    out.push_back({Grade::kWarn, "calibration", facts.doubt, "coslam calibrate makes one"});
+    out.push_back({Grade::kFail, "source", facts.problem,
+                   facts.live ? "v4l2-ctl --list-devices shows cameras, gst-launch-1.0 tries a pipeline"
+                              : "coslam calibration FILE shows what a calibration is for"});
   } else {
+    out.push_back({Grade::kOk, "source", facts.name});
+  }
+  if (!facts.calibration_problem.empty()) {
+    out.push_back({Grade::kFail, "calibration", facts.calibration_problem,
+                   "coslam calibrate makes one; with none the lens is found from the images"});
+  } else if (!facts.doubt.empty()) {
+    out.push_back({Grade::kWarn, "calibration", facts.doubt, "coslam calibrate makes one"});
+  } else if (facts.problem.empty()) {
     out.push_back({Grade::kOk, "calibration", "of the size of its images, and of a likely lens"});
   }
+  if (!facts.problem.empty()) return out;
   if (facts.images < 2 || facts.period_s <= 0) {
     out.push_back(
         {Grade::kFail, "images", std::to_string(facts.images) + " in two seconds", "another cable, or fewer pixels"});

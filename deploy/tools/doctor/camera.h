@@ -25,8 +25,9 @@ Findings judge(const std::vector<VideoDevice>& devices);
 // What two seconds of a source were like.
 struct SourceFacts {
   std::string name;
-  std::string problem;  // why it cannot be read; empty: it can
-  std::string doubt;    // of its calibration
+  std::string problem;              // why it cannot be read; empty: it can
+  std::string doubt;                // of its calibration
+  std::string calibration_problem;  // why that cannot be read; the rest is as without it
   bool live = false;
   int width_px = 0, height_px = 0;
   int images = 0;

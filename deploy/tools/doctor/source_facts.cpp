@@ -12,6 +12,8 @@
 #include "agent/feed.h"
 #include "agent/track/working_scale.h"
 #include "common/base/error.h"
+#include "common/dataset/calibration.h"
+#include "common/dataset/live_topic.h"
 #include "common/flow/clock.h"
 #include "deploy/tools/doctor/camera.h"
 
@@ -111,12 +113,26 @@ class Look {
   std::array<int, kImageFaults> faults_{};
 };
 
+// Empty: it can be read, or nodes say it, who are asked with the source.
+std::string problem_of_calibration(const std::string& calibration) {
+  if (calibration.empty() || calibration.starts_with(kRos2Scheme)) return {};
+  try {
+    read_calibration(calibration);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 }  // namespace
 
 SourceFacts look_at_source(const AgentOptions& settings) {
   SourceFacts facts{.name = settings.source, .live = is_live_uri(settings.source), .nominal_hz = settings.play.rate_hz};
+  facts.calibration_problem = problem_of_calibration(settings.calibration);
+  AgentOptions readable = settings;
+  if (!facts.calibration_problem.empty()) readable.calibration.clear();
   try {
-    Look(settings, facts).run();
+    Look(readable, facts).run();
   } catch (const UserError& error) {
     facts.problem = error.what();
   }

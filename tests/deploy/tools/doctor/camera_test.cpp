@@ -46,6 +46,13 @@ TEST(DoctorCamera, SourceThatCannotBeRead) {
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "1 in two seconds", "cable"));
 }
 
+TEST(DoctorCamera, CalibrationThatCannotBeRead) {
+  SourceFacts facts = well();
+  facts.doubt = "no calibration is given: the lens is guessed";
+  facts.calibration_problem = "left.yaml: cannot be read: there is no such file";
+  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "left.yaml: cannot be read", "coslam calibrate makes one"));
+}
+
 TEST(DoctorCamera, Pictures) {
   SourceFacts facts = well();
   facts.fault = ImageFault::kFeatureless;
