@@ -22,6 +22,7 @@ std::string shortest(double v) {
 
 YamlValue YamlValue::load(const std::filesystem::path& file) {
   std::ifstream stream(file);
+  if (!std::filesystem::exists(file)) throw UserError(file.string() + ": cannot be read: there is no such file");
   if (!stream || std::filesystem::is_directory(file)) throw UserError(file.string() + ": cannot be read");
   return parse(stream, file);
 }
