@@ -27,9 +27,15 @@ std::atomic<bool> stop_requested{false};
 struct CalibrateArguments {
   std::string source;
   std::string board;
-  double square_m = 0;
-  std::string out;
+  std::string square, out;
 };
+
+double parse_square(const std::string& text) {
+  const auto square_m = parse_double(text);
+  if (!square_m || !(*square_m > 0) || *square_m > 10)
+    throw UsageError("--square takes metres, e.g. 0.03 for 30 mm, not '" + text + "'");
+  return *square_m;
+}
 
 Chessboard parse_board(const std::string& text, double square_m) {
   const auto sides = split_fields(text, "x");
@@ -93,7 +99,7 @@ ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessbo
 }
 
 int calibrate(const CalibrateArguments& arguments) {
-  const Chessboard board = parse_board(arguments.board, arguments.square_m);
+  const Chessboard board = parse_board(arguments.board, parse_square(arguments.square));
   require_writable(arguments.out);
   std::signal(SIGINT, [](int) { stop_requested = true; });
   std::signal(SIGTERM, [](int) { stop_requested = true; });
@@ -122,10 +128,7 @@ void add_calibrate_command(CLI::App& app, Command& chosen) {
       ->type_name("URI")
       ->required();
   command->add_option("--board", arguments->board, "inner corners of the board")->type_name("COLSxROWS")->required();
-  command->add_option("--square", arguments->square_m, "side of one square")
-      ->type_name("METRES")
-      ->check(CLI::PositiveNumber)
-      ->required();
+  command->add_option("--square", arguments->square, "side of one square")->type_name("METRES")->required();
   command->add_option("--out", arguments->out, "calibration to write")->type_name("FILE")->required();
   command->callback([arguments, &chosen] { chosen = [arguments] { return calibrate(*arguments); }; });
 }

@@ -84,7 +84,22 @@ TEST_F(Calibrate, RefusesViewsStraightOn) {
   EXPECT_THAT(calibrate.err(), HasSubstr("too alike to tell the focal length"));
 }
 
+TEST_F(Calibrate, ABoardThatIsNowhereSeen) {
+  take(3, 0.5);
+  Program calibrate("coslam", arguments("9x4"));
+  EXPECT_EQ(calibrate.exit_code(), 1);
+  EXPECT_THAT(calibrate.err(), HasSubstr("--board counts inner corners: a board of 9x7 squares is 8x6"));
+}
+
 TEST_F(Calibrate, WrongUsage) {
+  for (const char* square : {"30mm", "0", "-1", "30", ""}) {
+    std::vector<std::string> words = arguments();
+    *(std::ranges::find(words, "--square") + 1) = square;
+    Program calibrate("coslam", words);
+    EXPECT_EQ(calibrate.exit_code(), 2) << square;
+    EXPECT_EQ(calibrate.err(),
+              "coslam: --square takes metres, e.g. 0.03 for 30 mm, not '" + std::string(square) + "'\n");
+  }
   for (const char* board : {"7", "7x", "7x5x3", "2x5", "axb"}) {
     Program calibrate("coslam", arguments(board));
     EXPECT_EQ(calibrate.exit_code(), 2) << board;

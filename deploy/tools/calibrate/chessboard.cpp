@@ -178,7 +178,8 @@ CalibrationFit ChessboardViews::fit() const {
   const std::string board = std::to_string(board_.columns) + "x" + std::to_string(board_.rows) + " chessboard";
   if (count() < kFewest) {
     throw UserError(std::to_string(count()) + " different views of the " + board + " were found, " +
-                    std::to_string(kFewest) + " are needed" + kAdvice);
+                    std::to_string(kFewest) + " are needed" + kAdvice +
+                    (count() == 0 ? "; --board counts inner corners: a board of 9x7 squares is 8x6" : ""));
   }
   Solver solver(board_, size_);
   for (View& view : most_different()) solver.add(std::move(view.corners_px), std::move(view.velocity_px_per_s));
