@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/tools/eval/report.h"
 
+#include <algorithm>
+
 #include "common/base/printed.h"
 
 namespace coslam::eval {
@@ -175,6 +177,21 @@ std::string truth_lines(const Evaluation& e) {
   return text;
 }
 
+std::string lines_with_truth(const Evaluation& e) {
+  std::string text = headline(e);
+  text += "  agent        tracked %     ATE m  % path     own m    live m  RPE m/s  deg/s    drift m   path m\n";
+  for (const AgentEvaluation& agent : e.agents) text += agent_row(agent);
+  return text + image_lines(e) + truth_lines(e);
+}
+
+std::string lines_without_truth(const Evaluation& e) {
+  std::string text = "  no absolute error: there is no truth; how good a path is without one, the report says\n";
+  for (const AgentEvaluation& a : e.agents) {
+    text += printed("  %-12s", a.name.c_str()) + cell(a.tracked_percent, 7, 1) + " % of its images tracked\n";
+  }
+  return text + image_lines(e);
+}
+
 std::string list_of(const AgentNames& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
@@ -313,10 +330,9 @@ Json to_json(const Evaluation& e) {
 }
 
 std::string to_text(const Evaluation& e) {
-  std::string text = e.sequence + "\n" + headline(e);
-  text += "  agent        tracked %     ATE m  % path     own m    live m  RPE m/s  deg/s    drift m   path m\n";
-  for (const AgentEvaluation& agent : e.agents) text += agent_row(agent);
-  text += image_lines(e) + truth_lines(e);
+  const bool has_truth =
+      std::ranges::any_of(e.agents, [](const AgentEvaluation& a) { return a.judged > 0 || !a.doubts.empty(); });
+  std::string text = e.sequence + "\n" + (has_truth ? lines_with_truth(e) : lines_without_truth(e));
   if (const auto& r = e.relative_pose) {
     text += printed("  %s to %s: %.4f m as it stands, %.4f m scaled, %.3f deg, medians of %d (true distance %.3f m)\n",
                     e.agents[0].name.c_str(), e.agents[1].name.c_str(), r->translation, r->translation_scaled,
