@@ -163,12 +163,12 @@ void Happenings::of_groups(const Map& map, const ViewGraph& graph, std::vector<P
   };
   for (const auto& group : graph.groups) {
     const auto parts = parted(group, groups_);
-    if (parts.size() > 1) say("merge", group, listed(map, parts) + " see the same now");
+    if (parts.size() > 1) say("merge", group, listed(map, parts) + " share a view now");
   }
   for (std::vector<CameraId> group : groups_) {
     std::erase_if(group, [&](CameraId c) { return !map.camera(c).alive; });
     const auto parts = parted(group, graph.groups);
-    if (parts.size() > 1) say("split", group, listed(map, parts) + " see different things now");
+    if (parts.size() > 1) say("split", group, listed(map, parts) + " share no view any more");
   }
   groups_ = graph.groups;
 }

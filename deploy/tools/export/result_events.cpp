@@ -76,11 +76,11 @@ bool was_one(const Names& group, const Groups& others) {
 void add_changes(TimeNs t_ns, const Groups& before, const Groups& now, std::vector<PublicEvent>* out) {
   for (const Names& group : now) {
     if (group.size() > 1 && !was_one(group, before))
-      out->push_back({t_ns, "merge", listed(group) + " see the same now", group});
+      out->push_back({t_ns, "merge", listed(group) + " share a view now", group});
   }
   for (const Names& group : before) {
     if (group.size() > 1 && !was_one(group, now))
-      out->push_back({t_ns, "split", listed(group) + " see different things now", group});
+      out->push_back({t_ns, "split", listed(group) + " share no view any more", group});
   }
 }
 

@@ -138,7 +138,7 @@ TEST_F(McapExport, WhatMovesIsGoneWhenItIsOver) {
 TEST_F(McapExport, GroupsThatMeetAndPartAreEvents) {
   std::vector<std::string> told;
   for (const PublicEvent& e : public_events(result_)) told.push_back(e.kind + " " + e.text);
-  EXPECT_THAT(told, ElementsAre("merge a and b see the same now", "split a and b see different things now"));
+  EXPECT_THAT(told, ElementsAre("merge a and b share a view now", "split a and b share no view any more"));
   mcap::Reader reader = exported();
   reader.seek({reader.find("/coslam/events")->id});
   EXPECT_THAT(reader.next()->octets, HasSubstr("\"kind\":\"merge\""));

@@ -105,7 +105,7 @@ TEST_F(HappeningsTest, GroupsMergeAndSplit) {
   after({});
   const auto merged = after({}, groups({{0, 1}, {2}, {3}}));
   ASSERT_THAT(kinds(merged), ElementsAre("merge"));
-  EXPECT_EQ(merged[0].text, "cam0 and cam1 see the same now");
+  EXPECT_EQ(merged[0].text, "cam0 and cam1 share a view now");
   EXPECT_THAT(merged[0].agents, ElementsAre("cam0", "cam1"));
   EXPECT_THAT(after({}, groups({{0, 1}, {2}, {3}})), IsEmpty());
   const auto more = after({}, groups({{0, 1, 2, 3}}));
