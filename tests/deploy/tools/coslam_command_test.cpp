@@ -78,6 +78,8 @@ TEST_F(CoslamCommand, Usage) {
   }
   EXPECT_EQ(coslam("").exit_code, 2);
   EXPECT_EQ(coslam("fly").exit_code, 2);
+  EXPECT_EQ(coslam("fly").text, "coslam: there is no command 'fly'; coslam --help lists all\n");
+  EXPECT_EQ(coslam("rum x").text, "coslam: there is no command 'rum': did you mean run?\n");
   EXPECT_EQ(coslam("eval").exit_code, 2);
   EXPECT_EQ(coslam("render room x --frames -1").exit_code, 2);
 }
