@@ -92,7 +92,7 @@ void add_export_command(CLI::App& app, Command& chosen) {
                     "for colmap: pinhole cameras, with their images, in the folders that dense stereo and Gaussian "
                     "splatting start from; masks of what moves beside them");
   command->add_option("--every", arguments->every,
-                      "for colmap: every so manieth image; 1, 2, 5 or a multiple of 10, which is the default");
+                      "for colmap: one of so many images; 1, 2, 5 or a multiple of 10, which is the default");
   command->callback([arguments, &chosen] { chosen = [arguments] { return export_result(*arguments); }; });
 }
 

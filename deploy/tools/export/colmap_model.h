@@ -55,11 +55,11 @@ struct ColmapModel {
 // Images have tracks so seldom, see ResultStore.
 inline constexpr int kTracksOfEvery = 10;
 
-// The images of tracks/<agent>.csv that have a pose, and of these each so manieth. A track is an observation of its
+// The images of tracks/<agent>.csv that have a pose, and of these one of so many. A track is an observation of its
 // point in all of them but those in which it was seen to move. Throws UserError.
 ColmapModel read_colmap_model(const ResultMap& map, const Sequence& sequence, int every = kTracksOfEvery);
 
-// With the model adjusted, puts in images between those with tracks: each so manieth that has a pose, moved as those
+// With the model adjusted, puts in images between those with tracks: one of so many that have a pose, moved as those
 // beside it were. None where `every` is no less than kTracksOfEvery. Throws UserError: the images are not there.
 void add_images_between(const ResultMap& map, int every, ColmapModel* model);
 

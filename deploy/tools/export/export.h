@@ -28,7 +28,7 @@ Files export_ply(const ResultMap& map, const std::filesystem::path& folder);  //
 // The same with the colours that the images of the sequence have there.
 Files export_ply_in_colour(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
 
-// Text model of COLMAP (cameras.txt, images.txt, points3D.txt): every so manieth image that has a pose, and the static
+// Text model of COLMAP (cameras.txt, images.txt, points3D.txt): one of so many images that have a pose, and the static
 // points that two of them see, adjusted once more as what they are (colmap_adjust.h). Images are named as the files of
 // the sequence, from the folder that has them all; where it has no files <agent>/<6-digit frame>.png. Tracks are kept
 // of every tenth image: between these, images have a pose alone.
