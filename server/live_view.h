@@ -25,6 +25,7 @@ class LiveView {
 
   // Where a browser finds it.
   std::string url() const { return web_.url(); }
+  std::string url(const std::string& address) const { return web_.url(address); }
 
  private:
   LiveApi api_;

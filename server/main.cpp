@@ -49,12 +49,14 @@ class Announcer {
     }
   }
 
-  void show(const LiveView& view) const {
+  // addresses: of this machine, where it listens on all of them; not every network knows its name.
+  void show(const LiveView& view, const std::vector<std::string>& addresses) const {
     const std::string line = "view: " + view.url();
     if (for_programs_) {
       say(line);
     } else {
       log_info(line);
+      for (const std::string& address : addresses) log_info("view: " + view.url(address));
     }
   }
 
@@ -134,7 +136,9 @@ void serve(const ServeOptions& options) {
   std::optional<LiveView> view;
   std::optional<MapTeller> teller;
   if (keys.view.on()) {
-    announcer.show(view.emplace(keys.view, loop, sinks));
+    const bool on_all = keys.view.address == "0.0.0.0" || keys.view.address == "::";
+    announcer.show(view.emplace(keys.view, loop, sinks),
+                   on_all ? addresses_used(keys.wire) : std::vector<std::string>());
     view->look_by(link);
   } else {
     teller.emplace(loop, sinks);

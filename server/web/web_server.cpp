@@ -47,9 +47,11 @@ WebServer::~WebServer() {
 
 std::uint16_t WebServer::port() const { return inside_->port; }
 
-std::string WebServer::url() const {
+std::string WebServer::url() const { return url(inside_->config.address); }
+
+std::string WebServer::url(const std::string& address) const {
   const std::string& token = inside_->config.token;
-  return "http://" + host_in_url(inside_->config.address) + ":" + std::to_string(port()) + "/" +
+  return "http://" + host_in_url(address) + ":" + std::to_string(port()) + "/" +
          (token.empty() ? "" : "?token=" + token);
 }
 

@@ -52,6 +52,8 @@ class WebServer final : public PublicSink {
   std::uint16_t port() const;
   // For a browser, with the token.
   std::string url() const;
+  // By one of the addresses of this machine.
+  std::string url(const std::string& address) const;
   WebCounts counts() const;
 
   void announce(const ChannelPtr& channel) override;
