@@ -42,12 +42,13 @@ ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met
     scale_by_baseline(edit);
     return by_baseline();
   }
-  return config.tags.side_m > 0 ? by_tags(tags_.step(edit, set, met.merged > 0)) : ScaleReport{};
+  return config.tags.side_m > 0 ? by_tags(tags_.step(edit, set, met.merged > 0)) : by_earlier_runs();
 }
 
 // The poses that tell the scale are known better now.
 ScaleReport Scale::finish(MapEdit& edit) {
   if (!edit.map().config().rigs.empty()) return by_rigs(edit.map());
+  if (config.baseline_m <= 0 && config.tags.side_m <= 0) return by_earlier_runs();
   if (config.baseline_m <= 0) return by_tags(tags_.finish(edit));
   scaled_ = MapId();
   scale_by_baseline(edit);
@@ -57,6 +58,14 @@ ScaleReport Scale::finish(MapEdit& edit) {
 ScaleReport Scale::by_baseline() const {
   ScaleReport report;
   if (scaled_ != MapId()) report.in_metres = {scaled_};
+  return report;
+}
+
+// Of a map that goes on, when this run knows no lengths itself.
+ScaleReport Scale::by_earlier_runs() const {
+  ScaleReport report{.in_metres = metric_};
+  report.in_metres.merge(tags_.in_metres());
+  if (scaled_ != MapId()) report.in_metres.insert(scaled_);
   return report;
 }
 

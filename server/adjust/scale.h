@@ -62,6 +62,7 @@ class Scale {
   ScaleReport by_rigs(const Map& map);
   void scale_by_baseline(MapEdit& edit);
   ScaleReport by_baseline() const;
+  ScaleReport by_earlier_runs() const;
   ScaleReport by_tags(const TagScaleReport& r) const;
 
   TagScale tags_;

@@ -46,6 +46,7 @@ TEST_F(MapFileOfRuns, ASecondRunGoesOnWithIt) {
   const auto report = read_json(folder("second").report());
   EXPECT_EQ(report["agents"]["cam1"]["frames"], 30) << "of the second time alone";
   EXPECT_LE(load_tum(folder("second").trajectory("cam1")).size(), 30U);
+  EXPECT_THAT(text_, HasSubstr("lengths are metres")) << "by the baseline of the first run";
   ASSERT_EQ(coslam({"map", "list", file("kept.map")}), 0) << text_;
   EXPECT_THAT(text_, HasSubstr("cam0: 30 frames"));
   EXPECT_THAT(text_, HasSubstr("cam1: 60 frames"));
