@@ -19,6 +19,9 @@ for file in etc/coslam/server.yaml lib/systemd/system/coslam-agent.service share
   share/doc/coslam/README.md share/doc/coslam/docs/field.md share/coslam/idl/coslam.idl; do
   [[ -s $prefix/$file ]] || fail "$file is missing"
 done
+while IFS=: read -r document target; do
+  [[ $target == *://* || -e ${document%/*}/${target%%#*} || -z ${target%%#*} ]] || fail "$document leads to $target, which is not there"
+done < <(grep -RHoP --include='*.md' '(?<=[]][(])[^()" ]+(?=[)])' "$prefix/share/doc/coslam")
 printf 'changed: true\n' >"$prefix/etc/coslam/server.yaml"
 "$cmake" --install "$build" --prefix "$prefix" --component server >/dev/null
 grep --quiet changed "$prefix/etc/coslam/server.yaml" || fail "the user's configuration was written over"
