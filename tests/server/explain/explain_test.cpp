@@ -14,8 +14,8 @@ namespace coslam::explain {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 // A story, one frame set a tenth of a second.
 class Story : public ::testing::Test {
