@@ -8,7 +8,16 @@ shift 4
 # The first line of the help says what the program does; a page without it would have no name.
 what=$("$folder/$1" ${2:+"$2"} --help | sed -n '1s/; see .*//;1p')
 page=$(printf '%s' "$*" | tr ' ' -)
-"$help2man" --no-info --version-string="$version" --name="$what" --source="CoSLAM $version" "$folder/$*" |
+# What --help does not say.
+more() {
+  printf '[EXIT STATUS]\n0: done. 1: it failed. 2: wrong usage. One sentence on standard error says why.\n'
+  case $page in
+    coslam-agent | coslam-server | coslam-bridge) printf '[FILES]\n/etc/coslam/%s.yaml: the configuration of its service\n' "${page#coslam-}" ;;
+  esac
+  printf '[SEE ALSO]\n.BR coslam (1),\n.BR coslam-agent (1),\n.BR coslam-server (1),\n.BR coslam-bridge (1).\n'
+  printf 'Examples: /usr/share/doc/coslam/docs/quickstart.md. All options: /usr/share/doc/coslam/docs/configuration.md.\n'
+}
+"$help2man" --no-info --include=<(more) --version-string="$version" --name="$what" --source="CoSLAM $version" "$folder/$*" |
   sed -e "s/^\.TH [^ ]*/.TH $(printf '%s' "$page" | tr '[:lower:]' '[:upper:]')/" -e "s/^$* \\\\-/$page \\\\-/" |
   gzip --best --no-name > "$file.new"
 mv "$file.new" "$file"

@@ -161,11 +161,14 @@ void add_run_command(CLI::App& app, Command& chosen) {
                    "a YAML file, a folder with sequence.yaml, sim:NAME, or one source a camera: a video, a folder of "
                    "images, bag:PATH#TOPIC, ros2:/TOPIC, v4l2:N, rtsp://...")
       ->required();
-  command->add_option("--out", arguments->out, "RESULT folder")->capture_default_str();
+  command->add_option("--out", arguments->out, "RESULT folder")->type_name("DIR")->capture_default_str();
   command->add_flag("--force", arguments->force, "replace the run that the folder holds");
-  command->add_option("--agents", arguments->agents, "only these, in this order: a,b")->delimiter(',');
+  command->add_option("--agents", arguments->agents, "only these, in this order: a,b")
+      ->type_name("NAMES")
+      ->delimiter(',');
   add_cover_option(*command, arguments->covered);
   command->add_option("--rate", options.rate, "speed of replay: a factor of real time, or max (drops nothing)")
+      ->type_name("R")
       ->capture_default_str();
   command->add_flag("--inline", arguments->in_one_process, "one process, same code");
   add_view_flag(*command, arguments->view_port);
@@ -173,9 +176,10 @@ void add_run_command(CLI::App& app, Command& chosen) {
   command->add_option("--record", options.record, "new file: what the map server hears, for coslam replay")
       ->type_name("FILE");
   command->add_option("--domain", options.domain, "DDS domain, 0 to 232; default: one that depends on the process")
+      ->type_name("N")
       ->check(CLI::Range(0, 232));
-  command->add_option("--set", options.sets,
-                      "override a key of the configuration: agent.KEY=VALUE or server.KEY=VALUE");
+  command->add_option("--set", options.sets, "override a key of the configuration: agent.KEY=VALUE or server.KEY=VALUE")
+      ->type_name("KEY=VALUE");
   command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
 }
 
