@@ -34,6 +34,15 @@ _coslam
 COMP_WORDS=("$prefix/bin/coslam" run --inl) COMP_CWORD=2
 _coslam
 [[ ${COMPREPLY[*]} == --inline ]] || fail "completion gives ${COMPREPLY[*]}"
+COMP_WORDS=("$prefix/bin/coslam" run sim : walk) COMP_CWORD=4
+_coslam
+[[ ${COMPREPLY[*]} == walking-man ]] || fail "completion gives ${COMPREPLY[*]}"
+COMP_WORDS=("$prefix/bin/coslam" export r --format e) COMP_CWORD=4
+_coslam
+[[ ${COMPREPLY[*]} == euroc ]] || fail "completion gives ${COMPREPLY[*]}"
+COMP_WORDS=("$prefix/bin/coslam" map c) COMP_CWORD=2
+_coslam
+[[ ${COMPREPLY[*]} == "check compact copy" ]] || fail "completion gives ${COMPREPLY[*]}"
 
 mkdir "$folder/user"
 cat >"$folder/user/CMakeLists.txt" <<'END'
