@@ -149,7 +149,8 @@ std::unique_ptr<Camera> open_v4l2(const std::string& uri, std::string* why) {
 
 std::unique_ptr<Camera> open_gst(std::string pipeline, std::string* why) {
   *why = cv::videoio_registry::hasBackend(cv::CAP_GSTREAMER)
-             ? "GStreamer says why above, and gst-launch-1.0 with the same pipeline more"
+             ? "GStreamer says why above; elements come with Debian's gstreamer1.0-plugins-base, -good, -bad, -ugly "
+               "and -libav"
              : "OpenCV is built without GStreamer here";
   if (pipeline.find("appsink") == std::string::npos) {
     pipeline += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
@@ -184,6 +185,7 @@ class LiveSource final : public ImageSource {
       : uri_(std::move(uri)), name_(shown_source(uri_)), duration_s_(options.duration_s) {
     std::string why;
     camera_ = open_camera(uri_, stopped_, &why);
+    if (!camera_ && uri_.starts_with(kV4l2)) why += "; coslam doctor lists the cameras of this machine";
     if (!camera_) throw UserError("the source '" + name_ + "' cannot be opened: " + why);
     std::optional<Camera::Picture> first;
     // A camera may warm up with empty frames.
