@@ -26,8 +26,9 @@
 namespace coslam {
 namespace {
 
-// What the server does, once a second: in the log, or on standard output for the program that started it, which also
-// waits for the words "ready" (no other server is in the domain) and "started" (all agents are here).
+// What the server does: in the log, once a minute while frames come, or each second on standard output for the program
+// that started it, which also waits for the words "ready" (no other server is in the domain) and "started" (all agents
+// are here).
 class Announcer {
  public:
   Announcer(bool for_programs, Greeting greeting) : for_programs_(for_programs), greeting_(std::move(greeting)) {}
@@ -37,10 +38,12 @@ class Announcer {
     if (for_programs_ && !started_ && loop.started()) started_ = say("started");
     if (!for_programs_ && !ready_ && link.at_work()) ready_ = greet();
     const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::seconds(1) || loop.map_server().counts().frame_sets == 0) return;
-    last_ = now;
     const MapServer& s = loop.map_server();
-    const std::string sets = std::to_string(s.counts().frame_sets);
+    const auto period = std::chrono::seconds(for_programs_ || shown_sets_ == 0 ? 1 : 60);
+    if (now - last_ < period || s.counts().frame_sets == shown_sets_) return;
+    last_ = now;
+    shown_sets_ = s.counts().frame_sets;
+    const std::string sets = std::to_string(shown_sets_);
     if (for_programs_) {
       say("progress " + sets);
     } else {
@@ -87,6 +90,7 @@ class Announcer {
 
   bool for_programs_, ready_ = false, started_ = false;
   const Greeting greeting_;
+  int shown_sets_ = 0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
