@@ -83,7 +83,7 @@ class DdsServerLink : public ServerLink {
     auto event = events_.pop_for(timeout);
     if (!event && events_.closed()) {
       throw UserError("another map server is at work in DDS domain " + std::to_string(config_.domain) +
-                      ": stop it, or choose another domain");
+                      ": stop it, or choose another domain; coslam doctor says where it is");
     }
     return event;
   }

@@ -157,7 +157,7 @@ TEST_F(DdsRejoinTest, ASecondServerStepsBack) {
     while (true) EXPECT_EQ(second->next_event(100ms), std::nullopt) << "says nothing before it is sure";
   } catch (const UserError& e) {
     EXPECT_EQ(std::string(e.what()), "another map server is at work in DDS domain " + std::to_string(domain_.number()) +
-                                         ": stop it, or choose another domain");
+                                         ": stop it, or choose another domain; coslam doctor says where it is");
   }
   const std::vector<Spoken> said = speech("cam0", RunId(9), 3);
   std::atomic<bool> done{false};
