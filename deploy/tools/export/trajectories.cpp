@@ -16,7 +16,9 @@ namespace {
 using PoseText = std::function<std::string(const StampedPose&)>;
 
 const std::vector<std::string>& agents_of(const ResultMap& map) {
-  if (map.agents.empty()) throw UserError(map.folder.path().string() + ": there is no trajectory/<agent>.tum in it");
+  if (map.agents.empty())
+    throw UserError(map.folder.path().string() +
+                    ": there is no trajectory/<agent>.tum in it; what a killed server had, only --map FILE keeps");
   return map.agents;
 }
 
