@@ -52,6 +52,13 @@ void print_maps(const std::filesystem::path& out, const nlohmann::json& report) 
   }
 }
 
+void print_lenses(const ResultFolder& result, const nlohmann::json& report) {
+  for (const auto& [name, agent] : report["agents"].items()) {
+    const std::filesystem::path file = result.calibration(name);
+    if (std::filesystem::exists(file)) std::printf("the lens of %s as it was found: %s\n", name.c_str(), file.c_str());
+  }
+}
+
 // What was warned of by anybody: the server, the agents and this process, each once.
 void print_warnings(const nlohmann::json& report) {
   std::vector<Warning> all = warnings_of(report);
@@ -124,6 +131,7 @@ bool print_summary(const std::filesystem::path& out) {
               number(s, "key_frames"), number(s, "merges"));
   if (!report.contains("problem")) std::printf("%s\n", words_of(unit_of(s.value("scale_known", false))));
   std::printf("result: %s\n", out.c_str());
+  print_lenses(ResultFolder(out), report);
   print_warnings(report);
   const auto problem = report.find("problem");
   if (problem == report.end()) return true;
