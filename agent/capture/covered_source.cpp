@@ -35,6 +35,7 @@ class CoveredSource final : public ImageSource {
   bool skip() override { return source_->skip(); }
   std::optional<TimeNs> peek_ns() const override { return source_->peek_ns(); }
   std::filesystem::path peek_file() const override { return source_->peek_file(); }
+  std::optional<int> about_left() const override { return source_->about_left(); }
   bool live() const override { return source_->live(); }
   std::size_t undated() const override { return source_->undated(); }
   void stop() override { source_->stop(); }

@@ -44,6 +44,10 @@ class OneFieldSource final : public ImageSource {
   std::filesystem::path peek_file() const override {
     return held_.empty() ? source_->peek_file() : std::filesystem::path();
   }
+  std::optional<int> about_left() const override {
+    const auto left = source_->about_left();
+    return left ? std::optional(*left + static_cast<int>(held_.size())) : left;
+  }
   bool live() const override { return source_->live(); }
   std::size_t undated() const override { return source_->undated(); }
   void stop() override { source_->stop(); }

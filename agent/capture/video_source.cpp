@@ -113,6 +113,7 @@ class VideoSource final : public ImageSource {
         decoder_(open_file(name_)),
         span_(options),
         color_wanted_(options.color),
+        duration_s_(options.duration_s),
         times_(file, options.rate_hz) {
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
@@ -158,6 +159,14 @@ class VideoSource final : public ImageSource {
     return grabbed_ns_ ? std::optional(span_.played_ns(*grabbed_ns_)) : std::nullopt;
   }
 
+  std::optional<int> about_left() const override {
+    const auto frames = static_cast<double>(decoder_->frames());
+    if (frames <= 0) return std::nullopt;
+    const double left = std::max(0.0, frames - static_cast<double>(position_)) + (grabbed_ns_ ? 1 : 0);
+    const double played = duration_s_ ? *duration_s_ * decoder_->rate_hz() : left;
+    return static_cast<int>(std::min(left, played));
+  }
+
  private:
   void grab() {
     do {
@@ -179,6 +188,7 @@ class VideoSource final : public ImageSource {
   std::unique_ptr<StreamDecoder> decoder_;
   PlayedSpan span_;
   bool color_wanted_;
+  std::optional<double> duration_s_;
   VideoTimes times_;
   int turn_deg_ = 0;
   std::size_t position_ = 0;          // frames grabbed from the file

@@ -91,8 +91,8 @@ int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
     const auto source = open_camera(a.source, a.calibration, {a.start_s, a.duration_s, sequence.rate_hz}).images;
-    int frames = 0;
-    while (!source->live() && source->skip()) ++frames;
+    int frames = source->about_left().value_or(0);  // to go through a long video takes minutes
+    while (frames == 0 && !source->live() && source->skip()) ++frames;
     most = std::max(most, frames);
   }
   return most;

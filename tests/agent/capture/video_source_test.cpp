@@ -155,6 +155,7 @@ TEST_F(Mp4, WithoutItsIndexSaysSo) {
 TEST_F(Video, PlaysAtTheContainersRate) {
   const auto source = open_source(file_, kOptions);
   for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(source->about_left(), 8 - i);
     EXPECT_EQ(source->peek_ns(), i * 50'000'000);
     const auto image = source->next();
     ASSERT_TRUE(image) << i;
@@ -192,6 +193,7 @@ TEST_F(Video, StartAndDuration) {
   options.start_s = 0.1;
   options.duration_s = 0.1;
   const auto source = open_source(file_, options);
+  EXPECT_EQ(source->about_left(), 2);
   const auto first = source->next();
   ASSERT_TRUE(first);
   EXPECT_EQ(first->frame, FrameId(0));
