@@ -144,6 +144,8 @@ class Supervisor {
   }
   // Not before: in the domain of another server they would meet that one.
   void start_agents() {
+    const std::string number = std::to_string(domain_);
+    log_info("the run is in DDS domain " + number + ": coslam status --loopback --domain " + number);
     for (const SequenceAgent& a : options_.sequence.agents) agents_.push_back(start_agent(options_, a, domain_));
   }
   void pass_on_interrupt() {
@@ -180,8 +182,6 @@ RunEnd run_processes(const RunOptions& options) {
   const int domain = options.domain >= 0 ? options.domain : free_domain();
   std::signal(SIGINT, [](int) { ++interrupts; });
   std::signal(SIGTERM, [](int) { ++interrupts; });
-  const std::string number = std::to_string(domain);
-  log_info("the run is in DDS domain " + number + ": coslam status --loopback --domain " + number);
   Supervisor supervisor(options, domain);
   const int exit_code = supervisor.watch();
   return {exit_code, interrupts > 0};
