@@ -61,6 +61,6 @@ chroot "$fresh" coslam run /root/tag --out /root/result || die "the installed pr
 chroot "$fresh" coslam eval /root/result /root/tag || die "the installed coslam cannot evaluate"
 # There is no systemd in it: what the server's unit starts, for a moment.
 start=$(sed -n 's/^ExecStart=//p' "$fresh/usr/lib/systemd/system/coslam-server.service" | sed 's|%E|/etc|g; s|%S|/var/lib|g')
-chroot "$fresh" sh -c "mkdir -p /var/lib/coslam-server && timeout --signal INT 3 $start --set wire.interfaces=[127.0.0.1]" ||
+chroot "$fresh" sh -c "mkdir -p /var/lib/coslam-server && timeout --preserve-status --signal INT 3 $start --set wire.interfaces=[127.0.0.1]" ||
   die "what coslam-server.service starts does not start"
 step "the packages are sound"
