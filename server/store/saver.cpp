@@ -52,6 +52,8 @@ void Saver::run(const std::stop_token& stop) {
     if (written) {
       waiting_.pop_front();
       changed_.notify_all();
+    } else if (stop.stop_requested()) {
+      return;  // nobody waits any more, and the disk takes nothing
     } else {
       changed_.wait_for(lock, stop, retry_, [] { return false; });
     }

@@ -93,5 +93,13 @@ TEST_F(SaverTest, AFullDiskIsSaidOnceAndLosesNothing) {
   EXPECT_THAT(saver_.take_word().value_or(""), HasSubstr("written again"));
 }
 
+TEST(Saver, EndsThoughTheDiskStaysFull) {
+  Disk disk;
+  disk.set(true, false);
+  Saver saver([&disk](const std::vector<Row>& rows) { disk.write(rows); }, 1ms);
+  saver.give(row(1));
+  disk.wait_tries(2);
+}
+
 }  // namespace
 }  // namespace coslam
