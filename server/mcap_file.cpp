@@ -9,7 +9,7 @@ namespace coslam {
 namespace {
 
 const std::filesystem::path& new_file(const std::filesystem::path& file) {
-  if (std::filesystem::exists(file)) throw UserError(file.string() + ": is there already");
+  if (std::filesystem::exists(file)) throw UserError(file.string() + ": is there already: name another file");
   return file;
 }
 

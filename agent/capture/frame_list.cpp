@@ -13,6 +13,7 @@
 
 #include "agent/capture/image_names.h"
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 
 namespace coslam {
@@ -243,7 +244,11 @@ FrameList list_euroc(const fs::path& camera_folder) {
 
 FrameList list_images(const fs::path& folder, double rate_hz) {
   std::vector<fs::path> files = images_in(folder);
-  if (files.empty()) throw UserError(folder.string() + ": there is no image in the folder" + instead_of_images(folder));
+  if (files.empty()) {
+    const std::string it_is = but_it_is(folder);
+    throw UserError(folder.string() + ": there is no image in the folder" +
+                    (it_is.empty() ? instead_of_images(folder) : it_is));
+  }
   std::vector<std::string> guesses;
   const auto times = times_of(folder);
   std::vector<WrittenFrame> frames;

@@ -11,6 +11,7 @@
 #include "agent/capture/sources.h"
 #include "agent/capture/stream_decoder.h"
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
 
@@ -94,7 +95,7 @@ std::unique_ptr<StreamDecoder> open_file(const std::string& file) {
   if (why == StreamDecoder::kNotAVideo) {
     throw UserError(file + (is_mp4(file) ? ": is a video without its index, as of a recorder that was stopped; "
                                            "programs as untrunc rebuild it"
-                                         : ": neither a list of images (.csv, .txt) nor a video"));
+                                         : ": neither a list of images (.csv, .txt) nor a video" + but_it_is(file)));
   }
   if (!decoder) throw UserError(file + ": cannot be played: " + why);
   if (decoder->videos() > 1) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 
 namespace coslam {
@@ -22,18 +23,21 @@ std::string shortest(double v) {
 
 YamlValue YamlValue::load(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  if (!std::filesystem::exists(file)) throw UserError(file.string() + ": cannot be read: there is no such file");
-  if (!stream || std::filesystem::is_directory(file)) throw UserError(file.string() + ": cannot be read");
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw UserError(file.string() + ": cannot be read" + why_unreadable(file));
+  }
   return parse(stream, file);
 }
 
 YamlValue YamlValue::parse(std::istream& text, const std::filesystem::path& file) {
   try {
     YamlValue root(YAML::Load(text), std::make_shared<const std::filesystem::path>(file), "");
-    if (!root.is_map()) root.fail("a YAML map (key: value) is expected");
+    if (!root.is_map()) root.fail("a YAML map (key: value) is expected" + but_it_is(file));
     return root;
   } catch (const YAML::Exception& e) {
-    throw UserError(file.string() + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
+    throw UserError(file.string() + ":" + std::to_string(e.mark.line + 1) +
+                    ": not valid YAML: " + e.msg.c_str() +  // up to an octet 0 in what is no text
+                    but_it_is(file));
   }
 }
 
@@ -78,7 +82,8 @@ void YamlValue::allow_only(const std::vector<std::string>& known, const ReasonOf
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     const YamlValue place = child(entry.first, path_.empty() ? key : "." + key);
-    if (std::find(known.begin(), known.end(), key) == known.end()) place.fail(unknown(key));
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      place.fail(unknown(key) + (path_.empty() ? but_it_is(*file_) : ""));
     if (!seen.insert(key).second) place.fail("the key stands twice");
   }
 }

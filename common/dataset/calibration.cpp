@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 #include "common/dataset/calibration_dialects.h"
 #include "common/dataset/file.h"
@@ -47,8 +48,8 @@ calibration::SensorCamera read_yaml(const YamlValue& root, const std::string& ca
   if (root.has("value0")) return calibration::read_basalt(root, camera);
   root.fail(
       std::string("not a calibration: none of width/height/fx/fy/cx/cy, OpenCV, ROS camera_info, Kalibr camchain or "
-                  "EuRoC sensor.yaml keys; ") +
-      calibration::kOtherForms);
+                  "EuRoC sensor.yaml keys") +
+      but_it_is(root.file()) + "; " + calibration::kOtherForms);
 }
 
 YamlValue load_yaml(const std::filesystem::path& file) {

@@ -38,11 +38,11 @@ int write_all(int descriptor, std::string_view text) {
 }  // namespace
 
 std::ofstream create_file(const std::filesystem::path& file, std::ios::openmode mode) {
-  std::error_code ignored;  // shows when the file is opened
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
+  std::error_code error;  // where the folder cannot be made; else opening the file shows why
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
   errno = 0;
   std::ofstream stream(file, mode | std::ios::out);
-  if (!stream) throw UserError(cannot_write(file, errno));
+  if (!stream) throw UserError(cannot_write(file, error ? error.value() : errno));
   return stream;
 }
 
@@ -60,12 +60,12 @@ OutputFile::OutputFile(std::filesystem::path file, Shows shows)
     : file_(std::move(file)),
       opened_(shows == Shows::kWhole ? std::filesystem::path(file_.string() + ".new") : file_),
       shows_(shows) {
-  std::error_code ignored;  // shows when the file is opened
-  if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), ignored);
+  std::error_code error;  // where the folder cannot be made; else opening the file shows why
+  if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), error);
   constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC;
   constexpr mode_t kMode = 0666;  // less the umask
   descriptor_ = ::open(opened_.c_str(), kFlags, kMode);
-  if (descriptor_ < 0) throw UserError(cannot_write(file_, errno));
+  if (descriptor_ < 0) throw UserError(cannot_write(file_, error ? error.value() : errno));
 }
 
 OutputFile::~OutputFile() {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/config/rigs.h"
 #include "common/config/yaml_value.h"
 #include "common/dataset/calibration.h"
@@ -161,10 +162,13 @@ std::string agent_name_like(std::string_view text) {
 }
 
 Sequence load_sequence(const fs::path& path) {
-  if (!fs::exists(path)) throw UserError(path.string() + ": there is no such sequence");
+  if (!fs::exists(path))
+    throw UserError(path.string() +
+                    ": there is no such sequence; a sequence is a YAML file or a folder with sequence.yaml");
   Sequence sequence;
   sequence.file = fs::is_directory(path) ? path / "sequence.yaml" : path;
-  if (!fs::exists(sequence.file)) throw UserError(path.string() + ": the folder has no sequence.yaml");
+  if (!fs::exists(sequence.file))
+    throw UserError(path.string() + ": the folder has no sequence.yaml" + but_it_is(path));
 
   const YamlValue root = YamlValue::load(sequence.file);
   root.allow_only(
@@ -179,7 +183,7 @@ Sequence load_sequence(const fs::path& path) {
     const auto tag = scale->find("tag_m");
     if (tag && scale->find("baseline_m")) tag->fail("give baseline_m or tag_m, not both");
     if (tag) {
-      sequence.tag_m = tag->number(1e-6, 1e3);
+      sequence.tag_m = tag->number(0.001, 10);
       if (const auto family = scale->find("tag_family")) sequence.tag_family = family->text();
     } else {
       scale->allow_only({"baseline_m"});

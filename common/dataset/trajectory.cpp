@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 #include "common/dataset/file.h"
 
@@ -35,7 +36,9 @@ std::optional<StampedPose> parse_pose(const std::vector<std::string_view>& field
 
 Trajectory load_tum(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) throw UserError(file.string() + ": cannot be read");
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw UserError(file.string() + ": cannot be read" + why_unreadable(file));
+  }
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

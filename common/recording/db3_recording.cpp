@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/recording/containers.h"
 
 namespace coslam::recording {
@@ -125,7 +126,7 @@ class Db3Recording final : public Recording {
                                   "rootpage > 0 AND sql NOT LIKE '%GENERATED%' AND sql NOT LIKE '% AS (%'");
       statement.bind(1, table);
       if (!statement.executeStep() || statement.getColumn(0).getInt() != 1) {
-        throw UserError(name_ + ": is no recording of rosbag2: it has no table " + table);
+        throw UserError(name_ + ": is no recording of rosbag2: it has no table " + table + but_it_is(name_));
       }
     }
   }

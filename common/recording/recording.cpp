@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/log.h"
 #include "common/compression/compression.h"
 #include "common/mcap/records.h"
@@ -45,7 +46,7 @@ std::unique_ptr<Recording> open_as_it_is(const std::filesystem::path& file, cons
     case Container::kNone:
       break;
   }
-  if (!std::ifstream(file)) throw UserError(name + ": cannot be read");
+  if (!std::ifstream(file)) throw UserError(name + ": cannot be read" + why_unreadable(file));
   throw UserError(name + ": is no MCAP file, no .db3 of rosbag2 and no bag of ROS 1");
 }
 

@@ -15,6 +15,7 @@
 
 #include "common/base/check.h"
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 #include "common/wire/packing.h"
 
@@ -93,10 +94,10 @@ RecordReader::RecordReader(std::filesystem::path file) : file_(std::move(file)) 
   std::error_code error;
   left_bytes_ = std::filesystem::file_size(file_, error);
   stream_.open(file_, std::ios::binary);
-  if (error || !stream_) throw UserError(file_.string() + ": cannot be read");
+  if (error || !stream_) throw UserError(file_.string() + ": cannot be read" + why_unreadable(file_));
   std::array<std::uint8_t, kMagic.size() + 4> begin{};
   if (!read(begin) || !std::equal(kMagic.begin(), kMagic.end(), begin.begin())) {
-    throw UserError(file_.string() + " is no recording of coslam");
+    throw UserError(file_.string() + " is no recording of coslam" + but_it_is(file_));
   }
   const std::uint32_t version = *Unpacker(std::span(begin).subspan(kMagic.size())).get<std::uint32_t>();
   if (version != kRecordingVersion) {

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 
 namespace coslam {
 namespace {
@@ -65,7 +66,7 @@ std::string access_cause(const std::filesystem::path& file) {
 std::string cause_of(const SQLite::Exception& e, const std::filesystem::path& file) {
   switch (e.getErrorCode()) {
     case SQLITE_NOTADB:
-      return "is no map of CoSLAM";
+      return "is no map of CoSLAM" + but_it_is(file);
     case SQLITE_CORRUPT:
       return "is damaged";
     case SQLITE_BUSY:
@@ -225,7 +226,8 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
     if (there) {
       const int application = db.execAndGet("PRAGMA application_id").getInt();
       const int version = db.execAndGet("PRAGMA user_version").getInt();
-      if (application != kApplication) throw UserError("map file " + path_.string() + " is no map of CoSLAM");
+      if (application != kApplication)
+        throw UserError("map file " + path_.string() + " is no map of CoSLAM" + but_it_is(path_));
       if (version > kVersion) {
         throw UserError("map file " + path_.string() + " is of version " + std::to_string(version) +
                         ", newer than this program's " + std::to_string(kVersion) + ": update it");
@@ -334,8 +336,18 @@ void MapFile::check() const {
 
 void MapFile::copy_to(const std::filesystem::path& copy) const {
   std::error_code error;
-  if (std::filesystem::exists(copy, error)) throw UserError(copy.string() + " is there already");
-  in_words(copy, [&] {
+  if (std::filesystem::exists(copy, error)) throw UserError(copy.string() + " is there already: name another file");
+  // A part of a copy would be in the way of the next.
+  const auto in_words_or_gone = [&copy](const auto& work) {
+    try {
+      in_words(copy, work);
+    } catch (const UserError&) {
+      std::error_code ignored;
+      std::filesystem::remove(copy, ignored);
+      throw;
+    }
+  };
+  in_words_or_gone([&] {
     SQLite::Statement into(impl_->db, "VACUUM INTO ?");
     into.bind(1, copy.string());
     into.exec();

@@ -187,7 +187,7 @@ TEST_F(Recordings, APartThatIsDamagedFurtherOnEndsThere) {
 }
 
 TEST_F(Recordings, SaysWhatIsWrong) {
-  EXPECT_EQ(error_of_opening("/nowhere.mcap"), "/nowhere.mcap: cannot be read");
+  EXPECT_EQ(error_of_opening("/nowhere.mcap"), "/nowhere.mcap: cannot be read: there is no such file");
   EXPECT_THAT(error_of_opening(folder_.write("a.mcap", "text")),
               EndsWith("is no MCAP file, no .db3 of rosbag2 and no bag of ROS 1"));
   EXPECT_THAT(error_of_opening(folder_.write("a.mcap.zstd", zstd_compressed("text"))), EndsWith("and no bag of ROS 1"));

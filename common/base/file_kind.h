@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+// For the errors of those who expected another file than the one they got.
+namespace coslam {
+
+// What a file or folder is to CoSLAM and which command takes it, as the end of a sentence: "; it is a map file, ...".
+// Told by how it begins, not by its name. Empty where nothing is known of it.
+std::string but_it_is(const std::filesystem::path& path);
+
+// Why a file cannot be read, as the end of a sentence: ": there is no such file".
+std::string why_unreadable(const std::filesystem::path& file);
+
+}  // namespace coslam
