@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/base/text.h"
 #include "common/dataset/result.h"
 
@@ -16,6 +17,8 @@ namespace {
 constexpr std::array<const char*, 14> kOfARun{
     "trajectory", "live",       "tracks",  "calibration", "points.csv", "dynamic.csv",  "objects.csv",
     "groups.csv", "events.csv", "map.ply", "report.json", "eval.json",  "top_view.png", "sequence.yaml"};
+// Of these a folder of a sequence has some too.
+constexpr std::array<const char*, 2> kOfInputsToo{"calibration", "sequence.yaml"};
 constexpr const char* kOwnBody = "own_body";  // is there before its run begins
 
 // Names of the files with this extension in a folder, without it.
@@ -73,7 +76,11 @@ ResultContents listed_in(const nlohmann::json& report, const ResultFolder& resul
     for (const nlohmann::json& map : report["maps"]) {
       const MapId id(map.value("map", 0U));
       const ResultFolder folder = contents.maps.empty() ? result : result.of_map(id);
-      contents.maps.push_back(map_in(folder, id, names_in(map.value("agents", nlohmann::json()))));
+      const std::set<std::string> placed = names_in(map.value("agents", nlohmann::json()));
+      contents.maps.push_back(map_in(folder, id, placed));
+      for (const std::string& agent : placed) {
+        if (!std::filesystem::exists(folder.trajectory(agent))) contents.missing.push_back(folder.trajectory(agent));
+      }
       if (map.contains("scale_known")) contents.maps.back().unit = unit_of(map["scale_known"].get<bool>());
     }
   }
@@ -99,6 +106,22 @@ bool ResultFolder::holds_run() const {
          std::ranges::any_of(kOfARun, [this](const char* name) { return std::filesystem::exists(run_ / name); });
 }
 
+bool ResultFolder::holds_more_than_inputs() const {
+  return !map_folders().empty() || std::ranges::any_of(kOfARun, [this](const std::string name) {
+    return std::ranges::find(kOfInputsToo, name) == kOfInputsToo.end() && std::filesystem::exists(run_ / name);
+  });
+}
+
+bool ResultFolder::would_remove(const std::filesystem::path& file) const {
+  std::error_code none;
+  const auto whole = [&none](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none), none);
+  };
+  const std::filesystem::path inside = whole(file).lexically_relative(whole(run_));
+  const std::string first = inside.empty() ? "" : inside.begin()->string();
+  return first == "maps" || first == kOwnBody || std::ranges::find(kOfARun, first) != kOfARun.end();
+}
+
 void ResultFolder::remove_run() const {
   const auto remove = [](const std::filesystem::path& left) {
     std::error_code error;
@@ -114,7 +137,8 @@ void ResultFolder::remove_run() const {
 }
 
 ResultFolder find_result(const std::filesystem::path& named) {
-  if (!std::filesystem::is_directory(named)) throw UserError(named.string() + ": there is no such result folder");
+  if (!std::filesystem::is_directory(named))
+    throw UserError(named.string() + ": there is no such result folder" + but_it_is(named));
   const std::filesystem::path latest = named / kLatestRun;
   if (std::filesystem::is_symlink(latest)) {
     // By its own name: the link may come to name another run any time.
@@ -123,8 +147,9 @@ ResultFolder find_result(const std::filesystem::path& named) {
     return ResultFolder(run);
   }
   ResultFolder result(named);
-  if (!result.holds_run()) {
-    throw UserError(named.string() + " holds no run, and no link `" + kLatestRun + "` to the folder of one");
+  if (!result.holds_more_than_inputs()) {
+    throw UserError(named.string() + " holds no run, and no link `" + kLatestRun + "` to the folder of one" +
+                    but_it_is(named));
   }
   return result;
 }

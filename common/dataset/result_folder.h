@@ -69,6 +69,10 @@ class ResultFolder {
 
   // Something of a run is in it, whole or not.
   bool holds_run() const;
+  // It is a run that can be read: a sequence and calibrations alone are what a run is made from.
+  bool holds_more_than_inputs() const;
+  // The file lies where remove_run() removes it.
+  bool would_remove(const std::filesystem::path& file) const;
   // Removes what a run and its evaluation write; other files stay. Throws UserError.
   void remove_run() const;
 
@@ -91,9 +95,10 @@ struct ResultMap {
 };
 
 struct ResultContents {
-  std::vector<std::string> agents;  // who took part; ascending
-  std::vector<ResultMap> maps;      // the common one first: there always is one
-  bool reported = true;             // false: without report.json, as of a server that was killed
+  std::vector<std::string> agents;             // who took part; ascending
+  std::vector<ResultMap> maps;                 // the common one first: there always is one
+  std::vector<std::filesystem::path> missing;  // trajectories that the report lists and that are not there
+  bool reported = true;                        // false: without report.json, as of a server that was killed
 };
 
 // What the report says is in the result; without one what lies in the folder. Throws UserError: file.

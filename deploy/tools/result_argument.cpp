@@ -15,6 +15,10 @@ ResultFolder result_argument(const std::string& named) {
                  "lies there is read\n",
                  result.path().c_str());
   }
+  for (const auto& file : contents_of(result).missing) {
+    std::fprintf(stderr, "coslam: warning: %s is not there, though the report lists it: its poses count as none\n",
+                 file.c_str());
+  }
   return result;
 }
 

@@ -44,15 +44,17 @@ void select_agents(Sequence& sequence, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
                                  [&](const SequenceAgent& a) { return a.name == name; });
-    if (at == sequence.agents.end()) throw UsageError("the sequence " + sequence.name + " has no agent " + name);
-    if (std::ranges::find(chosen, name, &SequenceAgent::name) != chosen.end())
-      throw UsageError("--agents names " + name + " twice");
+    if (at == sequence.agents.end()) throw UsageError(no_such_agent(sequence, name));
+    if (std::ranges::count(names, name) > 1) throw UsageError("--agents names " + name + " twice");
     chosen.push_back(*at);
   }
   // The known baseline is that of the sequence's own first two.
   const bool same_pair = chosen.size() >= 2 && sequence.agents.size() >= 2 &&
                          chosen[0].name == sequence.agents[0].name && chosen[1].name == sequence.agents[1].name;
-  if (!same_pair) sequence.baseline_m.reset();
+  if (sequence.baseline_m && !same_pair) {
+    log_warn("scale.baseline_m is left out: it is the distance of the first two agents of the sequence");
+    sequence.baseline_m.reset();
+  }
   std::erase_if(sequence.rigs, [&](const RigCamera& r) {
     const auto plays = [&](const std::string& name) {
       return std::ranges::any_of(chosen, [&](const SequenceAgent& a) { return a.name == name; });
@@ -71,6 +73,9 @@ RunConfig checked_sets(const std::vector<std::string>& sets) {
 // What the sequence knows of the scale: the distance of two cameras, or the side of tags, which the agents are to look
 // for. --set goes before.
 void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
+  if (sequence.baseline_m && sequence.agents.size() < 2) {
+    log_warn("scale.baseline_m is left out: it is the distance of the first two agents, and there is one");
+  }
   std::vector<std::string> known;
   if (sequence.baseline_m) known.push_back("server.baseline_m=" + format_double(*sequence.baseline_m));
   std::string rigs;
@@ -100,16 +105,31 @@ int check_inputs(const Sequence& sequence) {
 
 // Its result would take the place of what is to be played.
 void refuse_own_folder(const RunOptions& options) {
-  std::error_code none;
-  if (!options.sequence.file.empty() &&
-      std::filesystem::equivalent(options.sequence.file.parent_path(), options.out, none) &&
-      std::filesystem::exists(ResultFolder(options.out).report())) {
-    throw UserError(options.out.string() + " holds the sequence that is to be played: name another folder with --out");
+  std::vector<std::filesystem::path> played{options.sequence.file};
+  for (const SequenceAgent& a : options.sequence.agents) {
+    played.insert(played.end(), {a.calibration, a.truth.value_or(""), a.mask.value_or("")});
+    if (!is_live_source(a.source)) played.emplace_back(a.source);
+  }
+  for (const std::filesystem::path& file : played) {
+    if (file.empty() || !ResultFolder(options.out).would_remove(file)) continue;
+    throw UserError(file.string() + " is to be played, and lies where the result in " + options.out.string() +
+                    " would replace it: name another folder with --out");
+  }
+}
+
+// `--view 8766`: the flag stands alone, and the port became a source.
+void refuse_loose_port(const RunArguments& arguments) {
+  if (arguments.view_port.empty()) return;
+  for (const std::string& text : arguments.sequence) {
+    if (parse_integer(text) && !std::filesystem::exists(text)) {
+      throw UsageError("there is no source " + text + "; a port of --view takes an equals sign: --view=" + text);
+    }
   }
 }
 
 int run(RunArguments arguments) {
   RunOptions& options = arguments.options;
+  refuse_loose_port(arguments);
   parse_replay_rate(options.rate);                        // a wrong one is said before anything starts
   matcher_for(checked_sets(options.sets).agent.tracker);  // a device that is not there
   if (std::filesystem::exists(options.record)) {
@@ -121,10 +141,10 @@ int run(RunArguments arguments) {
   if (const std::string shared = shared_source(options.sequence.agents); !shared.empty()) log_warn(shared);
   know_scale(options.sequence, options.sets);
   cover_lenses(options.sequence, arguments.covered);
-  options.frame_sets = check_inputs(options.sequence);
   options.out = arguments.out;
-  if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
   refuse_own_folder(options);
+  options.frame_sets = check_inputs(options.sequence);
+  if (arguments.in_one_process && options.rate != "max") throw UsageError("--inline runs at --rate max only");
   make_result_folder(options.out, arguments.force);
   Starts starts(&options.sequence);
   OwnBodies own_bodies(&options.sequence);

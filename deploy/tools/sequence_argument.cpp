@@ -41,6 +41,12 @@ Sequence as_played(Sequence sequence, const ResultFolder& result) {
   return sequence;
 }
 
+std::string no_such_agent(const Sequence& sequence, const std::string& name) {
+  std::string text = "the sequence " + sequence.name + " has no agent '" + name + "', its agents are";
+  for (const SequenceAgent& a : sequence.agents) text += " " + a.name;
+  return text;
+}
+
 void add_cover_option(CLI::App& command, CoverArguments& covered) {
   command.add_option("--cover", covered, "this agent's lens is covered for this time, in seconds; may be repeated")
       ->type_name("AGENT FROM TO");
@@ -50,7 +56,7 @@ void cover_lenses(Sequence& sequence, const CoverArguments& covered) {
   for (const auto& [name, from_s, to_s] : covered) {
     const auto at = std::find_if(sequence.agents.begin(), sequence.agents.end(),
                                  [&name = name](const SequenceAgent& a) { return a.name == name; });
-    if (at == sequence.agents.end()) throw UsageError("the sequence " + sequence.name + " has no agent " + name);
+    if (at == sequence.agents.end()) throw UsageError(no_such_agent(sequence, name));
     if (from_s < 0 || to_s <= from_s) throw UsageError("--cover: the second time must be later than the first");
     at->covered.push_back({from_s, to_s});
   }

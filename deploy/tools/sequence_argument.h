@@ -22,6 +22,9 @@ Sequence sequence_argument(const std::vector<std::string>& texts);
 // where the file leaves it open. What the report does not tell stays.
 Sequence as_played(Sequence sequence, const ResultFolder& result);
 
+// A sentence that names the agents there are.
+std::string no_such_agent(const Sequence& sequence, const std::string& name);
+
 // Lenses that are covered for a trial: agent, from and to in seconds of played time.
 using CoverArguments = std::vector<std::tuple<std::string, double, double>>;
 void add_cover_option(CLI::App& command, CoverArguments& covered);

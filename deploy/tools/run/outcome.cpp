@@ -87,11 +87,16 @@ void print_warnings(const nlohmann::json& report) {
 }  // namespace
 
 void make_result_folder(const std::filesystem::path& folder, bool force) {
+  if (folder.empty()) throw UsageError("--out is empty: it takes the folder for the result");
   const ResultFolder result(folder);
   if (std::filesystem::is_symlink(folder / kLatestRun)) {
     throw UserError(folder.string() + " holds the runs of a server: name another folder with --out");
   }
   if (result.holds_run()) {
+    if (!result.holds_more_than_inputs()) {
+      throw UserError(folder.string() +
+                      " holds a sequence, which a result would replace: name another folder with --out");
+    }
     if (!force) {
       throw UserError(folder.string() +
                       " holds a run already: name another folder with --out, or replace it with --force");

@@ -8,6 +8,7 @@
 
 #include "agent/capture/image_names.h"
 #include "common/base/error.h"
+#include "common/base/file_kind.h"
 #include "common/dataset/recorded_topic.h"
 
 namespace coslam {
@@ -54,6 +55,7 @@ std::string existing_source(const std::string& text) {
     return topic.name();
   }
   if (!fs::exists(text)) throw UserError(text + ": there is no such file or folder");
+  if (fs::exists(fs::path(text) / "report.json")) throw UserError(text + ": is no source" + but_it_is(text));
   if (names_sequence(text)) throw UserError(text + ": a sequence is given alone, or else sources, as videos");
   return fs::absolute(text).lexically_normal().string();
 }

@@ -104,6 +104,31 @@ TEST_F(ResultFolderTest, SaysWhereThereIsNoRun) {
   EXPECT_THAT(error("other"), HasSubstr("other/latest leads to no folder"));
 }
 
+TEST_F(ResultFolderTest, ASequenceIsNoRun) {
+  temp_.write("scene/sequence.yaml", "agents: []\n");
+  temp_.write("scene/calibration/left.yaml", "");
+  EXPECT_TRUE(ResultFolder(temp_ / "scene").holds_run());
+  EXPECT_FALSE(ResultFolder(temp_ / "scene").holds_more_than_inputs());
+  EXPECT_THAT(test::error_of<UserError>([&] { find_result(temp_ / "scene"); }), HasSubstr("it is a sequence"));
+  write_run();
+  EXPECT_TRUE(result_.holds_more_than_inputs());
+}
+
+TEST_F(ResultFolderTest, SaysWhatItWouldRemove) {
+  for (const char* name : {"sequence.yaml", "calibration/left.yaml", "maps/2/map.ply", "own_body/left.png"})
+    EXPECT_TRUE(result_.would_remove(result_.path() / name)) << name;
+  for (const char* name : {"left.mp4", "images/0.png", "."}) {
+    EXPECT_FALSE(result_.would_remove(result_.path() / name)) << name;
+  }
+  EXPECT_FALSE(result_.would_remove(temp_ / "sequence.yaml"));
+}
+
+TEST_F(ResultFolderTest, NamesTrajectoriesThatAreMissing) {
+  write_json(result_.report(), {{"agents", {{"left", {{"frames", 3}}}, {"right", {{"frames", 3}}}}},
+                                {"maps", {{{"map", 1}, {"agents", {{"left", 3}, {"right", 0}}}}}}});
+  EXPECT_THAT(contents_of(result_).missing, ::testing::ElementsAre(result_.trajectory("left")));
+}
+
 TEST_F(ResultFolderTest, RemovesARunAndNothingElse) {
   write_run();
   write_report();
