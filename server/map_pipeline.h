@@ -89,8 +89,8 @@ void describe(V& v, MapServerConfig& c) {
       "or as in a sequence: [{cameras: [A, B], cam_from_first: {B: [x, y, z, qx, qy, qz, qw]}}]");
   v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
           "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
-  v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 1000},
-          "side of the black square of every printed tag; 0 = unknown; agents look for them, see agent.tags");
+  v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 10},
+          "side of the black square of every printed tag, metres; 0 = unknown; agents look for them, see agent.tags");
   v.field("lens", c.of<RefineConfig>().lens, {"auto", "given"},
           "auto: what is wrong about a calibration is found out, as far as the images say it; given: they are right");
   MapPipeline::describe_all(v, c.stages);

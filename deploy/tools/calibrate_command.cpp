@@ -51,7 +51,8 @@ Chessboard parse_board(const std::string& text, double square_m) {
 void require_writable(const std::filesystem::path& file) {
   const auto folder = std::filesystem::absolute(file).parent_path();
   if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file))
-    throw UserError(file.string() + ": cannot be written");
+    throw UserError(file.string() + ": cannot be written: there has to be a folder " + folder.string() +
+                    " in which this user may write");
 }
 
 SourceOptions options() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
@@ -122,12 +123,25 @@ cv::Mat drawn(const CameraModel& c) {
   return out;
 }
 
+void save_drawing(const std::filesystem::path& file, const CameraModel& camera) {
+  if (file.extension() != ".png") throw UsageError("--draw writes a PNG: " + file.string() + " has to end with .png");
+  create_file(file);  // says why it cannot be there
+  if (!cv::imwrite(file.string(), drawn(camera))) throw UserError("cannot write " + file.string());
+}
+
+// What is read may hold more than what is written.
+void refuse_to_replace(const CalibrationArguments& arguments) {
+  std::error_code none;
+  const std::string file = arguments.file.substr(0, arguments.file.find('#'));
+  if (arguments.out.empty() || !std::filesystem::equivalent(file, arguments.out, none)) return;
+  throw UsageError("--out " + arguments.out + " is the calibration itself: name another file");
+}
+
 int calibration(const CalibrationArguments& arguments) {
+  refuse_to_replace(arguments);
   const auto [camera, doubt] = read_calibration(arguments.file);
   if (!doubt.text.empty()) log_warn(doubt.text + (doubt.hopeless ? " A run leaves it aside" : ""));
-  if (!arguments.drawing.empty() && !cv::imwrite(arguments.drawing, drawn(camera))) {
-    throw UserError("cannot write " + arguments.drawing);
-  }
+  if (!arguments.drawing.empty()) save_drawing(arguments.drawing, camera);
   if (arguments.dialect.empty()) {
     describe(arguments.file, camera);
     return 0;

@@ -38,7 +38,7 @@ void add_explain_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("--at", arguments->question.at_s, "seconds of the run: what it was then; otherwise its whole life")
       ->type_name("T")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e9).description(""));
   command->callback([arguments, &chosen] { chosen = [arguments] { return explain_result(*arguments); }; });
 }
 

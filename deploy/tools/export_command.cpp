@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "common/base/error.h"
+#include "common/base/log.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/export/export.h"
 #include "deploy/tools/result_argument.h"
+#include "deploy/tools/run/played.h"
 #include "deploy/tools/sequence_argument.h"
 
 namespace coslam {
@@ -39,8 +42,10 @@ exporting::MapExport exporter(const ExportArguments& arguments, const ResultFold
     throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
   const exporting::ColmapOptions options{.every = checked(arguments.every.value_or(exporting::kTracksOfEvery))};
-  return [=, undistort = arguments.undistort, sequence = as_played(sequence_argument(arguments.sequence), result)](
-             const ResultMap& map, const std::filesystem::path& folder) {
+  const Sequence played = as_played(sequence_argument(arguments.sequence), result);
+  if (const std::string other = of_another_sequence(played, result); !other.empty()) log_warn(other);
+  return [=, undistort = arguments.undistort, sequence = played](const ResultMap& map,
+                                                                 const std::filesystem::path& folder) {
     if (ply) return exporting::export_ply_in_colour(map, sequence, folder);
     return undistort ? exporting::export_colmap_undistorted(map, sequence, folder, options)
                      : exporting::export_colmap(map, sequence, folder, options);
@@ -50,9 +55,16 @@ exporting::MapExport exporter(const ExportArguments& arguments, const ResultFold
 int export_result(const ExportArguments& arguments) {
   if (arguments.undistort && arguments.format != "colmap") throw UsageError("--undistort is for --format colmap");
   if (arguments.every && arguments.format != "colmap") throw UsageError("--every is for --format colmap");
+  if (!arguments.sequence.empty() && arguments.format != "colmap" && arguments.format != "ply") {
+    throw UsageError("--sequence is for --format colmap and ply");
+  }
   exporting::MapExport as;
   const bool whole = arguments.format == "mcap";  // all maps in one file
   const ResultFolder result = result_argument(arguments.result);
+  std::error_code none;
+  if (std::filesystem::equivalent(result.path(), arguments.folder, none)) {
+    throw UsageError(arguments.folder + " is the result itself: name another folder to export to");
+  }
   if (!whole) as = exporter(arguments, result);
   const ResultContents contents = contents_of(result);
   const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)

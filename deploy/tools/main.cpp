@@ -1,28 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include <cstdio>
 #include <opencv2/core/utils/logger.hpp>
-#include <string>
-#include <vector>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
-#include "common/base/text.h"
 #include "common/base/version.h"
 #include "common/config/program.h"
 #include "deploy/tools/commands.h"
 
 namespace {
-
-// CLI11 says only that a command is missing.
-void refuse_unknown(const CLI::App& app, const std::string& word) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  if (word.starts_with('-') || std::ranges::find(names, word) != names.end()) return;
-  const std::string nearest = coslam::nearest_of(word, names);
-  throw coslam::UsageError("there is no command '" + word + "'" +
-                           (nearest.empty() ? "; coslam --help lists all" : ": did you mean " + nearest + "?"));
-}
 
 int run(int argc, char** argv) {
   CLI::App app("CoSLAM: collaborative visual SLAM", "coslam");
@@ -42,9 +29,11 @@ int run(int argc, char** argv) {
   coslam::add_view_command(app, chosen);
   coslam::add_calibrate_command(app, chosen);
   coslam::add_calibration_command(app, chosen);
-  if (argc > 1) refuse_unknown(app, argv[1]);
   if (const auto code = coslam::parse_arguments(app, argc, argv)) return *code;
-  return chosen();
+  const int code = chosen();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw coslam::UserError("standard output cannot be written");
+  return code;
 }
 
 }  // namespace

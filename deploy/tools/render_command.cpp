@@ -57,9 +57,11 @@ void add_render_command(CLI::App& app, Command& chosen) {
   command->add_option("SCENE", options.scene, "one of: " + known_scenes())->required();
   command->add_option("DIR", arguments->folder, "folder to write, must not exist")->required();
   command->add_option("--frames", options.frames, "frames a camera; default: the scene's own")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--cameras", options.cameras, "cameras; default: the scene's own")->check(CLI::PositiveNumber);
-  command->add_option("--seed", options.seed, "seed of textures, motion and noise")->capture_default_str();
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--cameras", options.cameras, "cameras; default: the scene's own")->check(CLI::Range(1, 16));
+  command->add_option("--seed", options.seed, "seed of textures, motion and noise")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 4294967295.0).description(""));
   command->add_option("--rate-hz", options.rate_hz, "images a second of the same motion; default: the scene's own")
       ->check(CLI::Range(0.5, 240.0));
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the images in pixels; default: the scene's own")
@@ -71,7 +73,7 @@ void add_render_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("--turn-at-s", options.turn_at_s,
                    "the cameras stop there, turn by 180 degrees on the spot within 4 s, and go on looking back")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.001, 3600.0).description(""));
   command->callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });
 }
 

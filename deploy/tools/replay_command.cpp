@@ -151,7 +151,12 @@ int replay(const ReplayArguments& arguments) {
   const ViewConfig shown = view_of(arguments);
   const RecordingSummary recorded = check_recording(arguments.recording);
   RecordedConfig config = recorded_config(recorded.head, arguments.recording);
-  for (const std::string& s : arguments.sets) config::apply_set(config, s);
+  for (const std::string& s : arguments.sets) {
+    if (s.starts_with("agent.")) {
+      throw UsageError("--set " + s + ": agents are as they were recorded, only server.KEY can be set of a replay");
+    }
+    config::apply_set(config, s);
+  }
   make_result_folder(arguments.out, arguments.force);
   if (recorded.cut_off) {
     log_warn(arguments.recording + " was cut off: what was recorded in its first " + format_seconds(recorded.t_ns) +

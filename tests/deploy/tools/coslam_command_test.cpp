@@ -78,10 +78,62 @@ TEST_F(CoslamCommand, Usage) {
   }
   EXPECT_EQ(coslam("").exit_code, 2);
   EXPECT_EQ(coslam("fly").exit_code, 2);
-  EXPECT_EQ(coslam("fly").text, "coslam: there is no command 'fly'; coslam --help lists all\n");
-  EXPECT_EQ(coslam("rum x").text, "coslam: there is no command 'rum': did you mean run?\n");
   EXPECT_EQ(coslam("eval").exit_code, 2);
   EXPECT_EQ(coslam("render room x --frames -1").exit_code, 2);
+}
+
+TEST_F(CoslamCommand, AWordThatIsUnknownIsNamedWithItsNeighbour) {
+  const auto says = [](const std::string& arguments) {
+    const Outcome o = coslam(arguments);
+    EXPECT_EQ(o.exit_code, 2) << arguments;
+    return o.text;
+  };
+  EXPECT_EQ(says("rum x"), "coslam: there is no command 'rum', did you mean 'run'? (see coslam --help)\n");
+  EXPECT_THAT(says("map chek x"), HasSubstr("coslam map: there is no command 'chek', did you mean 'check'?"));
+  EXPECT_THAT(says("map"), HasSubstr("one of list, check"));
+  EXPECT_THAT(says("run x --oot y"), HasSubstr("coslam run: there is no option '--oot', did you mean '--out'?"));
+  EXPECT_THAT(says("export a b --fromat ply"), HasSubstr("did you mean '--format'?"));
+  EXPECT_THAT(says("export a b"), HasSubstr("coslam export: --format is required (see coslam export --help)"));
+  EXPECT_THAT(says("render room x --frames -1"), HasSubstr("in range 1 to 1000000"));
+  EXPECT_EQ(says("render room x --seed -1").find("e+"), std::string::npos);
+}
+
+TEST_F(CoslamCommand, AgentsThatAreNotThereOrNamedTwice) {
+  const std::string run = "run " + sequence_ + " --out " + (temp_ / "out").string() + " --agents ";
+  EXPECT_THAT(coslam(run + "cam7").text, HasSubstr("has no agent 'cam7', its agents are cam0"));
+  const Outcome twice = coslam(run + "cam0,cam0");
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_THAT(twice.text, HasSubstr("--agents names cam0 twice"));
+}
+
+TEST_F(CoslamCommand, AResultNeverReplacesWhatIsPlayed) {
+  for (const char* force : {"", " --force"}) {
+    const Outcome own = coslam("run " + sequence_ + " --out " + temp_.path().string() + force);
+    EXPECT_EQ(own.exit_code, 1);
+    EXPECT_THAT(own.text, HasSubstr("is to be played, and lies where the result"));
+    EXPECT_TRUE(std::filesystem::exists(sequence_));
+  }
+}
+
+TEST_F(CoslamCommand, APortOfViewTakesAnEqualsSign) {
+  const Outcome loose = coslam("run " + sequence_ + " --view 8766");
+  EXPECT_EQ(loose.exit_code, 2);
+  EXPECT_THAT(loose.text, HasSubstr("--view=8766"));
+  EXPECT_THAT(coslam("run " + sequence_ + " --view=99999").text, HasSubstr("--view: Value 99999 not in range"));
+}
+
+TEST_F(CoslamCommand, ACalibrationIsNotReplacedByItsTranslation) {
+  const std::string file = (temp_ / "calib.yaml").string();
+  const auto before = std::filesystem::file_size(file);
+  EXPECT_EQ(coslam("calibration " + file + " --to ros --out " + file).exit_code, 2);
+  EXPECT_EQ(std::filesystem::file_size(file), before);
+  EXPECT_THAT(coslam("calibration " + file + " --draw " + (temp_ / "a.xyz").string()).text, HasSubstr(".png"));
+  EXPECT_EQ(coslam("calibration " + file + " --draw " + (temp_ / "new/a.png").string()).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(temp_ / "new/a.png"));
+}
+
+TEST_F(CoslamCommand, StandardOutputThatIsFullIsAFailure) {
+  EXPECT_EQ(coslam("calibration " + (temp_ / "calib.yaml").string() + " > /dev/full").exit_code, 1);
 }
 
 TEST_F(CoslamCommand, Explain) {
@@ -172,7 +224,7 @@ TEST_F(CoslamCommand, ReplayOfWhatIsNoRecording) {
   EXPECT_EQ(no_recording.text, "coslam: " + text + " is no recording of coslam\n");
   const Outcome nothing = coslam("replay /nowhere" + out);
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_EQ(nothing.text, "coslam: /nowhere: cannot be read\n");
+  EXPECT_EQ(nothing.text, "coslam: /nowhere: cannot be read: there is no such file\n");
   EXPECT_EQ(coslam("replay " + text + " --rate fast" + out).exit_code, 2);
   EXPECT_EQ(coslam("replay").exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(temp_ / "out"));
@@ -198,6 +250,8 @@ TEST_F(CoslamCommand, Export) {
   EXPECT_EQ(coslam("export " + result() + " --format ply --undistort " + out).exit_code, 2);
   EXPECT_EQ(coslam("export " + result() + " --format rosbag2 " + out).exit_code, 2);
   EXPECT_EQ(coslam("export " + result() + " --format dwg " + out).exit_code, 2);
+  EXPECT_EQ(coslam("export " + result() + " --format tum --sequence " + sequence_ + " " + out).exit_code, 2);
+  EXPECT_THAT(coslam("export " + result() + " --format tum " + result()).text, HasSubstr("is the result itself"));
 }
 
 }  // namespace
