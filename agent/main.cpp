@@ -207,7 +207,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--start", a.start_s, "offset into the source, seconds")
       ->type_name("S")
       ->check(CLI::Range(-3600.0, 1e9));
-  app.add_option("--duration", a.duration_s, "length to play, seconds")->type_name("S");
+  app.add_option("--duration", a.duration_s, "length to play, seconds")->type_name("S")->check(CLI::Range(0.0, 1e9));
   app.add_option("--covered", a.covered, "black images from one time to another, seconds; may be repeated")
       ->type_name("FROM TO");
   app.add_option("--fps", a.rate_hz, "nominal frame rate")->type_name("HZ")->check(CLI::Range(0.01, 1000.0));
@@ -226,7 +226,10 @@ AgentOptions options_of(const Arguments& a) {
   if (a.domain) o.wire.domain = *a.domain;
   if (a.start_s) o.play.start_s = *a.start_s;
   if (a.duration_s) o.play.duration_s = *a.duration_s;
-  for (const auto& [from_s, to_s] : a.covered) o.play.covered.push_back({from_s, to_s});
+  for (const auto& [from_s, to_s] : a.covered) {
+    if (from_s < 0 || to_s <= from_s) throw UsageError("--covered: the second time must be later than the first");
+    o.play.covered.push_back({from_s, to_s});
+  }
   o.play.rate_is_given = a.rate_hz || o.play.rate_hz != SourceOptions().rate_hz;
   if (a.rate_hz) o.play.rate_hz = *a.rate_hz;
   return o;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <csignal>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include "common/base/log.h"
 #include "common/base/printed.h"
 #include "common/config/program.h"
+#include "common/wire/codec.h"
 #include "common/wire/participant.h"
 #include "common/wire/peer_names.h"
 #include "common/wire/run_id.h"
@@ -157,6 +159,16 @@ void serve(const ServeOptions& options) {
   if (!options.progress && !stop_is_urgent() && !loop.problem().empty()) throw UserError(loop.problem());
 }
 
+// Nobody comes under a name that is none, or comes twice.
+void require_names(const std::vector<std::string>& agents) {
+  for (const std::string& name : agents) {
+    if (!valid_agent_name(name)) {
+      throw UserError("agents: '" + name + "' is no name for an agent: up to 32 letters, digits, '_', '-' and '.'");
+    }
+    if (std::ranges::count(agents, name) > 1) throw UserError("agents: '" + name + "' is named twice");
+  }
+}
+
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
   ServeOptions options;
@@ -186,6 +198,7 @@ int main_of(int argc, char** argv) {
   common.apply_to(o);
   if (domain) o.wire.domain = *domain;
   if (view_port) o.view.port = *view_port;
+  require_names(o.agents);
   if (o.server.map.of<ScaleConfig>().baseline_m > 0 && o.agents.empty()) {
     throw UserError(
         "server.baseline_m is the distance of the first two of `agents`: name them all, as in --set agents=a,b,c");

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/error.h"
 #include "deploy/tools/commands.h"
 #include "deploy/tools/doctor/doctor.h"
 #include "deploy/tools/doctor/report.h"
@@ -30,6 +31,10 @@ doctor::Patient patient_of(const DoctorArguments& arguments) {
 
 int examine(const DoctorArguments& arguments) {
   const doctor::Patient patient = patient_of(arguments);
+  if (!arguments.calibration.empty() && patient.settings.source.empty()) {
+    throw UsageError("--calibration is looked at with the images of --source, which is missing; coslam calibration " +
+                     arguments.calibration + " tells of it alone");
+  }
   doctor::Findings findings;
   for (const doctor::Check& check : doctor::checks()) {
     for (doctor::Finding& finding : check(patient)) findings.push_back(std::move(finding));

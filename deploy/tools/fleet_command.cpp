@@ -31,7 +31,7 @@ void add_fleet_command(CLI::App& app, Command& chosen) {
   fleet->require_subcommand(1);
   CLI::App* command = fleet->add_subcommand(
       "init", "Make a key, configurations and what services need, and tell how they get to the machines");
-  command->add_option("dir", arguments->folder, "folder for them")->type_name("DIR")->required();
+  command->add_option("DIR", arguments->folder, "folder for them")->required();
   command->add_option("--agents", arguments->plan.agents, "names of the agents")
       ->delimiter(',')
       ->type_name("A,B,...")

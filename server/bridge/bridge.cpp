@@ -27,10 +27,36 @@ constexpr const char* kName = "coslam-bridge";
 constexpr std::chrono::milliseconds kTick{500};
 constexpr std::chrono::seconds kPatience{5};
 
+// As ROS spells it: /uav_1/fmu/in/vehicle_visual_odometry.
+bool is_topic(const std::string& name) {
+  char before = 0;
+  for (const char c : name) {
+    const bool digit = c >= '0' && c <= '9';
+    const bool letter = c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (before == 0 ? c != '/' : before == '/' ? !letter : !(letter || digit || c == '/')) return false;
+    before = c;
+  }
+  return before != 0 && before != '/';
+}
+
 const BridgeOptions& checked(const BridgeOptions& options) {
   if (options.bridge.domain == options.wire.domain) {
     throw UserError("DDS domain " + std::to_string(options.wire.domain) +
                     " is that of the fleet and of ROS 2: give one of them another with --from or --domain");
+  }
+  const Px4Config& px4 = options.bridge.px4;
+  if (!px4.agent.empty() && !valid_agent_name(px4.agent)) {
+    throw UserError("bridge.px4.agent: '" + px4.agent +
+                    "' is no name of an agent: up to 32 letters, digits, '_', '-' and '.'");
+  }
+  if (!is_topic(px4.topic)) {
+    throw UserError("bridge.px4.topic: '" + px4.topic +
+                    "' is no topic of ROS: it begins with '/' and has letters, digits, '_' and '/'");
+  }
+  const MapLevel& level = options.bridge.map;
+  if (level.down_x == 0 && level.down_y == 0 && level.down_z == 0) {
+    throw UserError(
+        "bridge.map: down_x, down_y and down_z are all 0, which is no direction: 0 1 0 is a level camera's");
   }
   return options;
 }

@@ -127,7 +127,11 @@ TEST_F(BadInput, WrongUsage) {
   Program agent("coslam-agent", {"--calibration", scene_.calibration()});
   expect_sentence(agent, kWrongUsage, {"--source is missing"});
   Program run("coslam", this->run(scene_.sequence(), {"--agents", "cam9"}));
-  expect_sentence(run, kWrongUsage, {"has no agent cam9"});
+  expect_sentence(run, kWrongUsage, {"has no agent 'cam9', its agents are cam0"});
+  Program twice("coslam-server", {"--set", "agents=a,a"});
+  expect_sentence(twice, kFailed, {"agents: 'a' is named twice"});
+  Program covered("coslam-agent", {"--source", scene_.source(0), "--covered", "3", "1"});
+  expect_sentence(covered, kWrongUsage, {"--covered: the second time must be later than the first"});
   Program domain("coslam-server", {"--domain", "233"});
   EXPECT_EQ(domain.exit_code(), kWrongUsage);
   EXPECT_THAT(domain.err(), HasSubstr("--domain: Value 233 not in range 0 to 232"));

@@ -115,7 +115,7 @@ Findings judge(const SourceFacts& facts) {
   if (!facts.problem.empty()) {
     out.push_back({Grade::kFail, "source", facts.problem,
                    facts.live ? "v4l2-ctl --list-devices shows cameras, gst-launch-1.0 tries a pipeline"
-                              : "coslam calibration FILE shows what a calibration is for"});
+                              : "docs/inputs.md has what is read as a source"});
   } else {
     out.push_back({Grade::kOk, "source", facts.name});
   }

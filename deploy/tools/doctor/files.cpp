@@ -4,6 +4,8 @@
 
 #include <sys/stat.h>
 
+#include <filesystem>
+
 #include "common/base/error.h"
 #include "common/config/config.h"
 #include "common/config/yaml_value.h"
@@ -33,7 +35,9 @@ Findings read_config(const std::string& file, AgentOptions& settings) {
     }
     return {{Grade::kOk, subject, file + ": all its keys are known to " + (server ? "the server" : "agents")}};
   } catch (const UserError& error) {
-    return {{Grade::kFail, subject, error.what(), "coslam-agent --print-config, or coslam-server, shows all keys"}};
+    const bool there = std::filesystem::is_regular_file(file);
+    return {{Grade::kFail, subject, error.what(),
+             there ? "coslam-agent --print-config, or coslam-server, shows all keys" : "--config FILE with its path"}};
   }
 }
 

@@ -7,7 +7,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -62,6 +64,12 @@ void write(const std::filesystem::path& path, const FleetFile& file) {
   if (close(handle) != 0 || !done) fail();
 }
 
+// What has nothing in it that a shell or YAML would take apart.
+bool is_host(const std::string& name) {
+  return std::ranges::all_of(name,
+                             [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_'; });
+}
+
 }  // namespace
 
 std::string draw_secret() {
@@ -78,6 +86,7 @@ std::string draw_secret() {
 }
 
 std::vector<FleetFile> fleet_files(const FleetPlan& plan, const std::string& secret) {
+  if (!is_host(plan.server)) throw UsageError("--server takes a name or an IPv4 address, not '" + plan.server + "'");
   std::set<std::string> names;
   for (const std::string& agent : plan.agents) {
     if (!valid_agent_name(agent))

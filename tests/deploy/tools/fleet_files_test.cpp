@@ -60,6 +60,12 @@ TEST(FleetFiles, NamesOfAgents) {
   EXPECT_THROW(fleet_files({.agents = {"a", "a"}}, "s"), UsageError);
 }
 
+TEST(FleetFiles, NameOfTheServer) {
+  FleetPlan plan = kPlan;
+  plan.server = "no such host";
+  EXPECT_THROW(fleet_files(plan, "secret\n"), UsageError);
+}
+
 TEST(FleetFiles, WhatComesNext) {
   const std::string text = next_commands(kPlan, "fleet");
   EXPECT_THAT(text, HasSubstr("scp fleet/fleet.key fleet/server/server.yaml root@base.local:/etc/coslam/\n"));

@@ -147,5 +147,26 @@ TEST_F(BridgeTest, OneDomainForBothIsRefused) {
   EXPECT_THAT([&] { Bridge bridge(o); }, ThrowsMessage<UserError>(HasSubstr("is that of the fleet and of ROS 2")));
 }
 
+TEST_F(BridgeTest, WhatCanNeverWorkIsRefused) {
+  const auto refused = [this](void (*spoil)(BridgeConfig&)) {
+    BridgeOptions o = options("left");
+    spoil(o.bridge);
+    std::string why;
+    try {
+      const Bridge bridge(o);
+    } catch (const UserError& error) {
+      why = error.what();
+    }
+    return why;
+  };
+  EXPECT_THAT(refused([](BridgeConfig& c) { c.px4.agent = "a b"; }), HasSubstr("bridge.px4.agent: 'a b'"));
+  for (const char* topic : {"", "/", "fmu", "/fmu/", "/fmu//in", "/1st", "/a b"}) {
+    BridgeOptions o = options();
+    o.bridge.px4.topic = topic;
+    EXPECT_THAT([&] { const Bridge bridge(o); }, ThrowsMessage<UserError>(HasSubstr("is no topic of ROS"))) << topic;
+  }
+  EXPECT_THAT(refused([](BridgeConfig& c) { c.map.down_y = 0; }), HasSubstr("no direction"));
+}
+
 }  // namespace
 }  // namespace coslam
