@@ -68,10 +68,15 @@ Shown shown_of(const std::string& what) {
   return shown_map(what);
 }
 
+WebAnswer nothing_at(const std::string& path) {
+  return plain_answer(
+      404, "there is nothing at " + path + "; of a run that is over there are /api/v1/explain and /api/v1/run.mcap");
+}
+
 WebAnswer answer(const Shown& shown, const std::shared_ptr<const std::string>& mcap, const WebRequest& request) {
   if (request.path == "/healthz" || request.path == "/readyz") return plain_answer(200, "ok");
   if (request.path == "/api/v1/run.mcap") return {200, "application/octet-stream", "", *mcap, mcap};
-  if (request.path != "/api/v1/explain") return plain_answer(404, "there is nothing at " + request.path);
+  if (request.path != "/api/v1/explain") return nothing_at(request.path);
   if (!shown.result) return plain_answer(404, "only a RESULT tells of lives");
   const auto question = question_of(request);
   return question ? explained(*shown.result, *question) : no_question();

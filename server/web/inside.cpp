@@ -3,6 +3,7 @@
 #include "server/web/inside.h"
 
 #include <boost/asio/post.hpp>
+#include <cerrno>
 #include <utility>
 #include <vector>
 
@@ -44,7 +45,9 @@ void WebInside::listen() {
   if (!error) port = acceptor.local_endpoint(error).port();
   if (error) {
     throw UserError("the web server cannot listen on port " + std::to_string(config.port) + " of " + config.address +
-                    ": " + error.message() + "; 0 takes a free one");
+                    ": " + error.message() +
+                    (error.value() == EADDRNOTAVAIL ? ": server.view.address takes an address of this machine"
+                                                    : "; 0 takes a free one"));
   }
 }
 
