@@ -65,6 +65,16 @@ struct PoseStamped {
   }
 };
 
+struct PoseArray {
+  static constexpr const char* kType = "geometry_msgs/PoseArray";
+  Header header;
+  std::vector<Pose> poses;
+  static void fields(auto& m, auto& visit) {
+    visit("header", m.header);
+    visit("poses", m.poses);
+  }
+};
+
 struct PoseWithCovariance {
   static constexpr const char* kType = "geometry_msgs/PoseWithCovariance";
   Pose pose;

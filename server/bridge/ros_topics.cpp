@@ -25,7 +25,8 @@ Delivery delivery_of(const std::string& topic, std::string_view type) {
   if (type == ros::type_text<ros::VehicleOdometry>().name) return {.reliable = false, .depth = 1};
   if (topic == "/tf_static") return {.late_joiners = true, .depth = kTransforms};
   if (topic == "/tf") return {.depth = kTransforms};
-  if (ends("/map/points") || ends("/path") || ends("/state")) return {.late_joiners = true, .depth = 1};
+  if (ends("/map/points") || ends("/path") || ends("/key_frames") || ends("/state"))
+    return {.late_joiners = true, .depth = 1};
   if (ends("/events")) return {.late_joiners = true, .depth = kKeptEvents};
   return {};
 }

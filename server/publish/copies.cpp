@@ -55,7 +55,23 @@ ros::StaticPoint static_point(const MapPoint& p) {
           .views = static_cast<std::uint16_t>(std::min(p.views, kMostViews))};
 }
 
-PublicPath path_of(const MapCamera& camera) {
+// Thinned by powers of two: the same ones each time, until there are twice as many.
+std::vector<Rigid3> key_poses_of(const Map& map, const MapCamera& camera) {
+  constexpr std::size_t kMost = 500;
+  std::size_t stride = 1;
+  while (map.key_frames().size() / stride > kMost) stride *= 2;
+  std::vector<Rigid3> out;
+  auto frame = camera.frames.begin();  // both ascend
+  for (std::size_t i = 0; i < map.key_frames().size(); i += stride) {
+    const SetId set = map.key_frames()[i].set;
+    frame = std::lower_bound(frame, camera.frames.end(), set, [](const FramePose& f, SetId s) { return f.set < s; });
+    if (frame == camera.frames.end()) break;
+    if (frame->set == set && frame->valid() && frame->map == camera.map) out.push_back(frame->cam_from_world);
+  }
+  return out;
+}
+
+PublicPath path_of(const Map& map, const MapCamera& camera) {
   constexpr std::size_t kNewest = kMostOfPath / 2;
   const auto& frames = camera.frames;
   PublicPath path{.agent = camera.name, .map = camera.map};
@@ -68,6 +84,7 @@ PublicPath path_of(const MapCamera& camera) {
   };
   for (std::size_t i = 0; i < newest; i += stride) add(frames[i]);
   for (std::size_t i = newest; i < frames.size(); ++i) add(frames[i]);
+  path.key_cam_from_map = key_poses_of(map, camera);
   return path;
 }
 
@@ -127,7 +144,7 @@ PublicTracks copy_tracks(const Map& map, const FrameSet& set) {
 PublicPaths copy_paths(const Map& map) {
   PublicPaths out;
   for (const MapCamera& c : map.cameras()) {
-    if (c.map != MapId()) out.cameras.push_back(path_of(c));
+    if (c.map != MapId()) out.cameras.push_back(path_of(map, c));
   }
   return out;
 }

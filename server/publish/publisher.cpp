@@ -49,9 +49,10 @@ const Publisher::OfAgent& Publisher::of_agent(const std::string& agent, const An
     at->second = {add(ros_channel<ros::PoseWithCovarianceStamped>(prefix + "/pose", Part::kPoses)),
                   add(ros_channel<ros::Odometry>(prefix + "/odom", Part::kPoses)),
                   add(ros_channel<ros::Path>(prefix + "/path", Part::kPaths, 1)),
+                  add(ros_channel<ros::PoseArray>(prefix + "/key_frames", Part::kPaths, 1)),
                   add(json_channel(prefix + "/tracks", "coslam.Tracks", kTracksSchema, Part::kTracks, 1))};
     const OfAgent& made = at->second;
-    for (const ChannelPtr& c : {made.pose, made.odom, made.path, made.tracks}) announce(c);
+    for (const ChannelPtr& c : {made.pose, made.odom, made.path, made.key_frames, made.tracks}) announce(c);
   }
   return at->second;
 }
@@ -83,7 +84,9 @@ void Publisher::encode(const Snapshot& snapshot, const Announce& announce, const
   if (const auto& c = snapshot.cloud) tell(points_, c->t_ns, [&] { return ros::to_cdr(static_cloud(*c)); });
   if (const auto& p = snapshot.paths) {
     for (const PublicPath& c : p->cameras) {
-      tell(of_agent(c.agent, announce).path, p->t_ns, [&] { return ros::to_cdr(path(c, *p)); });
+      const OfAgent& to = of_agent(c.agent, announce);
+      tell(to.path, p->t_ns, [&] { return ros::to_cdr(path(c, *p)); });
+      tell(to.key_frames, p->t_ns, [&] { return ros::to_cdr(key_frames(c, *p)); });
     }
   }
   if (const auto& t = snapshot.tracks) {

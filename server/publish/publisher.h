@@ -36,7 +36,7 @@ class Publisher {
 
  private:
   struct OfAgent {
-    ChannelPtr pose, odom, path, tracks;
+    ChannelPtr pose, odom, path, key_frames, tracks;
   };
   const OfAgent& of_agent(const std::string& agent, const Announce& announce);
   ChannelPtr add(Channel channel);

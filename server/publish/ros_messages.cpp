@@ -104,6 +104,13 @@ ros::Path path(const PublicPath& path, const PublicInstant& instant) {
   return out;
 }
 
+ros::PoseArray key_frames(const PublicPath& path, const PublicInstant& instant) {
+  ros::PoseArray out;
+  out.header = ros::header_of(instant.t_ns, frame_of(path.map, instant.main));
+  for (const Rigid3& cam_from_map : path.key_cam_from_map) out.poses.push_back(pose_of_base(cam_from_map));
+  return out;
+}
+
 ros::PointCloud2 static_cloud(const PublicCloud& cloud) {
   return ros::static_cloud(header_in(cloud.main, cloud), cloud.points);
 }

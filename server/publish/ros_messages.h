@@ -16,6 +16,7 @@ ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main);
 // Its covariance is that of the pose in the map: how far the odom frame has drifted is not in it.
 ros::Odometry odometry(const PublicPose& pose, RosNames& names);
 ros::Path path(const PublicPath& path, const PublicInstant& instant);
+ros::PoseArray key_frames(const PublicPath& path, const PublicInstant& instant);
 // Points of all maps; field `map` says whose frame the coordinates are in.
 ros::PointCloud2 static_cloud(const PublicCloud& cloud);
 // Of the main map.

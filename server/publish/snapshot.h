@@ -86,6 +86,7 @@ struct PublicPath {
   std::string agent;
   MapId map;
   std::vector<std::pair<TimeNs, Rigid3>> cam_from_map;  // ascending
+  std::vector<Rigid3> key_cam_from_map;                 // of key frames, ascending in time
 };
 
 struct PublicPaths : PublicInstant {

@@ -68,9 +68,9 @@ void LiveApi::answer(const WebRequest& request, WebReply reply) {
     return reply(state_ ? answer_of(agents_json(*state_, rates_, names_), kJson) : not_begun());
   if (path == "/api/v1/groups") return reply(state_ ? answer_of(groups_json(*state_), kJson) : not_begun());
   if (path == "/api/v1/thumbnail") return reply(thumbnail(request));
-  reply(
-      plain_answer(404, "there is nothing at " + path +
-                            "; there are /api/v1/agents, groups, map.ply, thumbnail and explain, /metrics, /healthz and /readyz"));
+  reply(plain_answer(
+      404, "there is nothing at " + path +
+               "; there are /api/v1/agents, groups, map.ply, thumbnail and explain, /metrics, /healthz and /readyz"));
 }
 
 WebAnswer LiveApi::health() const {

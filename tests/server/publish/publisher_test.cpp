@@ -57,7 +57,8 @@ Snapshot snapshot() {
   cloud.points = {{{1, 2, 3}, 0.02F, PointId(11), kMain, false, 12}, {{4, 5, 6}, 0.5F, PointId(12), kOther, true, 2}};
   out.cloud = std::make_shared<const PublicCloud>(cloud);
 
-  PublicPaths paths{{2'500'000'000, kMain}, {{"cam-0", kMain, {{0, {}}, {1'000'000'000, camera_pose()}}}}};
+  PublicPaths paths{{2'500'000'000, kMain},
+                    {{"cam-0", kMain, {{0, {}}, {1'000'000'000, camera_pose()}}, {camera_pose()}}}};
   out.paths = std::make_shared<const PublicPaths>(paths);
 
   PublicTracks tracks{{2'500'000'000, kMain}, {}};
@@ -128,10 +129,12 @@ class PublisherTest : public ::testing::Test {
 TEST_F(PublisherTest, EveryChannelHasItsMessage) {
   publish();
   EXPECT_THAT(announced_,
-              ElementsAre("/coslam/cam_0/pose", "/coslam/cam_0/odom", "/coslam/cam_0/path", "/coslam/cam_0/tracks",
-                          "/coslam/far/pose", "/coslam/far/odom", "/coslam/far/path", "/coslam/far/tracks"));
+              ElementsAre("/coslam/cam_0/pose", "/coslam/cam_0/odom", "/coslam/cam_0/path", "/coslam/cam_0/key_frames",
+                          "/coslam/cam_0/tracks", "/coslam/far/pose", "/coslam/far/odom", "/coslam/far/path",
+                          "/coslam/far/key_frames", "/coslam/far/tracks"));
   for (const ChannelPtr& c : publisher_.channels()) {
-    const bool none = c->topic == "/coslam/far/path" || c->topic == "/coslam/far/tracks";
+    const bool none =
+        c->topic.starts_with("/coslam/far/") && !c->topic.ends_with("/pose") && !c->topic.ends_with("/odom");
     EXPECT_EQ(messages_.contains(c->topic), !none) << c->topic;
     EXPECT_FALSE(c->schema.empty());
   }
@@ -203,6 +206,10 @@ TEST_F(PublisherTest, PosesInTheMapAndInOdomAreOfTheBody) {
   ASSERT_EQ(path.poses.size(), 2U);
   EXPECT_EQ(path.poses[1].header.stamp.sec, 1);
   EXPECT_NEAR(path.poses[1].pose.position.z, 3, 1e-12);
+  const auto key_frames = ros<ros::PoseArray>("/coslam/cam_0/key_frames");
+  EXPECT_EQ(key_frames.header.frame_id, "map");
+  ASSERT_EQ(key_frames.poses.size(), 1U);
+  EXPECT_NEAR(key_frames.poses[0].position.z, 3, 1e-12);
 }
 
 TEST_F(PublisherTest, CloudsHaveTheirFields) {

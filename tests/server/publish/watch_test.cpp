@@ -55,6 +55,14 @@ TEST_F(WatchTest, CopiesWhatTheMapHas) {
   ASSERT_TRUE(s.moving->maps.contains(s.moving->main));
   EXPECT_GT(s.moving->maps.at(s.moving->main).points.size(), 3U);
   EXPECT_GT(s.paths->cameras.at(0).cam_from_map.size(), 100U);
+  const auto& keys = s.paths->cameras.at(0).key_cam_from_map;
+  EXPECT_GT(keys.size(), 2U);
+  EXPECT_LE(keys.size(), s.state->key_frames);
+  EXPECT_EQ(
+      std::ranges::count_if(s.paths->cameras.at(0).cam_from_map,
+                            [&](const auto& pose) { return pose.second.translation == keys.front().translation; }),
+      1)
+      << "key frames lie on the path";
   EXPECT_GT(s.tracks->cameras.at(0).tracks.size(), 100U);
   EXPECT_EQ(s.state->agents.at(0).standing, PublicStanding::kTracking);
   EXPECT_EQ(s.state->agents.at(0).why, "");

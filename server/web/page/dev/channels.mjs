@@ -22,6 +22,7 @@ function channelsOf(cameras) {
     list.push(
       { topic: `${of}/pose`, type: estimate, rate_hz: 30, make: (run, t) => (run.isLost(i, t) ? null : run.pose(i, t)) },
       { topic: `${of}/path`, type: "nav_msgs/msg/Path", rate_hz: 1, make: (run, t) => run.path(i, t) },
+      { topic: `${of}/key_frames`, type: "geometry_msgs/msg/PoseArray", rate_hz: 1, make: (run, t) => run.keyFrames(i, t) },
       { topic: `${of}/tracks`, rate_hz: 5, make: (run, t) => json(run.tracks(i, t)) });
   }
   return list.map((channel, index) => ({

@@ -135,6 +135,14 @@ export class Run {
     }).done();
   }
 
+  keyFrames(index, t_s) {
+    const out = new CdrWriter(40000).header(t_s, frameOf(mapOf(index, t_s)));
+    return out.sequence(this.poses[index].slice(-500).filter((_, i) => i % 10 === 0), ({ pose }) => {
+      const inMap = this.inMap(index, t_s, pose);
+      out.pose(inMap.t, quaternion(ofBase(inMap.r)));
+    }).done();
+  }
+
   tracks(index, t_s) {
     const camera_from_room = inverse(cameraAt(index, t_s));
     const tracks = [];

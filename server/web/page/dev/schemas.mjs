@@ -30,6 +30,7 @@ const ROOTS = {
     "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n" +
     "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense",
   "geometry_msgs/msg/PoseWithCovarianceStamped": "std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose",
+  "geometry_msgs/msg/PoseArray": "std_msgs/Header header\ngeometry_msgs/Pose[] poses",
   "nav_msgs/msg/Path": "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses",
   "visualization_msgs/msg/MarkerArray": "visualization_msgs/Marker[] markers",
 };

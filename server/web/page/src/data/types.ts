@@ -98,6 +98,7 @@ export interface Pose { position: Vector; orientation: Quaternion }
 export interface Header { stamp: { sec: number; nsec?: number; nanosec?: number }; frame_id: string }
 export const secondsOf = ({ stamp }: Header): number => stamp.sec + (stamp.nsec ?? stamp.nanosec ?? 0) / 1e9;
 export interface PoseEstimate { header: Header; pose: { pose: Pose; covariance: ArrayLike<number> } }
+export interface PoseArray { header: Header; poses: Pose[] }
 export interface Path { header: Header; poses: { header: Header; pose: Pose }[] }
 export interface Marker {
   header: Header;
@@ -124,6 +125,6 @@ export function topicName(agent: AgentState): string { return agent.topic?.repla
 
 // "/coslam/cam0/pose" -> ["cam0", "pose"], the first as topicName() has it; undefined for topics that are of no agent.
 export function agentTopic(topic: string): [string, string] | undefined {
-  const match = /^\/coslam\/(.+)\/(pose|path|tracks)$/.exec(topic);
+  const match = /^\/coslam\/(.+)\/(pose|path|key_frames|tracks)$/.exec(topic);
   return match ? [match[1]!, match[2]!] : undefined;
 }

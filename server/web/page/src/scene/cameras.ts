@@ -6,12 +6,13 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Matrix4, Mes
 
 import type { Standing } from "../data/chronicle";
 import { countUntil } from "../data/source";
-import { secondsOf, type AgentState, type Path, type Pose, type PoseEstimate } from "../data/types";
+import { secondsOf, type AgentState, type Path, type Pose, type PoseArray, type PoseEstimate } from "../data/types";
 import { type Frames, lookOf } from "./frames";
 import { type Label, Label as LabelOf, type Labels } from "./labels";
 import { Strokes, strip } from "./lines";
 import type { Palette } from "./palette";
 
+const KEY_FRAME_SIZE = 0.4;  // of a camera
 const OFF_WAY_S = 10;  // what is longer after a pose was elsewhere
 
 // The corners of the image at a depth of one, from the top left, clockwise.
@@ -28,6 +29,7 @@ export class CameraMark {
   readonly body = new Group();
   readonly label: Label;
   readonly trail = new Strokes(2, { opacity: 0.85 });
+  readonly keyFrames = new Strokes(1, { opacity: 0.5 });
   frame = "";
   pose: Pose | undefined;
   covariance: ArrayLike<number> | undefined;
@@ -37,6 +39,7 @@ export class CameraMark {
   private readonly broken = new Strokes(2, { dashed: true });
   private readonly face: Mesh;
   private path: Path | undefined;
+  private keyPoses: readonly Pose[] = [];
   private lens = "";
   private size = 1;
 
@@ -78,9 +81,17 @@ export class CameraMark {
     this.drawTrail();
   }
 
+  takeKeyFrames({ header, poses }: PoseArray, frames: Frames): void {
+    this.keyPoses = poses;
+    frames.of(header.frame_id).group.add(this.keyFrames.object);
+    this.drawKeyFrames();
+  }
+
   scale(size: number): void {
+    const changed = size !== this.size;
     this.size = size;
     this.place();
+    if (changed) this.drawKeyFrames();
   }
 
   paint(colour: Color, palette: Palette): void {
@@ -91,6 +102,7 @@ export class CameraMark {
     this.broken.object.visible = !holds;
     for (const strokes of [this.edges, this.broken]) strokes.paint(shown);
     this.trail.paint(colour);
+    this.keyFrames.paint(colour);
     (this.face.material as MeshBasicMaterial).color.copy(shown);
     this.label.element.style.setProperty("--colour", `#${colour.getHexString()}`);
     this.label.element.classList.toggle("lost", standing === "lost");
@@ -141,6 +153,19 @@ export class CameraMark {
   }
 
   private drawTrail(): void { this.trail.set(strip(this.places().map((place) => place.toArray()))); }
+
+  // Small image planes.
+  private drawKeyFrames(): void {
+    const [a, b, c, d] = cornersOf(this.state?.fov ?? []).map((corner) => new Vector3(...corner));
+    const side = KEY_FRAME_SIZE * this.size;
+    const matrix = new Matrix4();
+    this.keyFrames.set(this.keyPoses.flatMap((pose) => {
+      const { x, y, z } = pose.position;
+      matrix.compose(new Vector3(x, y, z), lookOf(pose), new Vector3(side, side, side));
+      const [p, q, r, s] = [a!, b!, c!, d!].map((corner) => corner.clone().applyMatrix4(matrix).toArray());
+      return [p!, q!, q!, r!, r!, s!, s!, p!].flat();
+    }));
+  }
 
   private shape(fov: readonly number[]): void {
     const [a, b, c, d] = cornersOf(fov);

@@ -83,6 +83,7 @@ export class Fleet {
     this.labels.remove(mark.label);
     mark.body.removeFromParent();
     mark.trail.object.removeFromParent();
+    mark.keyFrames.object.removeFromParent();
     this.marks.delete(mark.name);
   }
 }

@@ -4,7 +4,7 @@
 // What is wanted in the picture.
 import type { View } from "./view";
 
-export const ALL_LAYERS = { "Static points": true, "Moving points": true, Objects: true, Trails: true, Links: true, Events: true, Floor: true, Names: true };
+export const ALL_LAYERS = { "Static points": true, "Moving points": true, Objects: true, Trails: true, "Key frames": true, Links: true, Events: true, Floor: true, Names: true };
 
 // moves: something does at this instant.
 export function showLayers(view: View, moves: boolean): void {
@@ -18,6 +18,7 @@ export function showLayers(view: View, moves: boolean): void {
   }
   for (const mark of view.cameras.values()) {
     mark.trail.object.visible = layers.Trails;
+    mark.keyFrames.object.visible = layers["Key frames"] && mark.keyFrames.any;
     mark.label.visible &&= layers.Names;
   }
   view.fleet.links.strokes.object.visible = layers.Links && view.fleet.links.any;

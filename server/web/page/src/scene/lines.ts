@@ -20,10 +20,12 @@ export class Strokes {
     this.object.visible = false;
   }
 
+  any = false;  // something is to be drawn
+
   // Pairs of ends, three numbers each; colours likewise.
   set(positions: readonly number[], colours?: readonly number[]): void {
-    this.object.visible = positions.length > 0;
-    if (positions.length === 0) return;
+    this.object.visible = this.any = positions.length > 0;
+    if (!this.any) return;
     this.object.geometry.dispose();
     const geometry = new LineSegmentsGeometry();
     geometry.setPositions(positions as number[]);

@@ -7,7 +7,7 @@ import { Matrix4, Vector3 } from "three";
 import type { Cloud } from "../data/cloud";
 import { decode } from "../data/decode";
 import type { Source } from "../data/source";
-import { TOPIC, agentTopic, topicName, type MarkerArray, type Message, type Path, type PoseEstimate, type RunState, type Tracks } from "../data/types";
+import { TOPIC, agentTopic, topicName, type MarkerArray, type Message, type Path, type PoseArray, type PoseEstimate, type RunState, type Tracks } from "../data/types";
 import type { CameraMark } from "./cameras";
 import { Fitting } from "./fitting";
 import { Fleet } from "./fleet";
@@ -203,6 +203,9 @@ export class View {
     if (what === "pose") {
       const estimate = decode<PoseEstimate>(message);
       if (estimate) mark.takePose(estimate, this.frames);
+    } else if (what === "key_frames") {
+      const array = decode<PoseArray>(message);
+      if (array) mark.takeKeyFrames(array, this.frames);
     } else {
       const path = decode<Path>(message);
       if (path) mark.takePath(path, this.frames);
