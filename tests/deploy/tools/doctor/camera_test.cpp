@@ -38,7 +38,7 @@ TEST(DoctorCamera, SourceThatIsWell) { EXPECT_THAT(judge(well()), Each(Field(&Fi
 TEST(DoctorCamera, SourceThatCannotBeRead) {
   SourceFacts facts;
   facts.problem = "there is no source 'x'";
-  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "coslam calibration"));
+  EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "docs/inputs.md"));
   facts.live = true;
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kFail, "there is no source 'x'", "v4l2-ctl"));
   facts = well();
