@@ -60,7 +60,7 @@ TEST_F(WatchTest, CopiesWhatTheMapHas) {
   EXPECT_LE(keys.size(), s.state->key_frames);
   EXPECT_EQ(
       std::ranges::count_if(s.paths->cameras.at(0).cam_from_map,
-                            [&](const auto& pose) { return pose.second.translation == keys.front().translation; }),
+                            [&](const auto& each) { return each.second.translation == keys.front().translation; }),
       1)
       << "key frames lie on the path";
   EXPECT_GT(s.tracks->cameras.at(0).tracks.size(), 100U);
