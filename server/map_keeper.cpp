@@ -21,7 +21,7 @@ MapKeeper::MapKeeper(const std::filesystem::path& file, const KeepConfig& config
       saver_([this](const std::vector<Row>& rows) { file_.write(rows, time_of_day_ns()); }) {
   const Tables tables = file_.read();
   if (tables.empty()) return;
-  server_.restore(tables, to_seconds(time_of_day_ns() - file_.saved_ns().value_or(0)));
+  server_.restore(tables, to_seconds(time_of_day_ns() - file_.saved_ns().value_or(0)), file_.version());
   times_fit_ = false;
   log_info("going on with the map of " + file.string() + ": " + std::to_string(server_.map().points().size()) +
            " points, " + std::to_string(server_.map().cameras().size()) + " cameras");

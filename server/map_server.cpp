@@ -47,8 +47,7 @@ CameraId MapServer::admit(const Hello& hello) {
     }
     if (c.run != hello.agent_run) {
       edit_.restart_camera(c.id, hello.agent_run, hello.camera);
-      pipeline_.stage<ClockFinder>().forget(c.id);
-      pipeline_.stage<LagFinder>().forget(c.id);
+      pipeline_.forget(c.id);
     }
     return c.id;
   }
@@ -119,11 +118,8 @@ void MapServer::remember_last_images() {
 
 void MapServer::forget() {
   const auto timer = report_.times.measure("past");
-  std::vector<ImageKey> held = pipeline_.stage<Meetings>().held_frames();
-  const std::vector<ImageKey> of_scale = pipeline_.stage<Scale>().held_frames();
-  held.insert(held.end(), of_scale.begin(), of_scale.end());
-  past_ = forgetting_.run(edit_, held);
-  pipeline_.stage<Meetings>().forget(past_.views);
+  past_ = forgetting_.run(edit_, pipeline_.held_frames());
+  pipeline_.forget(past_.views);
 }
 
 void MapServer::take(const ScaleReport& scale) {
@@ -217,7 +213,7 @@ MapServerCounts MapServer::counts() const {
 
 MemoryUse MapServer::memory() const {
   MemoryUse use = memory_of(map());
-  use["places"] = pipeline_.stage<Meetings>().remembered_bytes();
+  pipeline_.add_memory(&use);
   return use;
 }
 

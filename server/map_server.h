@@ -66,8 +66,9 @@ class MapServer {
   // All that outlives the server, as rows, as far as it changed since the last call. They belong together.
   std::vector<Row> changed_rows();
   // Goes on with the map of these rows; before anything else. gap_s: how long nothing was seen since. Cameras are
-  // known again by their names, and by their runs if these still live. Throws UserError when the rows are none.
-  void restore(const Tables& tables, double gap_s);
+  // known again by their names, and by their runs if these still live. version: of the rows; those of an older one
+  // count as changed. Throws UserError when the rows are none.
+  void restore(const Tables& tables, double gap_s, int version = kRowsVersion);
   // Maps of another server, which was restored and has no agents either, become maps of this one; those that show a
   // place of an older map become part of that one.
   struct TakenIn {

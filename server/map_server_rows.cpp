@@ -11,23 +11,16 @@ namespace coslam {
 
 std::vector<Row> MapServer::changed_rows() {
   std::vector<Row> rows = rows_.changes(map());
-  pipeline_.stage<Meetings>().save(&rows);
-  pipeline_.stage<Scale>().save(&rows);
-  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kObjects),
-                  octets_of(pipeline_.stage<ObjectFinder>().next_object())});
+  pipeline_.save(&rows);
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kAdjusted), octets_of(adjusted_)});
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kRun), octets_of(run_.id)});
   return rows;
 }
 
-void MapServer::restore(const Tables& tables, double gap_s) {
+void MapServer::restore(const Tables& tables, double gap_s, int version) {
   constexpr double kLongest_s = 60;  // later nothing is recent any more
-  edit_.restore(tables);
-  pipeline_.stage<Meetings>().restore(tables);
-  pipeline_.stage<Scale>().restore(tables);
-  std::uint32_t next_object = 1;
-  read_state(tables, StateRow::kObjects, next_object);
-  pipeline_.stage<ObjectFinder>().number_from(next_object);
+  edit_.restore(tables, version);
+  pipeline_.restore(tables);
   read_state(tables, StateRow::kAdjusted, adjusted_);
   RunId before;  // none in a file of before it was kept
   read_state(tables, StateRow::kRun, before);
@@ -37,6 +30,7 @@ void MapServer::restore(const Tables& tables, double gap_s) {
   restored_until_ = map().now();
   restored_cameras_ = map().cameras().size();
   changed_rows();  // what is in the file need not be written again, and what goes from now on is to go there, too
+  if (version < kRowsVersion) rows_.write_all_again();
   edit_.pass_sets(map().sets_in(std::clamp(gap_s, 0.0, kLongest_s)));
 }
 
@@ -44,7 +38,7 @@ MapServer::TakenIn MapServer::take_in(const MapServer& other) {
   TakenIn out;
   const MapId first = map().next_map();
   out.as = edit_.take_in(other.map());
-  pipeline_.stage<Meetings>().take_in(other.pipeline_.stage<Meetings>(), out.as);
+  pipeline_.take_in(other.pipeline_, out.as);
   out.joined = join_maps(edit_, pipeline_.stage<Meetings>().places(), first);
   for (const JoinedMaps& j : out.joined) adjusted_.erase(j.kept);
   return out;

@@ -12,7 +12,7 @@
 namespace coslam {
 MapServer load_map(const MapFile& file) {
   MapServer server(RunId(1), {});
-  server.restore(file.read(), 0);
+  server.restore(file.read(), 0, file.version());
   return server;
 }
 

@@ -8,15 +8,6 @@
 namespace coslam {
 
 template <class A>
-void serialize(A& a, TagSize& v) {
-  a(v.status, v.side, v.sigma, v.views, v.error_px, v.chi_square);
-}
-template <class A>
-void serialize(A& a, MeasuredTag& v) {
-  a(v.tag, v.size);
-}
-
-template <class A>
 void TagScale::serialize(A& a) {
   a(seen_, twice_, said_, states_);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/fields.h"
 #include "server/map/edit.h"
 #include "server/solve/tag_size.h"
 
@@ -29,6 +30,7 @@ struct MeasuredTag {
   TagId tag;
   TagSize size;  // in units of its map
 };
+auto fields(Like<MeasuredTag> auto& m) { return std::tuple(kept("tag", m.tag), kept("size", m.size)); }
 
 struct TagScaleReport {
   int measured = 0;                 // tags

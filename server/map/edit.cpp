@@ -215,7 +215,7 @@ void MapEdit::ingest(const FrameSet& set) {
   times_ns.push_back(set.t_ns);
   if (times_ns.size() > kNewest) times_ns.erase(times_ns.begin());
   map_.set_interval_s_ = interval_s(times_ns).value_or(map_.set_interval_s_);
-  erase_if(&map_.recent_, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
+  erase_if(&map_.points_.recent, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
   for (const CameraFrame& cf : set.frames) take_tracks(own(cf.camera), cf, set.id);
 }
 
@@ -324,7 +324,7 @@ void MapEdit::shift_times(TimeNs by_ns) {
       to_ns += by_ns;
     }
   }
-  for (auto& [id, p] : map_.points_) {
+  for (auto& [id, p] : map_.points_.all) {
     p.first_ns += by_ns;
     p.last_ns += by_ns;
   }
@@ -366,7 +366,7 @@ void MapEdit::add_key_image(SetId set, CameraId camera) {
 }
 
 void MapEdit::move_map(MapId map, const Similarity3& new_from_old) {
-  for (const auto& [id, p] : map_.points_) {
+  for (const auto& [id, p] : map_.points_.all) {
     if (p.map == map) transform_point(p, new_from_old);
   }
   for (MapCamera& c : map_.cameras_) {
@@ -388,7 +388,7 @@ void MapEdit::transform(MapId map, const Similarity3& new_from_old, Why why) {
 void MapEdit::merge(MapId from, MapId into, const Similarity3& into_from_from) {
   move_map(from, into_from_from);
   map_.moves_.push_back({from, into, into_from_from});
-  for (auto& [id, p] : map_.points_) {
+  for (auto& [id, p] : map_.points_.all) {
     if (p.map == from) p.map = into;
   }
   for (MapCamera& c : map_.cameras_) {

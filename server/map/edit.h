@@ -12,22 +12,9 @@
 #include "server/map/journal.h"
 #include "server/map/map.h"
 #include "server/map/map_rows.h"
+#include "server/map/renumber.h"
 
 namespace coslam {
-
-// How what came from another map is numbered here.
-struct Renumbered {
-  std::uint16_t cameras = 0;
-  std::uint32_t points = 0, maps = 0, sets = 0;
-  TimeNs later_ns = 0;
-  std::uint64_t moves = 0;  // of Map::moves(), before those of the other map
-  TimeNs shifted_ns = 0;    // to be added to the other's PutDown::shifted_ns
-
-  CameraId of(CameraId id) const { return CameraId(static_cast<std::uint16_t>(id.value + cameras)); }
-  PointId of(PointId id) const { return id == PointId() ? id : PointId(id.value + points); }
-  MapId of(MapId id) const { return id == MapId() ? id : MapId(id.value + maps); }
-  SetId of(SetId id) const { return SetId(id.value + sets); }
-};
 
 // The logarithm of how much longer the focal length of an image is than its camera's lens says.
 struct FrameZoom {
@@ -181,7 +168,7 @@ class MapEdit {
 
   // ---- the whole ----
   // An empty map becomes the one of these rows. Throws UserError when they contradict each other.
-  void restore(const Tables& tables) { MapRows::restore(tables, &map_); }
+  void restore(const Tables& tables, int version = kRowsVersion) { MapRows::restore(tables, version, &map_); }
   // All maps of another one, with their points, frames and paths, beside those of this one; its cameras are new ones
   // here, under other names where theirs are taken, and see nothing any more.
   Renumbered take_in(const Map& other);
@@ -210,7 +197,7 @@ class MapEdit {
   MapCamera& own(const MapCamera& camera) { return own(camera.id); }
   static ServerTrack& own(const ServerTrack& track) { return const_cast<ServerTrack&>(track); }  // NOLINT: ours
   static MapPoint& own(const MapPoint& point) { return const_cast<MapPoint&>(point); }           // NOLINT: ours
-  MapPoint* own(PointId id) { return map_.index_.find(id); }
+  MapPoint* own(PointId id) { return map_.points_.by_id.find(id); }
   ServerTrack& own(const BoundTrack& b) { return own(b.camera).tracks.at(b.track); }
 
   Event event(EventKind kind, Why why, Figures figures = {}) const;

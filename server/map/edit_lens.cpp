@@ -33,14 +33,13 @@ void MapEdit::change_model(MapCamera* c, const CameraModel& model) {
 
 void MapEdit::move_observations(MapCamera* camera, const std::function<void(Eigen::Vector2f*)>& move) {
   MapCamera& c = *camera;
-  ++map_.lens_changes_;
   for (auto& [id, track] : c.tracks) {
     for (TrackPoint& p : track.seen) move(&p.undistorted_px);
   }
   for (FramePose& frame : c.frames) {
     for (HeldTrack& held : frame.held) move(&held.undistorted_px);
   }
-  for (auto& [id, point] : map_.points_) {
+  for (auto& [id, point] : map_.points_.all) {
     for (KeyObservation& o : point.key_observations) {
       if (o.camera == c.id) move(&o.undistorted_px);
     }
@@ -104,7 +103,7 @@ void MapEdit::leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom>
     for (HeldTrack& held : frame.held) steps.move(frame.set, &held.undistorted_px);
     frame.zoom_taken_out += static_cast<float>(steps.log_zoom(frame.set));
   }
-  for (auto& [id, point] : map_.points_) {
+  for (auto& [id, point] : map_.points_.all) {
     for (KeyObservation& o : point.key_observations) {
       if (o.camera == c.id) steps.move(o.set, &o.undistorted_px);
     }

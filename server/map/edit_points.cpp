@@ -23,7 +23,7 @@ void MapEdit::note_point(EventKind kind, const MapPoint& point, Why why, Figures
 
 void MapEdit::touch(MapPoint& point) {
   point.last_seen = map_.now_;
-  map_.recent_.emplace(point.id, &point);
+  map_.points_.recent.emplace(point.id, &point);
 }
 
 // A track may come back to a point, or its point be fused with one that it was bound to before: each observation once.
@@ -38,8 +38,8 @@ void MapEdit::observe(MapPoint& point, const KeyObservation& seen) {
 const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
                                       PointPhase phase, Why why, Figures figures) {
   const PointId id(map_.next_point_++);
-  MapPoint& p = map_.points_[id];
-  map_.index_.put(id, p);
+  MapPoint& p = map_.points_.all[id];
+  map_.points_.by_id.put(id, p);
   p.id = id;
   p.map = map;
   p.phase = phase;
@@ -49,16 +49,13 @@ const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position
   p.first_ns = p.last_ns = map_.now_ns_;
   touch(p);
   map_.loose_.insert(id);
-  if (p.moves()) map_.moving_.emplace(id, &p);
+  if (p.moves()) map_.points_.moving.emplace(id, &p);
   note_point(EventKind::kPointMade, p, why, figures);
   return p;
 }
 
 void MapEdit::erase_point(PointId id) {
-  map_.moving_.erase(id);
-  map_.recent_.erase(id);
   map_.loose_.erase(id);
-  map_.index_.erase(id);
   map_.points_.erase(id);
 }
 
@@ -74,9 +71,9 @@ void MapEdit::set_phase(MapPoint& point, PointPhase phase, Why why, Figures figu
   COSLAM_CHECK(may_become(point.phase, phase), "a point's phases follow the table in states.h");
   point.phase = phase;
   if (point.moves()) {
-    map_.moving_.emplace(point.id, &point);
+    map_.points_.moving.emplace(point.id, &point);
   } else {
-    map_.moving_.erase(point.id);
+    map_.points_.moving.erase(point.id);
   }
   note_point(EventKind::kPointBecame, point, why, figures);
 }
@@ -206,7 +203,7 @@ void MapEdit::fuse(PointId kept, PointId gone, Why why, Figures figures) {
   into->last_seen = std::max(into->last_seen, from->last_seen);
   into->first_ns = std::min(into->first_ns, from->first_ns);
   into->last_ns = std::max(into->last_ns, from->last_ns);
-  map_.recent_.emplace(kept, into);
+  map_.points_.recent.emplace(kept, into);
   Event e = event(EventKind::kPointFused, why, figures);
   e.map = into->map;
   e.point = kept;

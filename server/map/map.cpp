@@ -177,40 +177,11 @@ Map::Map(const MapConfig& config) : config_(config) {
   for (const std::string& text : config.rigs) rigs_.push_back(parse_rig_camera(text));
 }
 
-Map::Map(const Map& o)
-    : config_(o.config_),
-      rigs_(o.rigs_),
-      metric_(o.metric_),
-      cameras_(o.cameras_),
-      points_(o.points_),
-      motions_(o.motions_),
-      key_frames_(o.key_frames_),
-      key_images_(o.key_images_),
-      spared_images_(o.spared_images_),
-      loose_(o.loose_),
-      observed_in_(o.observed_in_),
-      repatched_(o.repatched_),
-      next_point_(o.next_point_),
-      next_map_(o.next_map_),
-      epoch_(o.epoch_),
-      now_(o.now_),
-      now_ns_(o.now_ns_),
-      set_interval_s_(o.set_interval_s_),
-      set_times_ns_(o.set_times_ns_),
-      moves_(o.moves_),
-      shifted_ns_(o.shifted_ns_),
-      lens_changes_(o.lens_changes_) {
-  // What points to points, points to the copies.
-  for (auto& [id, p] : points_) {
-    index_.put(id, p);
-    if (o.moving_.contains(id)) moving_.emplace(id, &p);
-    if (o.recent_.contains(id)) recent_.emplace(id, &p);
-  }
-}
-
-Map& Map::operator=(const Map& other) {
-  if (this != &other) *this = Map(other);
-  return *this;
+void Map::put(MapPoint point) {
+  const PointId id = point.id;
+  MapPoint& p = points_.all[id] = std::move(point);
+  points_.index(p, is_recent(p.last_seen));
+  for (const KeyObservation& o : p.key_observations) observed_in_[{o.set, o.camera}].push_back(id);
 }
 
 std::vector<CameraId> Map::rig_mates(const MapCamera& camera) const {
@@ -276,16 +247,16 @@ std::vector<const MapPoint*> Map::found(std::vector<PointId> given) const {
 
 std::vector<const MapPoint*> Map::moving_points() const {
   std::vector<const MapPoint*> out;
-  out.reserve(moving_.size());
-  for (const auto& [id, p] : moving_) out.push_back(p);
+  out.reserve(points_.moving.size());
+  for (const auto& [id, p] : points_.moving) out.push_back(p);
   return out;
 }
 
 std::vector<const MapPoint*> Map::recent_points() const {
   std::vector<const MapPoint*> out;
-  out.reserve(recent_.size());
+  out.reserve(points_.recent.size());
   const SetId since = set_ago(config_.recent_s);
-  for (const auto& [id, p] : recent_) {
+  for (const auto& [id, p] : points_.recent) {
     if (p->last_seen >= since) out.push_back(p);
   }
   return out;
@@ -299,7 +270,7 @@ std::vector<const MapPoint*> Map::points_seen_since(SetId set) const {
     }
     return out;
   }
-  for (const auto& [id, p] : points_) {
+  for (const auto& [id, p] : points_.all) {
     if (p.last_seen >= set) out.push_back(&p);
   }
   return out;

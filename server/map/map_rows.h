@@ -21,18 +21,21 @@ class MapRows {
   // All that changed since the last call; they belong together.
   std::vector<Row> changes(const Map& map);
   // Of a map without anything in it. No camera is alive in it. Throws UserError for rows that contradict each other.
-  static void restore(const Tables& tables, Map* map);
+  // version: of the rows.
+  static void restore(const Tables& tables, int version, Map* map);
+  // All that was given out is as if it had changed, as where the file has it in an older version.
+  void write_all_again();
 
  private:
   using Known = std::unordered_map<PointId, std::uint64_t>;
+  static void restore_cameras_apart(const Tables& tables, Map* map);
   void frames(const Map& map, std::vector<Row>* rows);
   template <class Value>
   static void keep(const char* table, const std::map<PointId, Value>& values, Known* known, std::vector<Row>* rows);
 
-  // What each was like: one number that tells two states from each other.
+  // Fingerprints.
   std::vector<std::vector<std::pair<SetId, std::uint64_t>>> frames_;  // by camera, ascending
   Known points_, motions_;
-  std::uint32_t lens_changes_ = 0;  // of the map, at the last call
 };
 
 }  // namespace coslam

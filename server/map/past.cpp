@@ -27,29 +27,30 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
   return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
 }
 
-PutDown renumbered(const Renumbered& as, const PutDown& put) {
-  return {put.moves + as.moves, put.shifted_ns + as.shifted_ns};
+void renumber(const Renumbered& as, PutDown* put) {
+  put->moves += as.moves;
+  put->shifted_ns += as.shifted_ns;
+}
+
+// Times of the past stay as they were put down.
+Renumbered without_time(Renumbered as) {
+  as.later_ns = 0;
+  return as;
 }
 
 }  // namespace
 
 void renumber(const Renumbered& as, PastFrames* block) {
-  block->put = renumbered(as, block->put);
-  block->camera = as.of(block->camera);
-  for (FramePose& f : block->frames) {
-    f.set = as.of(f.set);
-    f.map = as.of(f.map);
-  }
+  const Renumbered numbers = without_time(as);
+  renumber(as, &block->put);
+  Renumber(numbers).apply(block->camera);
+  Renumber(numbers).apply(block->frames);
 }
 
 void renumber(const Renumbered& as, PastPlaces* block) {
-  block->put = renumbered(as, block->put);
-  for (PastPlace& p : block->places) {
-    p.point = as.of(p.point);
-    p.set = as.of(p.set);
-    p.camera = as.of(p.camera);
-    p.map = as.of(p.map);
-  }
+  const Renumbered numbers = without_time(as);
+  renumber(as, &block->put);
+  Renumber(numbers).apply(block->places);
 }
 
 Since since(const Map& map, const PutDown& put, MapId then) {

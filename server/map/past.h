@@ -19,6 +19,7 @@ struct PutDown {
   std::uint64_t moves = 0;  // of Map::moves() that it had been through
   TimeNs shifted_ns = 0;    // Map::shifted_ns()
 };
+auto fields(Like<PutDown> auto& p) { return std::tuple(kept("moves", p.moves), kept("shifted_ns", p.shifted_ns)); }
 
 // Successive frames of one camera, without what they held.
 struct PastFrames {
@@ -38,11 +39,17 @@ struct PastPlace {
   Eigen::Matrix3d covariance_in_cam = Eigen::Matrix3d::Zero();
   int views = 0;
 };
+auto fields(Like<PastPlace> auto& p) {
+  return std::tuple(instant("t_ns", p.t_ns), kept("point", p.point), kept("set", p.set), kept("camera", p.camera),
+                    kept("map", p.map), kept("p_in_cam", p.p_in_cam), kept("covariance_in_cam", p.covariance_in_cam),
+                    kept("views", p.views));
+}
 
 struct PastPlaces {
   PutDown put;
   std::vector<PastPlace> places;  // ascending time
 };
+auto fields(Like<PastPlaces> auto& p) { return std::tuple(kept("put", p.put), kept("places", p.places)); }
 
 // All of one instant that leaves memory.
 struct PastPart {

@@ -14,11 +14,6 @@ std::int64_t key_of(CameraId camera, SetId set) {
 
 }  // namespace
 
-template <class A>
-void serialize(A& a, PutDown& v) {
-  a(v.moves, v.shifted_ns);
-}
-
 // Without what a frame held: that is not past.
 struct BareFrame {
   FramePose& of;
@@ -38,16 +33,6 @@ void serialize(A& a, PastFrames& v) {
     BareFrame bare{v.frames[i]};
     a(bare);
   }
-}
-
-template <class A>
-void serialize(A& a, PastPlace& v) {
-  a(v.t_ns, v.point, v.set, v.camera, v.map, v.p_in_cam, v.covariance_in_cam, v.views);
-}
-
-template <class A>
-void serialize(A& a, PastPlaces& v) {
-  a(v.put, v.places);
 }
 
 std::string octets_of_past(const PastFrames& block) { return octets_of(block); }

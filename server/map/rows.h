@@ -17,7 +17,20 @@ struct Row {
 };
 using Tables = std::map<std::string, std::map<std::int64_t, std::string>>;
 
+// Of the octets in rows. 1 has no past; 2 lacks what fields() of the entities has since 3.
+inline constexpr int kRowsVersion = 3;
+
 // Rows of the table "state", one for each who keeps something beside the map.
-enum class StateRow : std::int64_t { kMap, kMeetings, kScale, kObjects, kPast, kAdjusted, kRun, kSpared, kLenses };
+enum class StateRow : std::int64_t {
+  kMap,
+  kMeetings,
+  kScale,
+  kObjects,
+  kPast,
+  kAdjusted,
+  kRun,
+  kSpared,
+  kLenses
+};  // kLenses: in files before version 3
 
 }  // namespace coslam

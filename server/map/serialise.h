@@ -20,7 +20,10 @@
 #include <type_traits>
 
 #include "common/base/error.h"
+#include "common/base/fields.h"
 #include "common/base/ids.h"
+#include "common/geometry/camera_model.h"
+#include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
 #include "server/map/rows.h"
 
@@ -49,6 +52,16 @@ void serialize(Archive& archive, Id<Tag, Rep>& id) {
 }
 
 template <class Archive>
+void serialize(Archive& archive, CameraModel& v) {
+  archive(v.width_px, v.height_px, v.fx, v.fy, v.cx, v.cy, v.distortion, v.coefficients);
+}
+
+template <class Archive>
+void serialize(Archive& archive, LensCorrection& v) {
+  archive(v.values);
+}
+
+template <class Archive>
 void serialize(Archive& archive, Rigid3& v) {
   archive(v.rotation, v.translation);
 }
@@ -58,18 +71,13 @@ void serialize(Archive& archive, Similarity3& v) {
   archive(v.scale, v.rotation, v.translation);
 }
 
-template <class... Values>
-std::string octets_of(const Values&... values) {
-  std::ostringstream out(std::ios::binary);
-  cereal::BinaryOutputArchive archive(out);
-  archive(values...);
-  return std::move(out).str();
-}
-
 // Reads what BinaryOutputArchive wrote, and believes no count: whatever is counted takes an octet at least.
 class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmptyClassElision> {
  public:
-  explicit OctetArchive(std::string_view octets) : InputArchive(this), left_(octets) {}
+  // version: of the rows, see kRowsVersion.
+  explicit OctetArchive(std::string_view octets, int version = kRowsVersion)
+      : InputArchive(this), left_(octets), version_(version) {}
+  int version() const { return version_; }
 
   void loadBinary(void* to, std::size_t size) {  // NOLINT(readability-identifier-naming): cereal's
     check_room(size);
@@ -83,7 +91,26 @@ class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmpt
 
  private:
   std::string_view left_;
+  int version_;
 };
+
+// A struct is written as its kept fields are, one after the other.
+template <class Archive, HasFields T>
+void serialize(Archive& archive, T& value) {
+  int version = kRowsVersion;
+  if constexpr (requires { archive.version(); }) version = archive.version();
+  each_kept_field(value, [&](const auto& field) {
+    if (field.since <= version) archive(field.value);
+  });
+}
+
+template <class... Values>
+std::string octets_of(const Values&... values) {
+  std::ostringstream out(std::ios::binary);
+  cereal::BinaryOutputArchive archive(out);
+  archive(values...);
+  return std::move(out).str();
+}
 
 // What cereal looks for, by these names.
 template <class T>
@@ -113,13 +140,17 @@ void CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, cereal::BinaryData<T>& dat
 
 // Throws UserError when they are not what they should be.
 template <class... Values>
-void read_octets(const std::string& octets, Values&... values) {
+void read_octets_of(int version, const std::string& octets, Values&... values) {
   try {
-    OctetArchive archive(octets);
+    OctetArchive archive(octets, version);
     archive(values...);
   } catch (const std::exception&) {
     throw UserError("a row of the map file is not what it should be");
   }
+}
+template <class... Values>
+void read_octets(const std::string& octets, Values&... values) {
+  read_octets_of(kRowsVersion, octets, values...);
 }
 
 // The same of a row of "state"; values stay as they are when there is none.

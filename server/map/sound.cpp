@@ -4,9 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <map>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/base/error.h"
+#include "common/base/fields.h"
 #include "server/map/map.h"
 #include "server/map/past.h"
 
@@ -35,127 +41,170 @@ bool is_name(const std::string& name) {
   return !name.empty() && name.size() <= kLongest && name.front() != '.' && std::ranges::all_of(name, good);
 }
 
-void require(bool holds, const char* what) {
-  if (!holds) throw UserError(std::string("the map file has ") + what);
-}
-
-class Check {
+// Goes through a row by the types of its fields. What is wrong is said with the row's table and key, and the field.
+class RowCheck {
  public:
-  explicit Check(const Map& map) : map_(map) {}
+  RowCheck(const Map& map, std::string row) : map_(map), row_(std::move(row)) {}
 
-  void all() const {
-    state();
-    for (const MapCamera& c : map_.cameras()) camera(c);
-    for (const auto& [id, p] : map_.points()) point(id, p);
-    for (const auto& [id, samples] : map_.motions()) {
-      for (const MotionSample& s : samples) motion(s);
-    }
+  void require(bool holds, const std::string& what) const {
+    if (!holds) throw UserError("the map file cannot be used: " + row_ + ": " + what);
   }
 
-  void past(const PastFrames& block) const {
-    require(is_there(block.camera) && in_range(block.put.shifted_ns) && !block.frames.empty(), "a past of no camera");
-    for (const FramePose& f : block.frames) frame(f);
-  }
-
-  void past(const PastPlaces& block) const {
-    require(in_range(block.put.shifted_ns) && !block.places.empty(), "a path of the past that leads nowhere");
-    for (const PastPlace& p : block.places) {
-      require(is_there(p.camera) && is_past(p.set) && is_map(p.map) && in_range(p.t_ns),
-              "a path of the past that was never");
-      require(is_near(p.p_in_cam) && p.covariance_in_cam.allFinite(), "a path of the past that is nowhere");
-    }
+  template <HasFields T>
+  void all(const T& value, const std::string& within = "") const {
+    each_kept_field(value, [&](const auto& field) { one(field.value, within + field.name); });
   }
 
  private:
-  bool is_there(CameraId id) const { return id.value < map_.cameras().size(); }
-  bool is_past(SetId set) const { return set <= map_.now(); }
-  bool is_map(MapId id) const { return id < map_.next_map(); }
-
-  void state() const {
-    require(in_range(map_.now_ns()) && in_range(map_.shifted_ns()), "a time that is none");
-    for (const MapMove& m : map_.moves()) {
-      require(is_map(m.from) && is_map(m.into) && is_sound(m.into_from_from), "a map that moved to nowhere");
-    }
-    for (const auto& [set, id] : map_.key_images()) require(is_past(set) && is_there(id), "a key image of no camera");
-    for (const auto& [set, id] : map_.spared_images())
-      require(is_past(set) && is_there(id), "a key frame of no camera");
-    for (const KeyFrame& k : map_.key_frames()) require(is_past(k.set), "a key frame of the future");
-    for (const PointId id : map_.loose_points()) require(map_.find(id) != nullptr, "a loose point that is not there");
+  void one(CameraId id, const std::string& field) const {
+    require(id.value < map_.cameras().size(), field + " is a camera that is not there");
   }
-
-  void camera(const MapCamera& c) const {
-    constexpr double kMost_px = 1e4, kShortest_s = 1e-5, kLongest_s = 1e5;
-    require(is_name(c.name), "a camera without a name");
-    require(!problem_of(c.model), "a camera without a calibration");
-    require(may_be(c.model, c.lens), "a camera with a lens that cannot be");
-    require(in_range(c.sigma_px, 0, kMost_px) && in_range(c.scene_depth, 0, kFarthest), "a camera that cannot be");
-    require(in_range(c.frame_interval_s, kShortest_s, kLongest_s) && in_range(c.clock_offset_ns),
-            "a camera out of time");
-    require(is_map(c.map) && is_map(c.merged_from) && is_sound(c.moved) && is_sound(c.cam_from_rig),
-            "a camera of no map");
-    require(c.past.frames >= 0 && std::ranges::all_of(c.past.placed,
-                                                      [&](const auto& p) {
-                                                        return is_map(p.first) && p.second >= 0 &&
-                                                               p.second <= c.past.frames;
-                                                      }),
-            "a past that cannot be");
-    for (const FramePose& f : c.frames) frame(f);
-    for (const auto& [id, t] : c.tracks) track(c, id, t);
+  void one(SetId set, const std::string& field) const {
+    require(set <= map_.now(), field + " is a frame set of the future");
   }
-
-  void frame(const FramePose& f) const {
-    require(is_past(f.set) && in_range(f.capture_ns) && is_map(f.map), "a frame that cannot be");
-    require(!f.valid() || is_sound(f.cam_from_world), "a frame whose pose is none");
-    for (const HeldTrack& h : f.held) require(is_near(h.undistorted_px), "a frame that saw nothing");
+  void one(MapId id, const std::string& field) const {
+    require(id < map_.next_map(), field + " is a map that was never there");
   }
-
-  void track(const MapCamera& c, TrackId id, const ServerTrack& t) const {
-    require(t.id == id && is_past(t.patch_set) && is_near(t.offset_px), "a track that cannot be");
-    require(t.motion <= TrackMotion::kMoving, "a track of no kind");
-    const auto later = [](const TrackPoint& a, const TrackPoint& b) { return a.set >= b.set; };
-    require(std::ranges::adjacent_find(t.seen, later) == t.seen.end(), "a track that goes back in time");
-    for (const TrackPoint& p : t.seen) require(is_past(p.set) && is_near(p.undistorted_px), "a track of nothing");
-    if (!t.bound()) return;
-    const MapPoint* point = map_.find(t.point);
-    require(point != nullptr && std::ranges::count(point->bound, BoundTrack{c.id, id}) == 1, "a track on no point");
+  template <class Tag, class Rep>
+  void one(Id<Tag, Rep>, const std::string&) const {}
+  void one(TimeNs t_ns, const std::string& field) const { require(in_range(t_ns), field + " is out of time"); }
+  template <std::floating_point T>
+  void one(T v, const std::string& field) const {
+    require(std::abs(static_cast<double>(v)) <= kFarthest, field + " is no number that can be");
   }
-
-  void point(PointId id, const MapPoint& p) const {
-    require(p.id == id && id != PointId() && is_map(p.map) && p.map != MapId(), "a point that cannot be");
-    require(p.phase <= PointPhase::kMoving, "a point of no kind");
-    require(is_near(p.position) && p.covariance.allFinite(), "a point that is nowhere");
-    require(is_past(p.created) && is_past(p.last_seen) && in_range(p.first_ns) && in_range(p.last_ns),
-            "a point that was never");
-    for (const KeyObservation& o : p.key_observations) {
-      require(is_there(o.camera) && is_past(o.set) && is_near(o.undistorted_px), "a point that nobody saw");
-    }
-    for (const PointPatch& patch : p.patches) {
-      require(is_there(patch.camera) && is_past(patch.set) && is_near(patch.offset_px),
-              "a point that looks like nothing");
-    }
-    require(p.updated_from.size() <= map_.cameras().size(), "a point of cameras that are not there");
-    for (const Eigen::Vector3d& ray : p.updated_from) require(is_near(ray), "a point seen from nowhere");
-    for (const BoundTrack& b : p.bound) {
-      const bool known =
-          is_there(b.camera) && map_.camera(b.camera).tracks.contains(b.track) && map_.track(b).point == id;
-      require(known, "a point on no track");
-    }
+  template <std::integral T>
+  void one(T, const std::string&) const {}
+  void one(TrackMotion motion, const std::string& field) const {
+    require(motion <= TrackMotion::kMoving, field + " is of no kind");
   }
-
-  void motion(const MotionSample& sample) const {
-    require(is_past(sample.set) && in_range(sample.t_ns), "a path out of time");
-    for (const Sighting& s : sample.seen) {
-      require(is_there(s.camera) && is_near(s.undistorted_px) && is_near(s.step_px), "a path that nobody saw");
-    }
+  void one(PointPhase phase, const std::string& field) const {
+    require(phase <= PointPhase::kMoving, field + " is of no kind");
+  }
+  template <class Scalar, int kRows, int kCols>
+  void one(const Eigen::Matrix<Scalar, kRows, kCols>& m, const std::string& field) const {
+    require(m.allFinite(), field + " is not finite");
+    require(kCols > 1 || is_near(m), field + " is too far away");
+  }
+  void one(const Rigid3& pose, const std::string& field) const { require(is_sound(pose), field + " is no pose"); }
+  void one(const Similarity3& s, const std::string& field) const { require(is_sound(s), field + " is no similarity"); }
+  void one(const std::string&, const std::string&) const {}
+  void one(const PatchGrey&, const std::string&) const {}
+  void one(const CameraModel& model, const std::string& field) const {
+    require(!problem_of(model), field + " is no calibration");
+  }
+  void one(const LensCorrection& lens, const std::string& field) const { one(lens.values, field); }
+  template <class T>
+  void one(const std::optional<T>& v, const std::string& field) const {
+    if (v) one(*v, field);
+  }
+  template <class A, class B>
+  void one(const std::pair<A, B>& v, const std::string& field) const {
+    one(v.first, field);
+    one(v.second, field);
+  }
+  template <class T>
+  void one(const std::vector<T>& values, const std::string& field) const {
+    for (const T& v : values) one(v, field);
+  }
+  template <class Key, class Value>
+  void one(const std::map<Key, Value>& values, const std::string& field) const {
+    for (const auto& entry : values) one(entry, field);
+  }
+  template <class Key, class Value>
+  void one(const FlatMap<Key, Value>& values, const std::string& field) const {
+    for (const auto& [key, value] : values) one(value, field + ' ' + std::to_string(key.value));
+  }
+  template <HasFields T>
+  void one(const T& value, const std::string& field) const {
+    all(value, field + '.');
   }
 
   const Map& map_;
+  std::string row_;
 };
+
+std::string row_of(const char* table, std::uint64_t key) { return std::string(table) + ' ' + std::to_string(key); }
+
+void check_state(const Map& map) {
+  const RowCheck row(map, "state");
+  row.require(in_range(map.now_ns()) && in_range(map.shifted_ns()), "its time is none");
+  for (const MapMove& m : map.moves()) row.all(m, "moves.");
+  for (const KeyFrame& k : map.key_frames()) row.all(k, "key_frames.");
+  for (const auto* images : {&map.key_images(), &map.spared_images()}) {
+    for (const auto& [set, camera] : *images) {
+      row.require(set <= map.now() && camera.value < map.cameras().size(), "a key image is of no camera, or to come");
+    }
+  }
+  for (const PointId id : map.loose_points()) {
+    row.require(map.find(id) != nullptr,
+                "loose_points names point " + std::to_string(id.value) + ", which is not there");
+  }
+}
+
+void check_track(const Map& map, const RowCheck& row, const MapCamera& c, TrackId id, const ServerTrack& t) {
+  const std::string name = "track " + std::to_string(id.value);
+  row.require(t.id == id, name + " has another id");
+  const auto later = [](const TrackPoint& a, const TrackPoint& b) { return a.set >= b.set; };
+  row.require(std::ranges::adjacent_find(t.seen, later) == t.seen.end(), name + " goes back in time");
+  if (!t.bound()) return;
+  const MapPoint* point = map.find(t.point);
+  row.require(point != nullptr && std::ranges::count(point->bound, BoundTrack{c.id, id}) == 1,
+              name + " is bound to a point that does not know of it");
+}
+
+void check_camera(const Map& map, const MapCamera& c) {
+  constexpr double kMost_px = 1e4, kShortest_s = 1e-5, kLongest_s = 1e5;
+  const RowCheck row(map, row_of("camera", c.id.value));
+  row.all(c);
+  row.require(is_name(c.name), "name cannot be the name of a file");
+  row.require(may_be(c.model, c.lens), "lens cannot be");
+  row.require(in_range(c.sigma_px, 0, kMost_px), "sigma_px is out of range");
+  row.require(in_range(c.scene_depth, 0, kFarthest), "scene_depth is out of range");
+  row.require(in_range(c.frame_interval_s, kShortest_s, kLongest_s), "frame_interval_s is out of range");
+  const auto fits = [&](const auto& placed) { return placed.second >= 0 && placed.second <= c.past.frames; };
+  row.require(c.past.frames >= 0 && std::ranges::all_of(c.past.placed, fits), "past has more placed than frames");
+  for (const FramePose& f : c.frames) {
+    RowCheck(map, row_of("frame", f.set.value) + " of camera " + std::to_string(c.id.value)).all(f);
+  }
+  for (const auto& [id, t] : c.tracks) check_track(map, row, c, id, t);
+}
+
+void check_point(const Map& map, PointId id, const MapPoint& p) {
+  const RowCheck row(map, row_of("point", id.value));
+  row.require(p.id == id && id != PointId(), "id is another than its number");
+  row.all(p);
+  row.require(p.map != MapId(), "map is none");
+  row.require(p.updated_from.size() <= map.cameras().size(), "updated_from has more cameras than there are");
+  for (const BoundTrack& b : p.bound) {
+    const bool known = map.camera(b.camera).tracks.contains(b.track) && map.track(b).point == id;
+    row.require(known, "bound names track " + std::to_string(b.track.value) + ", which does not know of it");
+  }
+}
 
 }  // namespace
 
-void require_sound(const Map& map) { Check(map).all(); }
-void require_sound(const PastFrames& block, const Map& map) { Check(map).past(block); }
-void require_sound(const PastPlaces& block, const Map& map) { Check(map).past(block); }
+void require_sound(const Map& map) {
+  check_state(map);
+  for (const MapCamera& c : map.cameras()) check_camera(map, c);
+  for (const auto& [id, p] : map.points()) check_point(map, id, p);
+  for (const auto& [id, samples] : map.motions()) {
+    const RowCheck row(map, row_of("motion", id.value));
+    for (const MotionSample& s : samples) row.all(s);
+  }
+}
+
+void require_sound(const PastFrames& block, const Map& map) {
+  const RowCheck row(map, kPastFramesTable);
+  row.all(block.put, "put.");
+  row.require(block.camera.value < map.cameras().size(), "camera is a camera that is not there");
+  row.require(!block.frames.empty(), "it has no frames");
+  for (const FramePose& f : block.frames) row.all(f, "frames.");
+}
+
+void require_sound(const PastPlaces& block, const Map& map) {
+  const RowCheck row(map, kPastPlacesTable);
+  row.all(block);
+  row.require(!block.places.empty(), "it has no places");
+}
 
 }  // namespace coslam

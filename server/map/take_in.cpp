@@ -31,36 +31,13 @@ TimeNs first_ns(const Map& map) {
   return first;
 }
 
-void renumber(const Renumbered& as, MapPoint* p) {
-  p->id = as.of(p->id);
-  p->map = as.of(p->map);
-  p->created = as.of(p->created);
-  p->last_seen = as.of(p->last_seen);
-  p->first_ns += as.later_ns;
-  p->last_ns += as.later_ns;
-  p->bound.clear();
-  p->updated_from.clear();
-  for (KeyObservation& o : p->key_observations) {
-    o.set = as.of(o.set);
-    o.camera = as.of(o.camera);
-  }
-  for (PointPatch& patch : p->patches) {
-    patch.set = as.of(patch.set);
-    patch.camera = as.of(patch.camera);
-  }
-}
-
-void renumber(const Renumbered& as, MotionSample* sample) {
-  sample->set = as.of(sample->set);
-  sample->t_ns += as.later_ns;
-  for (Sighting& s : sample->seen) s.camera = as.of(s.camera);
-}
-
 }  // namespace
 
+// No agent of here is behind it, and it has no place in a map now.
 MapCamera MapEdit::as_here(const MapCamera& other, const Renumbered& as) const {
   MapCamera c = other;
-  c.id = as.of(c.id);
+  c.tracks.clear();
+  Renumber(as).apply(c);
   c.name = free_name(map_.cameras_, c.name);
   c.run = RunId();
   c.run_since = SetId();
@@ -68,36 +45,21 @@ MapCamera MapEdit::as_here(const MapCamera& other, const Renumbered& as) const {
   c.map = MapId();
   c.merged_from = MapId();
   c.alive = false;
-  c.tracks.clear();
-  for (FramePose& f : c.frames) {
-    f.set = as.of(f.set);
-    f.map = as.of(f.map);
-    f.capture_ns += as.later_ns;
-  }
-  c.past.until = c.past.frames > 0 ? as.of(c.past.until) : SetId();
-  c.past.first_ns += as.later_ns;
-  for (auto& [from_ns, to_ns] : c.past.lost) {
-    from_ns += as.later_ns;
-    to_ns += as.later_ns;
-  }
-  c.past.placed.clear();
-  for (const auto& [id, frames] : other.past.placed) c.past.placed[as.of(id)] = frames;
+  if (c.past.frames == 0) c.past.until = SetId();
   return c;
 }
 
 void MapEdit::take_in_points(const Map& other, const Renumbered& as) {
-  for (const auto& [other_id, point] : other.points_) {
+  for (const auto& [id, point] : other.points()) {
     if (point.moves()) continue;  // nobody sees where it is by now
-    const PointId id = as.of(other_id);
-    MapPoint& p = map_.points_[id] = point;
-    renumber(as, &p);
-    map_.index_.put(id, p);
-    if (map_.is_recent(p.last_seen)) map_.recent_.emplace(id, &p);
-    for (const KeyObservation& o : p.key_observations) map_.observed_in_[{o.set, o.camera}].push_back(id);
+    MapPoint p = point;
+    p.bound.clear();
+    p.updated_from.clear();
+    Renumber(as).apply(p);
+    map_.put(std::move(p));
   }
   for (const auto& [id, path] : other.motions_) {
-    auto& own_path = map_.motions_[as.of(id)] = path;
-    for (MotionSample& sample : own_path) renumber(as, &sample);
+    Renumber(as).apply(map_.motions_[as.of(id)] = path);
   }
 }
 
@@ -117,10 +79,16 @@ Renumbered MapEdit::take_in(const Map& other) {
   map_.next_map_ += other.next_map_ - 1;
   for (const MapId id : other.metric_) map_.metric_.insert(as.of(id));
   for (const MapCamera& c : other.cameras_) map_.cameras_.push_back(as_here(c, as));
-  for (const KeyFrame& k : other.key_frames_) map_.key_frames_.push_back({as.of(k.set)});
+  const auto take_all = [&](const auto& from, auto* to) {
+    for (auto value : from) {
+      Renumber(as).apply(value);
+      to->push_back(value);
+    }
+  };
+  take_all(other.key_frames_, &map_.key_frames_);
+  take_all(other.moves_, &map_.moves_);
   for (const auto& [set, camera] : other.key_images_) map_.key_images_.emplace(as.of(set), as.of(camera));
   for (const auto& [set, camera] : other.spared_images_) map_.spared_images_.emplace(as.of(set), as.of(camera));
-  for (const MapMove& m : other.moves_) map_.moves_.push_back({as.of(m.from), as.of(m.into), m.into_from_from});
   take_in_points(other, as);
   raise_epoch();
   return as;

@@ -9,6 +9,7 @@
 
 #include "server/adjust/scale.h"
 #include "server/map/map.h"
+#include "server/map/rows.h"
 #include "server/motion/followed_paths.h"
 #include "server/motion/moving_path.h"
 
@@ -86,8 +87,9 @@ class ObjectFinder {
   // Of the last step, ascending id.
   const std::vector<MovingObject>& objects() const { return objects_; }
   // The id of the next new one.
-  std::uint32_t next_object() const { return next_object_; }
-  void number_from(std::uint32_t next) { next_object_ = next; }
+  // Of another server's, numbers go on.
+  void save(std::vector<Row>* rows) const;
+  void restore(const Tables& tables);
 
  private:
   struct Candidate;

@@ -4,9 +4,13 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/base/metrics.h"
 #include "common/base/workers.h"
+#include "server/map/memory.h"
+#include "server/map/renumber.h"
+#include "server/map/rows.h"
 #include "server/pipeline/stage.h"
 
 namespace coslam {
@@ -54,6 +58,48 @@ class Pipeline {
     return std::get<position<Stage>()>(reports_);
   }
 
+  // What stages keep, in their order; see stage.h.
+  void save(std::vector<Row>* rows) {
+    each([&](auto& stage) {
+      if constexpr (requires { stage.save(rows); }) stage.save(rows);
+    });
+  }
+  void restore(const Tables& tables) {
+    each([&](auto& stage) {
+      if constexpr (requires { stage.restore(tables); }) stage.restore(tables);
+    });
+  }
+  void take_in(const Pipeline& other, const Renumbered& as) {
+    each([&]<class Stage>(Stage& stage) {
+      if constexpr (requires { stage.take_in(stage, as); }) stage.take_in(other.stage<Stage>(), as);
+    });
+  }
+  void forget(CameraId camera) {
+    each([&](auto& stage) {
+      if constexpr (requires { stage.forget(camera); }) stage.forget(camera);
+    });
+  }
+  std::vector<ImageKey> held_frames() const {
+    std::vector<ImageKey> all;
+    each([&](const auto& stage) {
+      if constexpr (requires { stage.held_frames(); }) {
+        const std::vector<ImageKey> held = stage.held_frames();
+        all.insert(all.end(), held.begin(), held.end());
+      }
+    });
+    return all;
+  }
+  void forget(const std::vector<ImageKey>& images) {
+    each([&](auto& stage) {
+      if constexpr (requires { stage.forget(images); }) stage.forget(images);
+    });
+  }
+  void add_memory(MemoryUse* use) const {
+    each([&](const auto& stage) {
+      if constexpr (requires { stage.add_memory(use); }) stage.add_memory(use);
+    });
+  }
+
   template <class V>
   static void describe_all(V& v, Configs& configs) {
     (v.section(std::string(Stages::kName), std::get<typename Stages::Config>(configs)), ...);
@@ -66,6 +112,15 @@ class Pipeline {
     const ServerRun& server;
     Workers& workers;
   };
+
+  template <class Visit>
+  void each(Visit visit) {
+    std::apply([&](auto&... stage) { (visit(stage), ...); }, stages_);
+  }
+  template <class Visit>
+  void each(Visit visit) const {
+    std::apply([&](const auto&... stage) { (visit(stage), ...); }, stages_);
+  }
 
   template <class Stage>
   static Stage make(const typename Stage::Config& config) {

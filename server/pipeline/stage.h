@@ -29,6 +29,13 @@
 //   the report of a stage before it in the same set, `const ViewGraph&`, or that of any stage from the set before,
 //   `Last<ViewGraph>`;
 //   the configuration of another stage, `const LocaliseConfig&`.
+// What it keeps beyond a set it tells by some of these, which a pipeline asks of all stages that have them:
+//   save(std::vector<Row>*), restore(const Tables&), take_in(const Example&, const Renumbered&): what outlives the
+//   server,
+//     and that of another server's;
+//   forget(CameraId): the agent behind a camera is another;
+//   held_frames(), forget(const std::vector<ImageKey>&): images that have to stay in memory, and those that left it;
+//   add_memory(MemoryUse*): bytes, by what they are for.
 // Its report is what others may read of it; what count() of a report names is summed over the run. State that outlives
 // a set is a member of the stage, so that a copy of the stage is its state saved.
 namespace coslam {

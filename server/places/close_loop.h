@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/base/fields.h"
 #include "server/map/edit.h"
 
 namespace coslam {
@@ -15,6 +16,10 @@ struct LoopConstraint {
   Rigid3 camera_from_to;  // in the unit of length around the frame at to_set
   double scale = 1;       // lengths around the camera in that unit, for one as they are now
 };
+auto fields(Like<LoopConstraint> auto& l) {
+  return std::tuple(kept("camera", l.camera), kept("to_camera", l.to_camera), kept("set", l.set),
+                    kept("to_set", l.to_set), kept("camera_from_to", l.camera_from_to), kept("scale", l.scale));
+}
 
 // Draws a drifted map together so that the loop holds exactly (paper 6.2, step 2): every pose of every camera since
 // the map's first frame moves, the earlier constraints and the cameras that see each other now keep their relative

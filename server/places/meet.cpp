@@ -188,13 +188,7 @@ std::vector<ImageKey> Meetings::held_frames() const {
 
 void Meetings::take_in(const Meetings& other, const Renumbered& as) {
   places_.take_in(other.places_, as);
-  for (LoopConstraint l : other.loops_) {
-    l.camera = as.of(l.camera);
-    l.to_camera = as.of(l.to_camera);
-    l.set = as.of(l.set);
-    l.to_set = as.of(l.to_set);
-    loops_.push_back(l);
-  }
+  for (const LoopConstraint& theirs : other.loops_) Renumber(as).apply(loops_.emplace_back(theirs));
 }
 
 LookBackReport Meetings::look_back(MapEdit& edit, MapId of) {

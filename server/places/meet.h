@@ -11,6 +11,7 @@
 #include "common/base/workers.h"
 #include "server/covisibility/group.h"
 #include "server/map/edit.h"
+#include "server/map/memory.h"
 #include "server/pipeline/stage.h"
 #include "server/places/ask.h"
 #include "server/places/close_loop.h"
@@ -85,7 +86,7 @@ class Meetings {
   // At the end: what the run did not see of places that were known.
   std::vector<JoinedMaps> join_all(MapEdit& edit) const { return join_all_maps(edit, places_); }
   LookBackReport look_back(MapEdit& edit, MapId of);
-  std::size_t remembered_bytes() const { return places_.bytes(); }
+  void add_memory(MemoryUse* use) const { (*use)["places"] += places_.bytes(); }
   // What outlives the server, as rows, as far as it was not given out before; and back.
   void save(std::vector<Row>* rows);
   void restore(const Tables& tables);

@@ -14,15 +14,6 @@ constexpr int kMostSkipped = 1 << 24;  // images that were forgotten in successi
 
 }  // namespace
 
-template <class A>
-void serialize(A& a, KeyImage& v) {
-  a(v.set, v.camera, v.tracks, v.descriptors);
-}
-template <class A>
-void serialize(A& a, LoopConstraint& v) {
-  a(v.camera, v.to_camera, v.set, v.to_set, v.camera_from_to, v.scale);
-}
-
 void PlaceMemory::save(std::vector<Row>* rows) {
   for (const int number : std::exchange(gone_, {})) rows->push_back({"place", number, {}});
   for (auto at = images_.lower_bound(saved_); at != images_.end(); ++at) {

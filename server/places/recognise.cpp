@@ -339,8 +339,8 @@ std::optional<SeenAgain> PlaceMemory::find_again(const Map& map, const KeyImage&
 }
 
 void PlaceMemory::take_in(const PlaceMemory& other, const Renumbered& as) {
-  for (const auto& [number, image] : other.images_) {
-    images_[index_.add(image.descriptors)] = {as.of(image.set), as.of(image.camera), image.tracks, image.descriptors};
+  for (const auto& [number, theirs] : other.images_) {
+    Renumber(as).apply(images_[index_.add(theirs.descriptors)] = theirs);
   }
 }
 

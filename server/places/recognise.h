@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/fields.h"
 #include "server/map/edit.h"
 #include "server/map/rows.h"
 #include "server/places/described_image.h"
@@ -34,6 +35,10 @@ struct KeyImage {
   std::vector<TrackId> tracks;  // ascending
   std::vector<std::uint8_t> descriptors;
 };
+auto fields(Like<KeyImage> auto& i) {
+  return std::tuple(kept("set", i.set), kept("camera", i.camera), kept("tracks", i.tracks),
+                    kept("descriptors", i.descriptors));
+}
 
 // A camera saw a place that the map knows.
 struct Recognition {

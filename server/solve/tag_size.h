@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "common/base/fields.h"
 #include "common/base/ids.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
@@ -37,6 +38,10 @@ struct TagSize {
   double error_px = 0;    // of these, RMS of one coordinate
   double chi_square = 0;  // of the square through the corners, 5 degrees of freedom
 };
+auto fields(Like<TagSize> auto& t) {
+  return std::tuple(kept("status", t.status), kept("side", t.side), kept("sigma", t.sigma), kept("views", t.views),
+                    kept("error_px", t.error_px), kept("chi_square", t.chi_square));
+}
 
 struct TagSizeConfig {
   double sigma_px = 0.3;    // of a corner at least, the pose's error included; the residuals may say more

@@ -21,7 +21,7 @@ namespace coslam {
 namespace {
 
 constexpr int kApplication = 0x434f534c;  // "COSL"
-constexpr int kVersion = 2;               // of the tables and of the octets in them; 1 has no past
+constexpr int kVersion = kRowsVersion;
 
 const char* const kTables =
     "CREATE TABLE IF NOT EXISTS rows (name TEXT NOT NULL, number INTEGER NOT NULL, octets BLOB NOT NULL, "
@@ -168,7 +168,8 @@ struct MapFile::Impl {
 
   WriterLock lock;  // goes last: closing it would take the locks that SQLite has
   SQLite::Database db;
-  bool old_version = false, marked = false, in_file = false;
+  int version = kVersion;  // of what is in it
+  bool marked = false, in_file = false;
   std::unique_ptr<SQLite::Statement> put, drop;
 };
 
@@ -237,7 +238,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
                         " was copied while it was written, and what was written last is missing: " +
                         "copy it together with " + log_of(path_).filename().string() + ", or with coslam map copy");
       }
-      impl_->old_version = version < kVersion;
+      impl_->version = version;
     }
     if (access == Access::kRead) return;
     // SQLite opens what it may not write to be read.
@@ -308,7 +309,7 @@ void MapFile::write(std::span<const Row> rows, TimeNs saved_ns) {
       }
       statement.exec();
     }
-    if (std::exchange(impl_->old_version, false)) {
+    if (std::exchange(impl_->version, kVersion) < kVersion) {
       impl_->db.exec("PRAGMA user_version=" + std::to_string(kVersion));
     }
     impl_->db.exec("DELETE FROM saved");
@@ -316,6 +317,8 @@ void MapFile::write(std::span<const Row> rows, TimeNs saved_ns) {
     transaction.commit();
   });
 }
+
+int MapFile::version() const { return impl_->version; }
 
 std::optional<TimeNs> MapFile::saved_ns() const {
   return in_words(path_, [&]() -> std::optional<TimeNs> {

@@ -35,6 +35,8 @@ class MapFile {
   // Everything but the tables that stay on disk (server/map/past.h), each row against its check sum. Empty for a new
   // file.
   Tables read() const;
+  // Of the rows in it, see kRowsVersion; the newest once something was written.
+  int version() const;
   // The rows of one table from the first to the last number, ascending.
   void for_each_row(const std::string& table, std::int64_t first, std::int64_t last,
                     const std::function<void(const std::string& octets)>& visit) const;

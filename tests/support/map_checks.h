@@ -10,6 +10,7 @@
 
 #include "server/map/journal.h"
 #include "server/map/map.h"
+#include "tests/support/same_fields.h"
 
 namespace coslam::test {
 
@@ -20,31 +21,7 @@ inline void forget(Journal& journal) {
 }
 
 // Every bit of the state that the next step stands on.
-inline void expect_same(const Map& a, const Map& b) {
-  ASSERT_EQ(a.points().size(), b.points().size());
-  ASSERT_EQ(a.epoch(), b.epoch());
-  ASSERT_EQ(a.key_frames().size(), b.key_frames().size());
-  for (auto p = a.points().begin(), q = b.points().begin(); p != a.points().end(); ++p, ++q) {
-    ASSERT_EQ(p->first, q->first);
-    ASSERT_EQ(p->second.position, q->second.position);
-    ASSERT_EQ(p->second.covariance, q->second.covariance);
-    ASSERT_EQ(p->second.phase, q->second.phase);
-    ASSERT_EQ(p->second.bound, q->second.bound);
-    ASSERT_EQ(p->second.views, q->second.views);
-    ASSERT_EQ(p->second.key_observations.size(), q->second.key_observations.size());
-  }
-  ASSERT_EQ(a.cameras().size(), b.cameras().size());
-  for (std::size_t c = 0; c < a.cameras().size(); ++c) {
-    const MapCamera &x = a.cameras()[c], &y = b.cameras()[c];
-    ASSERT_EQ(x.sigma_px, y.sigma_px);
-    ASSERT_EQ(x.frames.size(), y.frames.size());
-    for (std::size_t f = 0; f < x.frames.size(); ++f) {
-      ASSERT_EQ(x.frames[f].map, y.frames[f].map);
-      ASSERT_EQ(x.frames[f].cam_from_world.rotation.coeffs(), y.frames[f].cam_from_world.rotation.coeffs());
-      ASSERT_EQ(x.frames[f].cam_from_world.translation, y.frames[f].cam_from_world.translation);
-    }
-  }
-}
+inline void expect_same(const Map& a, const Map& b) { ASSERT_EQ(Difference().of(a, b), ""); }
 
 inline auto key_of(const KeyObservation& o) { return std::tie(o.set, o.camera, o.track); }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/matchers.h"
+#include "tests/support/same_fields.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {
@@ -138,18 +139,32 @@ TEST_F(EditLensTest, WhatWasSeenThroughAnotherCalibrationStaysInItsDirection) {
 }
 
 TEST_F(EditLensTest, OutlivesTheServer) {
-  sim_.edit.correct_lens(camera(0), lens_, LensCorrection::Values::Zero());
+  sim_.edit.correct_lens(camera(0), lens_, LensCorrection::Values::Constant(0.5));
+  sim_.edit.note_breathing(camera(0), 0.03);
+  const std::vector<FrameZoom> zooms{{SetId(0), 0.1}};
+  sim_.edit.leave_zoom_out(camera(0), zooms);
+  sim_.edit.went_along(camera(0).tracks.begin()->second, SetId(0));
   Tables tables;
   MapRows rows;
   for (Row& row : rows.changes(sim_.map)) tables[row.table][row.key] = std::move(row.bytes);
   MapEdit restored{MapConfig()};
   restored.restore(tables);
+  EXPECT_EQ(test::Difference(test::Compared::kKept).of(restored.map(), sim_.map), "");
   EXPECT_EQ(restored.map().cameras()[0].lens, camera(0).lens);
+  EXPECT_EQ(restored.map().cameras()[0].lens_sigma[0], 0.5);
+  EXPECT_EQ(restored.map().cameras()[0].breathing, 0.03);
+  EXPECT_NE(restored.map().cameras()[0].frames.front().zoom_taken_out, 0);
+  EXPECT_EQ(restored.map().cameras()[0].tracks.begin()->second.went_along_since, SetId(0));
   EXPECT_TRUE(restored.map().cameras()[1].lens.none());
   const std::size_t all = sim_.map.points().size();
   EXPECT_LT(rows.changes(sim_.map).size(), all);
   sim_.edit.correct_lens(camera(0), {}, LensCorrection::Values::Zero());
-  EXPECT_GT(rows.changes(sim_.map).size(), all) << "all points are where the other lens has them";
+  const auto seen_by_it = std::ranges::count_if(sim_.map.points(), [&](const auto& entry) {
+    return std::ranges::any_of(entry.second.key_observations,
+                               [&](const KeyObservation& o) { return o.camera == camera(0).id; });
+  });
+  EXPECT_GE(rows.changes(sim_.map).size(), static_cast<std::size_t>(seen_by_it))
+      << "they lie where the other lens has them";
 }
 
 }  // namespace

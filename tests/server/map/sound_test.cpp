@@ -56,10 +56,10 @@ TEST_F(SoundTest, RowsAreWhatTheirNumbersSay) {
   EXPECT_THAT(problem(), HasSubstr("of no camera"));
   tables_ = good;
   tables_.at("point").erase(tables_.at("point").begin());
-  EXPECT_THAT(problem(), HasSubstr("a track on no point"));
+  EXPECT_THAT(problem(), HasSubstr("is bound to a point that does not know of it"));
   tables_ = good;
   tables_.at("state").erase(static_cast<std::int64_t>(StateRow::kMap));
-  EXPECT_THAT(problem(), HasSubstr("the map file has")) << "of a future without a now";
+  EXPECT_THAT(problem(), HasSubstr("the map file has a point of no number"));
 }
 
 TEST_F(SoundTest, NoRowEndsEarly) {
@@ -76,17 +76,17 @@ TEST_F(SoundTest, ThePastIsOfThisMap) {
   const auto wrong = [this](const auto& block) {
     return test::error_of<UserError>([&] { require_sound(block, sim_.map); });
   };
-  PastFrames frames{{}, CameraId(1), {FramePose{SetId(0), FrameId(0), 5, sim_.id, {}, false, {}}}};
+  PastFrames frames{{}, CameraId(1), {FramePose{SetId(0), FrameId(0), 5, sim_.id, {}, false, {}, 0}}};
   EXPECT_EQ(wrong(frames), "");
   frames.frames[0].capture_ns = std::numeric_limits<TimeNs>::max();
-  EXPECT_THAT(wrong(frames), HasSubstr("a frame that cannot be"));
+  EXPECT_THAT(wrong(frames), HasSubstr("past_frame: frames.capture_ns is out of time"));
   frames.camera = CameraId(2);
-  EXPECT_THAT(wrong(frames), HasSubstr("a past of no camera"));
+  EXPECT_THAT(wrong(frames), HasSubstr("camera is a camera that is not there"));
   PastPlaces places{{}, {PastPlace{.point = PointId(1), .map = sim_.id}}};
   EXPECT_EQ(wrong(places), "");
   places.places[0].p_in_cam.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(wrong(places), HasSubstr("is nowhere"));
-  EXPECT_THAT(wrong(PastPlaces{}), HasSubstr("leads nowhere"));
+  EXPECT_THAT(wrong(places), HasSubstr("past_place: places.p_in_cam is not finite"));
+  EXPECT_THAT(wrong(PastPlaces{}), HasSubstr("it has no places"));
 }
 
 // A count of which there are not so many octets takes no memory, and true is 1.
