@@ -99,7 +99,7 @@ void AgentLoop::answer_who_looks(const Image& image) {
   last_thumbnail_ = now;
   Thumbnail thumbnail{hello_.agent, hello_.agent_run, image.capture_ns, {}};
   if (gives_thumbnails_) thumbnail.jpeg = thumbnail_jpeg(image.grey);
-  link_.send(thumbnail);
+  link_.send_thumbnail(thumbnail);
 }
 
 // To the log and, when something changed or a second is over, to the server.

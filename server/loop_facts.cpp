@@ -81,7 +81,6 @@ LoopFacts ServerLoop::facts() const {
     facts.bytes_up = bytes.up;
     facts.bytes_down = bytes.down;
     facts.wait_s = lockstep_ ? 0 : stamps_.wait_s(agent.camera);
-    facts.stamp_correction_s = to_seconds(stamps_.correction_ns(agent.camera));
   }
   out.result = result_.string();
   out.join = link_.join_options();

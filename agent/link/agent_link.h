@@ -45,7 +45,7 @@ class AgentLink {
   virtual void send_status(const AgentStatus& status) = 0;
   // The server asked for a thumbnail since the last call.
   virtual bool take_thumbnail_request() { return false; }
-  virtual void send(const Thumbnail&) {}
+  virtual void send_thumbnail(const Thumbnail&) {}
   // From now on.
   virtual void limit_replies(const ReplyLimits&) {}
   virtual RepliesWaiting waiting() const { return {}; }

@@ -121,7 +121,7 @@ class DdsAgentLink : public AgentLink {
     const std::lock_guard lock(mutex_);
     return inbox_.take_thumbnail_request();
   }
-  void send(const Thumbnail& thumbnail) override {
+  void send_thumbnail(const Thumbnail& thumbnail) override {
     const std::shared_lock lock(ends_mutex_);
     if (ends_) ends_->thumbnail.write(encode(thumbnail));
   }

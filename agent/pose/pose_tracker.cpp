@@ -40,7 +40,7 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
   }
   alone_ = alone || (alone_ && told_agree_ < kFirmPoints);
   const auto [observations, told] = known_points(tracks, map);
-  PoseRefinementConfig refinement{.sigma_px = config_.sigma_px * camera_.width_px / 640.0};
+  PoseRefinementConfig refinement{.sigma_px = camera_.px_from_640(config_.sigma_px)};
   const Rigid3& last = past_.back().cam_from_world;
   const auto dt_s = steady_s(capture_ns);
   if (dt_s) refinement.prior = motion_.predict(last, *dt_s);

@@ -27,6 +27,8 @@ struct CameraModel {
   std::array<double, 8> coefficients{};
 
   double focal_px() const { return 0.5 * (fx + fy); }
+  // Lengths that are given for images of 640 pixels width, in pixels of this camera.
+  double px_from_640(double px) const { return px * width_px / 640.0; }
   bool contains_raw(const Eigen::Vector2d& px, double margin_px = 0) const;
 
   Eigen::Vector2d pixel_from_normalized(const Eigen::Vector2d& n) const { return {fx * n.x() + cx, fy * n.y() + cy}; }

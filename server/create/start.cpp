@@ -179,7 +179,7 @@ bool without_map_for(const MapCamera& camera, double wait_s) {
 void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
                  const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
-  if (!common || common->median_flow_px < config.min_flow_px * camera.model.width_px / 640.0) return;
+  if (!common || common->median_flow_px < camera.model.px_from_640(config.min_flow_px)) return;
   const StartResult result = start_from_matches(common->then, common->now, common->matches, config.pair);
   if (!result.ok) {
     report->reason = result.reason;

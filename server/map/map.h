@@ -99,7 +99,7 @@ class Map {
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px of the configuration.
   double gate_sigma_px(const MapCamera& camera) const;
   // The largest believed noise, in pixels of this camera.
-  double sigma_bound_px(const MapCamera& camera) const { return config_.sigma_px * camera.model.width_px / 640.0; }
+  double sigma_bound_px(const MapCamera& camera) const { return camera.model.px_from_640(config_.sigma_px); }
 
   // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
   // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.

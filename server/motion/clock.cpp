@@ -140,7 +140,7 @@ void ClockFinder::observe(const Map& map, const MapPoint& point, const BoundTrac
     o->weight = weight;
     Stretch& s = open_.try_emplace(pair, Stretch{pair, 0, {}}).first->second;
     if (s.seen.seen.empty()) {
-      const double least_px = kLeastSigma_px * a.model.width_px / 640.0;
+      const double least_px = a.model.px_from_640(kLeastSigma_px);
       s.seen.first = first.camera.value;
       s.seen.second = second.camera.value;
       s.seen.sigma_px = std::max({least_px, a.sigma_px, b.sigma_px});

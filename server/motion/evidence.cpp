@@ -51,7 +51,7 @@ bool stood_still_for(const Map& map, const MapPoint& p, double time_s, double mo
     const int frames = c.frames_in(time_s, kLeastFrames);
     if (static_cast<int>(t.seen.size()) < frames) continue;
     const auto speed_px_s = apparent_speed_px_s(map, c, t, p, frames);
-    if (!speed_px_s || *speed_px_s > most_px_s * c.model.width_px / 640.0) return false;
+    if (!speed_px_s || *speed_px_s > c.model.px_from_640(most_px_s)) return false;
     ++cameras;
   }
   return cameras >= 2;
@@ -109,7 +109,7 @@ bool moves_by_more(const std::vector<View>& views, std::size_t frames, double ne
 // What a thing at rest may seem to have moved in the last frames.
 double still_px(const MapCamera& camera, std::size_t frames, const EvidenceConfig& config) {
   const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
-  return config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns) * camera.model.width_px / 640.0;
+  return camera.model.px_from_640(config.still_px_s * to_seconds(camera.frames.back().capture_ns - since_ns));
 }
 
 std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, int most) {
@@ -158,7 +158,7 @@ std::optional<SetId> went_along_since(const MapCamera& camera, const ServerTrack
     const std::size_t begin = before(0, halves * time_ns / 2), end = before(begin, (halves + 2) * time_ns / 2);
     if (end < begin + kLeastFrames) break;
     const auto window = std::span(views).subspan(begin, end - begin);
-    if (!keeps_its_distance(window, median_depth, config.doubtful_px * camera.model.width_px / 640.0)) break;
+    if (!keeps_its_distance(window, median_depth, camera.model.px_from_640(config.doubtful_px))) break;
     since = frames[end - 1]->set;
   }
   return since;

@@ -230,7 +230,7 @@ Look look_of(const MapPoint& p, const ServerTrack& t) {
 // The free track that looks most like the point, where it should be.
 Look find_track(const Map& map, const MapCamera& camera, const TrackGrid& grid, const MapPoint& p,
                 const FollowConfig& config) {
-  const double gate_px = map.gate_sigma_px(camera), most_px = config.search_px * camera.model.width_px / 640.0;
+  const double gate_px = map.gate_sigma_px(camera), most_px = camera.model.px_from_640(config.search_px);
   const auto window = search_window(camera.model, camera.frames.back().cam_from_world, p, gate_px, map.config().theta);
   if (!window) return {};
   Look best;

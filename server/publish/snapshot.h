@@ -129,7 +129,6 @@ struct AgentFacts {
   ImageAccount images;  // so far
   std::uint64_t bytes_up = 0, bytes_down = 0;
   double wait_s = 0;                // how much longer than at best its newest frame was under way
-  double stamp_correction_s = 0;    // added to its stamps
   std::optional<PathVerdict> path;  // as last looked at; empty: not yet, or it has no place in the main map
 };
 

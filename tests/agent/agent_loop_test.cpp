@@ -45,7 +45,7 @@ class FakeLink final : public AgentLink {
     if (descriptors) described.push_back(*descriptors);
   }
   bool take_thumbnail_request() override { return std::exchange(looked_at, false); }
-  void send(const Thumbnail& thumbnail) override { thumbnails.push_back(thumbnail); }
+  void send_thumbnail(const Thumbnail& thumbnail) override { thumbnails.push_back(thumbnail); }
   void send_status(const AgentStatus& status) override { statuses.push_back(status); }
   void limit_replies(const ReplyLimits& limits) override { found_narrow = limits.narrow_link; }
   std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {

@@ -82,7 +82,7 @@ TEST_F(DdsLinkTest, AThumbnailComesWhenSomebodyLooks) {
   std::optional<Thumbnail> seen;
   ASSERT_TRUE(server.serve_until([&] {
     seen = server.link().thumbnail("cam0");
-    if (link->take_thumbnail_request()) link->send(thumbnail);
+    if (link->take_thumbnail_request()) link->send_thumbnail(thumbnail);
     return seen.has_value();
   }));
   expect_same(*seen, thumbnail);
