@@ -89,6 +89,14 @@ void know_scale(const Sequence& sequence, std::vector<std::string>& sets) {
   checked_sets(sets);
 }
 
+// To go through a long video takes minutes: there what its container says does.
+int count_of(ImageSource& source) {
+  if (const auto about = source.about_left()) return *about;
+  int frames = 0;
+  while (!source.live() && source.skip()) ++frames;
+  return frames;
+}
+
 // Opens everything once, so that bad input is one sentence before anything starts; what else there is to say of it the
 // agents say. Returns the number of frames of the longest.
 int check_inputs(const Sequence& sequence) {
@@ -96,9 +104,7 @@ int check_inputs(const Sequence& sequence) {
   int most = 0;
   for (const SequenceAgent& a : sequence.agents) {
     const auto source = open_camera(a.source, a.calibration, {a.start_s, a.duration_s, sequence.rate_hz}).images;
-    int frames = source->about_left().value_or(0);  // to go through a long video takes minutes
-    while (frames == 0 && !source->live() && source->skip()) ++frames;
-    most = std::max(most, frames);
+    most = std::max(most, count_of(*source));
   }
   return most;
 }

@@ -59,6 +59,7 @@ TEST_F(Run, WritesTheResult) {
   EXPECT_EQ(report["frames"], 60);
   EXPECT_EQ(report["dropped"], 0);
   EXPECT_THAT(run.out(), ::testing::HasSubstr("result: " + r.path().string()));
+  EXPECT_THAT(run.err(), ::testing::HasSubstr(" of 30)")) << "frames of the longest source";
 
   Program eval("coslam", {"eval", r.path().string(), scene_.sequence()});
   ASSERT_EQ(eval.exit_code(), 0) << eval.err();
