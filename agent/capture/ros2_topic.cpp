@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.h"
+#include "common/base/words.h"
 #include "common/dataset/calibration.h"
 #include "common/ros/cdr.h"
 #include "common/ros/sensor_messages.h"
@@ -27,12 +28,6 @@ WireConfig listening(const LiveTopic& topic) {
   wire.max_message_bytes = kMostMessageBytes;
   wire.receive_buffer_bytes = 32U << 20U;
   return wire;
-}
-
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 std::string patience_text() { return " within " + std::to_string(Ros2Topic::kPatience.count()) + " s"; }

@@ -8,6 +8,7 @@
 #include "common/base/error.h"
 #include "common/base/text.h"
 #include "common/base/version.h"
+#include "common/base/words.h"
 
 namespace coslam {
 namespace {
@@ -54,12 +55,6 @@ std::string with_nearest(const std::string& what, const std::string& word, const
   return what + " '" + word + "'" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 // What is unknown goes before what is missing for that reason.
 std::string sentence_of(const CLI::App& app, const CLI::ParseError& error) {
   const int code = error.get_exit_code();
@@ -72,7 +67,7 @@ std::string sentence_of(const CLI::App& app, const CLI::ParseError& error) {
     if (word.starts_with("-")) return with_nearest("there is no option", word, options_of(at));
     if (!commands.empty()) return with_nearest("there is no command", word, commands);
   }
-  return error.what() + (commands.empty() ? "" : ": one of " + listed(commands));
+  return error.what() + (commands.empty() ? "" : ": one of " + joined(commands));
 }
 
 }  // namespace

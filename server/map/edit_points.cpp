@@ -39,7 +39,6 @@ const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position
                                       PointPhase phase, Why why, Figures figures) {
   const PointId id(map_.next_point_++);
   MapPoint& p = map_.points_.all[id];
-  map_.points_.by_id.put(id, p);
   p.id = id;
   p.map = map;
   p.phase = phase;
@@ -49,7 +48,7 @@ const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position
   p.first_ns = p.last_ns = map_.now_ns_;
   touch(p);
   map_.loose_.insert(id);
-  if (p.moves()) map_.points_.moving.emplace(id, &p);
+  map_.points_.index(p, true);
   note_point(EventKind::kPointMade, p, why, figures);
   return p;
 }
