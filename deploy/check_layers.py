@@ -13,21 +13,24 @@ import pathlib
 import re
 import sys
 
-# Which folders a folder may include, besides itself: an entry stands for the folder and all below it. The entries "agent"
-# and "server" stand only for the files of the mains, so that a new folder needs an entry of its own.
+# Which folders a folder may include, besides itself: an entry stands for the folder and all below it. The entries of
+# MAINS stand only for the files that lie in them, so that a new folder needs an entry of its own.
 BASE = ["common/base"]
 GEOMETRY = [*BASE, "common/geometry"]
 MODEL = [*GEOMETRY, "common/model"]
 FILES = [*MODEL, "common/config", "common/dataset"]
 AGENT_CORE = ["agent/track", "agent/pose", "agent/correct"]
-# The server's estimator, each room with what is below it.
-SERVER_MAP = ["server/map", "server/pipeline"]
-SERVER_COVISIBILITY = [*SERVER_MAP, "server/covisibility", "server/solve"]
-SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, "server/associate"]
-SERVER_PLACES = [*SERVER_ASSOCIATE, "server/pose", "server/places"]
-SERVER_ADJUST = [*SERVER_PLACES, "server/adjust"]
-SERVER_MOTION = [*SERVER_ADJUST, "server/motion"]
-SERVER_CORE = [*SERVER_MOTION, "server/create", "server/sync", "server/correct", "server/past"]
+# The server's five wings, each with what is below it; in the estimator, each room with what is below it.
+ROOMS = "server/estimator"
+SERVER_MAP = [f"{ROOMS}/map", f"{ROOMS}/pipeline"]
+SERVER_COVISIBILITY = [*SERVER_MAP, f"{ROOMS}/covisibility", f"{ROOMS}/solve"]
+SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, f"{ROOMS}/associate"]
+SERVER_PLACES = [*SERVER_ASSOCIATE, f"{ROOMS}/pose", f"{ROOMS}/places"]
+SERVER_ADJUST = [*SERVER_PLACES, f"{ROOMS}/adjust"]
+SERVER_MOTION = [*SERVER_ADJUST, f"{ROOMS}/motion"]
+SERVER_CORE = [*SERVER_MOTION, f"{ROOMS}/create", f"{ROOMS}/correct", f"{ROOMS}/past"]
+FLEET = ["server/fleet/link", "server/fleet/sync"]
+KEEP = ["server/keep/store", "server/keep/observe", "server/keep/explain", "server/keep"]
 MAY_INCLUDE = {
     "common/base": [],
     "common/geometry": BASE,
@@ -47,34 +50,37 @@ MAY_INCLUDE = {
     "agent/correct": [*MODEL, *AGENT_CORE],
     "agent/link": [*MODEL, *AGENT_CORE, "common/flow", "common/wire"],
     "agent": ["common", "agent"],
-    "server/sync": [*MODEL, "server/map"],
-    "server/map": MODEL,
-    "server/pipeline": [*MODEL, *SERVER_MAP],
-    "server/solve": MODEL,
-    "server/covisibility": [*MODEL, *SERVER_COVISIBILITY],
-    "server/associate": [*MODEL, *SERVER_ASSOCIATE],
-    "server/pose": [*MODEL, *SERVER_ASSOCIATE],
-    "server/places": [*MODEL, *SERVER_PLACES],
-    "server/adjust": [*MODEL, *SERVER_ADJUST],
-    "server/motion": [*MODEL, *SERVER_MOTION],
-    "server/create": [*MODEL, *SERVER_MOTION],
-    "server/correct": [*MODEL, *SERVER_CORE],
-    "server/past": [*MODEL, *SERVER_ADJUST],
-    "server/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
-    "server/store": [*MODEL, "common/flow", "server/map"],
-    "server/record": [*MODEL, "common/flow", "common/wire", "server/link"],
-    "server/bridge": [*MODEL, "common/config", "common/flow", "common/ros", "common/wire"],
-    "server/observe": [*FILES, *SERVER_CORE],
-    "server/explain": [*FILES, "server/map"],
-    "server/publish": [*MODEL, "common/ros", *SERVER_CORE, "server/explain"],
-    "server/web": [*FILES, "common/flow", "server/publish", "server/explain"],
-    "server": ["common", "server"],
-    "deploy/scene": FILES,
+    "server/estimator/map": MODEL,
+    "server/estimator/pipeline": [*MODEL, *SERVER_MAP],
+    "server/estimator/solve": MODEL,
+    "server/estimator/covisibility": [*MODEL, *SERVER_COVISIBILITY],
+    "server/estimator/associate": [*MODEL, *SERVER_ASSOCIATE],
+    "server/estimator/pose": [*MODEL, *SERVER_ASSOCIATE],
+    "server/estimator/places": [*MODEL, *SERVER_PLACES],
+    "server/estimator/adjust": [*MODEL, *SERVER_ADJUST],
+    "server/estimator/motion": [*MODEL, *SERVER_MOTION],
+    "server/estimator/create": [*MODEL, *SERVER_MOTION],
+    "server/estimator/correct": [*MODEL, *SERVER_CORE],
+    "server/estimator/past": [*MODEL, *SERVER_ADJUST],
+    "server/estimator": [*MODEL, "common/config", "common/flow", *SERVER_CORE],
+    "server/fleet/sync": [*MODEL, "server/estimator/map"],
+    "server/fleet/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],
+    "server/fleet/record": [*MODEL, "common/flow", "common/wire", "server/fleet/link"],
+    "server/keep/store": [*MODEL, "common/flow", "server/estimator/map"],
+    "server/keep/explain": [*FILES, "server/estimator/map"],
+    "server/keep/observe": [*FILES, *SERVER_CORE, "server/estimator"],
+    "server/keep": [*FILES, "common/flow", *SERVER_CORE, "server/estimator", *FLEET, *KEEP],
+    "server/show/publish": [*MODEL, "common/ros", *SERVER_CORE, "server/estimator", *KEEP],
+    "server/show/web": [*FILES, "common/flow", "server/show/publish", "server/keep/explain"],
+    "server/show/bridge": [*MODEL, "common/config", "common/flow", "common/ros", "common/wire"],
+    "server/show": [*FILES, "common/flow", "common/mcap", *SERVER_CORE, "server/estimator", *FLEET, *KEEP, "server/show"],
+    "server/app": ["common", "server"],
+    "deploy/simulation": FILES,
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],
     "idl": [],
 }
-MAINS = ["agent", "server"]
+MAINS = ["agent", "server/estimator", "server/keep", "server/show"]
 
 # The pure core: no middleware, threads, clocks or windows. It includes the standard library, Eigen and what LIBRARIES
 # grants; everything else is a breach.
@@ -89,16 +95,16 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
     "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
-    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "deploy/scene", "deploy/tools", "tests", "server/solve"]),
+    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "deploy/simulation", "deploy/coslam", "tests", "server/estimator/solve"]),
     "OpenCL": (r"CL/", ["agent/gpu"]),
     "cryptography": (r"openssl/", ["common/wire"]),
-    "serialisation": (r"cereal/", ["server/map"]),
-    "web": (r"boost/(asio|beast)", ["server/web", "tests/server/web", "tests/system"]),
+    "serialisation": (r"cereal/", ["server/estimator/map"]),
+    "web": (r"boost/(asio|beast)", ["server/show/web", "tests/server/show/web", "tests/system"]),
     "containers": (r"boost/container/", ["common/base"]),
-    "database": (r"(sqlite3\.h|SQLiteCpp/)", ["server/store", "tests/server/store", "common/recording", "tests/common/recording"]),
+    "database": (r"(sqlite3\.h|SQLiteCpp/)", ["server/keep/store", "tests/server/keep/store", "common/recording", "tests/common/recording"]),
     "solver": (r"ceres/|suitesparse/|(cholmod|amd|camd|colamd|ccolamd|umfpack|klu|SuiteSparse).*\.h(pp)?$",
-               ["server/solve", "tests/server/solve", "tests/support", "tests/benchmark"]),
-    "ray caster": (r"embree\d?/", ["deploy/scene"]),
+               ["server/estimator/solve", "tests/server/estimator/solve", "tests/support", "tests/benchmark"]),
+    "ray caster": (r"embree\d?/", ["deploy/simulation"]),
     "window": (r"opencv2?/highgui|gtk/|Qt|GL/|GLFW/|X11/", []),
 }
 # The library patterns whose folders are these alone, not those below them.
@@ -107,14 +113,13 @@ EXACT = {("OpenCV", "agent")}
 # (file, header): why. The only breaches that are accepted.
 EXCEPTIONS = {
     ("common/base/metrics.h", "chrono"): "stage times are measured with a clock; the core does not include it",
-    ("server/link/inline_link.h", "agent/link/agent_link.h"): "both ends of the link in one process",
-    ("server/link/inline_link.cpp", "agent/link/inbox.h"): "the same",
-    ("server/link/admission.cpp", "idl/coslam.h"): "bounds of the wire contract",
+    ("server/fleet/link/admission.cpp", "idl/coslam.h"): "bounds of the wire contract",
     ("common/base/time.h", "chrono"): "durations only",
-    ("server/pipeline/pipeline.h", "common/base/metrics.h"): "the one place where stages are timed",
-    ("server/observe/result_store.h", "server/map_server.h"): "what a result is made of",
-    ("server/publish/json.cpp", "common/dataset/report_parts.h"): "an account of images has one form in files and messages",
-    ("server/publish/watch.h", "server/map_server.h"): "what the public sees of",
+    ("server/estimator/pipeline/pipeline.h", "common/base/metrics.h"): "the one place where stages are timed",
+    ("server/show/publish/json.cpp", "common/dataset/report_parts.h"): "an account of images has one form in files and messages",
+    ("server/show/live_view.cpp", "server/app/server_loop.h"): "observers are given the loop",
+    ("server/show/map_teller.cpp", "server/app/server_loop.h"): "the same",
+    ("server/show/map_teller.h", "server/app/server_observer.h"): "the same",
     ("common/base/log.h", "chrono"): "one log line a second; the core does not include it",
     ("common/base/log.cpp", "atomic"): "every thread logs",
     ("common/base/log.cpp", "mutex"): "the same",

@@ -31,9 +31,9 @@ struct ReplyLimits {
 };
 
 // An agent's end of the link to the map server: over DDS (dds_agent_link.h) or in one process
-// (server/link/inline_link.h). The hello goes out at construction and stays available to servers that start later.
-// Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads: send,
-// wait_patch and take_patches belong to one thread; everything else may be called from any.
+// (deploy/coslam/run/inline_link.h). The hello goes out at construction and stays available to servers that start
+// later. Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads:
+// send, wait_patch and take_patches belong to one thread; everything else may be called from any.
 class AgentLink {
  public:
   virtual ~AgentLink() = default;

@@ -31,7 +31,7 @@ bool has_line(const std::string& text, std::initializer_list<const char*> words)
 }
 
 bool is_map_file(std::string_view begin) {
-  constexpr std::size_t kApplicationId_bytes = 68;  // where SQLite keeps it; that of server/store/map_file.cpp
+  constexpr std::size_t kApplicationId_bytes = 68;  // where SQLite keeps it; that of server/keep/store/map_file.cpp
   return begin.starts_with("SQLite format 3") && begin.size() > kApplicationId_bytes &&
          begin.substr(kApplicationId_bytes, 4) == "COSL";
 }

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# cmake -D FROM=server/web/page -D TO=FOLDER -D OUT=FILE.cpp -D FALLBACK=no_page.cpp -D NODE=node -D NPM=npm -D TESTS=ON|OFF
+# cmake -D FROM=server/show/web/page -D TO=FOLDER -D OUT=FILE.cpp -D FALLBACK=no_page.cpp -D NODE=node -D NPM=npm -D TESTS=ON|OFF
 #       -P make_page.cmake
 #
 # Bundles a copy of the page, so that nothing is written among the sources. Where the npm packages cannot be had, the

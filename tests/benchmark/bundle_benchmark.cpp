@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "server/solve/bundle_schur.h"
+#include "server/estimator/solve/bundle_schur.h"
 #include "tests/benchmark/colmap_adjuster.h"
 #include "tests/support/ceres_bundle.h"
 #include "tests/support/sim_world.h"

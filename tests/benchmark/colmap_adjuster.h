@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "server/solve/bundle.h"
+#include "server/estimator/solve/bundle.h"
 
 namespace coslam::benchmarks {
 

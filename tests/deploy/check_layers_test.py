@@ -33,39 +33,39 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(check({path: text}), (0, []))
 
     def test_core_is_pure(self) -> None:
-        self.assert_breach("server/map/a.h", "#include <thread>", "threads")
-        self.assert_breach("server/motion/a.cpp", "#include <chrono>", "clock")
+        self.assert_breach("server/estimator/map/a.h", "#include <thread>", "threads")
+        self.assert_breach("server/estimator/motion/a.cpp", "#include <chrono>", "clock")
         self.assert_breach("common/model/a.h", "#include <yaml-cpp/yaml.h>", "pure")
         self.assert_breach("agent/pose/a.h", '#include "common/base/metrics.h"', "clock")
         self.assert_breach("agent/track/a.cpp", "#include <opencv2/highgui.hpp>", "window")
         self.assert_breach("common/base/a.h", "#include <Eigen/Core>", "pure")
 
     def test_libraries_stay_in_their_folders(self) -> None:
-        self.assert_breach("server/link/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", "DDS")
-        self.assert_breach("server/link/a.cpp", '#include "framePubSubTypes.h"', "DDS")
-        self.assert_breach("server/observe/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
+        self.assert_breach("server/fleet/link/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", "DDS")
+        self.assert_breach("server/fleet/link/a.cpp", '#include "framePubSubTypes.h"', "DDS")
+        self.assert_breach("server/keep/observe/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
         self.assert_breach("agent/pose/a.cpp", "#include <opencv2/core.hpp>", "OpenCV")
-        self.assert_breach("server/motion/a.cpp", "#include <ceres/ceres.h>", "solver")
-        self.assert_breach("server/map/a.cpp", "#include <cholmod.h>", "solver")
+        self.assert_breach("server/estimator/motion/a.cpp", "#include <ceres/ceres.h>", "solver")
+        self.assert_breach("server/estimator/map/a.cpp", "#include <cholmod.h>", "solver")
         self.assert_clean("common/wire/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>")
-        self.assert_clean("server/solve/a.cpp", "#include <ceres/ceres.h>")
+        self.assert_clean("server/estimator/solve/a.cpp", "#include <ceres/ceres.h>")
         self.assert_clean("agent/track/a.cpp", "#include <opencv2/core.hpp>")
         self.assert_clean("agent/a.cpp", "#include <opencv2/features2d.hpp>")
 
     def test_made_headers_are_dds(self) -> None:
-        code, lines = check({"server/link/a.cpp": '#include "contract.h"', "idl/contract.idl": ""})
+        code, lines = check({"server/fleet/link/a.cpp": '#include "contract.h"', "idl/contract.idl": ""})
         self.assertEqual((code, len(lines)), (1, 1), lines)
 
     def test_order_of_the_folders(self) -> None:
         self.assert_breach("common/geometry/a.h", '#include "common/model/b.h"', "layer")
-        self.assert_breach("agent/link/a.h", '#include "server/link/b.h"', "layer")
-        self.assert_breach("server/a.cpp", '#include "agent/b.h"', "layer")
+        self.assert_breach("agent/link/a.h", '#include "server/fleet/link/b.h"', "layer")
+        self.assert_breach("server/app/a.cpp", '#include "agent/b.h"', "layer")
         self.assert_breach("common/dataset/a.h", '#include "tests/support/b.h"', "layer")
-        self.assert_breach("server/map/a.h", '#include "common/flow/queue.h"', "layer")
-        self.assert_clean("deploy/tools/a.cpp", '#include "agent/agent.h"\n#include "server/server.h"')
-        self.assert_breach("server/a.cpp", '#include "deploy/scene/b.h"', "layer")
-        self.assert_breach("deploy/scene/a.h", '#include "server/map/b.h"', "layer")
-        self.assert_clean("deploy/tools/a.cpp", '#include "deploy/scene/b.h"')
+        self.assert_breach("server/estimator/map/a.h", '#include "common/flow/queue.h"', "layer")
+        self.assert_clean("deploy/coslam/a.cpp", '#include "agent/agent.h"\n#include "server/app/server.h"')
+        self.assert_breach("server/app/a.cpp", '#include "deploy/simulation/b.h"', "layer")
+        self.assert_breach("deploy/simulation/a.h", '#include "server/estimator/map/b.h"', "layer")
+        self.assert_clean("deploy/coslam/a.cpp", '#include "deploy/simulation/b.h"')
         self.assert_clean("agent/link/a.cpp", '#include "common/wire/reader.h"\n#include "common/flow/queue.h"')
 
     def test_core_folders_form_no_ring(self) -> None:

@@ -31,7 +31,7 @@ OF_OTHERS = {
     "apt": "installs; deploy/package.sh --check does so in a fresh Debian",
     "cd": "leads to the packages, which are not made here",
     "cmake": "installs; the test deploy.install does so",
-    "curl": "asks a server at work; tests/server/web does so",
+    "curl": "asks a server at work; tests/server/show/web does so",
     "ctest": "runs this test",
     "ros2": "ROS is not installed",
     "rviz2": "ROS is not installed",

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "common/dataset/calibration.h"
-#include "deploy/tools/calibrate/dialects.h"
-#include "deploy/tools/eval/truth.h"
+#include "deploy/coslam/calibrate/dialects.h"
+#include "deploy/coslam/eval/truth.h"
 #include "tests/fuzz/fuzzer.h"
 
 namespace coslam {

@@ -9,9 +9,9 @@
 #include <cstring>
 #include <string>
 
-#include "server/map/edit.h"
-#include "server/map/past.h"
-#include "server/map/sound.h"
+#include "server/estimator/map/edit.h"
+#include "server/estimator/map/past.h"
+#include "server/estimator/map/sound.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/sim_map.h"
 

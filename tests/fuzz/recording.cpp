@@ -12,8 +12,8 @@
 #include <iterator>
 #include <string>
 
-#include "server/record/recording.h"
-#include "server/recorded_config.h"
+#include "server/app/recorded_config.h"
+#include "server/fleet/record/recording.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wire_values.h"

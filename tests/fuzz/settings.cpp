@@ -8,7 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/config/config.h"
-#include "server/bridge/bridge_config.h"
+#include "server/show/bridge/bridge_config.h"
 #include "tests/fuzz/fuzzer.h"
 
 namespace coslam {

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/web/explain_answer.h"
-#include "server/web/http_session.h"
-#include "server/web/inside.h"
+#include "server/show/web/explain_answer.h"
+#include "server/show/web/http_session.h"
+#include "server/show/web/inside.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/temp_folder.h"
 

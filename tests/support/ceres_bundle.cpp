@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/geometry/rigid3.h"
-#include "server/solve/reprojection.h"
+#include "server/estimator/solve/reprojection.h"
 
 namespace coslam::test {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/solve/bundle.h"
+#include "server/estimator/solve/bundle.h"
 
 namespace coslam::test {
 

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "server/map/journal.h"
-#include "server/map/map.h"
+#include "server/estimator/map/journal.h"
+#include "server/estimator/map/map.h"
 #include "tests/support/same_fields.h"
 
 namespace coslam::test {

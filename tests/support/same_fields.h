@@ -14,7 +14,7 @@
 #include "common/base/fields.h"
 #include "common/base/flat_map.h"
 #include "common/geometry/rigid3.h"
-#include "server/map/map.h"
+#include "server/estimator/map/map.h"
 
 namespace coslam::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/map/sighting.h"
+#include "server/estimator/map/sighting.h"
 
 namespace coslam::test {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "server/map/edit.h"
+#include "server/estimator/map/edit.h"
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 

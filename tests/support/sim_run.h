@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "agent/agent.h"
-#include "server/map_server.h"
-#include "server/refiner.h"
+#include "server/estimator/map_server.h"
+#include "server/estimator/refiner.h"
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 

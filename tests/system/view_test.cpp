@@ -11,7 +11,7 @@
 
 #include "common/ros/cdr.h"
 #include "common/ros/messages.h"
-#include "tests/server/web/web_client.h"
+#include "tests/server/show/web/web_client.h"
 #include "tests/support/test_domain.h"
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"

@@ -4,8 +4,8 @@
 
 #include "agent/agent_options.h"
 #include "common/config/config.h"
-#include "server/bridge/bridge_config.h"
-#include "server/server_options.h"
+#include "server/app/server_options.h"
+#include "server/show/bridge/bridge_config.h"
 
 // The commented files in deploy/config say what the defaults are.
 namespace coslam {

@@ -10,7 +10,7 @@
 #include "agent/agent_options.h"
 #include "common/base/error.h"
 #include "common/config/config.h"
-#include "server/server_options.h"
+#include "server/app/server_options.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam {

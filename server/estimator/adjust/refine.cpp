@@ -1,0 +1,393 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/adjust/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "server/estimator/adjust/certainty.h"
+#include "server/estimator/adjust/holding_poses.h"
+#include "server/estimator/adjust/lens.h"
+#include "server/estimator/adjust/outline.h"
+#include "server/estimator/adjust/zoom.h"
+#include "server/estimator/associate/register.h"
+
+namespace coslam {
+namespace {
+
+struct PoseHash {
+  std::size_t operator()(const ImageKey& pose) const {
+    return (std::size_t{pose.first.value} << 16U) ^ pose.second.value;
+  }
+};
+using PoseIndex = std::unordered_map<ImageKey, int, PoseHash>;
+
+// Ascending.
+std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+  const auto& keys = map.key_frames();
+  if (keys.size() < 2) return {};
+  std::vector<SetId> out;
+  if (extent == RefineExtent::kWindow) {
+    const std::size_t window = std::min(keys.size(), static_cast<std::size_t>(config.window));
+    for (std::size_t k = keys.size() - window; k < keys.size(); ++k) out.push_back(keys[k].set);
+    return out;
+  }
+  const KeyPoses all = key_poses(map, of);
+  return extent == RefineExtent::kWhole ? all.sets : outline_of(all, config.outline_poses);
+}
+
+void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
+  const FramePose* f = pose_to_adjust(map, of, set, camera);
+  if (f == nullptr) return;
+  (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
+  job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
+  job->poses.push_back({set, camera, f->zoom_taken_out});
+}
+
+// Which sets these poses are of: most observations of a place that was seen often are of none.
+std::vector<bool> sets_of(const PoseIndex& index, SetId newest) {
+  std::vector<bool> out(newest.value + 1);
+  for (const auto& [key, pose] : index) out[key.first.value] = true;
+  return out;
+}
+
+// Of some points, numbered from 0.
+struct PointsOfJob {
+  std::vector<PointId> points;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<BundleProblem::Observation> observations;
+  std::vector<RefineJob::ObservationKey> keys;
+};
+
+PointsOfJob points_of_job(const Map& map, MapId of, SetId first, const PoseIndex& index,
+                          const std::vector<bool>& in_job, std::span<const MapPoint* const> candidates) {
+  PointsOfJob out;
+  std::vector<std::pair<const KeyObservation*, int>> seen;  // with the pose
+  for (const MapPoint* candidate : candidates) {
+    const MapPoint& p = *candidate;
+    if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
+    if (p.key_observations.back().set < first) continue;
+    seen.clear();
+    for (const KeyObservation& o : p.key_observations) {
+      if (!in_job[o.set.value]) continue;
+      if (const auto at = index.find({o.set, o.camera}); at != index.end()) seen.emplace_back(&o, at->second);
+    }
+    if (seen.size() < 2) continue;
+    const int point = static_cast<int>(out.points.size());
+    out.points.push_back(p.id);
+    out.positions.push_back(p.position);
+    for (const auto& [o, pose] : seen) {
+      out.observations.push_back(
+          {pose, point, o->undistorted_px.cast<double>(), std::max(0.5, map.camera(o->camera).sigma_px)});
+      out.keys.push_back({o->set, o->track});
+    }
+  }
+  return out;
+}
+
+void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, Workers& workers, RefineJob* job) {
+  const std::vector<bool> in_job = sets_of(index, map.now());
+  const std::vector<const MapPoint*> candidates = map.points_observed_since(first);
+  std::vector<PointsOfJob> parts(workers.at_once());
+  const std::size_t part_size = (candidates.size() + parts.size() - 1) / parts.size();
+  workers.each(parts.size(), [&](std::size_t i) {
+    const std::size_t begin = std::min(candidates.size(), i * part_size);
+    const std::size_t end = std::min(candidates.size(), begin + part_size);
+    parts[i] = points_of_job(map, of, first, index, in_job, std::span(candidates).subspan(begin, end - begin));
+  });
+  const auto append = [](auto* to, const auto& part) { to->insert(to->end(), part.begin(), part.end()); };
+  for (const PointsOfJob& part : parts) {
+    const int points_before = static_cast<int>(job->points.size());
+    append(&job->points, part.points);
+    append(&job->problem.points, part.positions);
+    append(&job->observations, part.keys);
+    for (const auto& o : part.observations) {
+      job->problem.observations.push_back(o);
+      job->problem.observations.back().point += points_before;
+    }
+  }
+}
+
+void weigh_observations(RefineJob* job) {
+  const std::vector<double> worth = worth_of_observations(*job, std::vector<bool>(job->observations.size(), true));
+  for (std::size_t i = 0; i < worth.size(); ++i) job->problem.observations[i].weight = worth[i];
+}
+
+// With no history to hold the window: one pose stays, and the whole is put back afterwards.
+void float_free(RefineJob* job) {
+  job->floating = true;
+  job->problem.poses[0].fixed = true;
+}
+
+// How one camera's world changes at its key frames: old_from_new on the right of cam_from_world.
+struct Change {
+  SetId set;
+  Rigid3 old_from_new;
+};
+
+Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
+  const auto after =
+      std::lower_bound(changes.begin(), changes.end(), frame.set, [](const Change& c, SetId s) { return c.set < s; });
+  if (after == changes.end()) return frame.cam_from_world * changes.back().old_from_new;
+  Rigid3 by_after = frame.cam_from_world * after->old_from_new;
+  if (after == changes.begin() || after->set == frame.set) return by_after;
+  const Change& before = *(after - 1);
+  const double s = static_cast<double>(frame.set.value - before.set.value) / (after->set.value - before.set.value);
+  return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
+}
+
+// All relative poses of neighbours in time change equally little between two key frames: the closed form of the soft
+// constraints (14) along one camera's path with its key frames fixed.
+void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, const std::vector<Change>& changes) {
+  if (changes.empty()) return;
+  const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), changes.front().set,
+                                      [](const FramePose& f, SetId set) { return f.set < set; });
+  bool any = false;
+  for (auto f = first; f != camera.frames.end(); ++f) {
+    if (f->map != job.map) continue;
+    any = true;
+    edit.adjust_pose(camera, *f, carried(*f, changes));
+  }
+  if (!any || camera.map != job.map) return;
+  const Rigid3 new_from_old = changes.back().old_from_new.inverse();
+  edit.carry_agent(camera, {1.0, new_from_old.rotation, new_from_old.translation});
+}
+
+bool moves(const RefineJob& job, std::size_t pose) { return !job.problem.poses[pose].fixed || job.floating; }
+
+// Poses that enough points held while they were solved for. Others go with the frames before and after them.
+std::vector<bool> seen_enough(const RefineJob& job) {
+  constexpr int kLeast = 8;
+  std::vector<int> seen(job.poses.size());
+  for (const auto& o : job.problem.observations) ++seen[static_cast<std::size_t>(o.pose)];
+  std::vector<bool> out;
+  out.reserve(seen.size());
+  for (const int n : seen) out.push_back(n >= kLeast);
+  return out;
+}
+
+// The key frames that move come first, ascending: what is before stays, however old the poses are that hold them.
+SetId first_that_moves(const RefineJob& job) { return job.poses.front().set; }
+
+void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+  const Map& map = edit.map();
+  std::vector<std::vector<Change>> changes(map.cameras().size());
+  const std::vector<bool> held = seen_enough(job);
+  for (std::size_t i = 0; i < job.poses.size(); ++i) {
+    if (!moves(job, i) || !held[i]) continue;
+    const Rigid3& before = job.problem.poses[i].cam_from_world;
+    changes[job.poses[i].camera.value].push_back({job.poses[i].set, before.inverse() * result.poses[i]});
+  }
+  // Frames between the newest key frame that stays and the first that moves lead from the one to the other.
+  const SetId first = first_that_moves(job);
+  const auto& keys = map.key_frames();
+  const auto at = std::lower_bound(keys.begin(), keys.end(), KeyFrame{first},
+                                   [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
+  for (const MapCamera& c : map.cameras()) {
+    auto& list = changes[c.id.value];
+    if (!list.empty() && at != keys.begin() && at != keys.end()) list.push_back({std::prev(at)->set, Rigid3()});
+    std::sort(list.begin(), list.end(), [](const Change& a, const Change& b) { return a.set < b.set; });
+    carry_frames(edit, c, job, list);
+  }
+}
+
+void drop_outliers(MapEdit& edit, const RefineJob& job, const BundleResult& result, RefineReport* report) {
+  for (std::size_t i = 0; i < job.observations.size(); ++i) {
+    if (result.is_inlier[i]) continue;
+    ++report->outliers;
+    const auto& o = job.problem.observations[i];
+    const MapPoint* p = edit.map().find(job.points[static_cast<std::size_t>(o.point)]);
+    if (p == nullptr) continue;
+    edit.drop_observation(*p, job.observations[i].set, job.poses[static_cast<std::size_t>(o.pose)].camera,
+                          job.observations[i].track);
+  }
+}
+
+// From where it was last seen.
+double distance_of(const Map& map, const MapPoint& p) {
+  const KeyObservation& last = p.key_observations.back();
+  const FramePose* f = map.camera(last.camera).frame_at(last.set);
+  return f == nullptr ? 0 : (p.position - f->cam_from_world.center()).norm();
+}
+
+// Takes its solution; one that is not known to better than its distance goes.
+void move_point(MapEdit& edit, const MapPoint& p, const PointEstimate& to) {
+  const Map& map = edit.map();
+  if (p.key_observations.size() < 2) {
+    edit.remove_point(p, Why::kTooFewViews, {static_cast<double>(p.key_observations.size()), 0});
+    return;
+  }
+  edit.move_point(p, to.position, to.covariance);
+  const double sigma = std::sqrt(p.covariance.trace()), distance = distance_of(map, p);
+  if (!(sigma < distance)) edit.remove_point(p, Why::kUndetermined, {sigma, distance});
+}
+
+// What is to become of a point, if anything.
+struct PointMove {
+  const MapPoint* point = nullptr;
+  std::optional<Eigen::Vector3d> solution;  // else it is triangulated anew
+  std::optional<PointEstimate> to;
+};
+
+std::vector<PointMove> points_to_move(const Map& map, const RefineJob& job, const BundleResult& result) {
+  const std::unordered_set<PointId> solved(job.points.begin(), job.points.end());
+  // One that was found to move meanwhile is where its cameras see it now.
+  const auto may_move = [&](const MapPoint& p) { return p.map == job.map && p.rests(); };
+  std::vector<PointMove> out;
+  for (const MapPoint* p : map.points_seen_since(first_that_moves(job))) {
+    if (may_move(*p) && !solved.contains(p->id)) out.push_back({p, {}, {}});
+  }
+  for (std::size_t i = 0; i < job.points.size(); ++i) {
+    const MapPoint* p = map.find(job.points[i]);
+    if (p != nullptr && may_move(*p)) out.push_back({p, result.points[i], {}});
+  }
+  return out;
+}
+
+void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
+  constexpr std::size_t kPart = 64;
+  const Map& map = edit.map();
+  std::vector<PointMove> moves = points_to_move(map, job, result);
+  workers.each((moves.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    for (std::size_t i = part * kPart; i < std::min(moves.size(), (part + 1) * kPart); ++i) {
+      PointMove& m = moves[i];
+      m.to = m.solution ? PointEstimate{*m.solution, map.covariance_of(*m.point, *m.solution)}
+                        : triangulated_anew(map, *m.point);
+    }
+  });
+  for (const PointMove& m : moves) {
+    if (m.solution) {
+      move_point(edit, *m.point, *m.to);
+    } else if (m.to) {
+      edit.move_point(*m.point, m.to->position, m.to->covariance);
+    }
+  }
+}
+
+}  // namespace
+
+namespace {
+
+// Cameras of a rig hold each other at each key frame, where lengths are metres.
+void add_ties(const Map& map, RefineJob* job) {
+  if (!map.is_metric(job->map)) return;
+  std::map<std::pair<SetId, std::string>, std::size_t> firsts;
+  for (std::size_t pose = 0; pose < job->poses.size(); ++pose) {
+    const MapCamera& camera = map.camera(job->poses[pose].camera);
+    if (camera.rig.empty()) continue;
+    const auto [at, added] = firsts.try_emplace({job->poses[pose].set, camera.rig}, pose);
+    if (added) continue;
+    const MapCamera& first = map.camera(job->poses[at->second].camera);
+    job->problem.ties.push_back(
+        {static_cast<int>(at->second), static_cast<int>(pose), camera.cam_from_rig * first.cam_from_rig.inverse()});
+  }
+}
+
+}  // namespace
+
+namespace {
+
+// Of these key frames, held by so many older poses, or more where a camera needs them; empty when there is too little.
+std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, std::size_t holding,
+                                  RefineExtent extent, bool lenses, Workers& workers) {
+  if (keys.empty()) return std::nullopt;
+  RefineJob job;
+  job.epoch = map.epoch();
+  job.map = of;
+  job.extent = extent;
+  job.set_s = map.set_interval_s();
+  for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
+  PoseIndex index;
+  for (const SetId key : keys) {
+    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
+  }
+  if (job.poses.size() < 2) return std::nullopt;
+  const std::size_t free_poses = job.poses.size();
+  if (holding > 0) {
+    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), holding)) {
+      add_pose(map, of, set, camera, true, &job, &index);
+    }
+  }
+  add_points(map, of, keys.front(), index, workers, &job);
+  add_ties(map, &job);
+  if (job.points.size() < 20) return std::nullopt;
+  if (extent != RefineExtent::kWindow) weigh_observations(&job);
+  if (job.poses.size() < free_poses + 2) float_free(&job);
+  if (lenses) free_lenses(map, &job);
+  return job;
+}
+
+}  // namespace
+
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config,
+                                     Workers& workers) {
+  const bool window = extent == RefineExtent::kWindow;
+  auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
+                      window ? 3 * static_cast<std::size_t>(config.window) : 0, extent,
+                      !window && config.finds_lenses(), workers);
+  if (!job) return job;
+  job->config.max_iterations = window ? config.max_iterations : config.final_iterations;
+  return job;
+}
+
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config,
+                                            Workers& workers) {
+  const int most_poses = kMostApart * config.outline_poses;
+  const KeyPoses all = key_poses(map, of);
+  const bool short_run = all.sum() <= most_poses;
+  const KeyPoses some = short_run ? all : newest_of(all, since, most_poses);
+  if (some.sets.size() < 2) return std::nullopt;
+  const int holding = short_run ? 0 : config.outline_poses;
+  auto job = plan_job(map, of, outline_of(some, config.outline_poses), static_cast<std::size_t>(holding),
+                      RefineExtent::kOutline, config.finds_lenses(), workers);
+  if (job) job->config.max_iterations = config.final_iterations;
+  return job;
+}
+
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config) {
+  std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, config);
+  const std::size_t all = keys.size();
+  std::erase_if(keys, [&](SetId key) { return key <= since; });
+  const std::size_t older = (all - keys.size()) * map.cameras().size();
+  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole, config.finds_lenses(), Workers::alone());
+  if (job) job->config.max_iterations = config.final_iterations;
+  return job;
+}
+
+std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses) {
+  const KeyPoses keys = newest_of(key_poses(map, of), SetId(), most_poses);
+  return plan_job(map, of, keys.sets, 0, RefineExtent::kWhole, false, Workers::alone());
+}
+
+BundleResult solve_refine(const RefineJob& job) {
+  BundleResult result = job.problem.lenses.empty() ? solve_bundle(job.problem, job.config) : solve_with_lenses(job);
+  solve_zooms(job, &result);
+  if (result.usable && job.floating) put_back(job.problem, &result);
+  return result;
+}
+
+RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
+  RefineReport report{.poses = static_cast<int>(job.poses.size()),
+                      .points = static_cast<int>(job.points.size()),
+                      .observations = static_cast<int>(job.observations.size()),
+                      .sigma_px = result.sigma_px};
+  if (!result.usable || job.epoch != edit.map().epoch()) return report;
+  if (!lenses_may_be_taken(edit.map(), job, result)) return report;
+  report.lens_step2 = lens_step2(edit.map(), job, result);
+  if (job.for_lenses && report.lens_step2 < kWorthTaking2) return report;
+  drop_outliers(edit, job, result, &report);
+  report.lenses = take_lenses(edit, job, result);
+  apply_zooms(edit, job, result);
+  move_frames(edit, job, result);
+  move_points(edit, job, result, workers);
+  edit.raise_epoch();
+  edit.note_moved(job.map, Why::kAdjusted, {static_cast<double>(report.poses), static_cast<double>(report.points)});
+  report.applied = true;
+  return report;
+}
+
+}  // namespace coslam

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "common/base/workers.h"
+#include "server/estimator/associate/gate.h"
+#include "server/estimator/map/edit.h"
+#include "server/estimator/pipeline/stage.h"
+
+namespace coslam {
+
+struct RegisterReport {
+  int candidates = 0, registered = 0;
+
+  void count(auto&& add) const {
+    add("register_candidates", candidates);
+    add("registered", registered);
+  }
+};
+
+// Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
+// theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
+// widest views.
+RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
+
+// Position and covariance of a point from all its key views and the newest view of each bound track.
+// Empty when its views do not determine it.
+std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& point);
+// The point is there then. False when it stays as it is.
+bool retriangulate(MapEdit& edit, const MapPoint& point);
+
+struct Register {
+  static constexpr std::string_view kName = "register";
+  using Config = NoConfig<Register>;
+  Config config;
+  RegisterReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+    return register_tracks(edit, set, workers);
+  }
+};
+
+}  // namespace coslam

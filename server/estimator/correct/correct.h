@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "server/estimator/adjust/scale.h"
+#include "server/estimator/correct/patch_writer.h"
+#include "server/estimator/covisibility/group.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/places/meet.h"
+
+namespace coslam {
+
+struct Corrections {
+  std::vector<MapPatch> patches;  // one for each frame of the set, in its order
+};
+
+// Tells each agent of the set what changed for it.
+class Correct {
+ public:
+  static constexpr std::string_view kName = "patches";
+  using Config = PatchWriterConfig;
+  explicit Correct(const PatchWriterConfig& of) : config(of) {}
+  PatchWriterConfig config;
+
+  Corrections run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
+                  const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
+  // The answer to a frame that came too late to be used.
+  MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);
+
+ private:
+  PatchWriter& writer_of(CameraId camera, const ServerRun& server);
+
+  std::map<CameraId, PatchWriter> writers_;
+};
+
+}  // namespace coslam

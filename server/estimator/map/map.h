@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "common/base/fields.h"
+#include "common/base/ids.h"
+#include "common/base/time.h"
+#include "common/geometry/rigid3.h"
+#include "common/geometry/triangulation.h"
+#include "common/model/rig.h"
+#include "server/estimator/map/camera.h"
+#include "server/estimator/map/frame_set.h"
+#include "server/estimator/map/point.h"
+#include "server/estimator/map/point_table.h"
+#include "server/estimator/map/track.h"
+
+// The map and everything that was observed, owned by one thread. Everybody may read it; it is written through MapEdit
+// (server/estimator/map/edit.h) alone, which keeps its invariants.
+namespace coslam {
+
+// A camera's image.
+using ImageKey = std::pair<SetId, CameraId>;
+
+struct KeyFrame {
+  SetId set;
+};
+auto fields(Like<KeyFrame> auto& k) { return std::tuple(kept("set", k.set)); }
+
+// A map was moved as a whole; into another, of which it is part then.
+struct MapMove {
+  MapId from, into;
+  Similarity3 into_from_from;
+};
+auto fields(Like<MapMove> auto& m) {
+  return std::tuple(kept("from", m.from), kept("into", m.into), kept("into_from_from", m.into_from_from));
+}
+
+struct MapConfig {
+  double sigma_px = 3.0;  // largest believed noise of detection and tracking, at 640 px image width
+  double theta = 2.0;     // Mahalanobis gate
+  // Noise behind point covariances over the residuals' own. Residuals do not show what all views of a track share: its
+  // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see
+  // docs/lab/results.md (NEES).
+  double covariance_sigma_factor = 2.6;
+  double recent_s = 6.67;  // N_rec: a point is active when it was seen so lately
+  // One meaning everywhere: when two patches show one place, and what makes a point worth having.
+  double zncc_min = 0.7;
+  double zncc_margin = 0.05;        // of the best match over the second best
+  double min_parallax_rad = 0.017;  // of a new point's views
+  double check_back_s = 2.0;        // of a track, in which a point that is to be its has to fit
+  int failures = 3;                 // gate failures in succession of a track that count
+  int few_points = 60;              // a camera that sees fewer proven points relies on others and on directions too
+  double new_view_rad = 0.02;       // turn of a viewing ray by which one more view of a point tells something
+  double match_period_s = 0.17;     // between looks for tracks and points that are one, where nothing hurries
+  std::vector<std::string> rigs;    // cameras that are fixed to another: CAMERA FIRST x y z qx qy qz qw each
+};
+
+class Map {
+ public:
+  // Throws UserError for a rig that is none.
+  explicit Map(const MapConfig& config);
+
+  const MapConfig& config() const { return config_; }
+  const std::vector<MapCamera>& cameras() const { return cameras_; }
+  const MapCamera& camera(CameraId id) const { return cameras_[id.value]; }
+  const ServerTrack& track(const BoundTrack& bound) const { return camera(bound.camera).tracks.at(bound.track); }
+  const std::map<PointId, MapPoint>& points() const { return points_.all; }
+  const MapPoint* find(PointId id) const { return points_.by_id.find(id); }
+  const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
+  bool is_key_frame(SetId set) const;
+  // Cameras that took no part in a key frame, as they saw nothing new.
+  const std::set<ImageKey>& spared_images() const { return spared_images_; }
+
+  // Those that move now, ascending.
+  std::vector<const MapPoint*> moving_points() const;
+  // Paths of points that move or moved, also of those that are gone.
+  const std::map<PointId, std::vector<MotionSample>>& motions() const { return motions_; }
+  // What follows is found without looking at every point that ever was. All ascending.
+  // Seen lately: is_recent().
+  std::vector<const MapPoint*> recent_points() const;
+  // Seen at this set or later.
+  std::vector<const MapPoint*> points_seen_since(SetId set) const;
+  // With a key observation in one of these images; at one of these sets; at this set or later.
+  std::vector<const MapPoint*> points_observed_in(const std::vector<ImageKey>& images) const;
+  std::vector<const MapPoint*> points_observed_at(const std::vector<SetId>& sets) const;
+  std::vector<const MapPoint*> points_observed_since(SetId set) const;
+  // That no track follows, since their last binding ended; cull() looks at these.
+  const std::set<PointId>& loose_points() const { return loose_; }
+
+  // Standard deviation behind the gates: generous against the measured one, never above sigma_px of the configuration.
+  double gate_sigma_px(const MapCamera& camera) const;
+  // The largest believed noise, in pixels of this camera.
+  double sigma_bound_px(const MapCamera& camera) const { return camera.model.px_from_640(config_.sigma_px); }
+
+  // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
+  // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
+  Eigen::Matrix3d covariance_of(const MapPoint& point) const { return covariance_of(point, point.position); }
+  // The same were it there.
+  Eigen::Matrix3d covariance_of(const MapPoint& point, const Eigen::Vector3d& position) const;
+  // The same for a point about to be made at this position from tracks of these cameras.
+  Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position,
+                                const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
+  double covariance_sigma_px(const MapCamera& camera) const {
+    return config_.covariance_sigma_factor * camera.sigma_px;
+  }
+
+  // Views of a track at frames with a pose in the camera's map, at most `most`, spread evenly in time with both ends
+  // kept.
+  std::vector<View> views_of(const MapCamera& camera, const ServerTrack& track, std::size_t most) const;
+  // Views of all key observations of a point whose frames have poses.
+  std::vector<View> key_views_of(const MapPoint& point) const;
+
+  // All that maps as wholes went through, and by how much all times were shifted: for what was put down before.
+  const std::vector<MapMove>& moves() const { return moves_; }
+  TimeNs shifted_ns() const { return shifted_ns_; }
+  // Observations of that image are kept.
+  bool keeps_observations_of(SetId set, CameraId camera) const;
+  const std::set<ImageKey>& key_images() const { return key_images_; }
+
+  // Lengths of that map are metres, so that cameras of a rig are where the rig has them.
+  bool is_metric(MapId map) const { return metric_.contains(map); }
+  // Other cameras of its rig.
+  std::vector<CameraId> rig_mates(const MapCamera& camera) const;
+
+  MapId next_map() const { return MapId(next_map_); }  // not given yet
+  MapEpoch epoch() const { return epoch_; }
+  SetId now() const { return now_; }
+  TimeNs now_ns() const { return now_ns_; }
+  // Not longer ago than recent_s.
+  bool is_recent(SetId set) const { return set.value + sets_in(config_.recent_s) >= now_.value; }
+  // How many frame sets come in that time, by the newest ones; at least one.
+  std::uint32_t sets_in(double time_s) const;
+  double set_interval_s() const { return set_interval_s_; }
+  // The set so long ago, or the first.
+  SetId set_ago(double time_s) const { return SetId(now_.value - std::min(now_.value, sets_in(time_s))); }
+  // The camera's pose is that of its rig, which all its cameras tell together.
+  bool is_posed_by_rig(const MapCamera& camera) const { return !camera.rig.empty() && is_metric(camera.map); }
+  // True at one set in that time.
+  bool every(double period_s) const { return now_.value % sets_in(period_s) == 0; }
+  // How often it was.
+  std::uint32_t round(double period_s) const { return now_.value / sets_in(period_s); }
+
+ private:
+  friend class MapEdit;
+  friend class MapRows;
+  void put(MapPoint point);  // as it is, from elsewhere
+  std::vector<const MapPoint*> found(std::vector<PointId> given) const;
+
+  MapConfig config_;
+  std::vector<RigCamera> rigs_;
+  std::set<MapId> metric_;
+  std::vector<MapCamera> cameras_;
+  PointTable points_;
+  std::map<PointId, std::vector<MotionSample>> motions_;
+  std::vector<KeyFrame> key_frames_;
+  std::set<ImageKey> key_images_, spared_images_;
+  std::set<PointId> loose_;
+  std::map<ImageKey, std::vector<PointId>>
+      observed_in_;                 // and some whose observation is gone; in any order, some twice
+  std::vector<PointId> repatched_;  // that were given a patch since they were thinned
+  std::uint32_t next_point_ = 1;
+  std::uint32_t next_map_ = 1;
+  MapEpoch epoch_;
+  SetId now_;
+  TimeNs now_ns_ = 0;
+  double set_interval_s_ = kUsualInterval_s;
+  std::vector<TimeNs> set_times_ns_;  // the newest few
+  std::vector<MapMove> moves_;
+  TimeNs shifted_ns_ = 0;
+};
+
+}  // namespace coslam

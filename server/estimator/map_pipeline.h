@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/rigs.h"
+#include "server/estimator/adjust/adjustment.h"
+#include "server/estimator/adjust/scale.h"
+#include "server/estimator/associate/cull.h"
+#include "server/estimator/associate/fuse.h"
+#include "server/estimator/associate/gate.h"
+#include "server/estimator/associate/register.h"
+#include "server/estimator/correct/correct.h"
+#include "server/estimator/correct/moving_writer.h"
+#include "server/estimator/covisibility/group.h"
+#include "server/estimator/create/moving.h"
+#include "server/estimator/create/one_camera.h"
+#include "server/estimator/create/start.h"
+#include "server/estimator/create/two_cameras.h"
+#include "server/estimator/motion/classify.h"
+#include "server/estimator/motion/clock.h"
+#include "server/estimator/motion/lag_finder.h"
+#include "server/estimator/motion/objects.h"
+#include "server/estimator/past/forget.h"
+#include "server/estimator/pipeline/pipeline.h"
+#include "server/estimator/places/meet.h"
+#include "server/estimator/pose/find_again.h"
+#include "server/estimator/pose/inter_pose.h"
+#include "server/estimator/pose/localise.h"
+#include "server/estimator/pose/window.h"
+
+namespace coslam {
+
+// What a frame set goes through, in this order.
+using MapPipeline = Pipeline<  //
+    TakeAdjustment,            // the solution of the last bundle adjustment
+    Localise,                  // each camera's pose, on the points bound to its tracks
+    WindowPose,                // where known points run out: the newest poses with all that was followed
+    FindAgain,                 // and points that are seen again after a while
+    InterPose,                 // where static points run out: the cameras of a group together
+    Start,                     // maps, by several cameras at once or by one alone
+    Meetings,                  // places known again: cameras put into maps, maps joined, loops closed
+    Verify,                    // every observation against its prediction; filter
+    Classify,                  // what moves, and where that is now
+    ClockFinder,               // offsets of the agents' clocks, from what moves
+    LagFinder,                 // cameras whose stamps are off by far, the same way
+    Register,                  // tracks without a point against known points
+    MapIntra,                  // new points from one camera's motion
+    Grouping,                  // view graph of this set, groups
+    MapInter,                  // new points from two cameras at once
+    MapMoving,                 // new moving points
+    Fuse,                      // points that two cameras made of one corner
+    Cull,                      // points that turned out to be false
+    Scale,                     // metres, where something tells them
+    ObjectFinder,              // which moving points move as one
+    TellMoving,                // what moves, for others
+    PlanAdjustment,            // key frames, and what is to be adjusted
+    Correct>;                  // what each agent is told
+
+struct MapServerConfig {
+  MapConfig map;
+  PastConfig past;
+  MapPipeline::Configs stages;
+
+  // Of one stage, e.g. of<LocaliseConfig>().
+  template <class Config>
+  Config& of() {
+    return std::get<Config>(stages);
+  }
+};
+
+template <class V>
+void describe(V& v, MapServerConfig& c) {
+  v.field("sigma_px", c.map.sigma_px, {0.1, 20}, "largest believed noise of a feature, at 640 px image width");
+  v.field("theta", c.map.theta, {0.5, 10}, "Mahalanobis gate");
+  v.field("recent_s", c.map.recent_s, {0.1, 10000}, "points seen so lately take part in registration (N_rec)");
+  v.field("zncc_min", c.map.zncc_min, {-1, 1}, "correlation of two patches that show one place");
+  v.field("zncc_margin", c.map.zncc_margin, {0, 1}, "of the best match over the second best");
+  v.field("min_parallax_rad", c.map.min_parallax_rad, {0, 1}, "between the views that a point is made from");
+  v.field("check_back_s", c.map.check_back_s, {0.1, 100}, "of a track, in which a point that is to be its has to fit");
+  v.field("failures", c.map.failures, {1, 100}, "gate failures in succession that unbind a track, or make it doubted");
+  v.field("few_points", c.map.few_points, {0, 1000},
+          "a camera that sees fewer proven points relies on those on trial and on directions too");
+  v.field("new_view_rad", c.map.new_view_rad, {0, 1},
+          "turn of the viewing ray between two views that tell something: filter updates, key frames, starts");
+  v.field("match_period_s", c.map.match_period_s, {0.001, 10}, "between looks for tracks and points that are one");
+  v.field(
+      "rigs", c.map.rigs, read_rig_texts,
+      "cameras that are fixed to another: [CAMERA FIRST x y z qx qy qz qw, ...], p_in_camera = T * p_in_first, metres; "
+      "or as in a sequence: [{cameras: [A, B], cam_from_first: {B: [x, y, z, qx, qy, qz, qw]}}]");
+  v.field("baseline_m", c.of<ScaleConfig>().baseline_m, {0, 1000},
+          "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
+  v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 10},
+          "side of the black square of every printed tag, metres; 0 = unknown; agents look for them, see agent.tags");
+  v.field("lens", c.of<RefineConfig>().lens, {"auto", "given"},
+          "auto: what is wrong about a calibration is found out, as far as the images say it; given: they are right");
+  MapPipeline::describe_all(v, c.stages);
+  v.section("past", c.past);
+}
+
+}  // namespace coslam

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/time.h"
+#include "server/estimator/map/sighting.h"
+
+// Where a moving point was, and how fast it and what it is part of move.
+namespace coslam {
+
+struct PathSample {
+  SetId set;
+  TimeNs t_ns = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+using MovingPath = std::vector<PathSample>;  // ascending sets
+
+struct PointMotion {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  double span_s = 0;  // of the samples behind the velocity
+};
+
+// A curve fitted to the samples from from_ns to to_ns gives the velocity at at_ns, the sample next to it the position,
+// carried on with the velocity. Empty when there are fewer than three samples, when they span less than min_span_s, or
+// end so long before or begin so long after at_ns.
+std::optional<PointMotion> motion_at(const MovingPath& path, TimeNs at_ns, TimeNs from_ns, TimeNs to_ns,
+                                     double min_span_s);
+
+// A body: the mean of its points but for stray ones, their median velocity, and the sides of a box with the axes of the
+// map around that centre.
+struct BodyMotion {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d extent = Eigen::Vector3d::Zero();
+};
+BodyMotion body_of(std::span<const PointMotion> points);  // at least one
+
+}  // namespace coslam

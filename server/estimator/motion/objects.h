@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "server/estimator/adjust/scale.h"
+#include "server/estimator/map/map.h"
+#include "server/estimator/map/rows.h"
+#include "server/estimator/motion/followed_paths.h"
+#include "server/estimator/motion/moving_path.h"
+
+namespace coslam {
+
+// Lengths are in units of the reach: how far apart two neighbouring points of one body may be.
+struct ObjectsConfig {
+  double reach_m = 0.8;       // where the scale is known
+  double reach_share = 0.16;  // of the distance from the cameras, where it is not
+  double path_s = 1.0;  // newest part of the points' paths that is compared and gives the velocity; out of sight for
+                        // longer: forgotten
+  double min_path_s = 0.2;  // shorter paths wait
+  double max_sigma = 0.4;   // sqrt(trace Sigma); less certain points wait
+  double stretch = 0.25;    // that the distance of two points of one body changes by at most
+  double shift = 0.6;       // by which parts of one body may shift against each other over their path
+  double speed_gate = 1.2;  // a second: by which an object may differ from what it was before it was out of sight
+  double min_speed = 0.2;   // a second: slower ones are not taken up, but kept
+  int min_points = 3;       // of a new object; a known one is kept with two
+};
+
+template <class V>
+void describe(V& v, ObjectsConfig& c) {
+  v.field("reach_m", c.reach_m, {0.01, 1000}, "between neighbouring points of a body, when the scale is known");
+  v.field("reach_share", c.reach_share, {0.001, 1}, "the same when it is not, of the distance from the cameras");
+  v.field("path_s", c.path_s, {0.2, 10}, "newest part of the paths that is compared and gives the velocity");
+  v.field("min_path_s", c.min_path_s, {0.05, 10}, "points with shorter paths wait");
+  v.field("min_speed", c.min_speed, {0, 100}, "of the reach a second, of a new object");
+  v.field("min_points", c.min_points, {2, 1000}, "of a new object");
+}
+
+// A moving point as the objects see it.
+struct MovingPoint {
+  PointId id;
+  MapId map;
+  MovingPath path;  // the newest path_s
+  double sigma = 0;
+  double reach = 0;
+};
+
+struct MovingObject {
+  ObjectId id;
+  MapId map;
+  BodyMotion motion;
+  std::vector<PointId> members;  // ascending
+};
+
+struct ObjectsReport {
+  int points = 0;   // that could be in an object
+  int objects = 0;  // now
+  int started = 0;  // with a new id
+  std::vector<MovingObject> list;
+
+  void count(auto&& add) const {
+    add("objects_started", started);
+    add("object_sets", objects);
+  }
+};
+
+// Which moving points move together, every frame set. Points are linked, nearest first, when they are near each other
+// and their distance has hardly changed over their common path: so limbs hang on a body although they swing, and what
+// passes by does not. Parts of several points are joined only when they go the same way. An object keeps its id by its
+// members, and when all of them were replaced by where it would be by now.
+class ObjectFinder {
+ public:
+  static constexpr std::string_view kName = "objects";
+  using Config = ObjectsConfig;
+  explicit ObjectFinder(const ObjectsConfig& of) : config(of) {}
+  ObjectsConfig config;
+
+  // in_metres: the maps whose scale is known.
+  ObjectsReport run(const Map& map, const FrameSet& set, const ScaleReport& scale);
+  // The same for points by themselves.
+  ObjectsReport step(const std::vector<MovingPoint>& points, TimeNs now_ns);
+
+  // Of the last step, ascending id.
+  const std::vector<MovingObject>& objects() const { return objects_; }
+  // The id of the next new one.
+  // Of another server's, numbers go on.
+  void save(std::vector<Row>* rows) const;
+  void restore(const Tables& tables);
+
+ private:
+  struct Candidate;
+  struct Part;
+  struct Known {
+    MapId map;
+    BodyMotion motion;
+    double reach = 0;
+    TimeNs first_ns = 0, last_ns = 0;
+  };
+  struct Membership {
+    ObjectId object;
+    TimeNs last_ns = 0;
+  };
+  std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
+  class Joining;
+  std::vector<Part> parts(const std::vector<Candidate>& all, TimeNs now_ns) const;
+  bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
+  ObjectId object_of(PointId point) const;
+  void name_by_members(std::vector<Part>& parts) const;
+  void name_by_place(std::vector<Part>& parts, TimeNs now_ns) const;
+  void forget(TimeNs now_ns);
+
+  FollowedPaths paths_;
+  std::map<PointId, Membership> members_;
+  std::map<ObjectId, Known> known_;
+  std::uint32_t next_object_ = 1;
+  std::vector<MovingObject> objects_;
+};
+
+}  // namespace coslam

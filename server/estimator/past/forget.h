@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "server/estimator/map/edit.h"
+#include "server/estimator/map/past.h"
+
+namespace coslam {
+
+struct PastConfig {
+  double whole_s = 600;     // the newest part of a run that is kept whole
+  double block_s = 5;       // of a camera's frames that leave memory together
+  double near_share = 0.1;  // of the distance of what is seen, and
+  double near_rad = 0.15;   // of turn: images this near each other show one place alike
+};
+
+template <class V>
+void describe(V& v, PastConfig& c) {
+  v.field("whole_s", c.whole_s, {60, 1e6},
+          "the newest part of a run that is kept whole; what is older goes to disk, and is thinned where other images "
+          "show the same");
+  v.field("near_share", c.near_share, {0, 10}, "of the distance of what is seen, that images of one place are apart");
+  v.field("near_rad", c.near_rad, {0, 4}, "of turn between images of one place");
+}
+
+// Keeps the memory of a long run bounded by the place that it maps, not by its length. What is older than whole_s:
+// - of images with descriptors that show one place alike, those of the first and of the newest instant keep them and
+//   their observations; others keep their observations where fewer show the place;
+// - points that fewer than two of these see, and nobody follows, go;
+// - frames of which nothing is kept are given out, for a disk, but for the first and the last of each block: these go
+//   on moving with the map, and the others hang on them. Each is solved once more before it goes;
+// - paths of moving points are given out.
+// Does nothing in a run that is shorter. Thread-compatible.
+class Forgetting {
+ public:
+  explicit Forgetting(const PastConfig& config) : config_(config) {}
+
+  // After each frame set. held: frames that others will look at again.
+  PastPart run(MapEdit& edit, const std::vector<ImageKey>& held);
+
+ private:
+  void judge_images(MapEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  void judge_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  std::vector<ImageKey> alike(const Map& map, const ImageKey& image, double depth) const;
+  void drop_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  void take_frames(MapEdit& edit, const std::set<ImageKey>& held, PastPart* past);
+  void take_places(MapEdit& edit, PastPart* past);
+  void remove_points(MapEdit& edit);
+
+  PastConfig config_;
+  SetId cutoff_;  // what is before is past
+  SetId judged_, placed_, swept_;
+  std::vector<ImageKey> kept_;      // images that are past and keep what they saw; ascending
+  std::set<ImageKey> own_anchors_;  // frames of blocks that stay because others hang on them
+  std::vector<SetId> since_;        // by camera: from where on this object gave its frames out
+};
+
+}  // namespace coslam

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/places/join_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "common/geometry/alignment.h"
+#include "common/geometry/robust.h"
+#include "server/estimator/places/witness.h"
+
+namespace coslam {
+namespace {
+
+constexpr double kNear = 0.05;  // of the distance: points that are one
+constexpr std::size_t kLeastPairs = 10;
+
+// The one that most others agree with, and these.
+std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
+  std::vector<const Witness*> best;
+  for (const Witness& a : all) {
+    std::vector<const Witness*> with{&a};
+    for (const Witness& b : all) {
+      if (agree(a, b)) with.push_back(&b);
+    }
+    if (with.size() > best.size()) best = std::move(with);
+  }
+  return best;
+}
+
+// All together give the size that each gives by itself, but for a few of many. Two prints of one room may hang nearly
+// as those of another do, but not in the same proportion to their own size.
+bool of_one_size(const Similarity3& fitted, const std::vector<const Witness*>& all) {
+  constexpr double kScale = 0.05, kMost = 0.8;
+  const auto same = std::ranges::count_if(
+      all, [&](const Witness* w) { return std::abs(std::log(w->into_from_own.scale / fitted.scale)) < kScale; });
+  return static_cast<double>(same) >= kMost * static_cast<double>(all.size());
+}
+
+// Points that the images say are one: each once.
+std::map<PointId, PointId> pairs_of(const std::vector<const Witness*>& witnesses) {
+  std::map<PointId, PointId> pairs;
+  std::set<PointId> known;
+  for (const Witness* s : witnesses) {
+    for (const auto& [own, other] : s->pairs) {
+      if (!pairs.contains(own) && known.insert(other).second) pairs.emplace(own, other);
+    }
+  }
+  return pairs;
+}
+
+// Fitted to the pairs that it brings together.
+std::optional<Similarity3> fitted(const Map& map, const Similarity3& start, double depth,
+                                  std::map<PointId, PointId>* pairs) {
+  Similarity3 s = start;
+  std::map<PointId, PointId> near;
+  for (const double gate : {4 * kNear, 2 * kNear, kNear}) {
+    std::vector<Eigen::Vector3d> from, to;
+    near.clear();
+    for (const auto& [own, other] : *pairs) {
+      const Eigen::Vector3d &a = map.find(own)->position, &b = map.find(other)->position;
+      if ((s * a - b).norm() > gate * depth) continue;
+      near.emplace(own, other);
+      from.push_back(a);
+      to.push_back(b);
+    }
+    if (from.size() < kLeastPairs) return std::nullopt;
+    const Alignment a = align_points(from, to, AlignmentScale::kFree);
+    if (!a.target_from_source) return std::nullopt;
+    s = *a.target_from_source;
+  }
+  *pairs = near;
+  return s;
+}
+
+// What images of one map, of as many as it takes time for, say of places in others that may be asked.
+std::vector<Witness> witnesses_in(const Map& map, const PlaceMemory& places, MapId of,
+                                  const std::function<bool(MapId)>& may_ask) {
+  constexpr std::size_t kMostImages = 200;
+  const std::vector<const KeyImage*> images = places.images_of(map, of);
+  const std::size_t apart = std::max<std::size_t>(1, (images.size() + kMostImages - 1) / kMostImages);
+  std::vector<Witness> out;
+  for (std::size_t i = 0; i < images.size(); i += apart) {
+    const auto seen = places.find_again(map, *images[i], [&](const KeyImage&, MapId in) { return may_ask(in); });
+    if (!seen) continue;
+    if (auto witness = witness_of(map, *seen)) out.push_back(std::move(*witness));
+  }
+  return out;
+}
+
+// Its images about older maps, and theirs about it.
+std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, MapId of, MapId first) {
+  std::vector<Witness> out = witnesses_in(map, places, of, [&](MapId in) { return in != of && in < first; });
+  for (MapId in(1); in < first; ++in.value) {
+    if (in == of) continue;
+    for (const Witness& w : witnesses_in(map, places, in, [&](MapId asked) { return asked == of; })) {
+      out.push_back(reversed(w, in));
+    }
+  }
+  return out;
+}
+
+std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
+  constexpr std::size_t kLeastImages = 2;
+  constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
+  const Map& map = edit.map();
+  const std::vector<Witness> all = all_witnesses(map, places, of, first);
+  const std::vector<const Witness*> good = agreed(all);
+  if (good.size() < kLeastImages) return std::nullopt;
+  std::map<PointId, PointId> pairs = pairs_of(good);
+  std::vector<double> depths;
+  depths.reserve(good.size());
+  for (const Witness* s : good) depths.push_back(s->depth);
+  const double depth = upper_median(depths);
+  const auto into_from_own = fitted(map, good.front()->into_from_own, depth, &pairs);
+  if (!into_from_own || !of_one_size(*into_from_own, good)) return std::nullopt;
+  // What is flat in one map may only be uncertain there.
+  std::vector<const MapPoint*> here, there;
+  for (const auto& [own, other] : pairs) {
+    here.push_back(map.find(own));
+    there.push_back(map.find(other));
+  }
+  const bool relief = has_relief(there, depth) || has_relief(here, depth / into_from_own->scale);
+  const bool of_one_mind = static_cast<double>(good.size()) > kOfOneMind * static_cast<double>(all.size());
+  if (!relief && !(of_one_mind && covers_ground(there, std::ranges::max(depths)))) return std::nullopt;
+  MapId kept = good.front()->into, gone = of;
+  Similarity3 by = *into_from_own;
+  if (map.is_metric(gone) && !map.is_metric(kept)) {  // the one in metres keeps its frame
+    std::swap(kept, gone);
+    by = by.inverse();
+  }
+  edit.merge(gone, kept, by);
+  for (const auto& [own, other] : pairs)
+    edit.fuse(other, own, Why::kPlaceRecognised, {static_cast<double>(pairs.size()), 0});
+  return JoinedMaps{gone, kept, static_cast<int>(good.size()), static_cast<int>(pairs.size()), by.scale};
+}
+
+}  // namespace
+
+std::vector<JoinedMaps> join_all_maps(MapEdit& edit, const PlaceMemory& places) {
+  std::vector<JoinedMaps> out;
+  for (MapId of(2); of < edit.map().next_map(); ++of.value) {
+    if (const auto joined = join(edit, places, of, of)) out.push_back(*joined);
+  }
+  return out;
+}
+
+std::vector<JoinedMaps> join_maps(MapEdit& edit, const PlaceMemory& places, MapId first) {
+  std::vector<JoinedMaps> out;
+  for (MapId of = first; of < edit.map().next_map(); ++of.value) {
+    if (const auto joined = join(edit, places, of, first)) out.push_back(*joined);
+  }
+  return out;
+}
+
+}  // namespace coslam

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/base/workers.h"
+#include "server/estimator/covisibility/group.h"
+#include "server/estimator/map/edit.h"
+#include "server/estimator/map/memory.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/places/ask.h"
+#include "server/estimator/places/close_loop.h"
+#include "server/estimator/places/decide.h"
+#include "server/estimator/places/join_maps.h"
+#include "server/estimator/places/look_back.h"
+#include "server/estimator/places/recognise.h"
+#include "server/estimator/pose/localise.h"
+
+namespace coslam {
+
+struct MeetConfig {
+  bool loops = true;  // own old places too, beside those that other cameras saw lately
+  RecogniseConfig recognise;
+  DecideConfig decide;
+  AskConfig ask;
+};
+
+template <class V>
+void describe(V& v, MeetConfig& c) {
+  v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
+  v.field("min_place_inliers", c.decide.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
+  v.field("min_merge_inliers", c.decide.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
+  describe(v, c.ask);
+}
+
+struct MeetReport {
+  int described = 0;  // images that came with descriptors
+  int sightings = 0;  // known places recognised
+  int placed = 0, merged = 0, closed = 0, linked = 0, expected = 0, doubted = 0;
+  MapId to_adjust;     // the last map that was made of two or drawn together; 0 = none
+  SetId adjust_since;  // what is older was in it already
+  std::map<CameraId, DescriptorRequest> requests;
+
+  void count(auto&& add) const {
+    add("images_described", described);
+    add("sightings", sightings);
+    add("placed", placed);
+    add("merges", merged);
+    add("loops_closed", closed);
+    add("places_linked", linked);
+    add("places_expected", expected);
+    add("meetings_doubted", doubted);
+  }
+};
+
+// Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
+// brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
+// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that two
+// cameras see the same, but nothing holds them to each other, both are asked at once, and points are looked for where
+// they should appear. Before anything
+// moves, a meeting has to be confirmed by a second image.
+class Meetings {
+ public:
+  static constexpr std::string_view kName = "meet";
+  using Config = MeetConfig;
+  explicit Meetings(const MeetConfig& of) : config(of), places_(of.recognise), judge_(of.decide), asking_(of.ask) {}
+  MeetConfig config;
+
+  // After the set's poses are known.
+  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
+                 const GroupConfig& group, Workers& workers = Workers::alone());
+  // What the last image of a run shows, from now on a known place. False: that image is still to come.
+  bool remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply);
+  // Frames that loops are closed by, of the newest loops: those hold the map together.
+  std::vector<ImageKey> held_frames() const;
+  // Those images are remembered no more.
+  void forget(const std::vector<ImageKey>& views) { places_.forget(views); }
+  // What those of a map that was taken in remember and closed.
+  void take_in(const Meetings& other, const Renumbered& as);
+  const PlaceMemory& places() const { return places_; }
+  // At the end: what the run did not see of places that were known.
+  std::vector<JoinedMaps> join_all(MapEdit& edit) const { return join_all_maps(edit, places_); }
+  LookBackReport look_back(MapEdit& edit, MapId of);
+  void add_memory(MemoryUse* use) const { (*use)["places"] += places_.bytes(); }
+  // What outlives the server, as rows, as far as it was not given out before; and back.
+  void save(std::vector<Row>* rows);
+  void restore(const Tables& tables);
+
+ private:
+  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupConfig& group);
+  ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const;
+  bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
+  // What an image shows of places that the map knows, as that is now.
+  struct Look {
+    DescribedImage image;
+    ExpectedPlace expected;
+    std::optional<Recognition> seen;
+  };
+  Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
+  // Whether that changed the map.
+  bool act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise, MeetReport* report);
+
+  AwaitedDescriptors awaited_;
+  PlaceMemory places_;
+  PlaceJudge judge_;
+  Asking asking_;
+  std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
+  std::set<MapId> remembered_;                          // maps that images are remembered of
+  std::vector<LoopConstraint> loops_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/places/unite.h"
+
+#include <algorithm>
+
+#include "server/estimator/associate/register.h"
+
+namespace coslam {
+namespace {
+
+int frames_in(const Map& map, MapId id) {
+  int n = 0;
+  for (const MapCamera& c : map.cameras()) n += c.frames_in_map(id);
+  return n;
+}
+
+SetId first_set_in(const Map& map, MapId id) {
+  SetId first = map.now();
+  for (const MapCamera& c : map.cameras()) {
+    const auto frame = std::ranges::find(c.frames, id, &FramePose::map);
+    if (frame != c.frames.end()) first = std::min(first, frame->set);
+  }
+  return first;
+}
+
+}  // namespace
+
+void bind_matches(MapEdit& edit, const DescribedImage& image, const std::vector<std::pair<TrackId, PointId>>& matches) {
+  const Map& map = edit.map();
+  const MapCamera& camera = image.camera;
+  const Figures agree{static_cast<double>(matches.size()), 0};
+  for (const auto& [track_id, point_id] : matches) {
+    const auto live = camera.tracks.find(track_id);
+    const auto of_ended = image.points.find(track_id);
+    const PointId own_id = live != camera.tracks.end()      ? live->second.point
+                           : of_ended != image.points.end() ? of_ended->second
+                                                            : PointId();
+    const MapPoint* kept = map.find(point_id);
+    if (kept == nullptr || own_id == point_id) continue;
+    if (const MapPoint* own = map.find(own_id); own == nullptr) {
+      if (live == camera.tracks.end() || seen_by(*kept, camera.id)) continue;
+      edit.bind(*kept, camera.id, live->second, Why::kPlaceRecognised, agree);
+    } else {
+      if (!own->rests() || seen_at_once(*own, *kept)) continue;
+      edit.fuse(point_id, own_id, Why::kPlaceRecognised, agree);
+    }
+    edit.keep_recent(*kept);
+    retriangulate(edit, *kept);
+  }
+}
+
+void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen, const LocaliseConfig& config) {
+  const MapCamera& camera = newest.camera;
+  edit.place(camera, camera.frames.back().set, seen.map, seen.cam_from_world, Why::kPlaceRecognised,
+             {static_cast<double>(seen.matches.size()), 0});
+  bind_matches(edit, newest, seen.matches);
+  localise_backwards(edit, camera, camera.frames.back().set, config);
+  edit.raise_epoch();
+}
+
+SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own) {
+  const Map& map = edit.map();
+  const MapId own = image.camera.map, in = seen.map;
+  const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
+  const SetId since = std::max(first_set_in(map, own), first_set_in(map, in));
+  // One in metres keeps its frame; else the larger, the older one when they are equal.
+  const auto rank = [&](MapId id, int frames) { return std::pair(map.is_metric(id), frames); };
+  if (rank(own, own_frames) > rank(in, in_frames) || (rank(own, own_frames) == rank(in, in_frames) && own < in)) {
+    edit.merge(in, own, in_from_own.inverse());
+  } else {
+    edit.merge(own, in, in_from_own);
+  }
+  bind_matches(edit, image, seen.matches);
+  return since;
+}
+
+bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
+           const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
+  const MapCamera& camera = image.camera;
+  const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
+  const LoopConstraint loop{
+      camera.id,        seen.key_camera, image.set, seen.key_set, seen.cam_from_world * there->cam_from_world.inverse(),
+      in_from_own.scale};
+  if (!close_loop(edit, camera.map, loop, *loops, graph.group_with(camera.id))) return false;
+  loops->push_back(loop);
+  bind_matches(edit, image, seen.matches);
+  return true;
+}
+
+}  // namespace coslam

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/places/witness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/estimator/places/depth_ratio.h"
+
+namespace coslam {
+
+std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen) {
+  const FramePose& own = *map.camera(seen.image->camera).frame_at(seen.image->set);
+  Witness out{
+      .set = seen.image->set, .camera = seen.image->camera, .into = seen.place.map, .depth = seen.place.median_depth};
+  std::vector<double> ratios;
+  for (const auto& [track, known] : seen.place.matches) {
+    const MapPoint& of_own = *map.find(seen.own.at(track));
+    const double here = (own.cam_from_world * of_own.position).z();
+    const double there = (seen.place.cam_from_world * map.find(known)->position).z();
+    if (here > 0 && there > 0) ratios.push_back(std::log(there / here));
+    out.pairs.emplace_back(of_own.id, known);
+  }
+  const auto ratio = depth_ratio(std::move(ratios));
+  if (!ratio) return std::nullopt;
+  Similarity3& s = out.into_from_own;
+  s.scale = *ratio;
+  s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own.cam_from_world.rotation).normalized();
+  s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own.cam_from_world.center());
+  out.center = own.cam_from_world.center();
+  return out;
+}
+
+Witness reversed(const Witness& w, MapId own) {
+  Witness out = w;
+  out.into = own;
+  out.into_from_own = w.into_from_own.inverse();
+  out.depth = w.depth / w.into_from_own.scale;
+  out.center = w.into_from_own * w.center;
+  for (auto& [first, second] : out.pairs) std::swap(first, second);
+  return out;
+}
+
+bool agree(const Witness& a, const Witness& b) {
+  constexpr double kTurn_rad = 0.05, kShift = 0.15, kScale = 0.15;
+  return a.into == b.into && std::pair(a.set, a.camera) != std::pair(b.set, b.camera) &&
+         a.into_from_own.rotation.angularDistance(b.into_from_own.rotation) < kTurn_rad &&
+         std::abs(std::log(a.into_from_own.scale / b.into_from_own.scale)) < kScale &&
+         (a.into_from_own * b.center - b.into_from_own * b.center).norm() < kShift * std::max(a.depth, b.depth);
+}
+
+}  // namespace coslam

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+
+#include "common/geometry/steady_motion.h"
+#include "server/estimator/covisibility/group.h"
+#include "server/estimator/map/edit.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/pose/localise.h"
+
+namespace coslam {
+
+struct InterPoseConfig {
+  bool enabled = true;
+  double hull_area_min = 0.20;  // of the image, covered by a camera's static points
+  int min_moving = 6;           // moving points that two cameras of the group see
+};
+
+template <class V>
+void describe(V& v, InterPoseConfig& c) {
+  v.field("enabled", c.enabled, "poses from static and moving points of a whole group");
+  v.field("hull_area_min", c.hull_area_min, {0, 1}, "of the image that static points cover; less: called");
+  v.field("min_moving", c.min_moving, {1, 1000}, "moving points that two cameras of the group see");
+}
+
+struct InterPoseReport {
+  int calls = 0;
+  int posed = 0;    // cameras that took its pose
+  int rescued = 0;  // of those, without a pose of their own
+
+  void count(auto&& add) const {
+    add("inter_pose_calls", calls);
+    add("inter_posed", posed);
+    add("rescued", rescued);
+  }
+};
+
+// Inter-camera pose (paper 4.2), for a group of which some camera sees more moving points than static ones, or static
+// ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
+// static and moving points, which have to agree with a pose as static ones have to otherwise; and from how such a
+// camera went before. graph: of the set before. motions: of every camera, followed set by set.
+InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
+                           const LocaliseConfig& localise, std::map<CameraId, SteadyMotion>* motions);
+
+class InterPose {
+ public:
+  static constexpr std::string_view kName = "inter_pose";
+  using Config = InterPoseConfig;
+  explicit InterPose(const InterPoseConfig& of) : config(of) {}
+  InterPoseConfig config;
+
+  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) {
+    return inter_pose(edit, set, graph.of, config, localise, &motions_);
+  }
+
+ private:
+  std::map<CameraId, SteadyMotion> motions_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/base/flat_map.h"
+#include "common/base/workers.h"
+#include "server/estimator/map/edit.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/solve/window.h"
+
+namespace coslam {
+
+struct WindowPoseConfig {
+  bool enabled = true;
+  double free_s = 0.4;  // poses that are solved anew
+  double seen_s = 4.0;  // as far back what was followed counts
+};
+
+template <class V>
+void describe(V& v, WindowPoseConfig& c) {
+  v.field("enabled", c.enabled, "newest poses of a camera that sees hardly any points, with all that it follows");
+  v.field("free_s", c.free_s, {0.01, 10}, "poses so new are solved anew");
+  v.field("seen_s", c.seen_s, {0.01, 100}, "so far back counts what is followed");
+}
+
+struct WindowPoseReport {
+  std::vector<CameraId> solved;
+
+  bool has(CameraId camera) const { return std::ranges::find(solved, camera) != solved.end(); }
+  void count(auto&& add) const { add("windows", static_cast<long>(solved.size())); }
+};
+
+// A camera that turns fast sees hardly any points: those of before are out of sight, and what it follows now tells no
+// depth yet, or not for long enough to become a point. All of it together, also what has just ended, does tell how the
+// camera went. Solves the newest poses of such a camera anew, with the directions and inverse depths of all that it
+// followed in them (solve_window()), from when it sees half as many points as are few until these are many again; older
+// poses and points tie them to the map.
+class WindowPose {
+ public:
+  static constexpr std::string_view kName = "window_pose";
+  using Config = WindowPoseConfig;
+  Config config;
+
+  explicit WindowPose(const Config& c) : config(c) {}
+  WindowPoseReport run(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
+
+ private:
+  // A track as far as it is of use, also when it has ended.
+  struct Followed {
+    std::vector<TrackPoint> seen;
+    PointId point;
+    bool rests = true;
+    std::optional<Eigen::Vector4d> place;  // as it was solved last: homogeneous, in the map
+  };
+  struct OfCamera {
+    RunId run;
+    LensCorrection lens;  // that all of it is seen through
+    bool in_need = false;
+    FlatMap<TrackId, Followed> tracks;
+  };
+  void remember(const Map& map, const MapCamera& camera, OfCamera* own) const;
+  class Poses;
+  std::optional<WindowThing> thing_of(const Map& map, const MapCamera& camera, const Followed& f, Poses* poses) const;
+  bool solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) const;
+
+  std::map<CameraId, OfCamera> cameras_;
+};
+
+}  // namespace coslam

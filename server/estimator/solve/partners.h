@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "server/estimator/solve/start.h"
+
+namespace coslam {
+
+// Which images of a start are compared: all; of more than a dozen each with the few that look most like it, and with
+// its rig's, or their pairs would be the square.
+class Partners {
+ public:
+  explicit Partners(const std::vector<FeatureImage>& images);
+  bool are(int a, int b) const { return are_[static_cast<std::size_t>(a) * n_ + static_cast<std::size_t>(b)]; }
+  // Each once, ascending.
+  std::vector<std::pair<int, int>> pairs() const;
+
+ private:
+  void set(std::size_t a, std::size_t b) { are_[a * n_ + b] = are_[b * n_ + a] = true; }
+
+  std::size_t n_;
+  std::vector<bool> are_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,392 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/solve/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <set>
+
+#include "common/geometry/pose_refinement.h"
+#include "common/geometry/robust.h"
+#include "common/geometry/triangulation.h"
+#include "server/estimator/solve/bundle.h"
+#include "server/estimator/solve/partners.h"
+#include "server/estimator/solve/root_sift.h"
+#include "server/estimator/solve/two_view.h"
+
+namespace coslam {
+namespace {
+
+struct Best {
+  int index = -1;
+  float first = 2, second = 2;  // squared distances
+};
+
+void offer(Best* b, int index, float distance) {
+  if (distance < b->first) {
+    b->second = b->first;
+    b->first = distance;
+    b->index = index;
+  } else {
+    b->second = std::min(b->second, distance);
+  }
+}
+
+// Relative pose of two images from matches; empty when there is none.
+struct Pair {
+  int first = 0, second = 0;
+  std::vector<FeatureMatch> inliers;
+  Rigid3 second_from_first;
+  double median_parallax_rad = 0;
+  double score = 0;
+  bool metric = false;
+};
+
+std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::vector<FeatureMatch>& matches,
+                                        bool second) {
+  std::vector<Eigen::Vector2d> out;
+  for (const FeatureMatch& m : matches) {
+    const auto feature = static_cast<std::size_t>(second ? m.second : m.first);
+    out.push_back(image.camera.normalized_from_pixel(image.undistorted_px[feature]));
+  }
+  return out;
+}
+
+double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
+
+// What fits a motion that is known.
+TwoViewMotion known_motion(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
+                           const std::vector<Eigen::Vector2d>& b, double threshold) {
+  TwoViewMotion out;
+  out.second_from_first = second_from_first;
+  const Eigen::Matrix3d essential = skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector3d line = essential * a[i].homogeneous();
+    const double off = std::abs(b[i].homogeneous().dot(line)) / std::max(1e-12, line.head<2>().norm());
+    out.fits.push_back(off < threshold);
+    out.support += out.fits.back() ? 1 : 0;
+  }
+  return out;
+}
+
+// Matches that fit a known motion and lie in front of both cameras, or are too far away to tell.
+int in_front(const TwoViewMotion& known, const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b,
+             double threshold) {
+  const Eigen::Vector3d& t = known.second_from_first.translation;
+  int out = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector3d far = known.second_from_first.rotation * a[i].homogeneous();
+    if (!known.fits[i] || far.z() <= 0) continue;
+    const Eigen::Vector2d at = far.hnormalized(), nearer = t.head<2>() - t.z() * at;
+    out += (b[i] - at).dot(nearer.normalized()) > -threshold ? 1 : 0;
+  }
+  return out;
+}
+
+// As the rig has it; as the images have it where they contradict that: then the rig is not as it was given.
+TwoViewMotion motion_of_rig(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
+                            const std::vector<Eigen::Vector2d>& b, double threshold, bool* as_given) {
+  TwoViewMotion known = known_motion(second_from_first, a, b, threshold);
+  const int support = in_front(known, a, b, threshold);
+  *as_given = true;
+  if (2 * support >= static_cast<int>(a.size())) return known;
+  auto seen = two_view_motion(a, b, threshold);
+  *as_given = !seen || seen->support <= 2 * support;
+  return *as_given ? known : *seen;
+}
+
+std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a, int b,
+                                  const std::vector<FeatureMatch>& matches, const StartConfig& config) {
+  const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
+  if (static_cast<int>(matches.size()) < config.min_matches) return std::nullopt;
+  const auto pa = normalized(ia, matches, false), pb = normalized(ib, matches, true);
+  const double threshold = 2.0 * config.sigma_px * width_scale(ia.camera) / ia.camera.focal_px();
+  const std::optional<Rigid3> rig = by_rig(ia, ib);
+  bool known = false;
+  const std::optional<TwoViewMotion> motion =
+      rig ? motion_of_rig(*rig, pa, pb, threshold, &known) : two_view_motion(pa, pb, threshold);
+  if (!motion || motion->support < config.min_matches) return std::nullopt;
+  Pair pair{.first = a, .second = b};
+  pair.second_from_first = motion->second_from_first;
+
+  std::vector<double> parallax;
+  std::set<std::pair<int, int>> cells;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (!motion->fits[i]) continue;
+    const View views[] = {
+        {&ia.camera, {}, ia.undistorted_px[static_cast<std::size_t>(matches[i].first)]},
+        {&ib.camera, pair.second_from_first, ib.undistorted_px[static_cast<std::size_t>(matches[i].second)]}};
+    const double cosine = world_ray(views[0]).dot(world_ray(views[1]));
+    parallax.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+    pair.inliers.push_back(matches[i]);
+    cells.insert({static_cast<int>(8 * views[0].undistorted_px.x() / ia.camera.width_px),
+                  static_cast<int>(6 * views[0].undistorted_px.y() / ia.camera.height_px)});
+  }
+  pair.median_parallax_rad = upper_median(parallax);
+  pair.metric = known;
+  // A rig sees far things with little parallax, and knows nonetheless where they are.
+  if (!known && pair.median_parallax_rad < config.min_parallax_rad) return std::nullopt;
+  // Many, spread over the image, and with depth to be gained up to about 8 degrees.
+  pair.score = static_cast<double>(pair.inliers.size()) * std::sqrt(static_cast<double>(cells.size())) *
+               std::min(pair.median_parallax_rad, 0.14);
+  return pair;
+}
+
+// Points under construction: features that are the same thing, over all images.
+class Correspondences {
+ public:
+  explicit Correspondences(std::size_t images) : of_(images) {}
+  int point_of(int image, int feature) const {
+    const auto& m = of_[static_cast<std::size_t>(image)];
+    const auto at = m.find(feature);
+    return at == m.end() ? -1 : at->second;
+  }
+  void assign(int image, int feature, int point) { of_[static_cast<std::size_t>(image)][feature] = point; }
+
+ private:
+  std::vector<std::map<int, int>> of_;
+};
+
+void triangulate_pair(const std::vector<FeatureImage>& images, int a, int b, const std::vector<FeatureMatch>& matches,
+                      const StartConfig& config, StartResult* result, Correspondences* links) {
+  const auto &ia = images[static_cast<std::size_t>(a)], &ib = images[static_cast<std::size_t>(b)];
+  for (const FeatureMatch& m : matches) {
+    if (links->point_of(a, m.first) >= 0 || links->point_of(b, m.second) >= 0) continue;
+    const View views[] = {{&ia.camera, *result->cam_from_world[static_cast<std::size_t>(a)],
+                           ia.undistorted_px[static_cast<std::size_t>(m.first)]},
+                          {&ib.camera, *result->cam_from_world[static_cast<std::size_t>(b)],
+                           ib.undistorted_px[static_cast<std::size_t>(m.second)]}};
+    const TriangulationResult t = triangulate(views, config.sigma_px, 0.5 * config.min_parallax_rad);
+    if (t.status != TriangulationStatus::kOk || t.max_error_px > 3 * config.sigma_px * width_scale(ia.camera)) continue;
+    const int point = static_cast<int>(result->points.size());
+    result->points.push_back({t.position, {{a, m.first}, {b, m.second}}});
+    links->assign(a, m.first, point);
+    links->assign(b, m.second, point);
+  }
+}
+
+// Adds image c: its matches with placed images that have points give 2D-3D pairs.
+bool add_image(const std::vector<FeatureImage>& images, int c, const Partners& partners, const StartConfig& config,
+               StartResult* result, Correspondences* links) {
+  const FeatureImage& image = images[static_cast<std::size_t>(c)];
+  std::map<int, int> point_of_feature;
+  std::vector<std::pair<int, std::vector<FeatureMatch>>> all_matches;
+  for (std::size_t p = 0; p < images.size(); ++p) {
+    if (!result->cam_from_world[p] || !partners.are(static_cast<int>(p), c)) continue;
+    all_matches.emplace_back(static_cast<int>(p), match_descriptors(images[p].descriptors, image.descriptors));
+    for (const FeatureMatch& m : all_matches.back().second) {
+      const int point = links->point_of(static_cast<int>(p), m.first);
+      if (point >= 0) point_of_feature.emplace(m.second, point);
+    }
+  }
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector2d> pixels;
+  std::vector<std::pair<int, int>> feature_point;
+  for (const auto& [feature, point] : point_of_feature) {
+    points.push_back(result->points[static_cast<std::size_t>(point)].position);
+    pixels.push_back(image.undistorted_px[static_cast<std::size_t>(feature)]);
+    feature_point.emplace_back(feature, point);
+  }
+  const PlaceResult placed = place_camera(image.camera, points, pixels, config.sigma_px, config.min_matches / 2);
+  if (!placed.ok) return false;
+  result->cam_from_world[static_cast<std::size_t>(c)] = placed.cam_from_world;
+  for (const int i : placed.inliers) {
+    const auto [feature, point] = feature_point[static_cast<std::size_t>(i)];
+    auto& seen = result->points[static_cast<std::size_t>(point)].seen;
+    if (std::any_of(seen.begin(), seen.end(), [&](const auto& s) { return s.first == c; })) continue;
+    seen.emplace_back(c, feature);
+    links->assign(c, feature, point);
+  }
+  for (const auto& [p, matches] : all_matches) triangulate_pair(images, p, c, matches, config, result, links);
+  return true;
+}
+
+void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, StartResult* result) {
+  BundleProblem problem;
+  std::vector<int> pose_of(images.size(), -1);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    problem.cameras.push_back(images[i].camera);
+    if (!result->cam_from_world[i]) continue;
+    pose_of[i] = static_cast<int>(problem.poses.size());
+    problem.poses.push_back({*result->cam_from_world[i], static_cast<int>(i), static_cast<int>(i) == result->first});
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> where;
+  for (std::size_t p = 0; p < result->points.size(); ++p) {
+    problem.points.push_back(result->points[p].position);
+    for (std::size_t s = 0; s < result->points[p].seen.size(); ++s) {
+      const auto [image, feature] = result->points[p].seen[s];
+      const FeatureImage& f = images[static_cast<std::size_t>(image)];
+      problem.observations.push_back({pose_of[static_cast<std::size_t>(image)], static_cast<int>(p),
+                                      f.undistorted_px[static_cast<std::size_t>(feature)],
+                                      config.sigma_px * width_scale(f.camera)});
+      where.emplace_back(p, s);
+    }
+  }
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    for (std::size_t b = a + 1; b < images.size() && result->metric; ++b) {
+      const auto tie = by_rig(images[a], images[b]);
+      if (tie && pose_of[a] >= 0 && pose_of[b] >= 0) problem.ties.push_back({pose_of[a], pose_of[b], *tie});
+    }
+  }
+  BundleResult solved = solve_bundle(problem, {.max_iterations = 30});
+  if (!solved.usable) return;
+  fix_gauge(problem, pose_of[static_cast<std::size_t>(result->first)],
+            pose_of[static_cast<std::size_t>(result->second)], &solved);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (pose_of[i] >= 0) result->cam_from_world[i] = solved.poses[static_cast<std::size_t>(pose_of[i])];
+  }
+  std::vector<StartResult::Point> kept(result->points.size());
+  for (std::size_t p = 0; p < kept.size(); ++p) kept[p].position = solved.points[p];
+  for (std::size_t i = 0; i < where.size(); ++i) {
+    if (solved.is_inlier[i]) kept[where[i].first].seen.push_back(result->points[where[i].first].seen[where[i].second]);
+  }
+  std::erase_if(kept, [](const StartResult::Point& p) { return p.seen.size() < 2; });
+  result->points = std::move(kept);
+}
+
+}  // namespace
+
+std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& second) {
+  if (first.rig.empty() || first.rig != second.rig) return std::nullopt;
+  return second.cam_from_rig * first.cam_from_rig.inverse();
+}
+
+std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
+                                            const std::vector<std::uint8_t>& second) {
+  if (first.empty() || second.empty()) return {};
+  Descriptors of_first = root_sift(first), of_second = root_sift(second);
+  const auto matrix_of = [](Descriptors& d) {
+    return cv::Mat(static_cast<int>(d.rows()), kDescriptorBytes, CV_32F, d.data());
+  };
+  const cv::Mat a = matrix_of(of_first), b = matrix_of(of_second);
+  const cv::Mat similarity = a * b.t();  // of unit vectors: squared distance = 2 - 2 s
+  std::vector<Best> of_a(static_cast<std::size_t>(a.rows)), of_b(static_cast<std::size_t>(b.rows));
+  for (int i = 0; i < a.rows; ++i) {
+    const float* s = similarity.ptr<float>(i);
+    for (int j = 0; j < b.rows; ++j) {
+      const float d2 = 2 - 2 * s[j];
+      offer(&of_a[static_cast<std::size_t>(i)], j, d2);
+      offer(&of_b[static_cast<std::size_t>(j)], i, d2);
+    }
+  }
+  std::vector<FeatureMatch> matches;
+  const auto distinct = [](const Best& b_) { return b_.first < kDistinctRatio * kDistinctRatio * b_.second; };
+  for (int i = 0; i < a.rows; ++i) {
+    const Best& best = of_a[static_cast<std::size_t>(i)];
+    if (best.index < 0 || !distinct(best)) continue;
+    const Best& back = of_b[static_cast<std::size_t>(best.index)];
+    if (back.index == i && distinct(back)) matches.push_back({i, best.index, best.first});
+  }
+  return matches;
+}
+
+StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config, Workers& workers) {
+  StartResult result;
+  result.cam_from_world.resize(images.size());
+  const Partners partners(images);
+  const std::vector<std::pair<int, int>> compared = partners.pairs();
+  std::vector<std::optional<Pair>> pairs(compared.size());
+  workers.each(compared.size(), [&](std::size_t i) {
+    const auto [a, b] = compared[i];
+    const auto matches = match_descriptors(images[static_cast<std::size_t>(a)].descriptors,
+                                           images[static_cast<std::size_t>(b)].descriptors);
+    pairs[i] = relative_pose(images, a, b, matches, config);
+  });
+  std::optional<Pair> best;
+  for (std::optional<Pair>& pair : pairs) {
+    if (!pair) continue;
+    if (!best || std::pair(pair->metric, pair->score) > std::pair(best->metric, best->score)) best = std::move(pair);
+  }
+  if (!best) {
+    result.reason = "no two cameras share enough view with enough parallax";
+    return result;
+  }
+  result.first = best->first;
+  result.second = best->second;
+  result.metric = best->metric;
+  result.cam_from_world[static_cast<std::size_t>(best->first)] = Rigid3();
+  result.cam_from_world[static_cast<std::size_t>(best->second)] = best->second_from_first;
+  Correspondences links(images.size());
+  triangulate_pair(images, best->first, best->second, best->inliers, config, &result, &links);
+  adjust(images, config, &result);
+  links = Correspondences(images.size());
+  for (std::size_t p = 0; p < result.points.size(); ++p) {
+    for (const auto& [image, feature] : result.points[p].seen) links.assign(image, feature, static_cast<int>(p));
+  }
+  for (bool added = true; added;) {
+    added = false;
+    for (int c = 0; c < static_cast<int>(images.size()); ++c) {
+      if (result.cam_from_world[static_cast<std::size_t>(c)]) continue;
+      added |= add_image(images, c, partners, config, &result, &links);
+    }
+  }
+  adjust(images, config, &result);
+  result.ok = static_cast<int>(result.points.size()) >= config.min_matches;
+  if (!result.ok) result.reason = "too few points after the first bundle adjustment";
+  return result;
+}
+
+StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second,
+                               const std::vector<FeatureMatch>& matches, const StartConfig& config) {
+  StartResult result;
+  const std::vector<FeatureImage> images{first, second};
+  result.cam_from_world.resize(2);
+  result.second = 1;
+  const std::optional<Pair> pair = relative_pose(images, 0, 1, matches, config);
+  if (!pair) {
+    result.reason = "too little parallax in one camera's motion";
+    return result;
+  }
+  result.cam_from_world[0] = Rigid3();
+  result.cam_from_world[1] = pair->second_from_first;
+  Correspondences links(2);
+  triangulate_pair(images, 0, 1, pair->inliers, config, &result, &links);
+  adjust(images, config, &result);
+  result.ok = result.points.size() >= 40 && result.points.size() * 2 >= matches.size();
+  if (!result.ok) result.reason = "too few points from one camera's motion";
+  return result;
+}
+
+PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
+                         const std::vector<Eigen::Vector2d>& undistorted_px, double sigma_px, int min_inliers) {
+  PlaceResult result;
+  if (static_cast<int>(points.size()) < min_inliers) return result;
+  std::vector<cv::Point3d> object;
+  std::vector<cv::Point2d> image;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    object.emplace_back(points[i].x(), points[i].y(), points[i].z());
+    image.emplace_back(undistorted_px[i].x(), undistorted_px[i].y());
+  }
+  const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  cv::Mat rvec, tvec, inliers;
+  const double threshold_px = 4.0 * sigma_px * width_scale(camera);
+  cv::setRNGSeed(1);
+  if (!cv::solvePnPRansac(object, image, k, cv::noArray(), rvec, tvec, false, 2000, static_cast<float>(threshold_px),
+                          0.9999, inliers, cv::SOLVEPNP_AP3P)) {
+    return result;
+  }
+  cv::Mat r;
+  cv::Rodrigues(rvec, r);
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+  cv::cv2eigen(r, rotation);
+  cv::cv2eigen(tvec, translation);
+  std::vector<PointObservation> observations;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    observations.push_back({points[i], Eigen::Matrix3d::Zero(), undistorted_px[i]});
+  const PoseResult refined = refine_pose(camera, observations, {Eigen::Quaterniond(rotation).normalized(), translation},
+                                         {.sigma_px = 1.5 * sigma_px * width_scale(camera)});
+  if (refined.status != PoseStatus::kOk || refined.inliers < min_inliers) return result;
+  result.ok = true;
+  result.cam_from_world = refined.cam_from_world;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (refined.is_inlier[i]) result.inliers.push_back(static_cast<int>(i));
+  }
+  return result;
+}
+
+}  // namespace coslam

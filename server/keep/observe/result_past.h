@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/dataset/result.h"
+#include "common/dataset/trajectory.h"
+#include "server/estimator/map/past.h"
+#include "server/keep/observe/spill_file.h"
+
+namespace coslam {
+
+// Which points moved as one at an instant.
+struct SeenObject {
+  TimeNs t_ns = 0;
+  ObjectId id;
+  std::vector<PointId> members;
+};
+
+// What a result needs of the part of a run that is no longer in memory. What is read is where the map now has it.
+// Reading throws UserError. Thread-compatible.
+class ResultPast {
+ public:
+  explicit ResultPast(const std::filesystem::path& folder) : file_(folder) {}
+
+  // Each block of frames counts once.
+  void add(const PastPart& past);
+  // Poses as an agent published them, in the frame of that map. Ascending, from one call to the next too.
+  void add_live(CameraId camera, MapId map, const Trajectory& part);
+  void add_objects(const std::vector<SeenObject>& objects);  // likewise
+  std::optional<std::string> take_problem() { return file_.take_problem(); }
+
+  bool empty() const { return frames_.empty() && live_.empty() && places_.empty() && objects_.empty(); }
+  // The camera's poses in that map, from the set `since` on.
+  Trajectory trajectory(const Map& map, CameraId camera, MapId of, SetId since) const;
+  Trajectory live(CameraId camera, MapId map) const;
+  // Places of points that move, in that map; ascending time.
+  void for_each_place(const Map& map, MapId of, const std::function<void(const ResultDynamicRow&)>& visit) const;
+  // In blocks as they were added.
+  std::size_t object_blocks() const { return objects_.size(); }
+  std::vector<SeenObject> objects(std::size_t block) const;
+
+ private:
+  struct FrameBlock {
+    SetId first;
+    SpillFile::Ticket ticket = 0;
+  };
+  class Poses;
+
+  SpillFile file_;
+  std::map<CameraId, std::vector<FrameBlock>> frames_;
+  std::map<std::pair<CameraId, MapId>, std::vector<SpillFile::Ticket>> live_;
+  std::vector<SpillFile::Ticket> places_, objects_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/show/map_teller.h"
+
+#include <chrono>
+#include <ctime>
+#include <utility>
+
+#include "common/flow/clock.h"
+#include "server/app/server_loop.h"
+
+namespace coslam {
+namespace {
+
+// Processor time of this thread: when others displace it, that is not what telling costs.
+std::chrono::nanoseconds processor_time() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec);
+}
+
+}  // namespace
+
+MapTeller::MapTeller(ServerLoop& loop, std::vector<PublicSink*> sinks)
+    : watch_(loop.map_server()), publication_(std::move(sinks)) {
+  loop.observe(this);
+}
+
+void MapTeller::tell(Snapshot snapshot) {
+  if (!snapshot.empty()) publication_.put(std::move(snapshot));
+}
+
+// With what telling takes of the map's thread.
+LoopFacts MapTeller::facts(const ServerLoop& loop) const {
+  LoopFacts out = loop.facts();
+  for (const auto& [name, h] : times_.stages()) {
+    out.watching = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
+                    h.mean_ms() * static_cast<double>(h.count()), h.count()};
+  }
+  for (AgentFacts& agent : out.agents) {
+    const auto settled = loop.map_server().path_error(agent.camera);
+    const auto path = settled ? settled : paths_.of(agent.camera);
+    if (path) agent.path = verdict_of(loop.map_server().map().camera(agent.camera), *path, agent.images);
+  }
+  return out;
+}
+
+void MapTeller::after_set(const FrameSet& set, const ServerLoop& loop) {
+  const auto before = processor_time();
+  tell(
+      watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+  if (publication_.wanted().has(Part::kState)) paths_.look(loop.map_server(), std::chrono::steady_clock::now());
+  times_.add("view", processor_time() - before);
+}
+
+void MapTeller::in_between(const ServerLoop& loop) {
+  tell(watch_.in_between(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+}
+
+void MapTeller::finishing(const ServerLoop& loop) { finished(loop); }
+
+void MapTeller::finished(const ServerLoop& loop) {
+  tell(watch_.at_the_end(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+}
+
+}  // namespace coslam

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "common/flow/background_job.h"
+#include "server/estimator/map_server.h"
+
+namespace coslam {
+
+// How uncertain the paths of a map are while it grows: asked from time to time, in a thread beside, so that it takes
+// little of the processor. Of the map's thread.
+class PathWatch {
+ public:
+  // After a frame set: begins to look when it is due, and takes what was found.
+  void look(const MapServer& server, std::chrono::steady_clock::time_point now);
+  // As last found, of a camera in the largest map; empty: not looked at yet.
+  std::optional<PathError> of(CameraId camera) const;
+
+ private:
+  struct Found {
+    PathErrors paths;
+    std::chrono::steady_clock::duration took{};
+  };
+  std::chrono::steady_clock::time_point due_;
+  std::chrono::steady_clock::duration planning_{};
+  PathErrors paths_;
+  std::optional<BackgroundJob<Found>> beside_;  // from the first look on
+};
+
+}  // namespace coslam
