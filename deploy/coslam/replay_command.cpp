@@ -111,9 +111,12 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
   RepeatedLink link(arguments.recording, arguments.repeats);
   const ServerClock clock{[&link] { return link.monotonic_ns(); }, [&link] { return link.utc_ns(); }};
   // Poses that agents say are in the map of then: to another run they mean nothing.
-  ServerLoop loop(
-      link, RunId(link.head().server_run.value + 1),
-      {.server = config.server, .out = arguments.out, .map = arguments.map, .refine_in_thread = false, .clock = clock});
+  ServerLoop loop(link, RunId(link.head().server_run.value + 1),
+                  {.server = config.server,
+                   .result = {.folder = arguments.out, .runs = {}},
+                   .map = arguments.map,
+                   .refine_in_thread = false,
+                   .clock = clock});
   const RunTold told(shown, loop);
   Costs costs;
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
@@ -131,7 +134,7 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
   ServerLoop loop(link, link.head().server_run,
                   {.server = config.server,
                    .expected_agents = config.agents,
-                   .out = arguments.out,
+                   .result = {.folder = arguments.out, .runs = {}},
                    .map = arguments.map,
                    .refine_in_thread = rate != 0,
                    .clock = clock,

@@ -128,8 +128,7 @@ void serve(const ServeOptions& options) {
   ServerLoop loop(link, run,
                   {.server = keys.server,
                    .expected_agents = keys.agents,
-                   .out = options.result,
-                   .runs = options.runs,
+                   .result = {options.result, options.runs},
                    .map = options.map,
                    .adjusting = [&](int percent) { Announcer::show_adjusting(options.progress, percent); }});
   Announcer announcer(options.progress, greeting(keys.wire, addresses_used(keys.wire),
@@ -143,11 +142,12 @@ void serve(const ServeOptions& options) {
   std::optional<MapTeller> teller;
   if (keys.view.on()) {
     const bool on_all = keys.view.address == "0.0.0.0" || keys.view.address == "::";
-    announcer.show(view.emplace(keys.view, loop, sinks),
-                   on_all ? addresses_used(keys.wire) : std::vector<std::string>());
-    view->look_by(link);
+    view.emplace(keys.view, loop.map_server(), sinks,
+                 [&link](const std::string& agent) { return link.thumbnail(agent); });
+    announcer.show(*view, on_all ? addresses_used(keys.wire) : std::vector<std::string>());
+    loop.observe(view->observer());
   } else {
-    teller.emplace(loop, sinks);
+    loop.observe(teller.emplace(loop.map_server(), sinks));
   }
   while (!stop_requested() && loop.poll(std::chrono::milliseconds(20))) announcer.show(link, loop);
   announcer.show(link, loop);

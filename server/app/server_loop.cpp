@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/server_loop.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <exception>
+#include <fstream>
 #include <thread>
 #include <utility>
 
@@ -10,7 +14,6 @@
 #include "common/base/log.h"
 #include "server/app/stop_signals.h"
 #include "server/estimator/correct/pose_writer.h"
-#include "server/keep/observe/run_folder.h"
 
 namespace coslam {
 namespace {
@@ -18,13 +21,28 @@ namespace {
 constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
 // Around the start: by the word that took least, agents tell what their clocks are off by.
 constexpr TimeNs kStartingPeriod_ns = 100'000'000, kStarting_ns = 1'000'000'000;
-constexpr TimeNs kFirstDate_ns = 1'000'000'000'000'000'000;  // stamps of recordings count from their beginning
-constexpr double kStartDelay_s = 0.3;                        // between the word to start and played time 0
+constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
 
 int threads_of(const ServerConfig& config) {
   constexpr unsigned kMost = 8;
   if (config.threads > 0) return config.threads;
   return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1U, kMost));
+}
+
+double resident_memory_mib() {
+  std::ifstream statm("/proc/self/statm");
+  long all = 0, resident = 0;
+  statm >> all >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+void say_images(const AgentStatus& status) {
+  if (status.image_fault == ImageFault::kNone) {
+    log_info("agent " + status.agent + ": its images are to be believed again");
+  } else {
+    log_warn("agent " + status.agent +
+             ": its images are not to be believed: " + std::string(words_of(status.image_fault).why));
+  }
 }
 
 }  // namespace
@@ -34,26 +52,35 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
       config_(config),
       workers_("map helper", threads_of(config.server)),
       server_(run, config.server.map),
-      sync_(config.server.sync),
-      stamps_({config.clock.utc_ns() - config.clock.monotonic_ns()}),
+      sets_(config.server.sync, config.clock.utc_ns() - config.clock.monotonic_ns()),
+      roster_(config.expected_agents),
       refiner_(config.refine_in_thread) {
   server_.work_with(workers_);
+  server_.keep_journal(false);
   if (!config.map.empty()) {
     keeper_.emplace(config.map, config.server.map_file, &server_);
-    if (server_.restored_until()) sync_.begin_after(server_.map().now());
-    if (const auto date_ns = keeper_->date_now_ns()) stamps_.expect(*date_ns - config_.clock.monotonic_ns());
+    if (server_.restored_until()) sets_.begin_after(server_.map().now());
+    if (const auto date_ns = keeper_->date_now_ns()) sets_.expect(*date_ns - config_.clock.monotonic_ns());
   }
-  server_.keep_journal(!(config.out.empty() && config.runs.empty()) && config.server.events.enabled);
-  if (config_.expected_agents.empty()) {
+  if (!config.result.none()) {
+    observe(
+        recorder_.emplace(config.result, config.server.events, config_.clock.utc_ns, keeper_ ? &*keeper_ : nullptr));
+  }
+  if (keeper_) observe(*keeper_);
+  if (roster_.expected().empty()) {
     started_ = true;
-    stamps_.expect(-config_.clock.monotonic_ns());
+    sets_.expect(-config_.clock.monotonic_ns());
   }
   send_status();
 }
 
-void ServerLoop::observe(ServerObserver* observer) {
-  observer_ = observer;
-  if (observer != nullptr) server_.keep_journal(true);
+void ServerLoop::observe(SetObserver& observer) {
+  observers_.push_back(&observer);
+  server_.keep_journal(server_.journal().enabled() || observer.wants_journal());
+}
+
+ServerView ServerLoop::view() const {
+  return {server_, link_.at_work(), roster_.agents().size(), [this] { return facts(); }};
 }
 
 bool ServerLoop::poll(std::chrono::milliseconds timeout) {
@@ -65,66 +92,53 @@ bool ServerLoop::poll(std::chrono::milliseconds timeout) {
     run_set(*set);
     take_events(std::chrono::milliseconds(0));
   }
-  for (auto& [name, agent] : agents_) {
-    if (agent.ended && !agent.said_images && agent.images.all_known()) say_images_of(name, agent);
+  for (const auto& [name, agent] : roster_.agents()) {
+    if (agent.ended && !agent.said_images && agent.images.all_known()) say_images_of(name, roster_.at(name));
   }
-  if (!started_ || config_.expected_agents.empty() || !backlog_.empty()) return true;
-  return !std::all_of(agents_.begin(), agents_.end(), [](const auto& a) { return a.second.ended; });
+  if (!started_ || roster_.expected().empty() || sets_.waiting()) return true;
+  return !roster_.all_ended();
 }
 
 void ServerLoop::take_events(std::chrono::milliseconds timeout) {
-  for (auto event = link_.next_event(backlog_.empty() ? timeout : std::chrono::milliseconds(0)); event;
+  for (auto event = link_.next_event(sets_.waiting() ? std::chrono::milliseconds(0) : timeout); event;
        event = link_.next_event(std::chrono::milliseconds(0))) {
     handle(*event);
   }
-  if (!store_) open_result();
-  for (const std::string& warning : stamps_.take_warnings()) log_warn(warning);
-  if (config_.expected_agents.empty()) order_play();
+  for (const std::string& warning : sets_.take_warnings()) log_warn(warning);
+  if (roster_.expected().empty()) order_play();
   const bool starting = started_ && config_.clock.utc_ns() - start_utc_ns_ < kStarting_ns;
   const TimeNs period_ns = starting ? kStartingPeriod_ns : kStatusPeriod_ns;
   if (config_.clock.monotonic_ns() - last_status_ns_ > period_ns) send_status();
-  if (observer_ != nullptr) observer_->in_between(*this);
+  const ServerView now = view();
+  for (SetObserver* observer : observers_) observer->idle(now);
 }
 
 // By hand, that is without names to wait for.
 void ServerLoop::order_play() {
-  if (!play_order_.due(config_.clock.monotonic_ns())) return;
-  start_utc_ns_ = config_.clock.utc_ns() + to_ns(kStartDelay_s);
-  stamps_.expect(-(config_.clock.monotonic_ns() + to_ns(kStartDelay_s)));
-  send_status();
+  if (play_order_.due(config_.clock.monotonic_ns())) order_start();
 }
 
-// Not before the link is at work: a server that is refused for its domain touches nothing. A folder of the run's own
-// waits for an agent besides, so that `latest` names a run that has something.
-void ServerLoop::open_result() {
-  if ((config_.out.empty() && config_.runs.empty()) || !link_.at_work()) return;
-  if (config_.runs.empty()) {
-    store_.emplace(result_ = config_.out, config_.server.events);
-    return;
-  }
-  if (!std::exchange(runs_made_, true)) make_folder_of_runs(config_.runs);
-  if (agents_.empty()) return;
-  const std::filesystem::path folder = make_run_folder(config_.runs, config_.clock.utc_ns(), server_.run());
-  store_.emplace(result_ = folder, config_.server.events);
-  link_latest(folder);
-  log_info("the result goes to " + folder.string());
+// Recordings begin at played time 0.
+void ServerLoop::order_start() {
+  start_utc_ns_ = config_.clock.utc_ns() + to_ns(kStartDelay_s);
+  sets_.expect(-(config_.clock.monotonic_ns() + to_ns(kStartDelay_s)));
+  send_status();
 }
 
 std::optional<FrameSet> ServerLoop::next_set() {
   constexpr double kBacklog_s = 0.5;  // what a slow set and jitter heap up
-  const TimeNs now_ns = config_.clock.monotonic_ns();
-  if (lockstep_) return sync_.pop(now_ns);
-  while (auto set = sync_.pop(now_ns)) backlog_.push(std::move(*set));
-  const std::vector<FrameSet> left_out = backlog_.thin(std::max(2U, server_.map().sets_in(kBacklog_s)));
-  for (const FrameSet& set : left_out) {
-    for (const CameraFrame& f : set.frames) images_of(f.camera).set_left_out();
-  }
-  left_out_ += static_cast<std::uint32_t>(left_out.size());
-  if (!left_out.empty() && left_out_log_.pass()) {
-    log_warn("the server is too slow for its agents: " + std::to_string(left_out_) +
+  const std::uint32_t before = sets_.sets_left_out();
+  auto set = sets_.next(config_.clock.monotonic_ns(), std::max(2U, server_.map().sets_in(kBacklog_s)),
+                        [&](const FrameSet& left_out) {
+                          for (const CameraFrame& f : left_out.frames) {
+                            roster_.at(server_.map().camera(f.camera).name).images.set_left_out();
+                          }
+                        });
+  if (sets_.sets_left_out() > before && left_out_log_.pass()) {
+    log_warn("the server is too slow for its agents: " + std::to_string(sets_.sets_left_out()) +
              " frame sets were left out so far");
   }
-  return backlog_.pop();
+  return set;
 }
 
 void ServerLoop::handle(const ServerEvent& event) {
@@ -135,96 +149,38 @@ void ServerLoop::handle(const ServerEvent& event) {
   if (const auto* silent = std::get_if<AgentSilent>(&event)) on_silent(silent->agent, silent->agent_run);
 }
 
-// Why an agent cannot take part; empty: it can.
-std::optional<std::string> ServerLoop::why_not(const Hello& hello) const {
-  const auto& expected = config_.expected_agents;
-  if (!expected.empty() && std::find(expected.begin(), expected.end(), hello.agent) == expected.end())
-    return "agent " + hello.agent + " is not one that this server waits for";
-  if (agents_.size() >= kMostAgents && !agents_.contains(hello.agent)) {
-    return "the map server has met " + std::to_string(kMostAgents) +
-           " agents of different names, as many as it can: restart it";
-  }
-  // One in lock-step is waited for as long as it takes, which nobody who lives in real time may have to bear.
-  const auto differs = [&](const std::string& name, Pacing pacing) {
-    return name != hello.agent && pacing != hello.pacing;
-  };
-  if (std::ranges::any_of(agents_,
-                          [&](const auto& a) { return !a.second.ended && differs(a.first, a.second.pacing); }) ||
-      std::ranges::any_of(waiting_, [&](const auto& h) { return differs(h.first, h.second.pacing); })) {
-    const bool lockstep = hello.pacing == Pacing::kLockstep;
-    return "agent " + hello.agent + " plays in " + (lockstep ? "lock-step" : "real time") +
-           " and those that are here in " + (lockstep ? "real time" : "lock-step") +
-           ": give all the same kind of --rate";
-  }
-  return std::nullopt;
-}
-
 void ServerLoop::on_hello(const Hello& hello) {
-  if (const auto reason = why_not(hello)) return link_.refuse(hello, *reason);
+  if (const auto reason = roster_.why_not(hello)) return link_.refuse(hello, *reason);
   if (started_) {
     play_order_.joined(config_.clock.monotonic_ns());
     admit(hello);
     send_status();  // which a replay waits for
     return;
   }
-  waiting_[hello.agent] = hello;
+  roster_.wait(hello);
   start_if_complete();
 }
 
 void ServerLoop::start_if_complete() {
-  for (const std::string& name : config_.expected_agents) {
-    if (!waiting_.contains(name)) return;
-  }
-  for (const std::string& name : config_.expected_agents) admit(waiting_.at(name));
-  waiting_.clear();
+  const std::vector<Hello> all = roster_.take_complete();
+  if (all.empty()) return;
+  for (const Hello& hello : all) admit(hello);
   started_ = true;
-  start_utc_ns_ = config_.clock.utc_ns() + to_ns(kStartDelay_s);
-  stamps_.expect(-(config_.clock.monotonic_ns() + to_ns(kStartDelay_s)));  // recordings begin at played time 0
-  send_status();
+  order_start();
 }
 
 void ServerLoop::admit(const Hello& hello) {
-  const bool back = agents_.contains(hello.agent);
-  Agent& agent = agents_[hello.agent];
-  const bool another = agent.run != hello.agent_run;
-  agent.camera = server_.admit(hello);
-  const std::optional<SetId> since = server_.met_since(agent.camera);
-  if (another) {
-    agent.images.begin(server_.restored_until() && since && *since <= *server_.restored_until());
-    agent.begun = false;
-    agent.missed = 0;
-  }
-  if (keeper_ && !back) known_past_.push_back(agent.camera);
-  agent.run = hello.agent_run;
-  agent.pacing = hello.pacing;
-  agent.ended = agent.said_images = false;
-  server_.set_alive(agent.camera, true);
-  const bool waits = hello.pacing == Pacing::kLockstep;
-  lockstep_ |= waits;
-  sync_.add(agent.camera, hello.rate_hz, waits);
-  stamps_.add(agent.camera, hello.agent, hello.rate_hz);
+  const bool back = roster_.knows(hello.agent);
+  const CameraId camera = server_.admit(hello);
+  const std::optional<SetId> since = server_.met_since(camera);
+  roster_.admit(hello, camera, server_.restored_until() && since && *since <= *server_.restored_until());
+  server_.set_alive(camera, true);
+  sets_.add(camera, hello);
   log_info("agent " + hello.agent + (back ? " is back" : " joined"));
 }
 
-// Of agents that have gone on since a server before this one: their result begins with what that one put down.
-void ServerLoop::take_known_past() {
-  for (const CameraId camera : std::exchange(known_past_, {})) {
-    if (!server_.met_since(camera)) continue;
-    keeper_->for_each_past(camera, [&](PastFrames block) {
-      PastPart past;
-      past.frames.push_back(std::move(block));
-      store_->take(past);
-    });
-  }
-}
-
-ServerLoop::Agent* ServerLoop::find(const std::string& name, RunId run) {
-  const auto at = agents_.find(name);
-  return at == agents_.end() || at->second.run != run ? nullptr : &at->second;
-}
-
 void ServerLoop::on_frame(const JoinedFrame& joined) {
-  Agent* agent = find(joined.frame.agent, joined.frame.agent_run);
+  Roster::Agent* agent = roster_.find(joined.frame.agent, joined.frame.agent_run);
   if (agent == nullptr) return;
   agent->images.arrived();
   if (joined.frame.capture_ns < kFirstDate_ns) play_order_.plays();
@@ -232,119 +188,78 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
   // A pose in the map of a server before this one says nothing here.
   if (frame.frame.server_run != server_.run()) frame.frame.pose_state = PoseState::kNone;
   const TimeNs now_ns = config_.clock.monotonic_ns();
-  if (!lockstep_) {
-    // What waited for its replies, for frames before it or for this loop was not under way.
-    const TimeNs waited_ns =
-        joined.arrived ? monotonic_now_ns() - std::chrono::nanoseconds(joined.arrived->time_since_epoch()).count() : 0;
-    const auto taken_ns = stamps_.place(agent->camera, frame.frame.capture_ns, now_ns - waited_ns);
-    if (!taken_ns) return agent->images.out_of_time();
-    frame.frame.capture_ns = *taken_ns;
-  }
+  // What waited for its replies, for frames before it or for this loop was not under way.
+  const TimeNs waited_ns =
+      joined.arrived ? monotonic_now_ns() - std::chrono::nanoseconds(joined.arrived->time_since_epoch()).count() : 0;
+  if (!sets_.date(&frame, now_ns - waited_ns)) return agent->images.out_of_time();
   if (keeper_) keeper_->before_frame(frame.frame.capture_ns);
-  const std::uint32_t overflowed = sync_.overflowed();
-  const bool used = sync_.push(std::move(frame), now_ns);
-  if (!used) agent->images.late();
-  note_missed(joined.frame, !used, *agent);
-  if (sync_.overflowed() > overflowed) agent->images.set_left_out();
+  const SetClock::Pushed pushed = sets_.push(std::move(frame), now_ns);
+  if (!pushed.in_time) agent->images.late();
+  Roster::note_missed(joined.frame, !pushed.in_time, sets_.past_ns(), agent);
+  if (pushed.displaced) agent->images.set_left_out();
   // A replay that joined late or began anew catches up with the others.
-  if (!used && lockstep_) link_.send(server_.acknowledge(agent->camera, joined.frame));
-}
-
-// Of a recording whose agent joined when others played: in lock-step what it sends is late, in real time it begins with
-// what is due then.
-void ServerLoop::note_missed(const TrackFrame& frame, bool late, Agent& agent) const {
-  constexpr TimeNs kInTheMiddle_ns = 1'000'000'000;
-  if (agent.begun || frame.capture_ns >= kFirstDate_ns) return;
-  if (late) {
-    agent.missed = frame.frame.value + 1;
-    agent.past_ns = sync_.past_ns().value_or(0);
-  } else if (agent.missed == 0 && frame.capture_ns > kInTheMiddle_ns) {
-    agent.missed = frame.frame.value;
-    agent.past_ns = frame.capture_ns;
-  }
-  agent.begun |= !late;
+  if (!pushed.in_time && sets_.lockstep()) link_.send(server_.acknowledge(agent->camera, joined.frame));
 }
 
 void ServerLoop::on_status(const AgentStatus& status) {
-  Agent* agent = find(status.agent, status.agent_run);
+  Roster::Agent* agent = roster_.find(status.agent, status.agent_run);
   if (agent == nullptr) return;
   if (status.image_fault != agent->last_status.image_fault) say_images(status);
   agent->last_status = status;
   agent->images.heard(status);
   auto last_image = std::exchange(agent->last_status.last_image, std::nullopt);
-  if (status.exchange.sent_ns != 0) stamps_.exchange(agent->camera, status.exchange);
+  if (status.exchange.sent_ns != 0) sets_.exchange(agent->camera, status.exchange);
   if (status.state != AgentState::kFinished || agent->ended) return;
   if (last_image) server_.take_last_image(agent->camera, std::move(*last_image));
   log_info("agent " + status.agent + " has ended");
   end(*agent);
 }
 
-void ServerLoop::say_images(const AgentStatus& status) {
-  if (status.image_fault == ImageFault::kNone) {
-    log_info("agent " + status.agent + ": its images are to be believed again");
-  } else {
-    log_warn("agent " + status.agent +
-             ": its images are not to be believed: " + std::string(words_of(status.image_fault).why));
-  }
-}
-
 void ServerLoop::on_silent(const std::string& name, RunId run) {
-  const Agent* agent = find(name, run);
+  const Roster::Agent* agent = roster_.find(name, run);
   // In lock-step a slow agent is waited for; one that died is reported gone.
-  if (agent == nullptr || lockstep_) return;
+  if (agent == nullptr || sets_.lockstep()) return;
   log_warn("agent " + name + " is silent");
-  sync_.set_silent(agent->camera);
+  sets_.set_silent(agent->camera);
 }
 
 void ServerLoop::on_gone(const std::string& name, RunId run) {
-  waiting_.erase(name);
-  Agent* agent = find(name, run);
+  roster_.stop_waiting(name);
+  Roster::Agent* agent = roster_.find(name, run);
   if (agent == nullptr || agent->ended) return;
   log_warn("agent " + name + " is gone; the others go on");
   end(*agent);
 }
 
-void ServerLoop::end(Agent& agent) {
+void ServerLoop::end(Roster::Agent& agent) {
   agent.ended = true;
-  sync_.finish(agent.camera);
+  sets_.finish(agent.camera);
   server_.set_alive(agent.camera, false);
 }
 
 void ServerLoop::run_set(const FrameSet& set) {
-  give_refined(refiner_.take_due(set.id, lockstep_));
-  for (MapPatch& patch : server_.step(set)) {
-    if (!lockstep_) {
+  give_refined(refiner_.take_due(set.id, sets_.lockstep()));
+  send_answers(set, server_.step(set));
+  roster_.count_used(set, server_.map());
+  const PastPart past = server_.take_past();
+  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
+  if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
+  const ServerView now = view();
+  for (SetObserver* observer : observers_) observer->after_set({set, past}, now);
+}
+
+// What agents and others are told of a set: each agent its patch, everybody what moves and where the agents are.
+void ServerLoop::send_answers(const FrameSet& set, std::vector<MapPatch> patches) {
+  for (MapPatch& patch : patches) {
+    if (!sets_.lockstep()) {
       patch.sent_ns = config_.clock.monotonic_ns();
-      patch.uplink_wait_s = static_cast<float>(stamps_.wait_s(agents_[patch.agent].camera));
+      patch.uplink_wait_s = static_cast<float>(sets_.wait_s(roster_.at(patch.agent).camera));
     }
     link_.send(patch);
   }
-  count_used(set);
-  const PastPart past = server_.take_past();
   for (const MovingState& state : server_.moving()) link_.send(state);
   const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
   for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
-  for (const std::string& warning : server_.take_warnings()) log_warn(warning);
-  if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
-  if (store_) {
-    if (!known_past_.empty()) take_known_past();
-    store_->take(past);
-    store_->record(set, server_);
-  }
-  if (keeper_) {
-    keeper_->take(past);
-    keeper_->after_set();
-  }
-  if (observer_ != nullptr) observer_->after_set(set, *this);
-}
-
-void ServerLoop::count_used(const FrameSet& set) {
-  for (const CameraFrame& f : set.frames) {
-    const FramePose* pose = server_.map().camera(f.camera).frame_at(set.id);
-    Agent& agent = agents_.at(server_.map().camera(f.camera).name);
-    agent.images.used(pose != nullptr && pose->valid());
-    if (agent.images.frames_posed() == 0) agent.seen.look(server_.map().camera(f.camera));
-  }
 }
 
 void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
@@ -355,54 +270,71 @@ void ServerLoop::send_status() {
   last_status_ns_ = config_.clock.monotonic_ns();
   ServerStatus status;
   status.server_run = server_.run();
-  status.started = started_ && (!config_.expected_agents.empty() || play_order_.ordered());
+  status.started = started_ && (!roster_.expected().empty() || play_order_.ordered());
   status.stopping = stopping_;
   status.start_utc_ns = start_utc_ns_;
   status.frame_sets = static_cast<std::uint32_t>(server_.counts().frame_sets);
   status.points = static_cast<std::uint32_t>(server_.map().points().size());
-  for (const bool ended : {false, true}) {
-    for (const auto& [name, agent] : agents_) {
-      if (agent.ended == ended) status.agents.push_back(name);
-    }
-  }
+  status.agents = roster_.names();
   link_.send_status(status);
-  for (const auto& [name, agent] : agents_) {
+  for (const auto& [name, agent] : roster_.agents()) {
     if (!agent.ended) link_.send({name, agent.run, server_.run(), agent.images.so_far(), false, {}});
   }
 }
 
+// To the agent and in the log, when it has ended and the fate of all is known; of agents that were named the report
+// tells it.
+void ServerLoop::say_images_of(const std::string& name, Roster::Agent& agent) {
+  agent.said_images = true;
+  const ImageAccount images = agent.images.so_far();
+  const std::string problem = roster_.expected().empty() ? Roster::problem_of(name, agent, images) : "";
+  if (!problem.empty()) log_warn(problem);
+  link_.send({name, agent.run, server_.run(), images, true, problem});
+}
+
 void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configuration) {
-  report_ = make_report(server_, link_, {sync_.late(), sync_.overflowed(), left_out_, stamps_}, agents(), adjusted,
-                        configuration);
+  report_ = make_report(server_, link_, {sets_.late(), sets_.overflowed(), sets_.sets_left_out(), sets_.stamps()},
+                        agents(), adjusted, configuration);
 }
 
 // False: not all of it. There may be room when it is written again.
 bool ServerLoop::write_first(bool adjusts) {
-  if (!store_ && !keeper_) return true;
   bool written = true;
-  const auto attempt = [&](const auto& write) {
+  const ServerView now = view();
+  for (SetObserver* observer : observers_) {
     try {
-      write();
+      observer->ending(now, report_);
     } catch (const UserError& e) {
       log_warn(e.what());
       written = false;
     }
-  };
-  if (store_) attempt([&] { store_->write(server_, report_); });
-  if (keeper_) attempt([&] { keeper_->finish(); });
-  if (written && adjusts) log_info("the result is written; adjusting the map, which Ctrl-C leaves out");
+  }
+  const bool kept = keeper_ || (recorder_ && !recorder_->folder().empty());
+  if (kept && written && adjusts) log_info("the result is written; adjusting the map, which Ctrl-C leaves out");
   return written;
+}
+
+void ServerLoop::write_last() {
+  std::exception_ptr first;
+  const ServerView now = view();
+  for (SetObserver* observer : observers_) {
+    try {
+      observer->ended(now, report_);
+    } catch (const UserError&) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
 }
 
 void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_end) {
   const RefineConfig& refine = config_.server.map.of<RefineConfig>();
   const bool adjusts = !short_end && refine.enabled && refine.at_end != "nothing";
-  while (const auto set = backlog_.pop()) run_set(*set);
+  while (const auto set = sets_.next_waiting()) run_set(*set);
+  stopping_ = true;
   report_now(false, configuration);
   const bool written = write_first(adjusts);
-  stopping_ = true;
   send_status();
-  if (observer_ != nullptr) observer_->finishing(*this);
   if (!short_end) {
     const EndsAtOnce at_a_signal(written ? 0 : 1);
     give_refined(refiner_.take(true));
@@ -413,9 +345,48 @@ void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_
   }
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   report_now(adjusts, configuration);
-  if (observer_ != nullptr) observer_->finished(*this);
-  if (store_) store_->finish(server_, report_);
-  if (keeper_) keeper_->finish();
+  write_last();
+}
+
+std::string ServerLoop::problem() const {
+  const auto problem = report_.find("problem");
+  if (!roster_.all_ended()) return "";
+  return problem == report_.end() ? "" : problem->get<std::string>();
+}
+
+LoopFacts ServerLoop::facts() const {
+  LoopFacts out;
+  const std::vector<MapFrames> maps = stopping_ ? server_.maps() : std::vector<MapFrames>();
+  for (const auto& [name, agent] : roster_.agents()) {
+    AgentStatus status = agent.last_status;
+    status.report_json.clear();
+    const LinkBytes bytes = link_.bytes(name);
+    AgentFacts& facts = out.agents.emplace_back();
+    facts.name = name;
+    facts.camera = agent.camera;
+    facts.status = std::move(status);
+    facts.images = stopping_ ? Roster::account_of(agent, server_, maps) : agent.images.so_far();
+    facts.bytes_up = bytes.up;
+    facts.bytes_down = bytes.down;
+    facts.wait_s = sets_.wait_s(agent.camera);
+  }
+  if (recorder_) out.result = recorder_->folder().string();
+  out.join = link_.join_options();
+  out.memory_mib = resident_memory_mib();
+  out.at_work = link_.at_work();
+  out.finishing = stopping_;
+  const ServerLinkCounts counts = link_.counts();
+  out.lost = {{"late_frames", sets_.late()},
+              {"overflowed_frames", sets_.overflowed()},
+              {"sets_left_out", sets_.sets_left_out()},
+              {"frames_out_of_time", sets_.stamps().refused()},
+              {"dropped_frames", counts.dropped_frames},
+              {"late_replies", counts.late_replies}};
+  for (std::size_t i = 0; i < kRejectionCount; ++i) {
+    const auto reason = static_cast<Rejection>(i);
+    out.rejected[std::string(name_of(reason))] = link_.rejections()[reason];
+  }
+  return out;
 }
 
 }  // namespace coslam

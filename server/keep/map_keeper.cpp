@@ -39,7 +39,8 @@ void MapKeeper::before_frame(TimeNs capture_ns) {
   if (capture_ns <= last_ns) server_.shift_times(capture_ns - to_ns(kBetween_s) - last_ns);
 }
 
-void MapKeeper::after_set() {
+void MapKeeper::after_set(const SetOutcome& outcome, const ServerView& /*view*/) {
+  take(outcome.past);
   pass_words();
   const TimeNs now_ns = monotonic_now_ns();
   if (now_ns - saved_at_ns_ < to_ns(config_.period_s) || !saver_.idle()) return;
@@ -72,7 +73,7 @@ void MapKeeper::pass_words() {
   while (const auto word = saver_.take_word()) log_warn(*word);
 }
 
-void MapKeeper::finish() {
+void MapKeeper::ending(const ServerView& /*view*/, const nlohmann::ordered_json& /*report*/) {
   constexpr auto kPatience = std::chrono::seconds(20);
   save();
   saver_.finish(kPatience);

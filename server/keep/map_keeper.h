@@ -9,6 +9,7 @@
 
 #include "common/base/time.h"
 #include "server/estimator/map_server.h"
+#include "server/keep/set_observer.h"
 #include "server/keep/store/map_file.h"
 #include "server/keep/store/saver.h"
 
@@ -24,7 +25,7 @@ void describe(V& v, KeepConfig& c) {
 }
 
 // Keeps a server's map in a file, and starts it with what is there. Of the map thread.
-class MapKeeper {
+class MapKeeper final : public SetObserver {
  public:
   // Throws UserError when the file cannot be used; it is not changed then.
   MapKeeper(const std::filesystem::path& file, const KeepConfig& config, MapServer* server);
@@ -35,16 +36,16 @@ class MapKeeper {
   // Before the first frame of each set is given to the server: times begin anew with a recording that is played again,
   // but in a map they only grow.
   void before_frame(TimeNs capture_ns);
-  // What left the map's memory: only the file has it then.
-  void take(const PastPart& past);
   // What the file has of a camera that was put down before this server, in the order of time.
   void for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const;
-  // After each frame set: saves when it is time and the disk is not behind.
-  void after_set();
-  // The last words. Throws UserError when not all could be saved.
-  void finish();
+  // Keeps what left the map's memory, which only the file has then; saves when it is time and the disk is not behind.
+  void after_set(const SetOutcome& outcome, const ServerView& view) override;
+  // Saves all that is left. Throws UserError when not all could be saved.
+  void ending(const ServerView& view, const nlohmann::ordered_json& report) override;
+  void ended(const ServerView& view, const nlohmann::ordered_json& report) override { ending(view, report); }
 
  private:
+  void take(const PastPart& past);
   void save();
   void pass_words();
 

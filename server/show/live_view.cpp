@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/base/text.h"
-#include "server/app/server_loop.h"
 
 namespace coslam {
 namespace {
@@ -17,15 +16,13 @@ std::vector<PublicSink*> with(std::vector<PublicSink*> some, const std::vector<P
 
 }  // namespace
 
-LiveView::LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector<PublicSink*>& others)
-    : web_(config, format_hex(loop.map_server().run().value),
+LiveView::LiveView(const ViewConfig& config, const MapServer& server, const std::vector<PublicSink*>& others,
+                   ThumbnailSource thumbnails)
+    : web_(config, format_hex(server.run().value),
            [this](const WebRequest& request, WebReply reply) { api_.answer(request, std::move(reply)); }),
-      teller_(loop, with({&api_, &web_}, others)) {
+      teller_(server, with({&api_, &web_}, others)) {
   api_.count([this] { return web_.counts(); });
-}
-
-void LiveView::look_by(ServerLink& link) {
-  api_.look_by([&link](const std::string& agent) { return link.thumbnail(agent); });
+  if (thumbnails) api_.look_by(std::move(thumbnails));
 }
 
 }  // namespace coslam

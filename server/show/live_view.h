@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "server/fleet/link/server_link.h"
+#include "common/model/thumbnail.h"
 #include "server/show/map_teller.h"
 #include "server/show/web/live_api.h"
 #include "server/show/web/view_config.h"
@@ -13,15 +15,17 @@
 
 namespace coslam {
 
-// Shows a server at work on the web.
+// Shows a server at work on the web, from the moment at which the server's loop has its observer.
 class LiveView {
  public:
-  // Watches the loop from now on; it is not to run on after this has gone. others: who is told too; they outlive this.
-  // Throws UserError when the port cannot be had.
-  LiveView(const ViewConfig& config, ServerLoop& loop, const std::vector<PublicSink*>& others = {});
+  // What a camera sees now, by the name of its agent.
+  using ThumbnailSource = std::function<std::optional<Thumbnail>(const std::string& agent)>;
 
-  // Images of agents come over this link, which outlives this.
-  void look_by(ServerLink& link);
+  // others: who is told too; they outlive this. Throws UserError when the port cannot be had.
+  LiveView(const ViewConfig& config, const MapServer& server, const std::vector<PublicSink*>& others = {},
+           ThumbnailSource thumbnails = {});
+
+  SetObserver& observer() { return teller_; }
 
   // Where a browser finds it.
   std::string url() const { return web_.url(); }

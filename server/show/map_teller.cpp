@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/flow/clock.h"
-#include "server/app/server_loop.h"
 
 namespace coslam {
 namespace {
@@ -21,46 +20,42 @@ std::chrono::nanoseconds processor_time() {
 
 }  // namespace
 
-MapTeller::MapTeller(ServerLoop& loop, std::vector<PublicSink*> sinks)
-    : watch_(loop.map_server()), publication_(std::move(sinks)) {
-  loop.observe(this);
-}
+MapTeller::MapTeller(const MapServer& server, std::vector<PublicSink*> sinks)
+    : watch_(server), publication_(std::move(sinks)) {}
 
 void MapTeller::tell(Snapshot snapshot) {
   if (!snapshot.empty()) publication_.put(std::move(snapshot));
 }
 
 // With what telling takes of the map's thread.
-LoopFacts MapTeller::facts(const ServerLoop& loop) const {
-  LoopFacts out = loop.facts();
+LoopFacts MapTeller::facts(const ServerView& view) const {
+  LoopFacts out = view.facts();
   for (const auto& [name, h] : times_.stages()) {
     out.watching = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
                     h.mean_ms() * static_cast<double>(h.count()), h.count()};
   }
   for (AgentFacts& agent : out.agents) {
-    const auto settled = loop.map_server().path_error(agent.camera);
+    const auto settled = view.server.path_error(agent.camera);
     const auto path = settled ? settled : paths_.of(agent.camera);
-    if (path) agent.path = verdict_of(loop.map_server().map().camera(agent.camera), *path, agent.images);
+    if (path) agent.path = verdict_of(view.server.map().camera(agent.camera), *path, agent.images);
   }
   return out;
 }
 
-void MapTeller::after_set(const FrameSet& set, const ServerLoop& loop) {
+void MapTeller::after_set(const SetOutcome& outcome, const ServerView& view) {
   const auto before = processor_time();
-  tell(
-      watch_.after_set(set, loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
-  if (publication_.wanted().has(Part::kState)) paths_.look(loop.map_server(), std::chrono::steady_clock::now());
+  tell(watch_.after_set(outcome.set, view.server, publication_.wanted(), monotonic_now_ns(),
+                        [&] { return facts(view); }));
+  if (publication_.wanted().has(Part::kState)) paths_.look(view.server, std::chrono::steady_clock::now());
   times_.add("view", processor_time() - before);
 }
 
-void MapTeller::in_between(const ServerLoop& loop) {
-  tell(watch_.in_between(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+void MapTeller::idle(const ServerView& view) {
+  tell(watch_.in_between(view.server, publication_.wanted(), monotonic_now_ns(), [&] { return facts(view); }));
 }
 
-void MapTeller::finishing(const ServerLoop& loop) { finished(loop); }
-
-void MapTeller::finished(const ServerLoop& loop) {
-  tell(watch_.at_the_end(loop.map_server(), publication_.wanted(), monotonic_now_ns(), [&] { return facts(loop); }));
+void MapTeller::ending(const ServerView& view, const nlohmann::ordered_json& /*report*/) {
+  tell(watch_.at_the_end(view.server, publication_.wanted(), monotonic_now_ns(), [&] { return facts(view); }));
 }
 
 }  // namespace coslam

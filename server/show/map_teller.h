@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/metrics.h"
-#include "server/app/server_observer.h"
+#include "server/keep/set_observer.h"
 #include "server/show/path_watch.h"
 #include "server/show/publication.h"
 #include "server/show/publish/watch.h"
@@ -13,19 +13,20 @@
 namespace coslam {
 
 // Tells the public of a server at work, by sinks.
-class MapTeller final : public ServerObserver {
+class MapTeller final : public SetObserver {
  public:
-  // Watches the loop from now on; it is not to run on after this has gone. The sinks outlive this.
-  MapTeller(ServerLoop& loop, std::vector<PublicSink*> sinks);
+  // The sinks outlive this.
+  MapTeller(const MapServer& server, std::vector<PublicSink*> sinks);
 
-  void after_set(const FrameSet& set, const ServerLoop& loop) override;
-  void in_between(const ServerLoop& loop) override;
-  void finishing(const ServerLoop& loop) override;
-  void finished(const ServerLoop& loop) override;
+  bool wants_journal() const override { return true; }
+  void after_set(const SetOutcome& outcome, const ServerView& view) override;
+  void idle(const ServerView& view) override;
+  void ending(const ServerView& view, const nlohmann::ordered_json& report) override;
+  void ended(const ServerView& view, const nlohmann::ordered_json& report) override { ending(view, report); }
 
  private:
   void tell(Snapshot snapshot);
-  LoopFacts facts(const ServerLoop& loop) const;
+  LoopFacts facts(const ServerView& view) const;
 
   StageTimes times_;
   MapWatch watch_;

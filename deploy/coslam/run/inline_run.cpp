@@ -69,7 +69,7 @@ RunEnd run_inline(const RunOptions& options) {
   InlineLink link(server_run);
   ProgressOfRun progress;
   ServerLoopConfig server_config{.server = config.server,
-                                 .out = options.out,
+                                 .result = {.folder = options.out, .runs = {}},
                                  .map = options.map,
                                  .refine_in_thread = false,
                                  .adjusting = [&](int percent) { progress.adjusting(percent); }};

@@ -8,9 +8,11 @@ namespace coslam {
 
 RunTold::RunTold(const ViewConfig& view, ServerLoop& loop) {
   if (view.on()) {
-    say_view("view: " + view_.emplace(view, loop, std::vector<PublicSink*>{&log_}).url());
+    view_.emplace(view, loop.map_server(), std::vector<PublicSink*>{&log_});
+    say_view("view: " + view_->url());
+    loop.observe(view_->observer());
   } else {
-    teller_.emplace(loop, std::vector<PublicSink*>{&log_});
+    loop.observe(teller_.emplace(loop.map_server(), std::vector<PublicSink*>{&log_}));
   }
 }
 

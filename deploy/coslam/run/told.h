@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "server/app/server_loop.h"
 #include "server/show/live_view.h"
 #include "server/show/log_sink.h"
 #include "server/show/map_teller.h"

@@ -15,11 +15,9 @@
 #include "common/base/time.h"
 #include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
-#include "common/model/image_account.h"
 #include "common/model/pose_covariance.h"
-#include "common/model/session.h"
 #include "common/ros/views.h"
-#include "server/keep/verdict.h"
+#include "server/keep/loop_facts.h"
 
 // What of the map the public is told, copied from it at one instant and never changed again: the map's thread copies,
 // others encode. Each part by itself, since each has a pace of its own.
@@ -120,36 +118,6 @@ struct PublicEvent {
 
 // How an agent stands, see docs/live.md.
 enum class PublicStanding : std::uint8_t { kNone, kTracking, kRelative, kLost, kUnheard };
-
-// What the server's loop knows of an agent, beside the map.
-struct AgentFacts {
-  std::string name;
-  CameraId camera;
-  AgentStatus status;   // the newest, without its report
-  ImageAccount images;  // so far
-  std::uint64_t bytes_up = 0, bytes_down = 0;
-  double wait_s = 0;                // how much longer than at best its newest frame was under way
-  std::optional<PathVerdict> path;  // as last looked at; empty: not yet, or it has no place in the main map
-};
-
-// Of the whole run, ms.
-struct StageTime {
-  double p50 = 0, p95 = 0, p99 = 0, sum = 0;
-  std::uint64_t count = 0;
-};
-
-// What the server's loop knows beside the map.
-struct LoopFacts {
-  std::vector<AgentFacts> agents;
-  std::string result;                             // RESULT folder of the run; empty: none
-  std::string join;                               // options with which coslam-agent comes here; empty: none does
-  double memory_mib = 0;                          // of the process
-  bool at_work = false;                           // no longer looking for another server
-  bool finishing = false;                         // the run is over, the map is adjusted as a whole
-  StageTime watching;                             // what the map thread spends on all this
-  std::map<std::string, std::uint64_t> lost;      // frames and replies that were not used, by what became of them
-  std::map<std::string, std::uint64_t> rejected;  // samples and datagrams, by reason
-};
 
 struct PublicAgent {
   AgentFacts facts;

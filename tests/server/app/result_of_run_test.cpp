@@ -61,7 +61,7 @@ class ResultOfRun : public ::testing::Test {
     EXPECT_TRUE(loop.poll(0ms));
     loop.finish({});
   }
-  ServerLoopConfig in_runs() const { return {.out = {}, .runs = runs_, .refine_in_thread = false}; }
+  ServerLoopConfig in_runs() const { return {.result = {.folder = {}, .runs = runs_}, .refine_in_thread = false}; }
   long entries() const { return std::distance(std::filesystem::directory_iterator(runs_), {}); }
 
   test::WireValues values_{1};
@@ -71,7 +71,7 @@ class ResultOfRun : public ::testing::Test {
 
 TEST_F(ResultOfRun, ARefusedServerTouchesNothing) {
   for (const ServerLoopConfig& config :
-       {in_runs(), ServerLoopConfig{.out = temp_ / "out", .runs = {}, .refine_in_thread = false}}) {
+       {in_runs(), ServerLoopConfig{.result = {.folder = temp_ / "out", .runs = {}}, .refine_in_thread = false}}) {
     InlineLink link{RunId(1)};
     GatedLink gated(link.server());
     gated.works = false;
@@ -106,7 +106,7 @@ TEST_F(ResultOfRun, IsWrittenBeforeTheMapIsAdjustedAndAfter) {
   const ResultFolder result(temp_ / "out");
   InlineLink link{RunId(1)};
   GatedLink gated(link.server());
-  ServerLoop loop(gated, RunId(1), {.out = result.path(), .runs = {}, .refine_in_thread = false});
+  ServerLoop loop(gated, RunId(1), {.result = {.folder = result.path(), .runs = {}}, .refine_in_thread = false});
   EXPECT_TRUE(loop.poll(0ms));
   EXPECT_FALSE(std::filesystem::exists(result.report()));
   int stops = 0;
@@ -123,7 +123,8 @@ TEST_F(ResultOfRun, IsWrittenBeforeTheMapIsAdjustedAndAfter) {
 TEST_F(ResultOfRun, ThatHasNoRoomIsAnErrorAtTheEnd) {
   const ResultFolder result(temp_ / "out");
   InlineLink link{RunId(1)};
-  ServerLoop loop(link.server(), RunId(1), {.out = result.path(), .runs = {}, .refine_in_thread = false});
+  ServerLoop loop(link.server(), RunId(1),
+                  {.result = {.folder = result.path(), .runs = {}}, .refine_in_thread = false});
   EXPECT_TRUE(loop.poll(0ms));
   std::filesystem::create_directory(result.report());
   EXPECT_THAT(test::error_of<UserError>([&] { loop.finish({}); }),

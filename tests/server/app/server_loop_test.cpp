@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/base/error.h"
 #include "deploy/coslam/run/inline_link.h"
 #include "tests/support/wire_values.h"
 
@@ -47,7 +48,7 @@ TEST_F(ServerLoopTest, OutlivesMoreAgentsThanItsStatusCanName) {
 }
 
 TEST_F(ServerLoopTest, TurnsAwayWhomItHasNoRoomFor) {
-  come_and_go(ServerLoop::kMostAgents);
+  come_and_go(Roster::kMostAgents);
   const auto late = join("late");
   EXPECT_THAT(refusal_of(*late->server_status(), RunId(last_run_)).value_or(""), HasSubstr("1000 agents"));
   const auto known = join("cam7");
@@ -267,20 +268,24 @@ TEST_F(ServerLoopTest, AnAgentOfAnotherTimeHurtsNobody) {
 }
 
 // Notes what it is shown.
-struct Observer : ServerObserver {
-  void after_set(const FrameSet& set, const ServerLoop&) override { sets.push_back(set.id.value); }
-  void in_between(const ServerLoop& loop) override { facts = loop.facts(); }
-  void finishing(const ServerLoop& loop) override { finishing_with = loop.facts(); }
-  void finished(const ServerLoop& loop) override { reported = loop.report().contains("server"); }
+struct Observer : SetObserver {
+  bool wants_journal() const override { return true; }
+  void after_set(const SetOutcome& outcome, const ServerView&) override { sets.push_back(outcome.set.id.value); }
+  void idle(const ServerView& view) override { facts = view.facts(); }
+  void ending(const ServerView& view, const nlohmann::ordered_json&) override {
+    finishing_with = view.facts();
+    if (fails) throw UserError("nothing is written here");
+  }
+  void ended(const ServerView&, const nlohmann::ordered_json& report) override { reported = report.contains("server"); }
 
   std::vector<std::uint32_t> sets;
   LoopFacts facts, finishing_with;
-  bool reported = false;
+  bool reported = false, fails = false;
 };
 
 TEST_F(ServerLoopTest, ShowsItsObserverWhatHappens) {
   Observer observer;
-  loop_.observe(&observer);
+  loop_.observe(observer);
   EXPECT_TRUE(loop_.map_server().journal().enabled());
   const auto agent = join("cam0");
   EXPECT_TRUE(loop_.poll(0ms));
@@ -299,6 +304,16 @@ TEST_F(ServerLoopTest, ShowsItsObserverWhatHappens) {
   EXPECT_THAT(observer.sets, ::testing::Not(::testing::IsEmpty()));
   EXPECT_TRUE(observer.finishing_with.finishing);
   EXPECT_TRUE(observer.reported);
+}
+
+TEST_F(ServerLoopTest, AnObserverThatFailsKeepsNothingFromTheOthers) {
+  Observer first, second;
+  first.fails = true;
+  loop_.observe(first);
+  loop_.observe(second);
+  loop_.finish({});
+  EXPECT_TRUE(second.finishing_with.finishing);
+  EXPECT_TRUE(first.reported && second.reported);
 }
 
 TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {

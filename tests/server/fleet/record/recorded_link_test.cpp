@@ -96,7 +96,7 @@ class Replay : public ::testing::Test {
   }
 
   ServerLoopConfig config(const std::string& out) const {
-    return {.expected_agents = names_, .out = temp_ / out, .refine_in_thread = false};
+    return {.expected_agents = names_, .result = {.folder = temp_ / out, .runs = {}}, .refine_in_thread = false};
   }
 
   test::TempFolder temp_;
