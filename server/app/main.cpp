@@ -17,6 +17,7 @@
 #include "server/app/server_loop.h"
 #include "server/app/server_options.h"
 #include "server/app/stop_signals.h"
+#include "server/estimator/pipeline/stage_table.h"
 #include "server/fleet/link/dds_server_link.h"
 #include "server/fleet/record/recording_link.h"
 #include "server/show/live_view.h"
@@ -174,7 +175,7 @@ int main_of(int argc, char** argv) {
   ServeOptions options;
   CommonArguments common;
   std::optional<int> domain, view_port;
-  bool loopback = false;
+  bool loopback = false, stages = false;
   common.add_to(app, "server.yaml", "server.theta=2.5");
   app.add_option("--domain", domain, "DDS domain, 0 to 232")->type_name("N")->check(CLI::Range(0, 232));
   auto* out =
@@ -191,7 +192,12 @@ int main_of(int argc, char** argv) {
   app.add_flag("--loopback", loopback, "talk on this machine only");
   app.add_flag("--report-progress", options.progress,
                "for programs: 'view: URL', 'ready', 'started' and 'progress DONE' on standard output");
+  app.add_flag("--stages", stages, "print what each stage of the pipeline reads and writes, and end");
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
+  if (stages) {
+    std::printf("%s", markdown_of(stage_access<MapPipeline>()).c_str());
+    return 0;
+  }
   init_log("server", common.log_format);
   ServerOptions& o = options.keys;
   if (loopback) o.wire = loopback_config(0);

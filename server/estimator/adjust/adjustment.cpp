@@ -11,7 +11,7 @@
 
 namespace coslam {
 
-TakenAdjustment TakeAdjustment::run(MapEdit& edit, Workers& workers) {
+TakenAdjustment TakeAdjustment::run(BundleEdit& edit, Workers& workers) {
   if (!solved_) return {};
   const auto& [job, result] = *solved_;
   const TakenAdjustment taken{.taken = true,
@@ -23,7 +23,7 @@ TakenAdjustment TakeAdjustment::run(MapEdit& edit, Workers& workers) {
   return taken;
 }
 
-PlannedAdjustment PlanAdjustment::run(MapEdit& edit, const FrameSet& set, const TakenAdjustment& taken,
+PlannedAdjustment PlanAdjustment::run(KeyFramesEdit& edit, const FrameSet& set, const TakenAdjustment& taken,
                                       const MeetReport& met, const RefineConfig& refine, Workers& workers) {
   if (taken.taken) in_flight_ = false;
   // One that a change of the map overtook is planned again.
@@ -108,7 +108,7 @@ void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgres
 
 }  // namespace
 
-PathErrors adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
+PathErrors adjust_whole(BundleEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since,
                         const TellProgress& tell) {
   constexpr int kMostOutlines = 4;  // while a lens is on its way
   for (int round = 0; !since && round < kMostOutlines; ++round) {

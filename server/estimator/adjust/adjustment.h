@@ -43,7 +43,7 @@ class TakeAdjustment {
   RefineConfig config;
 
   void give(RefineJob job, BundleResult result) { solved_.emplace(std::move(job), std::move(result)); }
-  TakenAdjustment run(MapEdit& edit, Workers& workers);
+  TakenAdjustment run(BundleEdit& edit, Workers& workers);
 
  private:
   std::optional<std::pair<RefineJob, BundleResult>> solved_;
@@ -64,7 +64,7 @@ class PlanAdjustment {
   explicit PlanAdjustment(const KeyFrameConfig& of) : config(of) {}
   KeyFrameConfig config;
 
-  PlannedAdjustment run(MapEdit& edit, const FrameSet& set, const TakenAdjustment& taken, const MeetReport& met,
+  PlannedAdjustment run(KeyFramesEdit& edit, const FrameSet& set, const TakenAdjustment& taken, const MeetReport& met,
                         const RefineConfig& refine, Workers& workers);
   // The job that the last set planned; it is in flight until its solution was taken in.
   std::optional<RefineJob> take_job();
@@ -88,7 +88,7 @@ using TellProgress = std::function<void(int percent)>;
 
 // The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already. How
 // uncertain the paths are in the end.
-PathErrors adjust_whole(MapEdit& edit, MapId of, const RefineConfig& config, std::optional<SetId> since = std::nullopt,
-                        const TellProgress& tell = {});
+PathErrors adjust_whole(BundleEdit& edit, MapId of, const RefineConfig& config,
+                        std::optional<SetId> since = std::nullopt, const TellProgress& tell = {});
 
 }  // namespace coslam

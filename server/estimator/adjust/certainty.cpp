@@ -103,7 +103,7 @@ PathErrors path_errors(const RefineJob& solved, const std::vector<bool>& use) {
 
 }  // namespace
 
-PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+PathErrors settle_covariances(PointPositionEdit& edit, const RefineJob& job, const BundleResult& result) {
   constexpr std::size_t kMostPoses = 200;
   const auto variances = track_variances(edit.map(), job, result);
   const RefineJob solved = solved_job(edit.map(), job, result);

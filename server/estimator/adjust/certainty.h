@@ -29,7 +29,7 @@ using PathErrors = std::map<CameraId, PathError>;
 
 // Covariances of a solution's points: by how well their own tracks hold, and with what the uncertain poses add
 // (point_uncertainty.h). How uncertain the paths themselves are.
-PathErrors settle_covariances(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+PathErrors settle_covariances(PointPositionEdit& edit, const RefineJob& job, const BundleResult& result);
 
 // The same of a map as it stands, while it grows: of its newest key frames, as many as fit; empty when there is too
 // little. The job is to be given to path_errors(), anywhere.

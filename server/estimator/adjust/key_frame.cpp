@@ -72,7 +72,7 @@ bool needs_key_frame(const Map& map, const SinceLast& s, const KeyFrameConfig& c
 
 }  // namespace
 
-bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config) {
+bool decide_key_frame(KeyFramesEdit& edit, const FrameSet& set, const KeyFrameConfig& config) {
   constexpr double kSoonest_s = 0.3;  // after the last one
   constexpr std::size_t kFew = 4;     // cameras, which all take part: it costs little, and ties them together
   const Map& map = edit.map();

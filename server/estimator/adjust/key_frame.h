@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -20,6 +20,6 @@ void describe(V& v, KeyFrameConfig& c) {
 // Key frame when any camera lost 30 % of the points it had at its last one, or moved for long (paper 4). Where there
 // are more than a few cameras, one of them needs a key frame all the time, and the others are spared until they do.
 // Returns true when the set became one.
-bool decide_key_frame(MapEdit& edit, const FrameSet& set, const KeyFrameConfig& config);
+bool decide_key_frame(KeyFramesEdit& edit, const FrameSet& set, const KeyFrameConfig& config);
 
 }  // namespace coslam

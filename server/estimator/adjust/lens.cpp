@@ -136,7 +136,7 @@ bool lenses_may_be_taken(const Map& map, const RefineJob& job, const BundleResul
   });
 }
 
-int take_lenses(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+int take_lenses(BundleEdit& edit, const RefineJob& job, const BundleResult& result) {
   int changed = 0;
   for (std::size_t i = 0; i < result.lenses.size(); ++i) {
     const MapCamera& c = edit.map().camera(CameraId(static_cast<std::uint16_t>(i)));

@@ -29,6 +29,6 @@ inline constexpr double kWorthTaking2 = 4, kOnItsWay2 = 100;
 // Each lens of the solution is that of the camera by now, or can become it: else its poses and points are of no use.
 bool lenses_may_be_taken(const Map& map, const RefineJob& job, const BundleResult& result);
 // What was found becomes the lenses of the cameras. How many changed.
-int take_lenses(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+int take_lenses(BundleEdit& edit, const RefineJob& job, const BundleResult& result);
 
 }  // namespace coslam

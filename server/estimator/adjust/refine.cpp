@@ -142,7 +142,7 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
 
 // All relative poses of neighbours in time change equally little between two key frames: the closed form of the soft
 // constraints (14) along one camera's path with its key frames fixed.
-void carry_frames(MapEdit& edit, const MapCamera& camera, const RefineJob& job, const std::vector<Change>& changes) {
+void carry_frames(BundleEdit& edit, const MapCamera& camera, const RefineJob& job, const std::vector<Change>& changes) {
   if (changes.empty()) return;
   const auto first = std::lower_bound(camera.frames.begin(), camera.frames.end(), changes.front().set,
                                       [](const FramePose& f, SetId set) { return f.set < set; });
@@ -173,7 +173,7 @@ std::vector<bool> seen_enough(const RefineJob& job) {
 // The key frames that move come first, ascending: what is before stays, however old the poses are that hold them.
 SetId first_that_moves(const RefineJob& job) { return job.poses.front().set; }
 
-void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+void move_frames(BundleEdit& edit, const RefineJob& job, const BundleResult& result) {
   const Map& map = edit.map();
   std::vector<std::vector<Change>> changes(map.cameras().size());
   const std::vector<bool> held = seen_enough(job);
@@ -195,7 +195,7 @@ void move_frames(MapEdit& edit, const RefineJob& job, const BundleResult& result
   }
 }
 
-void drop_outliers(MapEdit& edit, const RefineJob& job, const BundleResult& result, RefineReport* report) {
+void drop_outliers(BundleEdit& edit, const RefineJob& job, const BundleResult& result, RefineReport* report) {
   for (std::size_t i = 0; i < job.observations.size(); ++i) {
     if (result.is_inlier[i]) continue;
     ++report->outliers;
@@ -215,7 +215,7 @@ double distance_of(const Map& map, const MapPoint& p) {
 }
 
 // Takes its solution; one that is not known to better than its distance goes.
-void move_point(MapEdit& edit, const MapPoint& p, const PointEstimate& to) {
+void move_point(BundleEdit& edit, const MapPoint& p, const PointEstimate& to) {
   const Map& map = edit.map();
   if (p.key_observations.size() < 2) {
     edit.remove_point(p, Why::kTooFewViews, {static_cast<double>(p.key_observations.size()), 0});
@@ -248,7 +248,7 @@ std::vector<PointMove> points_to_move(const Map& map, const RefineJob& job, cons
   return out;
 }
 
-void move_points(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
+void move_points(BundleEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
   constexpr std::size_t kPart = 64;
   const Map& map = edit.map();
   std::vector<PointMove> moves = points_to_move(map, job, result);
@@ -370,7 +370,7 @@ BundleResult solve_refine(const RefineJob& job) {
   return result;
 }
 
-RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
+RefineReport apply_refine(BundleEdit& edit, const RefineJob& job, const BundleResult& result, Workers& workers) {
   RefineReport report{.poses = static_cast<int>(job.poses.size()),
                       .points = static_cast<int>(job.points.size()),
                       .observations = static_cast<int>(job.observations.size()),

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/workers.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/solve/bundle.h"
 
 namespace coslam {
@@ -86,7 +86,7 @@ std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses);
 BundleResult solve_refine(const RefineJob& job);
 // Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.
-RefineReport apply_refine(MapEdit& edit, const RefineJob& job, const BundleResult& result,
+RefineReport apply_refine(BundleEdit& edit, const RefineJob& job, const BundleResult& result,
                           Workers& workers = Workers::alone());
 
 }  // namespace coslam

@@ -5,7 +5,7 @@
 namespace coslam {
 
 // A map that cameras of a rig came into from elsewhere has another unit until two of them have a pose in it.
-void Scale::scale_by_rigs(MapEdit& edit) {
+void Scale::scale_by_rigs(ScaleEdit& edit) {
   const Map& map = edit.map();
   for (const MapCamera& a : map.cameras()) {
     if (a.rig.empty() || a.frames.empty() || !a.frames.back().valid() || map.is_metric(a.map)) continue;
@@ -33,7 +33,7 @@ ScaleReport Scale::by_rigs(const Map& map) {
   return {.in_metres = metric_, .doubts = rig_doubts_.take(map)};
 }
 
-ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met) {
+ScaleReport Scale::run(ScaleEdit& edit, const FrameSet& set, const MeetReport& met) {
   if (!edit.map().config().rigs.empty()) {
     scale_by_rigs(edit);
     return by_rigs(edit.map());
@@ -46,7 +46,7 @@ ScaleReport Scale::run(MapEdit& edit, const FrameSet& set, const MeetReport& met
 }
 
 // The poses that tell the scale are known better now.
-ScaleReport Scale::finish(MapEdit& edit) {
+ScaleReport Scale::finish(ScaleEdit& edit) {
   if (!edit.map().config().rigs.empty()) return by_rigs(edit.map());
   if (config.baseline_m <= 0 && config.tags.side_m <= 0) return by_earlier_runs();
   if (config.baseline_m <= 0) return by_tags(tags_.finish(edit));
@@ -75,7 +75,7 @@ ScaleReport Scale::by_tags(const TagScaleReport& r) const {
 
 // The first instant at which the first two cameras have a pose in the same map tells its scale; again when that map
 // became part of another, whose scale is its own.
-void Scale::scale_by_baseline(MapEdit& edit) {
+void Scale::scale_by_baseline(ScaleEdit& edit) {
   const Map& map = edit.map();
   if (map.cameras().size() < 2) return;
   const MapCamera &a = map.cameras()[0], &b = map.cameras()[1];

@@ -9,7 +9,7 @@
 
 #include "server/estimator/adjust/rig_doubts.h"
 #include "server/estimator/adjust/tag_scale.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/places/meet.h"
 
 namespace coslam {
@@ -44,9 +44,9 @@ class Scale {
   explicit Scale(const ScaleConfig& of) : config(of), tags_(of.tags) {}
   ScaleConfig config;
 
-  ScaleReport run(MapEdit& edit, const FrameSet& set, const MeetReport& met);
+  ScaleReport run(ScaleEdit& edit, const FrameSet& set, const MeetReport& met);
   // By the final poses.
-  ScaleReport finish(MapEdit& edit);
+  ScaleReport finish(ScaleEdit& edit);
   const TagScale& tags() const { return tags_; }
   // Frames that it looks at again, however old they are.
   std::vector<ImageKey> held_frames() const {
@@ -58,9 +58,9 @@ class Scale {
   void restore(const Tables& tables);
 
  private:
-  void scale_by_rigs(MapEdit& edit);
+  void scale_by_rigs(ScaleEdit& edit);
   ScaleReport by_rigs(const Map& map);
-  void scale_by_baseline(MapEdit& edit);
+  void scale_by_baseline(ScaleEdit& edit);
   ScaleReport by_baseline() const;
   ScaleReport by_earlier_runs() const;
   ScaleReport by_tags(const TagScaleReport& r) const;

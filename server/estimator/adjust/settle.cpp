@@ -92,7 +92,7 @@ Rigid3 predicted(const FramePose& beside, const FramePose* behind) {
 class Settling {
  public:
   // first, last: index of its frames, one beyond the last.
-  Settling(MapEdit& edit, const MapCamera& camera, std::size_t first, std::size_t last, SettleReport* report)
+  Settling(LateFrameEdit& edit, const MapCamera& camera, std::size_t first, std::size_t last, SettleReport* report)
       : edit_(edit),
         camera_(camera),
         first_(static_cast<int>(first)),
@@ -132,7 +132,7 @@ class Settling {
     }
   }
 
-  MapEdit& edit_;
+  LateFrameEdit& edit_;
   const MapCamera& camera_;
   int first_, last_;
   SettleReport& report_;
@@ -140,7 +140,7 @@ class Settling {
 
 }  // namespace
 
-SettleReport settle_frames(MapEdit& edit, MapId of) {
+SettleReport settle_frames(LateFrameEdit& edit, MapId of) {
   SettleReport report;
   const TrackedPoints points = tracked_points(edit.map(), of);
   for (const MapCamera& camera : edit.map().cameras()) {
@@ -149,7 +149,7 @@ SettleReport settle_frames(MapEdit& edit, MapId of) {
   return report;
 }
 
-SettleReport settle_frames(MapEdit& edit, const MapCamera& camera, SetId from, SetId before) {
+SettleReport settle_frames(LateFrameEdit& edit, const MapCamera& camera, SetId from, SetId before) {
   SettleReport report;
   const auto index_of = [&](SetId set) {
     return static_cast<std::size_t>(std::ranges::lower_bound(camera.frames, set, {}, &FramePose::set) -

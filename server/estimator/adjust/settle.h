@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -16,9 +16,9 @@ struct SettleReport {
 // tracks that had no point yet when it was taken. One that is farther off than both solutions may be takes the new one:
 // adjustments carry frames between key frames along, and a live pose that was wrong stays wrong. A frame without a pose
 // beside one that has one is placed in the same way.
-SettleReport settle_frames(MapEdit& edit, MapId of);
+SettleReport settle_frames(LateFrameEdit& edit, MapId of);
 // The same for the frames of one camera from one set to before another, in whatever map they are, that are about to
 // leave memory.
-SettleReport settle_frames(MapEdit& edit, const MapCamera& camera, SetId from, SetId before);
+SettleReport settle_frames(LateFrameEdit& edit, const MapCamera& camera, SetId from, SetId before);
 
 }  // namespace coslam

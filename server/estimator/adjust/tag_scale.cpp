@@ -93,7 +93,7 @@ TagScale::Verdict TagScale::judge(const std::vector<MeasuredTag>& tags) const {
   return {.side = side, .sigma = sigma};
 }
 
-TagScaleReport TagScale::update(MapEdit& edit, bool at_end) {
+TagScaleReport TagScale::update(ScaleEdit& edit, bool at_end) {
   TagScaleReport report;
   auto measured = measure(edit.map());
   std::erase_if(states_, [&](const auto& s) { return !measured.contains(s.first); });  // merged into another
@@ -127,14 +127,14 @@ TagScaleReport TagScale::update(MapEdit& edit, bool at_end) {
   return report;
 }
 
-TagScaleReport TagScale::step(MapEdit& edit, const FrameSet& set, bool merged) {
+TagScaleReport TagScale::step(ScaleEdit& edit, const FrameSet& set, bool merged) {
   if (config_.side_m <= 0) return {};
   collect(set);
   const bool due = fresh_ && edit.map().every(config_.period_s);
   return due || (merged && !seen_.empty()) ? update(edit, false) : TagScaleReport{};
 }
 
-TagScaleReport TagScale::finish(MapEdit& edit) { return seen_.empty() ? TagScaleReport{} : update(edit, true); }
+TagScaleReport TagScale::finish(ScaleEdit& edit) { return seen_.empty() ? TagScaleReport{} : update(edit, true); }
 
 std::set<MapId> TagScale::in_metres() const {
   std::set<MapId> out;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/fields.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/solve/tag_size.h"
 
 namespace coslam {
@@ -47,9 +47,9 @@ class TagScale {
   explicit TagScale(const TagScaleConfig& config) : config_(config) {}
 
   // After the poses of the set are known. merged: maps became one in it.
-  TagScaleReport step(MapEdit& edit, const FrameSet& set, bool merged);
+  TagScaleReport step(ScaleEdit& edit, const FrameSet& set, bool merged);
   // By the final poses.
-  TagScaleReport finish(MapEdit& edit);
+  TagScaleReport finish(ScaleEdit& edit);
 
   bool in_metres(MapId map) const { return states_.contains(map) && states_.at(map).in_metres; }
   std::set<MapId> in_metres() const;
@@ -84,7 +84,7 @@ class TagScale {
   void collect(const FrameSet& set);
   std::map<MapId, std::vector<MeasuredTag>> measure(const Map& map) const;
   Verdict judge(const std::vector<MeasuredTag>& tags) const;
-  TagScaleReport update(MapEdit& edit, bool at_end);
+  TagScaleReport update(ScaleEdit& edit, bool at_end);
 
   TagScaleConfig config_;
   std::map<TagId, std::vector<TagSighting>> seen_;

@@ -53,7 +53,7 @@ void solve_zooms(const RefineJob& job, BundleResult* result) {
   *result = std::move(zoomed);
 }
 
-void apply_zooms(MapEdit& edit, const RefineJob& job, const BundleResult& result) {
+void apply_zooms(BundleEdit& edit, const RefineJob& job, const BundleResult& result) {
   std::map<CameraId, std::vector<FrameZoom>> of_cameras;
   for (std::size_t i = 0; i < result.zooms.size(); ++i) {
     const auto& [set, camera, taken_out] = job.poses[i];

@@ -12,6 +12,6 @@ namespace coslam {
 void solve_zooms(const RefineJob& job, BundleResult* result);
 
 // Notes how much cameras breathe, and brings what they observed to where it would be if they did not.
-void apply_zooms(MapEdit& edit, const RefineJob& job, const BundleResult& result);
+void apply_zooms(BundleEdit& edit, const RefineJob& job, const BundleResult& result);
 
 }  // namespace coslam

@@ -4,7 +4,7 @@
 
 namespace coslam {
 
-CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config) {
+CullReport cull(CullEdit& edit, const FrameSet& set, const CullConfig& config) {
   CullReport report;
   edit.thin_patches(kPatchesOfPoint);
   const std::uint32_t probation = edit.map().sets_in(config.probation_s);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -24,13 +24,13 @@ struct CullReport {
 };
 
 // Removes points that turned out to be false, and thins what old points carry, so that memory stays bounded.
-CullReport cull(MapEdit& edit, const FrameSet& set, const CullConfig& config);
+CullReport cull(CullEdit& edit, const FrameSet& set, const CullConfig& config);
 
 struct Cull {
   static constexpr std::string_view kName = "cull";
   using Config = CullConfig;
   Config config;
-  CullReport run(MapEdit& edit, const FrameSet& set) const { return cull(edit, set, config); }
+  CullReport run(CullEdit& edit, const FrameSet& set) const { return cull(edit, set, config); }
 };
 
 }  // namespace coslam

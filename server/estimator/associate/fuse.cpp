@@ -129,7 +129,7 @@ std::vector<std::optional<Joint>> as_one(const Map& map, const std::vector<Candi
 
 }  // namespace
 
-FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
+FuseReport fuse_points(FuseEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   FuseReport report;
   const std::vector<CameraId> cameras = cameras_in_turn(set, map.round(map.config().match_period_s));
@@ -152,7 +152,7 @@ FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers) {
     if (!joint) continue;
     const auto [kept, gone] = std::minmax(c.first, c.second);
     edit.fuse(kept, gone, Why::kOneCorner, {std::sqrt(c.d2), joint->zncc});
-    edit.move_point(*map.find(kept), joint->position);
+    edit.reposition_point(*map.find(kept), joint->position);
     changed.insert({kept, gone});
     ++report.fused;
   }

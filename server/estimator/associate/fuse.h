@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/base/workers.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 
 namespace coslam {
@@ -20,14 +20,16 @@ struct FuseReport {
 // Two cameras that map the same corner by themselves make two points of it. Such a pair becomes one when no camera ever
 // saw both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate,
 // and one position explains every view of either: these links between cameras hold the map together.
-FuseReport fuse_points(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
+FuseReport fuse_points(FuseEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 struct Fuse {
   static constexpr std::string_view kName = "fuse";
   using Config = NoConfig<Fuse>;
   Config config;
   bool due(const Map& map) const { return map.every(map.config().match_period_s); }
-  FuseReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const { return fuse_points(edit, set, workers); }
+  FuseReport run(FuseEdit& edit, const FrameSet& set, Workers& workers) const {
+    return fuse_points(edit, set, workers);
+  }
 };
 
 }  // namespace coslam

@@ -65,7 +65,7 @@ PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, co
 namespace {
 
 // True when the camera looks at the point from a new enough direction; remembers it then.
-bool turned(MapEdit& edit, const MapPoint& point, const MapCamera& camera, double angle_rad) {
+bool turned(VerifyEdit& edit, const MapPoint& point, const MapCamera& camera, double angle_rad) {
   const auto& rays = point.updated_from;
   const bool first = rays.size() <= camera.id.value || rays[camera.id.value].squaredNorm() == 0;
   const Eigen::Vector3d ray = (point.position - camera.frames.back().cam_from_world.center()).normalized();
@@ -81,8 +81,8 @@ bool stood_still(const MapPoint& p, const MapCamera& camera, const VerifyConfig&
   return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);
 }
 
-void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track, const MapPoint& point,
-          const VerifyConfig& config, VerifyReport* report) {
+void pass(VerifyEdit& edit, const FrameSet& set, const MapCamera& camera, const ServerTrack& track,
+          const MapPoint& point, const VerifyConfig& config, VerifyReport* report) {
   ++report->inside;
   edit.pass_gate(track);
   edit.see(point);
@@ -98,7 +98,7 @@ void pass(MapEdit& edit, const FrameSet& set, const MapCamera& camera, const Ser
 
 }  // namespace
 
-VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config) {
+VerifyReport verify(VerifyEdit& edit, const FrameSet& set, const VerifyConfig& config) {
   VerifyReport report;
   const Map& map = edit.map();
   const double theta2 = map.config().theta * map.config().theta;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -29,7 +29,7 @@ struct VerifyReport {
 // r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
 // correlated in time, and the point is proven. A patch that came
 // now becomes the point's. Outside: a failure more of the track; what comes of it is for classify() to say.
-VerifyReport verify(MapEdit& edit, const FrameSet& set, const VerifyConfig& config);
+VerifyReport verify(VerifyEdit& edit, const FrameSet& set, const VerifyConfig& config);
 
 struct PointEstimate {
   Eigen::Vector3d position;
@@ -57,7 +57,7 @@ struct Verify {
   static constexpr std::string_view kName = "verify";
   using Config = VerifyConfig;
   Config config;
-  VerifyReport run(MapEdit& edit, const FrameSet& set) const { return verify(edit, set, config); }
+  VerifyReport run(VerifyEdit& edit, const FrameSet& set) const { return verify(edit, set, config); }
 };
 
 }  // namespace coslam

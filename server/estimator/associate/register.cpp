@@ -83,13 +83,13 @@ std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& p
   return PointEstimate{t.position, map.covariance_of(point, t.position)};
 }
 
-bool retriangulate(MapEdit& edit, const MapPoint& point) {
+bool retriangulate(PointPositionEdit& edit, const MapPoint& point) {
   const auto anew = triangulated_anew(edit.map(), point);
   if (anew) edit.move_point(point, anew->position, anew->covariance);
   return anew.has_value();
 }
 
-RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers) {
+RegisterReport register_tracks(RegisterEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   RegisterReport report;
   const bool look_back = map.every(map.config().match_period_s);

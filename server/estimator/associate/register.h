@@ -6,7 +6,7 @@
 
 #include "common/base/workers.h"
 #include "server/estimator/associate/gate.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 
 namespace coslam {
@@ -23,19 +23,19 @@ struct RegisterReport {
 // Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
 // theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
 // widest views.
-RegisterReport register_tracks(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
+RegisterReport register_tracks(RegisterEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 // Position and covariance of a point from all its key views and the newest view of each bound track.
 // Empty when its views do not determine it.
 std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& point);
 // The point is there then. False when it stays as it is.
-bool retriangulate(MapEdit& edit, const MapPoint& point);
+bool retriangulate(PointPositionEdit& edit, const MapPoint& point);
 
 struct Register {
   static constexpr std::string_view kName = "register";
   using Config = NoConfig<Register>;
   Config config;
-  RegisterReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+  RegisterReport run(RegisterEdit& edit, const FrameSet& set, Workers& workers) const {
     return register_tracks(edit, set, workers);
   }
 };

@@ -25,7 +25,7 @@ class Correct {
   explicit Correct(const PatchWriterConfig& of) : config(of) {}
   PatchWriterConfig config;
 
-  Corrections run(MapEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
+  Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
                   const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
   // The answer to a frame that came too late to be used.
   MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);

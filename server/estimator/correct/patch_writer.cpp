@@ -192,7 +192,7 @@ bool was_in_its_map(const MapCamera& camera) {
 }
 }  // namespace
 
-MapPatch PatchWriter::begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame,
+MapPatch PatchWriter::begin(CorrectEdit& edit, const MapCamera& camera, const TrackFrame& frame,
                             DescriptorRequest descriptors) {
   const Map& map = edit.map();
   MapPatch patch = next_patch(map, camera, frame);

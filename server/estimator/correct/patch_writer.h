@@ -8,7 +8,7 @@
 
 #include "common/model/map_patch.h"
 #include "server/estimator/associate/patch_worth.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 
 namespace coslam {
@@ -40,7 +40,7 @@ class PatchWriter {
   PatchWriter(const ServerRun& server, const PatchWriterConfig& config) : server_(server), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
-  MapPatch begin(MapEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
+  MapPatch begin(CorrectEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
   // Then what it is told of points and asked for. Only reads the map, and takes most of the time.
   // worths: where few image patches get through, which of them are asked for.
   void fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,

@@ -83,14 +83,14 @@ std::optional<TriangulationResult> one_mover(const Map& map, const PairView& vie
   return moved_as_one(map, view, a, b, config.check_back_s) ? now : std::nullopt;
 }
 
-bool fuse_movers(MapEdit& edit, const MapPoint& p, const MapPoint& q) {
+bool fuse_movers(MapMovingEdit& edit, const MapPoint& p, const MapPoint& q) {
   if (seen_at_once(p, q)) return false;
   edit.fuse(p.id, q.id, Why::kOneMover);
   return true;
 }
 
 // What two matched tracks of moving things become: a new point, a further track of one, or two points made one.
-bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b,
+bool join_moving(MapMovingEdit& edit, const PairView& view, const Feature& a, const Feature& b,
                  const MapMovingConfig& config) {
   const Map& map = edit.map();
   const MapPoint *p = map.find(a.track->point), *q = map.find(b.track->point);
@@ -123,8 +123,8 @@ bool join_moving(MapEdit& edit, const PairView& view, const Feature& a, const Fe
 
 }  // namespace
 
-MapMovingReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const PairMatchConfig& match,
-                           const MapMovingConfig& config) {
+MapMovingReport map_moving(MapMovingEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                           const PairMatchConfig& match, const MapMovingConfig& config) {
   const Map& map = edit.map();
   MapMovingReport report;
   for (const ViewEdge& edge : graph.edges) {

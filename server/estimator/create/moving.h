@@ -5,7 +5,7 @@
 #include "server/estimator/associate/pair_match.h"
 #include "server/estimator/covisibility/group.h"
 #include "server/estimator/create/two_cameras.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -30,15 +30,16 @@ struct MapMovingReport {
 // Tracks of moving things, matched in the same way between any two cameras that see the same, and joined when they were
 // at one place at each of the last instants; where that was is triangulated from one instant alone. One of the two
 // cameras may not have found out by itself that its track moves: then that place must have moved, in both images.
-MapMovingReport map_moving(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const PairMatchConfig& match,
-                           const MapMovingConfig& config);
+MapMovingReport map_moving(MapMovingEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                           const PairMatchConfig& match, const MapMovingConfig& config);
 
 struct MapMoving {
   static constexpr std::string_view kName = "map_moving";
   using Config = MapMovingConfig;
   Config config;
   bool due(const Map& map) const { return map.every(config.period_s); }
-  MapMovingReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& inter) const {
+  MapMovingReport run(MapMovingEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                      const MapInterConfig& inter) const {
     return map_moving(edit, set, graph, inter.match, config);
   }
 };

@@ -25,7 +25,7 @@ double turn_rad(const std::vector<View>& views) {
 }
 
 // The track becomes a point, when its views determine one.
-bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapIntraConfig& config,
+bool try_track(MapIntraEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapIntraConfig& config,
                bool in_window, MapIntraReport* report) {
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
@@ -57,7 +57,7 @@ bool try_track(MapEdit& edit, const MapCamera& camera, const ServerTrack& track,
 
 }  // namespace
 
-MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
+MapIntraReport map_intra(MapIntraEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
                          const MapIntraConfig& config) {
   MapIntraReport report;
   for (const CameraFrame& cf : set.frames) {

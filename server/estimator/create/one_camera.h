@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pose/window.h"
 
 namespace coslam {
@@ -28,14 +28,14 @@ struct MapIntraReport {
 
 // New static points from unmapped tracks of one camera (paper 5.2.1): from the widest parallax, gate theta in every
 // frame. Of a camera whose poses rest on a window, young tracks need the more parallax the more it turned.
-MapIntraReport map_intra(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
+MapIntraReport map_intra(MapIntraEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
                          const MapIntraConfig& config);
 
 struct MapIntra {
   static constexpr std::string_view kName = "map_intra";
   using Config = MapIntraConfig;
   Config config;
-  MapIntraReport run(MapEdit& edit, const FrameSet& set, const WindowPoseReport& windows) const {
+  MapIntraReport run(MapIntraEdit& edit, const FrameSet& set, const WindowPoseReport& windows) const {
     return map_intra(edit, set, windows, config);
   }
 };

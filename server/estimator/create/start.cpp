@@ -35,13 +35,13 @@ TrackFeatures features_of(const MapCamera& camera, const DescriptorReply& descri
   return out;
 }
 
-const MapPoint& add_start_point(MapEdit& edit, MapId id, const Eigen::Vector3d& position,
+const MapPoint& add_start_point(StartEdit& edit, MapId id, const Eigen::Vector3d& position,
                                 const std::vector<View>& views) {
   return edit.create_point(id, position, triangulation_covariance(views, position, 1.5), PointPhase::kStatic,
                            Why::kStartOfMap, {static_cast<double>(views.size()), 0});
 }
 
-void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
+void add_points(StartEdit& edit, MapId id, const std::vector<CameraId>& cameras,
                 const std::vector<TrackFeatures>& features, const StartResult& result) {
   const auto camera_of = [&](int image) -> const MapCamera& {
     return edit.map().camera(cameras[static_cast<std::size_t>(image)]);
@@ -62,7 +62,7 @@ void add_points(MapEdit& edit, MapId id, const std::vector<CameraId>& cameras,
 }
 
 // Two views leave depth and direction weakly known; the ones from the first of them to the last settle it.
-void settle_between(MapEdit& edit, MapId id, SetId first, SetId last, const RefineConfig& refine) {
+void settle_between(StartEdit& edit, MapId id, SetId first, SetId last, const RefineConfig& refine) {
   constexpr std::uint32_t kSteps = 6;
   if (first == last) return;
   const std::uint32_t steps = std::min(kSteps, last.value - first.value);
@@ -87,7 +87,7 @@ double way_since(const MapCamera& camera, SetId then) {
 }
 
 // These cameras, none of which has a map, at once.
-void start_together(MapEdit& edit, const FrameSet& set, const std::vector<CameraId>& cameras,
+void start_together(StartEdit& edit, const FrameSet& set, const std::vector<CameraId>& cameras,
                     const std::vector<TrackFeatures>& features, const StartStageConfig& config,
                     const LocaliseConfig& localise, const RefineConfig& refine, Workers& workers, StartReport* report) {
   const Map& map = edit.map();
@@ -176,7 +176,7 @@ bool without_map_for(const MapCamera& camera, double wait_s) {
 }
 
 // Two views of one camera at different times.
-void start_alone(MapEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
+void start_alone(StartEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
                  const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
   if (!common || common->median_flow_px < camera.model.px_from_640(config.min_flow_px)) return;
@@ -236,7 +236,7 @@ bool Start::together_now(const Map& map, const Unplaced& cameras) {
   return cameras.described.size() >= 2;
 }
 
-StartReport Start::run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
+StartReport Start::run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
                        Workers& workers) {
   constexpr double kTry_s = 0.1;
   constexpr double kTogetherFirst = 8;  // times as long

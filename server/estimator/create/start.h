@@ -10,7 +10,7 @@
 
 #include "common/base/workers.h"
 #include "server/estimator/adjust/refine.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pose/localise.h"
 #include "server/estimator/solve/start.h"
 
@@ -49,7 +49,7 @@ class Start {
   explicit Start(const Config& of) : config(of) {}
   Config config;
 
-  StartReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
+  StartReport run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
                   Workers& workers = Workers::alone());
 
  private:

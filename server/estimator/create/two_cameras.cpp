@@ -20,7 +20,7 @@ std::vector<Feature> unmapped(const MapCamera& camera) {
   return out;
 }
 
-bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feature& b) {
+bool try_point(MapInterEdit& edit, const PairView& view, const Feature& a, const Feature& b) {
   const Map& map = edit.map();
   if (!same_centre(*a.track->patch, *b.track->patch)) return false;
   std::vector<View> views = map.views_of(*view.first, *a.track, 6);
@@ -44,7 +44,8 @@ bool try_point(MapEdit& edit, const PairView& view, const Feature& a, const Feat
 
 }  // namespace
 
-MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config) {
+MapInterReport map_inter(MapInterEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                         const MapInterConfig& config) {
   const Map& map = edit.map();
   MapInterReport report;
   for (const ViewEdge& edge : graph.tree) {

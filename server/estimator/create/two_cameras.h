@@ -4,7 +4,7 @@
 
 #include "server/estimator/associate/pair_match.h"
 #include "server/estimator/covisibility/group.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -31,14 +31,14 @@ struct MapInterReport {
 // New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
 // band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
 // back in time.
-MapInterReport map_inter(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
+MapInterReport map_inter(MapInterEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 struct MapInter {
   static constexpr std::string_view kName = "map_inter";
   using Config = MapInterConfig;
   Config config;
   bool due(const Map& map) const { return map.every(map.config().match_period_s); }
-  MapInterReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph) const {
+  MapInterReport run(MapInterEdit& edit, const FrameSet& set, const ViewGraph& graph) const {
     return map_inter(edit, set, graph, config);
   }
 };

@@ -23,8 +23,8 @@
 #include "server/estimator/map/point_table.h"
 #include "server/estimator/map/track.h"
 
-// The map and everything that was observed, owned by one thread. Everybody may read it; it is written through MapEdit
-// (server/estimator/map/edit.h) alone, which keeps its invariants.
+// The map and everything that was observed, owned by one thread. Everybody may read it; it is written by verbs alone,
+// which keep its invariants (server/estimator/map/keys.h).
 namespace coslam {
 
 // A camera's image.
@@ -150,7 +150,15 @@ class Map {
   std::uint32_t round(double period_s) const { return now_.value / sets_in(period_s); }
 
  private:
-  friend class MapEdit;
+  friend class MapPen;
+  friend class TrackPen;
+  friend class PointPen;
+  friend class CameraPen;
+  friend class LensPen;
+  friend class MapsPen;
+  friend class PastPen;
+  friend class ImportPen;
+  friend class SessionPen;
   friend class MapRows;
   void put(MapPoint point);  // as it is, from elsewhere
   std::vector<const MapPoint*> found(std::vector<PointId> given) const;

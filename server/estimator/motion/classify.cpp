@@ -17,7 +17,7 @@ namespace {
 constexpr float kMostStaticOffset_px = 0.7F;
 
 // Several cameras see it elsewhere: it moves if they agree on where it is now, else it never was one place.
-void judge_point(MapEdit& edit, const MapPoint& p, ClassifyReport* report) {
+void judge_point(ClassifyEdit& edit, const MapPoint& p, ClassifyReport* report) {
   const Map& map = edit.map();
   ++report->uncertain;
   const std::vector<Seen> seen = seen_now(map, p);
@@ -34,7 +34,7 @@ void judge_point(MapEdit& edit, const MapPoint& p, ClassifyReport* report) {
 }
 
 // One track alone left its point.
-void let_slid_track_go(MapEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapPoint& p) {
+void let_slid_track_go(ClassifyEdit& edit, const MapCamera& camera, const ServerTrack& track, const MapPoint& p) {
   const Map& map = edit.map();
   const auto distance2 = gate_distance2({p.position, p.covariance}, camera.model, camera.frames.back().cam_from_world,
                                         track.seen.back().undistorted_px.cast<double>(), map.gate_sigma_px(camera));
@@ -44,7 +44,7 @@ void let_slid_track_go(MapEdit& edit, const MapCamera& camera, const ServerTrack
 }
 
 // Static points whose tracks failed the gate so often that it is no accident.
-void judge_failures(MapEdit& edit, const FrameSet& set, bool may_move, ClassifyReport* report) {
+void judge_failures(ClassifyEdit& edit, const FrameSet& set, bool may_move, ClassifyReport* report) {
   const Map& map = edit.map();
   std::vector<BoundTrack> slid;
   std::set<PointId> elsewhere;
@@ -70,7 +70,7 @@ void judge_failures(MapEdit& edit, const FrameSet& set, bool may_move, ClassifyR
 }
 
 // Static points are seen exactly where their tracks are.
-void let_go_of_other_corners(MapEdit& edit, const MapPoint& p) {
+void let_go_of_other_corners(ClassifyEdit& edit, const MapPoint& p) {
   const std::vector<BoundTrack> bound = p.bound;
   for (const BoundTrack& b : bound) {
     const ServerTrack& t = edit.map().track(b);
@@ -79,7 +79,7 @@ void let_go_of_other_corners(MapEdit& edit, const MapPoint& p) {
 }
 
 // Moving points that stopped.
-void settle(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, ClassifyReport* report) {
+void settle(ClassifyEdit& edit, const FrameSet& set, const EvidenceConfig& config, ClassifyReport* report) {
   for (const MapPoint* p : edit.map().moving_points()) {
     if (p->last_seen != set.id || !stands_still(edit.map(), *p, config)) continue;
     let_go_of_other_corners(edit, *p);
@@ -90,7 +90,7 @@ void settle(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, Cl
 
 // One camera alone cannot tell where its point is by now. What it has seen lately as something at rest, at whatever
 // distance, is no longer taken for the point.
-void give_back_resting(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config) {
+void give_back_resting(ClassifyEdit& edit, const FrameSet& set, const EvidenceConfig& config) {
   const Map& map = edit.map();
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
@@ -107,7 +107,7 @@ void give_back_resting(MapEdit& edit, const FrameSet& set, const EvidenceConfig&
   }
 }
 
-void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig& config, Workers& workers,
+void judge_free_tracks(ClassifyEdit& edit, const FrameSet& set, const EvidenceConfig& config, Workers& workers,
                        ClassifyReport* report) {
   std::vector<std::vector<TrackJudgement>> judged(set.frames.size());
   workers.each(judged.size(), [&](std::size_t i) {
@@ -129,7 +129,7 @@ void judge_free_tracks(MapEdit& edit, const FrameSet& set, const EvidenceConfig&
 
 }  // namespace
 
-ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config, Workers& workers) {
+ClassifyReport classify(ClassifyEdit& edit, const FrameSet& set, const ClassifyConfig& config, Workers& workers) {
   ClassifyReport report;
   judge_failures(edit, set, config.enabled, &report);
   if (!config.enabled) return report;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/base/workers.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/motion/evidence.h"
 #include "server/estimator/motion/follow.h"
 
@@ -47,14 +47,14 @@ struct ClassifyReport {
 //   against it in the last `still_s`. Poses rest on it only when it has proved itself again. A camera that alone still
 //   sees it gives its track back when that stands still.
 // A track without a point, as one camera's own motion says: moving or doubtful ones do not become static points.
-ClassifyReport classify(MapEdit& edit, const FrameSet& set, const ClassifyConfig& config,
+ClassifyReport classify(ClassifyEdit& edit, const FrameSet& set, const ClassifyConfig& config,
                         Workers& workers = Workers::alone());
 
 struct Classify {
   static constexpr std::string_view kName = "classify";
   using Config = ClassifyConfig;
   Config config;
-  ClassifyReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+  ClassifyReport run(ClassifyEdit& edit, const FrameSet& set, Workers& workers) const {
     return classify(edit, set, config, workers);
   }
 };

@@ -95,7 +95,7 @@ std::optional<ClockObservation> observation(const MapCamera& a, const ServerTrac
 
 }  // namespace
 
-ClockReport ClockFinder::run(MapEdit& edit) {
+ClockReport ClockFinder::run(ClockOffsetsEdit& edit) {
   const Map& map = edit.map();
   if (!config.enabled) return {};
   offsets_.resize(map.cameras().size(), {0, kPrior_s});
@@ -173,7 +173,7 @@ void ClockFinder::close(const Map& map) {
   while (stretches_.size() > most) stretches_.pop_front();
 }
 
-void ClockFinder::estimate(MapEdit& edit) {
+void ClockFinder::estimate(ClockOffsetsEdit& edit) {
   const Map& map = edit.map();
   std::vector<ClockStretch> all;
   for (const Stretch& s : stretches_) all.push_back(s.seen);

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/solve/clock_offset.h"
 
 namespace coslam {
@@ -39,7 +39,7 @@ class ClockFinder {
   explicit ClockFinder(const ClockConfig& of) : config(of) {}
   ClockConfig config;
 
-  ClockReport run(MapEdit& edit);
+  ClockReport run(ClockOffsetsEdit& edit);
   // Another clock from now on.
   void forget(CameraId camera);
   ClockOffset offset(CameraId camera) const;
@@ -53,7 +53,7 @@ class ClockFinder {
   };
   void observe(const Map& map, const MapPoint& point, const BoundTrack& first, const BoundTrack& second, double weight);
   void close(const Map& map);
-  void estimate(MapEdit& edit);
+  void estimate(ClockOffsetsEdit& edit);
 
   std::map<Pair, Stretch> open_;        // still growing
   std::map<Pair, std::uint32_t> next_;  // set that is still to be looked at

@@ -93,7 +93,7 @@ double distance_to_cameras(const Map& map, const MapPoint& p) {
   return least;
 }
 
-void refresh_patches(MapEdit& edit, const MapPoint& p, const FrameSet& set) {
+void refresh_patches(ClassifyEdit& edit, const MapPoint& p, const FrameSet& set) {
   for (const BoundTrack& b : p.bound) {
     const ServerTrack& t = edit.map().track(b);
     if (t.patch_set == set.id) edit.give_patch(p, b.camera, t);
@@ -102,7 +102,7 @@ void refresh_patches(MapEdit& edit, const MapPoint& p, const FrameSet& set) {
 }
 
 // By what its cameras see now; without the one view that is wrong, if there is one.
-std::optional<TriangulationResult> position_now(MapEdit& edit, const MapPoint& p, std::vector<Seen>* seen,
+std::optional<TriangulationResult> position_now(ClassifyEdit& edit, const MapPoint& p, std::vector<Seen>* seen,
                                                 FollowReport* report) {
   const Map& map = edit.map();
   *seen = seen_now(map, p);
@@ -116,7 +116,7 @@ std::optional<TriangulationResult> position_now(MapEdit& edit, const MapPoint& p
   return position_of(map, *seen, kMovingParallax_rad);
 }
 
-void record(MapEdit& edit, const MapPoint& p, const std::vector<Seen>& seen, const FrameSet& set) {
+void record(ClassifyEdit& edit, const MapPoint& p, const std::vector<Seen>& seen, const FrameSet& set) {
   MotionSample sample{.set = set.id, .t_ns = set.t_ns};
   for (const Seen& s : seen) {
     const ServerTrack& track = edit.map().track(s.track);
@@ -127,7 +127,7 @@ void record(MapEdit& edit, const MapPoint& p, const std::vector<Seen>& seen, con
 }
 
 // Positions from two cameras, this instant.
-void position_all(MapEdit& edit, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
+void position_all(ClassifyEdit& edit, const FrameSet& set, FollowReport* report, std::vector<Step>* steps,
                   std::vector<Loose>* loose) {
   for (const MapPoint* moving : edit.map().moving_points()) {
     const MapPoint& p = *moving;
@@ -146,7 +146,7 @@ void position_all(MapEdit& edit, const FrameSet& set, FollowReport* report, std:
 }
 
 // The tracks that do not lead to where the point was carried; the one nearest to it stays.
-void let_go_of_strays(MapEdit& edit, Loose& loose, double most_px, FollowReport* report) {
+void let_go_of_strays(ClassifyEdit& edit, Loose& loose, double most_px, FollowReport* report) {
   std::vector<std::pair<double, std::size_t>> miss_px;
   for (std::size_t i = 0; i < loose.seen.size(); ++i) {
     const View& v = loose.seen[i].view;
@@ -188,8 +188,8 @@ std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const 
   return step.norm() < radius ? std::optional(step) : std::nullopt;
 }
 
-void carry(MapEdit& edit, const FrameSet& set, const std::vector<Step>& steps, Loose& loose, const FollowConfig& config,
-           FollowReport* report) {
+void carry(ClassifyEdit& edit, const FrameSet& set, const std::vector<Step>& steps, Loose& loose,
+           const FollowConfig& config, FollowReport* report) {
   const Map& map = edit.map();
   const MapPoint& p = *loose.point;
   const std::uint32_t since = set.id.value - p.last_seen.value;
@@ -258,7 +258,7 @@ bool agrees(const Map& map, const MapCamera& camera, const MapPoint& p, const Lo
 
 }  // namespace
 
-FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config) {
+FollowReport follow_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config) {
   FollowReport report;
   std::vector<Step> steps;
   std::vector<Loose> loose;
@@ -267,7 +267,7 @@ FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfi
   return report;
 }
 
-void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
+void rebind_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report) {
   const Map& map = edit.map();
   const std::vector<const MapPoint*> points = map.moving_points();
   for (const CameraFrame& cf : set.frames) {
@@ -285,7 +285,7 @@ void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& confi
   }
 }
 
-void record_past(MapEdit& edit, const MapPoint& point, std::size_t most_sets) {
+void record_past(MovingPathEdit& edit, const MapPoint& point, std::size_t most_sets) {
   const Map& map = edit.map();
   const MapCamera& dated_by = map.camera(point.bound.front().camera);
   const ServerTrack& first = map.track(point.bound.front());

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/map/sighting.h"
 
 // Moving points, frame set by frame set: where they are, and which tracks are theirs.
@@ -25,14 +25,14 @@ struct FollowReport {
 // Triangulates every dynamic point from this instant. One that fewer than two cameras see is carried along with its
 // moving neighbours, and keeps to its one ray. A track that disagrees with the others, or with where the point was
 // carried, is let go.
-FollowReport follow_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config);
+FollowReport follow_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config);
 
 // Free tracks where a moving point should appear, and which look like it, are its further tracks: so it keeps its id
 // when a track ends, is hidden for a moment, or begins in another camera.
-void rebind_moving(MapEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
+void rebind_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
 
 // The path of a point that has begun to move, before this set: as far back as its tracks were at one place in each set,
 // at most so many sets.
-void record_past(MapEdit& edit, const MapPoint& point, std::size_t most_sets);
+void record_past(MovingPathEdit& edit, const MapPoint& point, std::size_t most_sets);
 
 }  // namespace coslam

@@ -23,7 +23,7 @@ std::uint32_t shuffled(TrackId track) { return static_cast<std::uint32_t>(track.
 
 }  // namespace
 
-LagReport LagFinder::run(MapEdit& edit) {
+LagReport LagFinder::run(StampLagEdit& edit) {
   const Map& map = edit.map();
   if (!config.enabled) return {};
   for (const MapCamera& c : map.cameras()) {
@@ -114,7 +114,7 @@ bool LagFinder::begin_search(const Map& map) {
 }
 
 // True when it tells something new.
-bool LagFinder::end_search(MapEdit& edit) {
+bool LagFinder::end_search(StampLagEdit& edit) {
   const Map& map = edit.map();
   const Pair pair = search_->pair;
   const std::optional<double> lag_s = best_lag_s(search_->lags);
@@ -126,7 +126,7 @@ bool LagFinder::end_search(MapEdit& edit) {
   return note(edit, pair, *lag_s);
 }
 
-bool LagFinder::note(MapEdit& edit, const Pair& pair, double lag_s) {
+bool LagFinder::note(StampLagEdit& edit, const Pair& pair, double lag_s) {
   Known& known = known_[pair];
   known.lag_s = lag_s;
   const bool off = std::abs(lag_s) >= kToldFrom_s;
@@ -136,7 +136,7 @@ bool LagFinder::note(MapEdit& edit, const Pair& pair, double lag_s) {
   return is_new;
 }
 
-void LagFinder::finish(MapEdit& edit) {
+void LagFinder::finish(StampLagEdit& edit) {
   constexpr int kMostPairs = 3;  // of a camera
   search_.reset();
   const Map& map = edit.map();

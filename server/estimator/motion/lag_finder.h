@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/solve/lag.h"
 
 namespace coslam {
@@ -42,9 +42,9 @@ class LagFinder {
   explicit LagFinder(const LagConfig& of) : config(of) {}
   LagConfig config;
 
-  LagReport run(MapEdit& edit);
+  LagReport run(StampLagEdit& edit);
   // At the end of a run: whatever is known by then is compared at once, over lags up to half of the memory.
-  void finish(MapEdit& edit);
+  void finish(StampLagEdit& edit);
   // Another clock from now on.
   void forget(CameraId camera);
   // Its images were taken so much later than they are dated, against a camera before it.
@@ -79,8 +79,8 @@ class LagFinder {
   TimeNs waited_ns(const Map& map, const Pair& pair) const;
   std::optional<double> lag_at_end(std::span<const MovingSight> first, std::span<const MovingSight> second) const;
   bool begin_search(const Map& map);
-  bool end_search(MapEdit& edit);
-  bool note(MapEdit& edit, const Pair& pair, double lag_s);
+  bool end_search(StampLagEdit& edit);
+  bool note(StampLagEdit& edit, const Pair& pair, double lag_s);
 
   std::map<CameraId, std::deque<Sight>> sights_;
   std::map<Pair, Known> known_;

@@ -49,7 +49,7 @@ std::set<SetId> ends_of_pieces(std::span<const FramePose> frames) {
 
 }  // namespace
 
-PastPart Forgetting::run(MapEdit& edit, const std::vector<ImageKey>& held) {
+PastPart Forgetting::run(ForgetEdit& edit, const std::vector<ImageKey>& held) {
   const Map& map = edit.map();
   PastPart past;
   const std::uint32_t whole = map.sets_in(config_.whole_s);
@@ -65,7 +65,7 @@ PastPart Forgetting::run(MapEdit& edit, const std::vector<ImageKey>& held) {
 }
 
 // No more at once than a few instants have: a map that was loaded may be all past.
-void Forgetting::judge_images(MapEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone) {
+void Forgetting::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone) {
   constexpr std::size_t kMostAtOnce = 64;
   const Map& map = edit.map();
   if (judged_ == cutoff_) return;
@@ -95,7 +95,7 @@ std::vector<ImageKey> Forgetting::alike(const Map& map, const ImageKey& image, d
   return out;
 }
 
-void Forgetting::judge_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
+void Forgetting::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
                              std::vector<ImageKey>* gone) {
   const Map& map = edit.map();
   const FramePose* frame = frame_of(map, image);
@@ -126,7 +126,7 @@ void Forgetting::judge_image(MapEdit& edit, const ImageKey& image, const std::se
   kept_.push_back(image);
 }
 
-void Forgetting::drop_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
+void Forgetting::drop_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
                             std::vector<ImageKey>* gone) {
   edit.forget_view(image.first, image.second);
   std::erase(kept_, image);
@@ -137,7 +137,7 @@ void Forgetting::drop_image(MapEdit& edit, const ImageKey& image, const std::set
 }
 
 // One camera at a time, the one that is farthest behind: the work is spread over the frame sets.
-void Forgetting::take_frames(MapEdit& edit, const std::set<ImageKey>& held, PastPart* past) {
+void Forgetting::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, PastPart* past) {
   const Map& map = edit.map();
   const auto& cameras = map.cameras();
   const auto behind = std::ranges::min_element(cameras, {}, [](const MapCamera& c) { return c.past.until; });
@@ -167,7 +167,7 @@ void Forgetting::take_frames(MapEdit& edit, const std::set<ImageKey>& held, Past
 }
 
 // While the frames that saw them are in memory.
-void Forgetting::take_places(MapEdit& edit, PastPart* past) {
+void Forgetting::take_places(ForgetEdit& edit, PastPart* past) {
   constexpr double kPeriod_s = 1;
   const Map& map = edit.map();
   const SetId before(cutoff_.value + map.sets_in(2 * config_.block_s));
@@ -194,7 +194,7 @@ void Forgetting::take_places(MapEdit& edit, PastPart* past) {
   if (!out.places.empty()) past->places = std::move(out);
 }
 
-void Forgetting::remove_points(MapEdit& edit) {
+void Forgetting::remove_points(ForgetEdit& edit) {
   const Map& map = edit.map();
   if (cutoff_.value < swept_.value + map.sets_in(config_.block_s)) return;
   const std::uint32_t later = map.sets_in(4 * config_.block_s);  // until its frames have gone

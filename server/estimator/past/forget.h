@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/map/past.h"
 
 namespace coslam {
@@ -40,16 +40,17 @@ class Forgetting {
   explicit Forgetting(const PastConfig& config) : config_(config) {}
 
   // After each frame set. held: frames that others will look at again.
-  PastPart run(MapEdit& edit, const std::vector<ImageKey>& held);
+  PastPart run(ForgetEdit& edit, const std::vector<ImageKey>& held);
 
  private:
-  void judge_images(MapEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
-  void judge_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  void judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  void judge_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
+                   std::vector<ImageKey>* gone);
   std::vector<ImageKey> alike(const Map& map, const ImageKey& image, double depth) const;
-  void drop_image(MapEdit& edit, const ImageKey& image, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
-  void take_frames(MapEdit& edit, const std::set<ImageKey>& held, PastPart* past);
-  void take_places(MapEdit& edit, PastPart* past);
-  void remove_points(MapEdit& edit);
+  void drop_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
+  void take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, PastPart* past);
+  void take_places(ForgetEdit& edit, PastPart* past);
+  void remove_points(ForgetEdit& edit);
 
   PastConfig config_;
   SetId cutoff_;  // what is before is past

@@ -146,7 +146,7 @@ class Pipeline {
     using T = std::remove_cvref_t<Wanted>;
     if constexpr (std::same_as<T, FrameSet>) {
       return given.set;
-    } else if constexpr (std::same_as<T, MapEdit>) {
+    } else if constexpr (std::derived_from<T, MapPen>) {
       return given.edit;
     } else if constexpr (std::same_as<T, Map>) {
       return given.edit.map();

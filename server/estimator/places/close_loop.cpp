@@ -181,7 +181,7 @@ std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& 
   return std::nullopt;
 }
 
-void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solution) {
+void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solution) {
   const Map& map = edit.map();
   std::map<CameraId, Similarity3> last;
   for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
@@ -207,8 +207,8 @@ void apply(MapEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solu
 
 }  // namespace
 
-bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::vector<LoopConstraint>& earlier,
-                const std::vector<CameraId>& together) {
+bool close_loop(PlaceRecognitionEdit& edit, MapId of, const LoopConstraint& loop,
+                const std::vector<LoopConstraint>& earlier, const std::vector<CameraId>& together) {
   const Map& map = edit.map();
   const Nodes nodes(map, of);
   PathGraph graph;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/fields.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -25,7 +25,7 @@ auto fields(Like<LoopConstraint> auto& l) {
 // the map's first frame moves, the earlier constraints and the cameras that see each other now keep their relative
 // poses, and the points go along and are triangulated anew. `together`: the cameras of the constrained one's group.
 // False when there is no solution; the map is then as before.
-bool close_loop(MapEdit& edit, MapId of, const LoopConstraint& loop, const std::vector<LoopConstraint>& earlier,
-                const std::vector<CameraId>& together);
+bool close_loop(PlaceRecognitionEdit& edit, MapId of, const LoopConstraint& loop,
+                const std::vector<LoopConstraint>& earlier, const std::vector<CameraId>& together);
 
 }  // namespace coslam

@@ -24,7 +24,7 @@ DescribedImage newest_image(const MapCamera& camera) {
   return out;
 }
 
-void AwaitedDescriptors::await(MapEdit& edit, const CameraFrame& frame) {
+void AwaitedDescriptors::await(PlaceRecognitionEdit& edit, const CameraFrame& frame) {
   const Map& map = edit.map();
   auto& awaited = awaited_[frame.camera];
   const auto too_old = [&](const Awaited& a) { return a.set.value + map.sets_in(kPatience_s) < map.now().value; };

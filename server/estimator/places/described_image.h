@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -29,7 +29,7 @@ DescribedImage newest_image(const MapCamera& camera);
 class AwaitedDescriptors {
  public:
   // What the map knows of an image of this set is kept from now on when its frame says that its descriptors follow.
-  void await(MapEdit& edit, const CameraFrame& frame);
+  void await(PlaceRecognitionEdit& edit, const CameraFrame& frame);
   // The image that these are of; the newest, when it is not known, of another run of the agent or not placed in the
   // camera's map.
   DescribedImage image_of(const Map& map, const CameraFrame& frame) const;

@@ -104,7 +104,7 @@ std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, Ma
   return out;
 }
 
-std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
+std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
   constexpr std::size_t kLeastImages = 2;
   constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
   const Map& map = edit.map();
@@ -141,7 +141,7 @@ std::optional<JoinedMaps> join(MapEdit& edit, const PlaceMemory& places, MapId o
 
 }  // namespace
 
-std::vector<JoinedMaps> join_all_maps(MapEdit& edit, const PlaceMemory& places) {
+std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places) {
   std::vector<JoinedMaps> out;
   for (MapId of(2); of < edit.map().next_map(); ++of.value) {
     if (const auto joined = join(edit, places, of, of)) out.push_back(*joined);
@@ -149,7 +149,7 @@ std::vector<JoinedMaps> join_all_maps(MapEdit& edit, const PlaceMemory& places) 
   return out;
 }
 
-std::vector<JoinedMaps> join_maps(MapEdit& edit, const PlaceMemory& places, MapId first) {
+std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId first) {
   std::vector<JoinedMaps> out;
   for (MapId of = first; of < edit.map().next_map(); ++of.value) {
     if (const auto joined = join(edit, places, of, first)) out.push_back(*joined);

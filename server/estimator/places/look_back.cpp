@@ -81,7 +81,7 @@ std::vector<Visit> find_visits(const Map& map, const PlaceMemory& places, MapId 
 }
 
 // How many of its points became one with the place's: those that lie where the image saw them.
-int link(MapEdit& edit, const SeenAgain& seen, double gates = 1) {
+int link(PlaceRecognitionEdit& edit, const SeenAgain& seen, double gates = 1) {
   const Map& map = edit.map();
   int fused = 0;
   const Figures agree{static_cast<double>(seen.place.matches.size()), 0};
@@ -185,7 +185,7 @@ std::optional<LoopConstraint> constraint_of(const Map& map, const Confirmed& vis
 
 }  // namespace
 
-LookBackReport look_back(MapEdit& edit, const PlaceMemory& places, MapId of, int min_inliers,
+LookBackReport look_back(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId of, int min_inliers,
                          std::vector<LoopConstraint>* loops) {
   const Map& map = edit.map();
   LookBackReport report;

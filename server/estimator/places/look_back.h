@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/places/close_loop.h"
 #include "server/estimator/places/recognise.h"
 
@@ -20,7 +20,7 @@ struct LookBackReport {
 // too late, too few or with points too young to be acted on. Where the map puts them right their points become one with
 // the place's; where it does not the map is drawn together, once two images of different instants say the same of what
 // is not flat, one of them by min_inliers points, or three together by twice as many.
-LookBackReport look_back(MapEdit& edit, const PlaceMemory& places, MapId of, int min_inliers,
+LookBackReport look_back(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId of, int min_inliers,
                          std::vector<LoopConstraint>* loops);
 
 }  // namespace coslam

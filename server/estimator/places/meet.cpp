@@ -31,8 +31,8 @@ std::set<MapId> living_maps(const Map& map) {
 
 }  // namespace
 
-MeetReport Meetings::run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
-                         const GroupConfig& group, Workers& workers) {
+MeetReport Meetings::run(PlaceRecognitionEdit& edit, const FrameSet& set, Last<ViewGraph> last,
+                         const LocaliseConfig& localise, const GroupConfig& group, Workers& workers) {
   const Map& map = edit.map();
   const ViewGraph& graph = last.of;
   MeetReport report;
@@ -121,7 +121,7 @@ Meetings::Look Meetings::look(const Map& map, const CameraFrame& frame, const Vi
   return out;
 }
 
-bool Meetings::act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
+bool Meetings::act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
                    MeetReport* report) {
   using enum PlaceDecision::What;
   const DescribedImage& image = look.image;
@@ -169,7 +169,7 @@ bool Meetings::act(MapEdit& edit, const Look& look, const ViewGraph& graph, cons
   return false;
 }
 
-bool Meetings::remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply) {
+bool Meetings::remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply) {
   const MapCamera& camera = edit.map().camera(id);
   if (camera.run != reply.agent_run) return true;  // of a run before the present one
   if (camera.frames.empty() || camera.frames.back().frame < reply.frame) return false;
@@ -191,7 +191,7 @@ void Meetings::take_in(const Meetings& other, const Renumbered& as) {
   for (const LoopConstraint& theirs : other.loops_) Renumber(as).apply(loops_.emplace_back(theirs));
 }
 
-LookBackReport Meetings::look_back(MapEdit& edit, MapId of) {
+LookBackReport Meetings::look_back(PlaceRecognitionEdit& edit, MapId of) {
   if (!config.loops) return {};
   return coslam::look_back(edit, places_, of, config.decide.min_merge_inliers, &loops_);
 }

@@ -10,7 +10,7 @@
 
 #include "common/base/workers.h"
 #include "server/estimator/covisibility/group.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/map/memory.h"
 #include "server/estimator/pipeline/stage.h"
 #include "server/estimator/places/ask.h"
@@ -72,10 +72,10 @@ class Meetings {
   MeetConfig config;
 
   // After the set's poses are known.
-  MeetReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
+  MeetReport run(PlaceRecognitionEdit& edit, const FrameSet& set, Last<ViewGraph> last, const LocaliseConfig& localise,
                  const GroupConfig& group, Workers& workers = Workers::alone());
   // What the last image of a run shows, from now on a known place. False: that image is still to come.
-  bool remember_last(MapEdit& edit, CameraId id, const DescriptorReply& reply);
+  bool remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply);
   // Frames that loops are closed by, of the newest loops: those hold the map together.
   std::vector<ImageKey> held_frames() const;
   // Those images are remembered no more.
@@ -84,8 +84,8 @@ class Meetings {
   void take_in(const Meetings& other, const Renumbered& as);
   const PlaceMemory& places() const { return places_; }
   // At the end: what the run did not see of places that were known.
-  std::vector<JoinedMaps> join_all(MapEdit& edit) const { return join_all_maps(edit, places_); }
-  LookBackReport look_back(MapEdit& edit, MapId of);
+  std::vector<JoinedMaps> join_all(PlaceRecognitionEdit& edit) const { return join_all_maps(edit, places_); }
+  LookBackReport look_back(PlaceRecognitionEdit& edit, MapId of);
   void add_memory(MemoryUse* use) const { (*use)["places"] += places_.bytes(); }
   // What outlives the server, as rows, as far as it was not given out before; and back.
   void save(std::vector<Row>* rows);
@@ -103,7 +103,8 @@ class Meetings {
   };
   Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
   // Whether that changed the map.
-  bool act(MapEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise, MeetReport* report);
+  bool act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
+           MeetReport* report);
 
   AwaitedDescriptors awaited_;
   PlaceMemory places_;

@@ -217,7 +217,7 @@ std::optional<Recognition> locate_twice(const Map& map, std::span<const KeyImage
 
 }  // namespace
 
-void PlaceMemory::add(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply) {
+void PlaceMemory::add(PlaceRecognitionEdit& edit, const DescribedImage& image, const DescriptorReply& reply) {
   if (reply.tracks.empty()) return;
   edit.add_key_image(image.set, image.camera.id);
   images_[index_.add(reply.descriptors)] = {image.set, image.camera.id, reply.tracks, reply.descriptors};

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/base/fields.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/map/rows.h"
 #include "server/estimator/places/described_image.h"
 #include "server/estimator/solve/appearance.h"
@@ -69,7 +69,7 @@ class PlaceMemory {
  public:
   explicit PlaceMemory(const RecogniseConfig& config) : config_(config) {}
 
-  void add(MapEdit& edit, const DescribedImage& image, const DescriptorReply& reply);
+  void add(PlaceRecognitionEdit& edit, const DescribedImage& image, const DescriptorReply& reply);
   // Points behind the newest key images of these cameras, not older than `since`, that the camera finds near where its
   // pose says: within gate_px, or farther off, where a drift of the map moved them. Nothing when they are too few.
   ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,

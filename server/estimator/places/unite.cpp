@@ -26,7 +26,8 @@ SetId first_set_in(const Map& map, MapId id) {
 
 }  // namespace
 
-void bind_matches(MapEdit& edit, const DescribedImage& image, const std::vector<std::pair<TrackId, PointId>>& matches) {
+void bind_matches(PlaceRecognitionEdit& edit, const DescribedImage& image,
+                  const std::vector<std::pair<TrackId, PointId>>& matches) {
   const Map& map = edit.map();
   const MapCamera& camera = image.camera;
   const Figures agree{static_cast<double>(matches.size()), 0};
@@ -50,7 +51,8 @@ void bind_matches(MapEdit& edit, const DescribedImage& image, const std::vector<
   }
 }
 
-void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen, const LocaliseConfig& config) {
+void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const Recognition& seen,
+           const LocaliseConfig& config) {
   const MapCamera& camera = newest.camera;
   edit.place(camera, camera.frames.back().set, seen.map, seen.cam_from_world, Why::kPlaceRecognised,
              {static_cast<double>(seen.matches.size()), 0});
@@ -59,7 +61,8 @@ void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen,
   edit.raise_epoch();
 }
 
-SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own) {
+SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+           const Similarity3& in_from_own) {
   const Map& map = edit.map();
   const MapId own = image.camera.map, in = seen.map;
   const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
@@ -75,8 +78,8 @@ SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, 
   return since;
 }
 
-bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
-           const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
+bool close(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+           const Similarity3& in_from_own, const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
   const MapCamera& camera = image.camera;
   const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
   const LoopConstraint loop{

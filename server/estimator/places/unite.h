@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/estimator/covisibility/group.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/places/close_loop.h"
 #include "server/estimator/places/recognise.h"
 #include "server/estimator/pose/localise.h"
@@ -15,13 +15,16 @@
 namespace coslam {
 
 // Tracks that matched a point of the place are bound to it, if they live; a point of their own becomes one with it.
-void bind_matches(MapEdit& edit, const DescribedImage& image, const std::vector<std::pair<TrackId, PointId>>& matches);
+void bind_matches(PlaceRecognitionEdit& edit, const DescribedImage& image,
+                  const std::vector<std::pair<TrackId, PointId>>& matches);
 // A camera without a map gets a pose in the place's, and before that as far back as it can be found.
-void place(MapEdit& edit, const DescribedImage& newest, const Recognition& seen, const LocaliseConfig& config);
+void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const Recognition& seen,
+           const LocaliseConfig& config);
 // The camera's map and the place's become one, in the frame of the larger. Since when the younger one was there.
-SetId join(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own);
+SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+           const Similarity3& in_from_own);
 // The camera's map is drawn together; the loop then holds like the earlier ones. False when there is no solution.
-bool close(MapEdit& edit, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
-           const ViewGraph& graph, std::vector<LoopConstraint>* loops);
+bool close(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+           const Similarity3& in_from_own, const ViewGraph& graph, std::vector<LoopConstraint>* loops);
 
 }  // namespace coslam

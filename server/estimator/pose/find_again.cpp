@@ -73,7 +73,7 @@ std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const Poi
 
 }  // namespace
 
-FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainConfig& config, int least) {
+FindAgainReport find_again(WideSearchEdit& edit, const FrameSet& set, const FindAgainConfig& config, int least) {
   constexpr double kLeastShare = 0.5;
   FindAgainReport report;
   const Map& map = edit.map();

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 #include "server/estimator/pose/localise.h"
 
@@ -31,14 +31,14 @@ struct FindAgainReport {
 // A camera that lost sight of nearly all its points, by a turn say, and comes back to them with a pose that drifted
 // meanwhile finds none within the gates. Looks for proven points around where they should appear, by their patches;
 // where enough of what is found agrees on one pose, the camera takes it, and its tracks those points.
-FindAgainReport find_again(MapEdit& edit, const FrameSet& set, const FindAgainConfig& config, int least);
+FindAgainReport find_again(WideSearchEdit& edit, const FrameSet& set, const FindAgainConfig& config, int least);
 
 struct FindAgain {
   static constexpr std::string_view kName = "find_again";
   using Config = FindAgainConfig;
   Config config;
   bool due(const Map& map) const { return map.every(map.config().match_period_s); }
-  FindAgainReport run(MapEdit& edit, const FrameSet& set, const LocaliseConfig& localise) const {
+  FindAgainReport run(WideSearchEdit& edit, const FrameSet& set, const LocaliseConfig& localise) const {
     return find_again(edit, set, config, localise.min_inliers);
   }
 };

@@ -129,7 +129,7 @@ void follow(const Member& m, Motions* motions) {
                 to_seconds(now.capture_ns - before->capture_ns), !m.weak);
 }
 
-void solve_group(MapEdit& edit, std::vector<Member>& members, const InterPoseConfig& config, int min_inliers,
+void solve_group(InterPoseEdit& edit, std::vector<Member>& members, const InterPoseConfig& config, int min_inliers,
                  const Motions& motions, InterPoseReport* report) {
   const Map& map = edit.map();
   InterPoseProblem problem;
@@ -157,8 +157,8 @@ void solve_group(MapEdit& edit, std::vector<Member>& members, const InterPoseCon
 
 }  // namespace
 
-InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
-                           const LocaliseConfig& localise, Motions* motions) {
+InterPoseReport inter_pose(InterPoseEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                           const InterPoseConfig& config, const LocaliseConfig& localise, Motions* motions) {
   const Map& map = edit.map();
   InterPoseReport report;
   if (!config.enabled) return report;

@@ -6,7 +6,7 @@
 
 #include "common/geometry/steady_motion.h"
 #include "server/estimator/covisibility/group.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 #include "server/estimator/pose/localise.h"
 
@@ -41,8 +41,9 @@ struct InterPoseReport {
 // ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
 // static and moving points, which have to agree with a pose as static ones have to otherwise; and from how such a
 // camera went before. graph: of the set before. motions: of every camera, followed set by set.
-InterPoseReport inter_pose(MapEdit& edit, const FrameSet& set, const ViewGraph& graph, const InterPoseConfig& config,
-                           const LocaliseConfig& localise, std::map<CameraId, SteadyMotion>* motions);
+InterPoseReport inter_pose(InterPoseEdit& edit, const FrameSet& set, const ViewGraph& graph,
+                           const InterPoseConfig& config, const LocaliseConfig& localise,
+                           std::map<CameraId, SteadyMotion>* motions);
 
 class InterPose {
  public:
@@ -51,7 +52,7 @@ class InterPose {
   explicit InterPose(const InterPoseConfig& of) : config(of) {}
   InterPoseConfig config;
 
-  InterPoseReport run(MapEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) {
+  InterPoseReport run(InterPoseEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) {
     return inter_pose(edit, set, graph.of, config, localise, &motions_);
   }
 

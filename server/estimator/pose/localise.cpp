@@ -178,8 +178,8 @@ Solved solve(const Map& map, SetId set, const Body& body, const LocaliseConfig& 
   return out;
 }
 
-void place(MapEdit& edit, const FrameSet& set, const Body& body, const Solved& solved, const LocaliseConfig& config,
-           LocaliseReport* report) {
+void place(LocaliseEdit& edit, const FrameSet& set, const Body& body, const Solved& solved,
+           const LocaliseConfig& config, LocaliseReport* report) {
   const Map& map = edit.map();
   const auto& [observations, r, sparse] = solved;
   if (sparse) {
@@ -207,7 +207,7 @@ void place(MapEdit& edit, const FrameSet& set, const Body& body, const Solved& s
 }
 
 // A camera of a rig is where the others of it are.
-void place_mates(MapEdit& edit, const FrameSet& set, LocaliseReport* report) {
+void place_mates(LocaliseEdit& edit, const FrameSet& set, LocaliseReport* report) {
   const Map& map = edit.map();
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = map.camera(cf.camera);
@@ -226,7 +226,7 @@ void place_mates(MapEdit& edit, const FrameSet& set, LocaliseReport* report) {
 
 }  // namespace
 
-LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config, Workers& workers) {
+LocaliseReport localise(LocaliseEdit& edit, const FrameSet& set, const LocaliseConfig& config, Workers& workers) {
   LocaliseReport report;
   const std::vector<Body> bodies = bodies_of(edit.map(), set);
   std::vector<Solved> solved(bodies.size());
@@ -236,7 +236,7 @@ LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig
   return report;
 }
 
-bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+bool localise_past(FramePoseEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
                    const LocaliseConfig& config) {
   const Map& map = edit.map();
   if (camera.frame_at(set) == nullptr) return false;
@@ -247,7 +247,7 @@ bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigi
   return true;
 }
 
-void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config) {
+void localise_backwards(FramePoseEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config) {
   const FramePose* known = camera.frame_at(from);
   Rigid3 pose = known->cam_from_world;
   for (std::size_t i = camera.frames.size(); i-- > 0;) {

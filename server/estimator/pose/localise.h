@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/base/workers.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 
 namespace coslam {
 
@@ -33,7 +33,7 @@ struct LocaliseReport {
 // Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
 // and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
 // was.
-LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig& config,
+LocaliseReport localise(LocaliseEdit& edit, const FrameSet& set, const LocaliseConfig& config,
                         Workers& workers = Workers::alone());
 
 // Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
@@ -41,17 +41,17 @@ LocaliseReport localise(MapEdit& edit, const FrameSet& set, const LocaliseConfig
 Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
 // Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
-bool localise_past(MapEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
+bool localise_past(FramePoseEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
                    const LocaliseConfig& config);
 
 // The same back from a known pose, until there is one or none is found.
-void localise_backwards(MapEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config);
+void localise_backwards(FramePoseEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config);
 
 struct Localise {
   static constexpr std::string_view kName = "localise";
   using Config = LocaliseConfig;
   Config config;
-  LocaliseReport run(MapEdit& edit, const FrameSet& set, Workers& workers) const {
+  LocaliseReport run(LocaliseEdit& edit, const FrameSet& set, Workers& workers) const {
     return localise(edit, set, config, workers);
   }
 };

@@ -58,7 +58,7 @@ class WindowPose::Poses {
     problem_->is_free.push_back(set >= free_since_ && !f->joint);
     return index_.emplace(set, static_cast<int>(problem_->is_free.size()) - 1).first->second;
   }
-  void give_back(const WindowResult& solved, MapEdit* edit) const {
+  void give_back(const WindowResult& solved, WindowPoseEdit* edit) const {
     for (const auto& [set, at] : index_) {
       const auto i = static_cast<std::size_t>(at);
       if (problem_->is_free[i]) edit->adjust_pose(camera_, *camera_.frame_at(set), solved.cam_from_world[i]);
@@ -123,7 +123,7 @@ std::optional<WindowThing> WindowPose::thing_of(const Map& map, const MapCamera&
   return thing;
 }
 
-bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) const {
+bool WindowPose::solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* own) const {
   const auto frames = static_cast<std::size_t>(camera.frames_in(config.free_s, kLeastFrames));
   const auto present = camera.present_frames();
   if (present.size() <= frames || camera.scene_depth <= 0) return false;
@@ -146,7 +146,7 @@ bool WindowPose::solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) co
   return true;
 }
 
-WindowPoseReport WindowPose::run(MapEdit& edit, const FrameSet& set, Workers& workers) {
+WindowPoseReport WindowPose::run(WindowPoseEdit& edit, const FrameSet& set, Workers& workers) {
   WindowPoseReport report;
   const Map& map = edit.map();
   if (!config.enabled) return report;

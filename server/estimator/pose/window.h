@@ -10,7 +10,7 @@
 
 #include "common/base/flat_map.h"
 #include "common/base/workers.h"
-#include "server/estimator/map/edit.h"
+#include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 #include "server/estimator/solve/window.h"
 
@@ -48,7 +48,7 @@ class WindowPose {
   Config config;
 
   explicit WindowPose(const Config& c) : config(c) {}
-  WindowPoseReport run(MapEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
+  WindowPoseReport run(WindowPoseEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
  private:
   // A track as far as it is of use, also when it has ended.
@@ -67,7 +67,7 @@ class WindowPose {
   void remember(const Map& map, const MapCamera& camera, OfCamera* own) const;
   class Poses;
   std::optional<WindowThing> thing_of(const Map& map, const MapCamera& camera, const Followed& f, Poses* poses) const;
-  bool solve(MapEdit& edit, const MapCamera& camera, OfCamera* own) const;
+  bool solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* own) const;
 
   std::map<CameraId, OfCamera> cameras_;
 };

@@ -275,7 +275,7 @@ TEST_F(EditTest, AnotherPlaceWithoutACovarianceTakesThatOfItsViews) {
   edit_.add_key_frame(SetId(0));
   const MapPoint& p = sim_.add_point(shared_, 1.0);
   const Eigen::Vector3d there = p.position + Eigen::Vector3d(0, 0, 0.1);
-  edit_.move_point(p, there);
+  edit_.reposition_point(p, there);
   EXPECT_EQ(p.position, there);
   EXPECT_EQ(p.covariance, sim_.map.covariance_of(p));
   EXPECT_LT(p.covariance.trace(), 3);

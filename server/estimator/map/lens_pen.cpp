@@ -1,62 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// What was observed through the older lens comes to where the new one has it.
+#include "server/estimator/map/lens_pen.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "server/estimator/map/edit.h"
 #include "server/estimator/map/lens_step.h"
 
 namespace coslam {
-
-void MapEdit::correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma) {
-  MapCamera& c = own(camera);
-  const LensCorrection before = c.lens;
-  c.lens.values = lens.values.cast<float>().cast<double>();  // as its agent is told
-  c.lens_sigma = sigma;
-  const LensStep step(c.model, before, c.lens);
-  move_observations(&c, [&](Eigen::Vector2f* px) { step.move(px); });
-  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.centre_px().norm()});
-}
-
-void MapEdit::change_model(MapCamera* c, const CameraModel& model) {
-  if (c->model == model) return;
-  move_observations(c, [&, before = c->model](Eigen::Vector2f* px) {
-    *px = model.pixel_from_normalized(before.normalized_from_pixel(px->cast<double>())).cast<float>();
-  });
-  c->model = model;
-  c->lens = {};
-  c->lens_sigma.setZero();
-  c->breathing = 0;
-}
-
-void MapEdit::move_observations(MapCamera* camera, const std::function<void(Eigen::Vector2f*)>& move) {
-  MapCamera& c = *camera;
-  for (auto& [id, track] : c.tracks) {
-    for (TrackPoint& p : track.seen) move(&p.undistorted_px);
-  }
-  for (FramePose& frame : c.frames) {
-    for (HeldTrack& held : frame.held) move(&held.undistorted_px);
-  }
-  for (auto& [id, point] : map_.points_.all) {
-    for (KeyObservation& o : point.key_observations) {
-      if (o.camera == c.id) move(&o.undistorted_px);
-    }
-  }
-  for (auto& [id, samples] : map_.motions_) {
-    for (MotionSample& sample : samples) {
-      for (Sighting& s : sample.seen) {
-        if (s.camera != c.id) continue;
-        Eigen::Vector2f earlier = s.undistorted_px - s.step_px;
-        move(&earlier);
-        move(&s.undistorted_px);
-        s.step_px = s.step_px.isZero(0) ? s.step_px : Eigen::Vector2f(s.undistorted_px - earlier);
-      }
-    }
-  }
-}
-
 namespace {
 
 // From where a camera saw something in an image to where it would have without the zoom of that.
@@ -92,7 +43,54 @@ class ZoomSteps {
 
 }  // namespace
 
-void MapEdit::leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom> zooms) {
+void LensPen::correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma) {
+  MapCamera& c = own(camera);
+  const LensCorrection before = c.lens;
+  c.lens.values = lens.values.cast<float>().cast<double>();  // as its agent is told
+  c.lens_sigma = sigma;
+  const LensStep step(c.model, before, c.lens);
+  move_observations(&c, [&](Eigen::Vector2f* px) { step.move(px); });
+  note_camera(EventKind::kCameraLens, c, Why::kLensFound, {std::exp(lens.log_focal()), lens.centre_px().norm()});
+}
+
+void LensPen::change_model(MapCamera* c, const CameraModel& model) {
+  if (c->model == model) return;
+  move_observations(c, [&, before = c->model](Eigen::Vector2f* px) {
+    *px = model.pixel_from_normalized(before.normalized_from_pixel(px->cast<double>())).cast<float>();
+  });
+  c->model = model;
+  c->lens = {};
+  c->lens_sigma.setZero();
+  c->breathing = 0;
+}
+
+void LensPen::move_observations(MapCamera* camera, const std::function<void(Eigen::Vector2f*)>& move) {
+  MapCamera& c = *camera;
+  for (auto& [id, track] : c.tracks) {
+    for (TrackPoint& p : track.seen) move(&p.undistorted_px);
+  }
+  for (FramePose& frame : c.frames) {
+    for (HeldTrack& held : frame.held) move(&held.undistorted_px);
+  }
+  for (auto& [id, point] : map_.points_.all) {
+    for (KeyObservation& o : point.key_observations) {
+      if (o.camera == c.id) move(&o.undistorted_px);
+    }
+  }
+  for (auto& [id, samples] : map_.motions_) {
+    for (MotionSample& sample : samples) {
+      for (Sighting& s : sample.seen) {
+        if (s.camera != c.id) continue;
+        Eigen::Vector2f earlier = s.undistorted_px - s.step_px;
+        move(&earlier);
+        move(&s.undistorted_px);
+        s.step_px = s.step_px.isZero(0) ? s.step_px : Eigen::Vector2f(s.undistorted_px - earlier);
+      }
+    }
+  }
+}
+
+void LensPen::leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom> zooms) {
   if (zooms.empty()) return;
   MapCamera& c = own(camera);
   const ZoomSteps steps(c, zooms);

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/map/import_pen.h"
+
 #include <algorithm>
 #include <string>
+#include <utility>
 
-#include "server/estimator/map/edit.h"
-
-// A map from elsewhere becomes part of this one: beside its maps, as if it had been made after them.
 namespace coslam {
 namespace {
 
@@ -34,7 +34,7 @@ TimeNs first_ns(const Map& map) {
 }  // namespace
 
 // No agent of here is behind it, and it has no place in a map now.
-MapCamera MapEdit::as_here(const MapCamera& other, const Renumbered& as) const {
+MapCamera ImportPen::as_here(const MapCamera& other, const Renumbered& as) const {
   MapCamera c = other;
   c.tracks.clear();
   Renumber(as).apply(c);
@@ -49,7 +49,7 @@ MapCamera MapEdit::as_here(const MapCamera& other, const Renumbered& as) const {
   return c;
 }
 
-void MapEdit::take_in_points(const Map& other, const Renumbered& as) {
+void ImportPen::take_in_points(const Map& other, const Renumbered& as) {
   for (const auto& [id, point] : other.points()) {
     if (point.moves()) continue;  // nobody sees where it is by now
     MapPoint p = point;
@@ -63,7 +63,7 @@ void MapEdit::take_in_points(const Map& other, const Renumbered& as) {
   }
 }
 
-Renumbered MapEdit::take_in(const Map& other) {
+Renumbered ImportPen::take_in(const Map& other) {
   constexpr TimeNs kBetween_ns = 1'000'000'000;
   Renumbered as;
   as.cameras = static_cast<std::uint16_t>(map_.cameras_.size());

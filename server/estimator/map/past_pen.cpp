@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/map/past_pen.h"
+
 #include <algorithm>
 
 #include "common/base/check.h"
-#include "server/estimator/map/edit.h"
 
-// What leaves the memory of a long run.
 namespace coslam {
 namespace {
 
@@ -28,7 +28,7 @@ void count(const std::vector<FramePose>& block, PastFramesCount* past) {
 
 }  // namespace
 
-void MapEdit::forget_view(SetId set, CameraId camera) {
+void PastPen::forget_view(SetId set, CameraId camera) {
   COSLAM_CHECK(set < map_.now_, "what is seen now is no past");
   map_.key_images_.erase({set, camera});
   map_.spared_images_.erase({set, camera});
@@ -47,7 +47,7 @@ void MapEdit::forget_view(SetId set, CameraId camera) {
   std::erase_if(map_.key_frames_, [&](const KeyFrame& k) { return k.set == set; });
 }
 
-void MapEdit::forget_patches(const MapPoint& point) {
+void PastPen::forget_patches(const MapPoint& point) {
   auto& all = own(point).patches;
   if (all.empty()) return;
   const auto gone = [&](const PointPatch& p) { return map_.camera(p.camera).frame_at(p.set) == nullptr; };
@@ -55,7 +55,7 @@ void MapEdit::forget_patches(const MapPoint& point) {
   all.shrink_to_fit();
 }
 
-void MapEdit::forget_seen(SetId before) {
+void PastPen::forget_seen(SetId before) {
   for (MapCamera& c : map_.cameras_) {
     for (auto& [id, track] : c.tracks) {
       const auto first = std::ranges::lower_bound(track.seen, before, {}, &TrackPoint::set);
@@ -64,7 +64,7 @@ void MapEdit::forget_seen(SetId before) {
   }
 }
 
-std::vector<FramePose> MapEdit::take_frames(const MapCamera& camera, SetId before, const std::set<SetId>& stays) {
+std::vector<FramePose> PastPen::take_frames(const MapCamera& camera, SetId before, const std::set<SetId>& stays) {
   MapCamera& c = own(camera);
   const auto first = std::lower_bound(c.frames.begin(), c.frames.end(), c.past.until, before_set);
   const auto last = std::lower_bound(first, c.frames.end(), before, before_set);
@@ -81,12 +81,12 @@ std::vector<FramePose> MapEdit::take_frames(const MapCamera& camera, SetId befor
   return block;
 }
 
-void MapEdit::forget_frame(const MapCamera& camera, SetId set) {
+void PastPen::forget_frame(const MapCamera& camera, SetId set) {
   COSLAM_CHECK(set < camera.past.until, "only what was given out");
   std::erase_if(own(camera).frames, [&](const FramePose& f) { return f.set == set; });
 }
 
-std::vector<std::pair<PointId, MotionSample>> MapEdit::take_motions(SetId before) {
+std::vector<std::pair<PointId, MotionSample>> PastPen::take_motions(SetId before) {
   std::vector<std::pair<PointId, MotionSample>> out;
   for (auto at = map_.motions_.begin(); at != map_.motions_.end();) {
     auto& [id, path] = *at;

@@ -1,42 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include "server/estimator/map/point_pen.h"
+
 #include <algorithm>
-#include <tuple>
+#include <vector>
 
 #include "common/base/check.h"
-#include "server/estimator/map/edit.h"
 
 namespace coslam {
-namespace {
 
-auto key_of(const KeyObservation& o) { return std::tie(o.set, o.camera, o.track); }
-
-}  // namespace
-
-void MapEdit::note_point(EventKind kind, const MapPoint& point, Why why, Figures figures) {
-  Event e = event(kind, why, figures);
-  e.map = point.map;
-  e.point = point.id;
-  e.to = static_cast<std::uint8_t>(point.phase);
-  journal_.note(e);
-}
-
-void MapEdit::touch(MapPoint& point) {
-  point.last_seen = map_.now_;
-  map_.points_.recent.emplace(point.id, &point);
-}
-
-// A track may come back to a point, or its point be fused with one that it was bound to before: each observation once.
-void MapEdit::observe(MapPoint& point, const KeyObservation& seen) {
-  auto& all = point.key_observations;
-  const auto at = std::lower_bound(all.begin(), all.end(), seen,
-                                   [](const auto& a, const auto& b) { return key_of(a) < key_of(b); });
-  if (at == all.end() || key_of(*at) != key_of(seen)) all.insert(at, seen);
-  map_.observed_in_[{seen.set, seen.camera}].push_back(point.id);
-}
-
-const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
-                                      PointPhase phase, Why why, Figures figures) {
+const MapPoint& PointPen::create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
+                                       PointPhase phase, Why why, Figures figures) {
   const PointId id(map_.next_point_++);
   MapPoint& p = map_.points_.all[id];
   p.id = id;
@@ -53,19 +27,19 @@ const MapPoint& MapEdit::create_point(MapId map, const Eigen::Vector3d& position
   return p;
 }
 
-void MapEdit::erase_point(PointId id) {
+void PointPen::erase_point(PointId id) {
   map_.loose_.erase(id);
   map_.points_.erase(id);
 }
 
-void MapEdit::remove_point(const MapPoint& point, Why why, Figures figures) {
+void PointPen::remove_point(const MapPoint& point, Why why, Figures figures) {
   const std::vector<BoundTrack> bound = point.bound;
   for (const BoundTrack& b : bound) unbind(b.camera, map_.track(b), Why::kPointGone);
   note_point(EventKind::kPointRemoved, point, why, figures);
   erase_point(point.id);
 }
 
-void MapEdit::set_phase(MapPoint& point, PointPhase phase, Why why, Figures figures) {
+void PointPen::set_phase(MapPoint& point, PointPhase phase, Why why, Figures figures) {
   if (point.phase == phase) return;
   COSLAM_CHECK(may_become(point.phase, phase), "a point's phases follow the table in states.h");
   point.phase = phase;
@@ -77,61 +51,61 @@ void MapEdit::set_phase(MapPoint& point, PointPhase phase, Why why, Figures figu
   note_point(EventKind::kPointBecame, point, why, figures);
 }
 
-void MapEdit::move_point(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
+void PointPen::move_point(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
   own(point).position = position;
   own(point).covariance = covariance;
 }
 
-void MapEdit::move_point(const MapPoint& point, const Eigen::Vector3d& position) {
+void PointPen::reposition_point(const MapPoint& point, const Eigen::Vector3d& position) {
   own(point).position = position;
   own(point).covariance = map_.covariance_of(point);
 }
 
-void MapEdit::transform_point(const MapPoint& point, const Similarity3& new_from_old) {
+void PointPen::transform_point(const MapPoint& point, const Similarity3& new_from_old) {
   const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
   own(point).position = new_from_old * point.position;
   own(point).covariance = m * point.covariance * m.transpose();
 }
 
-void MapEdit::forget_past(const MapPoint& of) {
+void PointPen::forget_past(const MapPoint& of) {
   MapPoint& point = own(of);
   point.key_observations.clear();
   point.updated_from.clear();
   for (const BoundTrack& b : point.bound) distrust_before(map_.track(b), map_.now_);
 }
 
-void MapEdit::see(const MapPoint& of) {
+void PointPen::see(const MapPoint& of) {
   MapPoint& point = own(of);
   ++point.views;
   point.last_ns = map_.now_ns_;
   touch(point);
 }
 
-void MapEdit::keep_recent(const MapPoint& point) { touch(own(point)); }
+void PointPen::keep_recent(const MapPoint& point) { touch(own(point)); }
 
-void MapEdit::follow(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
+void PointPen::follow(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
   move_point(point, position, covariance);
   see(point);
 }
 
-void MapEdit::note_ray(const MapPoint& of, CameraId camera, const Eigen::Vector3d& ray_in_world) {
+void PointPen::note_ray(const MapPoint& of, CameraId camera, const Eigen::Vector3d& ray_in_world) {
   auto& rays = own(of).updated_from;
   if (rays.size() <= camera.value) rays.resize(camera.value + std::size_t{1}, Eigen::Vector3d::Zero());
   rays[camera.value] = ray_in_world;
 }
 
-void MapEdit::prove(const MapPoint& point) {
+void PointPen::prove(const MapPoint& point) {
   set_phase(own(point), PointPhase::kStatic, Why::kStoodTheTrial, {static_cast<double>(point.views), 0});
 }
 
-void MapEdit::put_on_trial(MapId map, Why why) {
+void PointPen::put_on_trial(MapId map, Why why) {
   for (const MapPoint* p : map_.recent_points()) {
     if (p->map == map && p->proven()) set_phase(own(*p), PointPhase::kTrial, why);
   }
 }
 
-void MapEdit::start_moving(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
-                           Why why, Figures figures) {
+void PointPen::start_moving(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
+                            Why why, Figures figures) {
   set_phase(own(point), PointPhase::kMoving, why, figures);
   forget_past(point);
   follow(point, position, covariance);
@@ -141,7 +115,7 @@ void MapEdit::start_moving(const MapPoint& point, const Eigen::Vector3d& positio
   }
 }
 
-void MapEdit::stop_moving(const MapPoint& of, int frames) {
+void PointPen::stop_moving(const MapPoint& of, int frames) {
   MapPoint& point = own(of);
   set_phase(point, PointPhase::kTrial, Why::kStopped, {static_cast<double>(frames), 0});
   point.views = 0;
@@ -155,18 +129,12 @@ void MapEdit::stop_moving(const MapPoint& of, int frames) {
   point.covariance = map_.covariance_of(point);
 }
 
-void MapEdit::give_patch(const MapPoint& point, CameraId camera, const ServerTrack& track) {
-  if (!track.patch) return;
-  own(point).patches.push_back({camera, track.patch_set, *track.patch, track.offset_px});
-  map_.repatched_.push_back(point.id);
-}
-
-void MapEdit::keep_newest_patches(const MapPoint& point, std::size_t most) {
+void PointPen::keep_newest_patches(const MapPoint& point, std::size_t most) {
   auto& all = own(point).patches;
   if (all.size() > most) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most));
 }
 
-void MapEdit::thin_patches(std::size_t most) {
+void PointPen::thin_patches(std::size_t most) {
   for (const PointId id : map_.repatched_) {
     MapPoint* p = own(id);
     while (p != nullptr && p->patches.size() > most) p->patches.erase(p->patches.begin() + 1);
@@ -174,12 +142,12 @@ void MapEdit::thin_patches(std::size_t most) {
   map_.repatched_.clear();
 }
 
-void MapEdit::drop_observation(const MapPoint& point, SetId set, CameraId camera, TrackId track) {
+void PointPen::drop_observation(const MapPoint& point, SetId set, CameraId camera, TrackId track) {
   std::erase_if(own(point).key_observations,
                 [&](const KeyObservation& k) { return k.set == set && k.camera == camera && k.track == track; });
 }
 
-void MapEdit::fuse(PointId kept, PointId gone, Why why, Figures figures) {
+void PointPen::fuse(PointId kept, PointId gone, Why why, Figures figures) {
   MapPoint* into = own(kept);
   MapPoint* from = own(gone);
   if (into == nullptr || from == nullptr || kept == gone) return;

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "server/estimator/map/session_pen.h"
+
+// Who may write what of the map. Each room of the estimator has a key, which is the list of the verbs that it may call:
+// a function that takes a PoseEdit& can call these and no others. Narrow keys are for functions that several rooms
+// call. `coslam-server --stages` prints the keys of all stages.
+namespace coslam {
+
+// COSLAM_MAY(verb, ...): the key may call these; their names are in kMay.
+#define COSLAM_PARENS ()
+#define COSLAM_EXPAND(...) COSLAM_EXPAND3(COSLAM_EXPAND3(COSLAM_EXPAND3(COSLAM_EXPAND3(__VA_ARGS__))))
+#define COSLAM_EXPAND3(...) COSLAM_EXPAND2(COSLAM_EXPAND2(COSLAM_EXPAND2(COSLAM_EXPAND2(__VA_ARGS__))))
+#define COSLAM_EXPAND2(...) COSLAM_EXPAND1(COSLAM_EXPAND1(COSLAM_EXPAND1(COSLAM_EXPAND1(__VA_ARGS__))))
+#define COSLAM_EXPAND1(...) __VA_ARGS__
+#define COSLAM_EACH(does, ...) __VA_OPT__(COSLAM_EXPAND(COSLAM_EACH_NEXT(does, __VA_ARGS__)))
+#define COSLAM_EACH_NEXT(does, first, ...) does(first) __VA_OPT__(COSLAM_EACH_AGAIN COSLAM_PARENS(does, __VA_ARGS__))
+#define COSLAM_EACH_AGAIN() COSLAM_EACH_NEXT
+#define COSLAM_USE(verb) using SessionPen::verb;
+#define COSLAM_NAME(verb) std::string_view(#verb),
+#define COSLAM_MAY(...)                \
+  COSLAM_EACH(COSLAM_USE, __VA_ARGS__) \
+  static constexpr std::array kMay { COSLAM_EACH(COSLAM_NAME, __VA_ARGS__) }
+
+// Sets poses of frames in the map that their camera is in.
+class FramePoseEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(set_pose);
+};
+
+// Gives poses to earlier frames that had none.
+class LateFrameEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(place_past);
+};
+
+// Gives points other estimates.
+class PointPositionEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(move_point);
+};
+
+// Adds to the paths of moving points.
+class MovingPathEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(record_motion);
+};
+
+// Takes in the solution of a bundle adjustment.
+class BundleEdit : public virtual PointPositionEdit {
+ public:
+  COSLAM_MAY(adjust_pose, carry_agent, correct_lens, drop_observation, leave_zoom_out, move_point, note_breathing,
+             note_moved, raise_epoch, remove_point);
+};
+
+// See pose/localise.h.
+class LocaliseEdit : public virtual FramePoseEdit {
+ public:
+  COSLAM_MAY(leave_map, lose_pose, measure_sigma, place, set_pose, set_scene_depth, set_sparse, take_word);
+};
+
+// See pose/window.h.
+class WindowPoseEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(adjust_pose, tell_pose);
+};
+
+// See pose/find_again.h.
+class WideSearchEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(bind, keep_recent, set_pose, tell_pose);
+};
+
+// See pose/inter_pose.h.
+class InterPoseEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(set_joint_pose);
+};
+
+// See create/start.h.
+class StartEdit : public virtual FramePoseEdit, public virtual BundleEdit {
+ public:
+  COSLAM_MAY(add_key_frame, adjust_pose, bind, carry_agent, correct_lens, create_point, drop_observation,
+             leave_zoom_out, move_point, new_map, note_breathing, note_moved, place, put_on_trial, raise_epoch,
+             remove_point, set_metric, set_pose);
+};
+
+// See places/meet.h.
+class PlaceRecognitionEdit : public virtual FramePoseEdit, public virtual PointPositionEdit {
+ public:
+  COSLAM_MAY(add_key_image, adjust_pose, bind, carry_agent, forget_view, fuse, keep_recent, merge, move_point,
+             note_moved, place, raise_epoch, set_pose, transform_point);
+};
+
+// See associate/gate.h.
+class VerifyEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(give_patch, miss_gate, move_point, note_ray, pass_gate, prove, see, set_sparse);
+};
+
+// See motion/classify.h.
+class ClassifyEdit : public virtual MovingPathEdit {
+ public:
+  COSLAM_MAY(bind_moving, distrust_before, follow, forget_past, give_patch, keep_newest_patches, move_point, pass_gate,
+             record_motion, remove_point, set_motion, start_moving, stop_moving, unbind, went_along);
+};
+
+// See motion/clock.h.
+class ClockOffsetsEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(set_clock_offset);
+};
+
+// See motion/lag_finder.h.
+class StampLagEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(note_misdated);
+};
+
+// See associate/register.h.
+class RegisterEdit : public virtual PointPositionEdit {
+ public:
+  COSLAM_MAY(bind, keep_recent, move_point);
+};
+
+// See create/one_camera.h.
+class MapIntraEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(bind, create_point, map_not_before);
+};
+
+// See create/two_cameras.h.
+class MapInterEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(bind, create_point);
+};
+
+// See create/moving.h.
+class MapMovingEdit : public virtual MovingPathEdit {
+ public:
+  COSLAM_MAY(bind_moving, create_point, fuse, record_motion);
+};
+
+// See associate/fuse.h.
+class FuseEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(fuse, reposition_point);
+};
+
+// See associate/cull.h.
+class CullEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(is_not_loose, remove_point, thin_patches);
+};
+
+// See adjust/scale.h.
+class ScaleEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(set_metric, transform);
+};
+
+// See adjust/key_frame.h.
+class KeyFramesEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(add_key_frame);
+};
+
+// See correct/correct.h.
+class CorrectEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(agent_was_told);
+};
+
+// See past/forget.h.
+class ForgetEdit : public virtual LateFrameEdit {
+ public:
+  COSLAM_MAY(forget_frame, forget_patches, forget_seen, forget_view, place_past, remove_point, take_frames,
+             take_motions);
+};
+
+// Of the map server, whose cameras and frame sets these are.
+class SessionEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(add_camera, ingest, pass_sets, restart_camera, restore, set_alive, shift_times, take_in);
+};
+
+}  // namespace coslam
