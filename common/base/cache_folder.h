@@ -7,7 +7,7 @@
 
 namespace coslam {
 
-// Where things are kept that can be made again: $COSLAM_CACHE or ~/.cache/coslam; empty without either.
+// Folder for data that can be made again: $COSLAM_CACHE or ~/.cache/coslam; empty without either.
 std::optional<std::filesystem::path> cache_folder();
 
 }  // namespace coslam

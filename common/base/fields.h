@@ -7,7 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
-// What a struct consists of, written once, beside the struct:
+// The list of a struct's members, written once, beside the struct:
 //
 //   struct Example {
 //     SetId set;
@@ -41,7 +41,7 @@ template <class T>
 Field<T, FieldKind::kKept> kept(const char* name, T& value, int since = 0) {
   return {name, value, since};
 }
-// The same of an instant, or several: they move when all times are shifted.
+// A kept field that holds one or several instants: they move when all times are shifted.
 template <class T>
 Field<T, FieldKind::kInstant> instant(const char* name, T& value) {
   return {name, value};
@@ -85,7 +85,7 @@ void each_field(T& value, Visit visit) {
   std::apply([&](const auto&... field) { (visit(field), ...); }, fields(value));
 }
 
-// The same with those that are kept alone.
+// Calls visit(field) with each field that is kept in the map file.
 template <HasFields T, class Visit>
 void each_kept_field(T& value, Visit visit) {
   each_field(value, [&](const auto& field) {

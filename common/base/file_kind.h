@@ -8,8 +8,8 @@
 // For the errors of those who expected another file than the one they got.
 namespace coslam {
 
-// What a file or folder is to CoSLAM and which command takes it, as the end of a sentence: "; it is a map file, ...".
-// Told by how it begins, not by its name. Empty where nothing is known of it.
+// Says what a file or folder is to CoSLAM and which command takes it, as the end of a sentence: "; it is a map file,
+// ...". Decided by the first bytes, not by the name. Empty when nothing is known of it.
 std::string but_it_is(const std::filesystem::path& path);
 
 // Why a file cannot be read, as the end of a sentence: ": there is no such file".

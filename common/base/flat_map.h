@@ -14,7 +14,7 @@ namespace coslam {
 template <class Key, class Value>
 using FlatMap = boost::container::flat_map<Key, Value, std::less<Key>, std::vector<std::pair<Key, Value>>>;
 
-// Those of which it holds.
+// Removes the entries for which holds(entry) is true.
 template <class Key, class Value>
 void erase_if(FlatMap<Key, Value>* map, auto&& holds) {
   auto all = map->extract_sequence();

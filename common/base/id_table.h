@@ -9,8 +9,8 @@
 
 namespace coslam {
 
-// Where what an id names is, for ids that were given one after the other, of which most that live are near each other:
-// two looks into arrays find one. What is left empty of those that are gone takes little.
+// Table from ids to objects, for ids that are given in ascending order, so that most live ones are near each other. A
+// lookup reads two arrays; blocks without live ids are freed.
 template <class Id, class T>
 class IdTable {
  public:

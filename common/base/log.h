@@ -24,11 +24,11 @@ struct Warning {
   std::string text;
   int count = 0;
 };
-// What this process has warned of, in the order of the first times. Those that differ in their figures alone are one:
-// the newest stands for it.
+// Warnings that this process has given, in the order of first occurrence. Warnings that differ only in their figures
+// count as one, with the newest text.
 std::vector<Warning> warnings_given();
 
-// As long as one lives, info and warnings are not said: somebody else will say them.
+// Suppresses info and warnings while an object of this class lives, because somebody else reports them.
 class LogPause {
  public:
   LogPause();

@@ -7,7 +7,7 @@
 
 namespace coslam {
 
-// What printf() would print, whole.
+// The text that printf() would print, of any length.
 template <class... Values>
 std::string printed(const char* format, Values... values) {
   std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');

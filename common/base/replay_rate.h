@@ -6,7 +6,8 @@
 
 namespace coslam {
 
-// What --rate says: a factor of real time, at most 1000; 0 for "max", as fast as the server answers. Throws UsageError.
+// Parses the value of --rate: a factor of real time, at most 1000; 0 for "max", as fast as the server answers. Throws
+// UsageError.
 double parse_replay_rate(const std::string& text);
 
 }  // namespace coslam

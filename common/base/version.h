@@ -4,7 +4,7 @@
 
 namespace coslam {
 
-// Of the product, as in "0.1.0".
+// Version of the product, as in "0.1.0".
 const char* version();
 
 }  // namespace coslam

@@ -7,8 +7,8 @@
 
 namespace coslam {
 
-// Who does the parts of a piece of work: here one after the other, elsewhere several at a time. A part writes where no
-// other reads or writes, so that the answer is the same to the bit.
+// Executes the parts of a piece of work: this class one after the other, derived classes several at a time. A part
+// writes where no other reads or writes, so the result is the same to the bit.
 class Workers {
  public:
   using Part = std::function<void(std::size_t part)>;

@@ -45,7 +45,7 @@ class Fields {
   void field(const std::string& name, std::string& value, const std::string& comment);
   void field(const std::string& name, std::string& value, const Words& allowed, const std::string& comment);
   void field(const std::string& name, Words& value, const std::string& comment);
-  // Whose items may also be sections in a file: `read` makes texts of one.
+  // Converts an item that is a section of a YAML file into texts.
   using ReadSection = Words (*)(const YamlValue& section);
   void field(const std::string& name, Words& value, ReadSection read, const std::string& comment);
 
@@ -67,8 +67,8 @@ class Fields {
   struct Field {
     std::string path;  // dotted, from the root
     std::variant<int*, double*, bool*, std::string*, Words*> value;
-    Bounds<double> bounds{0, 0};  // of numbers
-    Words allowed;                // of texts; empty: any
+    Bounds<double> bounds{0, 0};  // range of a number
+    Words allowed;                // texts that may be given; empty: any
     std::string comment;
     ReadSection read_section = nullptr;
   };
@@ -97,7 +97,7 @@ void load(Config& config, const std::filesystem::path& file) {
   fields_of(config).load(file);
 }
 
-// The same from a text, which stands in `file`.
+// Like load(), from a text; errors name `file` as its origin.
 template <class Config>
 void load_text(Config& config, const std::string& text, const std::filesystem::path& file) {
   fields_of(config).load_text(text, file);
@@ -115,8 +115,8 @@ nlohmann::ordered_json dump_json(Config config) {
   return fields_of(config).json();
 }
 
-// The same as a file with comments that load() reads back to the same values: each key with its sentence and what it
-// may be.
+// The configuration as a YAML file that load() reads back to the same values: each key with its comment and its allowed
+// values.
 template <class Config>
 std::string dump_yaml(Config config) {
   return fields_of(config).yaml();

@@ -11,7 +11,7 @@
 #include "common/base/log.h"
 #include "common/config/config.h"
 
-// What the programs have in common: how they are called and configured, and how they end.
+// Command line, configuration and exit that all programs share.
 namespace coslam {
 
 // --version, --config, --set, --print-config and --log-format.
@@ -41,7 +41,7 @@ void print_config(const std::string& program, const Options& options) {
   print_config_text(program, config::dump_yaml(options));
 }
 
-// Its exit code; what it throws becomes a sentence on standard error.
+// Runs the body of a program and returns its exit code; an exception becomes a sentence on standard error.
 int run_program(const std::string& program, const std::function<int()>& body);
 
 }  // namespace coslam

@@ -17,7 +17,7 @@ class YamlValue;
 // Paths are relative to the file that the rig stands in. Throws UserError with file, line and reason.
 std::vector<RigCamera> read_rig(const YamlValue& rig);
 
-// The same, each as text_of().
+// Reads a rig as texts, one per camera, each as text_of() writes it.
 std::vector<std::string> read_rig_texts(const YamlValue& rig);
 
 }  // namespace coslam

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-// What to answer to a key that nobody knows. Keys are dotted paths from the root, "server.sync.deadline_s".
+// Answers to an unknown configuration key. Keys are dotted paths from the root, "server.sync.deadline_s".
 namespace coslam::config {
 
 // The known keys that `typed` may have meant, best first, three at most: with the section's or the key's own name put

@@ -22,32 +22,32 @@ class YamlValue {
  public:
   // Reads the file; its top level must be a map.
   static YamlValue load(const std::filesystem::path& file);
-  // The same of a text; errors name `file`, where it is from.
+  // Parses a text; errors name `file` as its origin.
   static YamlValue parse(std::istream& text, const std::filesystem::path& file);
 
   bool is_map() const { return node_.IsMap(); }
   bool is_sequence() const { return node_.IsSequence(); }
   bool is_scalar() const { return node_.IsScalar(); }
 
-  // Of a map. A key without a value counts as absent.
+  // Whether a map has the key. A key without a value counts as absent.
   bool has(const std::string& key) const { return find(key).has_value(); }
   std::optional<YamlValue> find(const std::string& key) const;
   YamlValue at(const std::string& key) const;  // throws when missing
   std::vector<std::string> keys() const;
   // Throws for a key that is not among `known` (naming the nearest) and for one that stands twice.
   void allow_only(const std::vector<std::string>& known) const;
-  // The same with a reason of the caller's own for an unknown key.
+  // Like allow_only() above; `unknown` gives the reason in the error for an unknown key.
   using ReasonOf = std::function<std::string(const std::string& key)>;
   void allow_only(const std::vector<std::string>& known, const ReasonOf& unknown) const;
 
-  std::vector<YamlValue> items() const;  // of a sequence
+  std::vector<YamlValue> items() const;  // elements of a sequence
 
   double number() const;
   double number(double min, double max) const;  // bounds included
   std::int64_t integer() const;
   bool boolean() const;
   std::string text() const;
-  std::vector<double> numbers() const;  // of a sequence of numbers
+  std::vector<double> numbers() const;  // elements of a sequence of numbers
 
   const std::filesystem::path& file() const { return *file_; }
   const std::string& key_path() const { return path_; }

@@ -20,7 +20,7 @@ struct CameraInfo;
 // several cameras one has to be named: FILE#CAMERA. Throws UserError with file (and line) and what is wrong.
 CameraModel load_calibration(const std::filesystem::path& name);
 
-// That, with what is to be doubted about it.
+// Camera from a calibration, with the doubts about it.
 struct ReadCalibration {
   CameraModel camera;
   CalibrationDoubt doubt;

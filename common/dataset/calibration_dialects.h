@@ -33,12 +33,12 @@ CameraModel read_camodocal(const YamlValue& root);
 CameraModel read_maplab(const YamlValue& root, const std::string& camera_name);
 CameraModel read_basalt(const YamlValue& root, const std::string& camera);
 CameraModel read_kitti(const YamlValue& root, const std::string& camera);  // calib_cam_to_cam.txt, calib.txt
-CameraModel read_ost(const std::filesystem::path& file);                   // of ROS's camera_calibration
+CameraModel read_ost(const std::filesystem::path& file);                   // format of ROS's camera_calibration
 CameraModel read_opencv_xml(const std::filesystem::path& file);
 CameraModel read_dso(const std::filesystem::path& file);
 CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::string& camera);
 
-SensorCamera read_recorded(const RecordedTopic& topic);  // its first CameraInfo that is calibrated
+SensorCamera read_recorded(const RecordedTopic& topic);  // first calibrated CameraInfo of the topic
 SensorCamera read_info(const ros::CameraInfo& info, const std::string& name);
 
 // A side of the image; what is far out of range stays so.
@@ -55,7 +55,7 @@ void set_distortion(CameraModel& camera, const YamlValue& place, const std::stri
 void set_fit(CameraModel& camera, const YamlValue& place, const char* model, const RadiusOfAngle& radius);
 void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double beta);
 
-// What to do with a file of a form that is not known.
+// Advice in errors about a file of unknown form.
 inline constexpr const char* kOtherForms =
     "write the numbers of another form as width, height, fx, fy, cx, cy, distortion_model and distortion";
 

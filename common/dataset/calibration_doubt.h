@@ -9,11 +9,11 @@
 
 namespace coslam {
 
-// What makes a calibration unlikely, though a camera can be made of it.
+// Reason why a calibration is unlikely, though a camera can be made of it.
 struct CalibrationDoubt {
   std::string text;                // a sentence with the slip that it may come from; empty: no doubt
   bool hopeless = false;           // no lens is like that: who knows nothing of the lens is better off
-  std::optional<double> focal_px;  // that may be right all the same
+  std::optional<double> focal_px;  // focal length that may be right nevertheless
 };
 
 // part: its image is a region of interest, in which the principal point may lie anywhere.

@@ -25,7 +25,7 @@ struct EventRow {
   PointId point, other;
   std::string_view camera;  // the agent's name
   TrackId track;
-  std::string_view to;  // what something became
+  std::string_view to;  // new state
   std::optional<double> a, b;
 };
 

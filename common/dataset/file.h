@@ -17,7 +17,7 @@ std::ofstream create_file(const std::filesystem::path& file, std::ios::openmode 
 // Throws UserError when something written to the file did not get there.
 void close_file(std::ofstream& stream, const std::filesystem::path& file);
 
-// How a warning of an OutputFile goes on.
+// The end of a warning about an OutputFile: what becomes of its data.
 std::string what_becomes_of(bool ended);
 
 // A file of a result while it is written, buffered. Each write() gets there whole or not at all. What a full disk does
@@ -32,7 +32,7 @@ class OutputFile {
 
   // Creates it, and its folders. Throws UserError with the cause.
   OutputFile(std::filesystem::path file, Shows shows);
-  ~OutputFile();  // what was not closed: kAtOnce is complete all the same, kWhole leaves nothing
+  ~OutputFile();  // without close(): a kAtOnce file is complete, a kWhole file is discarded
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 

@@ -17,7 +17,7 @@ RadiusOfAngle field_of_view_lens(double w_rad);
 // The extended unified camera model (Khomutenko et al.), with fx, fy as its files have them.
 RadiusOfAngle extended_unified_lens(double alpha, double beta);
 
-// Of the corner of the image that is farthest from the principal point, in focal lengths.
+// Distance from the principal point to the farthest corner of the image, in focal lengths.
 double farthest_corner(const CameraModel& camera);
 
 struct FittedLens {

@@ -14,11 +14,11 @@ inline constexpr std::string_view kRos2Scheme = "ros2:";
 
 struct LiveTopic {
   std::string topic;                                    // begins with '/'
-  std::optional<int> domain;                            // of DDS, 0 to 232
+  std::optional<int> domain;                            // DDS domain, 0 to 232
   std::vector<std::string> interfaces = {"127.0.0.1"};  // addresses of this host on which the nodes are
 };
 
-// Of a name that begins with kRos2Scheme. Throws UserError: it has another form.
+// Parses a name that begins with kRos2Scheme. Throws UserError: it has another form.
 LiveTopic live_topic(const std::string& name);
 
 }  // namespace coslam

@@ -13,7 +13,7 @@
 // Topics of recordings, which users name bag:PATH#TOPIC, or mcap:PATH#TOPIC, which means the same.
 namespace coslam {
 
-bool names_recorded_topic(std::string_view name);  // by how it begins
+bool names_recorded_topic(std::string_view name);  // tells by the beginning
 
 struct RecordedTopic {
   std::string scheme;  // "bag:" or "mcap:"; empty: it was named by its path alone
@@ -21,7 +21,7 @@ struct RecordedTopic {
   std::string topic;  // empty: the only one that fits
   std::string name() const;
 };
-// Of a name that begins with a scheme, or of a path; relative ones are from that folder.
+// Parses a name that begins with a scheme, or a path; relative ones are from that folder.
 RecordedTopic recorded_topic(const std::string& name, const std::filesystem::path& folder = {});
 
 enum class Wanted : std::uint8_t { kImages, kLenses };

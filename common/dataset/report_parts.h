@@ -13,12 +13,12 @@ namespace coslam {
 
 // {"captured": 300, "tracked": 281, ...}: a number for each fate.
 nlohmann::ordered_json json_of(const ImageAccount& images);
-// Of an agent in a report; all 0 where it has none.
+// Reads the image account of an agent in a report; all 0 where it has none.
 ImageAccount images_of(const nlohmann::json& agent);
 
 // [{"text": "...", "count": 3}, ...], as UTF-8 whatever the texts hold.
 nlohmann::ordered_json json_of(const std::vector<Warning>& warnings);
-// Of an agent or of a report as a whole; empty where it has none.
+// Reads the warnings of an agent or of a whole report; empty where it has none.
 std::vector<Warning> warnings_of(const nlohmann::json& of);
 
 }  // namespace coslam

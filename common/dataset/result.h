@@ -56,13 +56,13 @@ struct ResultDynamicRow {
 struct ResultObjectRow {
   TimeNs t_ns = 0;
   ObjectId object;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the middle, map frame
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // centre, map frame
   Eigen::Vector3d velocity_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // sides of the box along the axes of the map
   std::vector<PointId> members;
 };
 
-struct ResultGroupRow {  // from t_ns on these agents form the group
+struct ResultGroupRow {  // the group that these agents form from t_ns on
   TimeNs t_ns = 0;
   GroupId group;
   std::vector<std::string> agents;
@@ -74,7 +74,7 @@ class CsvWriter {
   std::optional<std::string> take_problem() { return file_.take_problem(); }
   bool ended() const { return file_.ended(); }
   void check() { file_.check(); }  // throws UserError when something could not be written so far
-  void close() { file_.close(); }  // the same
+  void close() { file_.close(); }  // throws like check()
 
  protected:
   CsvWriter(const std::filesystem::path& file, std::string_view header, OutputFile::Shows shows);

@@ -26,7 +26,7 @@ struct SequenceAgent {
   std::vector<TimeSpan> covered;               // played times at which the lens is covered
   std::optional<std::filesystem::path> mask;   // black where nothing is to be tracked
 
-  // Where it was found to begin. How much of an open one is played counts from the beginning of its source.
+  // Sets the start to where the source was found to begin. The duration of an open source counts from its beginning.
   void begin_at(double found_s) {
     if (start_is_open && duration_s) *duration_s -= found_s - start_s;
     start_s = found_s;

@@ -35,9 +35,9 @@ class BackgroundJob {
   BackgroundJob(const BackgroundJob&) = delete;
   BackgroundJob& operator=(const BackgroundJob&) = delete;
 
-  // From start() until the result is taken.
+  // Whether a job is under way: from start() until its result is taken.
   bool busy() const { return busy_; }
-  // Not while busy.
+  // Starts a job; must not be called while busy().
   void start(std::function<Result()> job) {
     COSLAM_CHECK(!busy_, "one job at a time");
     busy_ = true;

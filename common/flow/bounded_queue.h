@@ -17,7 +17,7 @@
 
 namespace coslam {
 
-// What push() does when the queue is full.
+// Reaction of push() to a full queue.
 enum class QueuePolicy : std::uint8_t {
   kDropOldest,  // makes room; the newest matters
   kBlock,       // waits for room; nothing may be lost
@@ -26,9 +26,9 @@ enum class QueuePolicy : std::uint8_t {
 
 struct QueueCounts {
   std::size_t depth = 0;      // waiting now
-  std::size_t peak = 0;       // most that ever waited
-  std::uint64_t dropped = 0;  // by kDropOldest
-  std::uint64_t refused = 0;  // by kRefuse, or because nothing could be dropped, or after close()
+  std::size_t peak = 0;       // maximum of depth so far
+  std::uint64_t dropped = 0;  // items lost with kDropOldest
+  std::uint64_t refused = 0;  // items refused: with kRefuse, when nothing could be dropped, or after close()
 };
 
 // First in, first out, between any number of threads. Thread-safe.
@@ -68,7 +68,7 @@ class BoundedQueue {
     return take(lock);
   }
 
-  // The same, at most until the timeout.
+  // Like pop(), but gives up after the timeout.
   template <class Rep, class Period>
   std::optional<T> pop_for(std::chrono::duration<Rep, Period> timeout) {
     std::unique_lock lock(mutex_);

@@ -19,7 +19,8 @@ inline TimeNs time_of_day_ns() { return now_ns_of<std::chrono::system_clock>(); 
 
 // UTC as this machine had it when it was first asked, and on from there without a jump: what stamps are made of.
 TimeNs utc_now_ns();
-// By so much the time of day was set since: 0 but for jumps of more than 10 ms.
+// Sum of the steps by which the time of day was set since this process began to use the clock; 0 unless it jumped by
+// more than 10 ms.
 TimeNs clock_set_ns();
 
 }  // namespace coslam

@@ -4,8 +4,8 @@
 
 namespace coslam {
 
-// From now on the calling thread runs when others do not need the processor: woken by one of them, it does not take its
-// place. Where the system does not allow it everything stays as it was.
+// Lets the calling thread run only when others do not need the processor: when it wakes up, it does not preempt them.
+// Without effect where the system does not allow it.
 void give_way();
 
 }  // namespace coslam

@@ -44,7 +44,7 @@ class LatestSlot {
     return std::exchange(value_, std::nullopt);
   }
 
-  // The same, at most until the timeout.
+  // Like take(), but gives up after the timeout.
   template <class Rep, class Period>
   std::optional<T> take_for(std::chrono::duration<Rep, Period> timeout) {
     std::unique_lock lock(mutex_);

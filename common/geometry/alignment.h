@@ -14,7 +14,7 @@ enum class AlignmentScale { kFree, kFixed };  // Sim(3) or SE(3)
 
 struct Alignment {
   std::optional<Similarity3> target_from_source;  // empty: see problem
-  double rmse = 0;                                // of |target - target_from_source * source|, in the target's unit
+  double rmse = 0;              // root mean square of |target - target_from_source * source|, in the target's unit
   double target_spread = 0;     // root mean square distance of the target from its mean: what knowing nothing is off by
   bool rotation_unique = true;  // false for points on a line: the turn about it is arbitrary, the residual is not
   const char* problem = "";     // why there is no alignment

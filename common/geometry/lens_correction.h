@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-// What a calibration gets wrong of its lens. A raw pixel
+// Correction of the lens of a calibration. A raw pixel
 //   c + centre + F e^log_focal m,  F = diag(fx e^(-log_aspect/2), fy e^(log_aspect/2))
 // shows what the distortion of the calibration takes to
 //   d = g(u) m + t(m),  g(u) = 1 + sum_j radial_j (P_j(2u - 1) - P_j(-1)),  u = (e^log_focal |m| / R)^2
@@ -42,7 +42,8 @@ struct LensCorrection {
   std::optional<Eigen::Vector2d> normalized_from_raw(const CameraModel& camera, const Eigen::Vector2d& raw_px) const;
 
   Eigen::Vector2d raw_from_undistorted(const CameraModel& camera, const Eigen::Vector2d& undistorted_px) const;
-  // From what the calibration alone makes of a raw pixel, and to it; empty where either cannot be inverted.
+  // Converts between undistorted px and what the calibration alone makes of the raw pixel; empty where one of the two
+  // models cannot be inverted.
   std::optional<Eigen::Vector2d> undistorted_from_calibrated(const CameraModel& camera,
                                                              const Eigen::Vector2d& calibrated_px) const;
   std::optional<Eigen::Vector2d> calibrated_from_undistorted(const CameraModel& camera,
@@ -71,7 +72,7 @@ class CorrectedLens {
 
 // Every pixel of the image that the calibration has a place for has one with the correction, too.
 bool is_invertible(const CameraModel& camera, const LensCorrection& lens);
-// That, with values that the wire carries.
+// Whether is_invertible() holds and all values are in the range that the wire carries.
 bool may_be(const CameraModel& camera, const LensCorrection& lens);
 
 }  // namespace coslam

@@ -20,7 +20,7 @@ struct PointObservation {
   Eigen::Matrix3d point_covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
   bool far = false;  // a far_point(): its covariance is ignorance, so it says nothing of the camera's noise
-  int camera = 0;    // of a rig: which of its cameras sees it
+  int camera = 0;    // index of the camera of the rig that sees the point
 };
 
 // A camera of a rig.
@@ -54,8 +54,8 @@ struct PoseResult {
 PoseResult refine_pose(const CameraModel& camera, std::span<const PointObservation> observations, const Rigid3& initial,
                        const PoseRefinementConfig& config);
 
-// The same for cameras that are fixed to each other: the pose is that of the rig, `cam_from_world` of the result
-// rig_from_world.
+// Like refine_pose() for cameras that are fixed to each other: the pose is that of the rig, `cam_from_world` of the
+// result is rig_from_world.
 PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointObservation> observations,
                            const Rigid3& initial, const PoseRefinementConfig& config);
 

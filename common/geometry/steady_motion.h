@@ -9,13 +9,13 @@
 
 namespace coslam {
 
-// What is known of a camera's pose before anything was seen.
+// Prior of a camera's pose, before the new image is used.
 struct PosePrior {
   Rigid3 cam_from_world;
   Matrix6d covariance = Matrix6d::Zero();  // order of retract()
 };
 
-// What a prior adds to the normal equations of a pose (order of retract()) and to the sum of its losses.
+// Contribution of a prior to the normal equations of a pose (order of retract()) and to the sum of its losses.
 struct PriorTerm {
   Matrix6d a;
   Vector6d b;
@@ -33,12 +33,12 @@ class SteadyMotion {
   // Between images: after longer it may have done anything.
   static constexpr double kLongestGap_s = 0.3;
 
-  // Where it is dt_s after the pose of the image before: there still, when its velocity is not known.
+  // Predicts the pose dt_s after that of the image before; the same pose when the velocity is not known.
   Rigid3 expected(const Rigid3& last_from_world, double dt_s) const;
-  // The same and how sure that is; nothing as long as too little was seen of it.
+  // Predicts the pose with its covariance; empty while the motion has been seen for too short a time.
   std::optional<PosePrior> predict(const Rigid3& last_from_world, double dt_s) const;
-  // Its pose dt_s after the last, and the covariance of that, found with the prediction's help or without. learn: the
-  // pose would stand without it, so it tells how strongly the camera accelerates.
+  // Takes in the pose dt_s after the last, and its covariance, estimated with the help of the prediction or without.
+  // learn: the pose is valid without the prediction, so it tells how strongly the camera accelerates.
   void follow(const Rigid3& last_from_world, const Rigid3& cam_from_world, const Matrix6d& covariance, double dt_s,
               bool learn);
   // Somebody who knows for sure says where it was since_s ago: so its newest pose is `off` (order of retract()) from
@@ -46,7 +46,7 @@ class SteadyMotion {
   void correct(const Vector6d& off, double since_s);
   // The unit of length became shorter by that.
   void rescale(double factor);
-  // Nothing is known of its velocity.
+  // Forgets the velocity.
   void lose() { known_ = false; }
 
  private:
@@ -56,9 +56,9 @@ class SteadyMotion {
 
   bool known_ = false;
   Vector6d velocity_ = Vector6d::Zero();      // a second, order of retract()
-  Matrix12d covariance_ = Matrix12d::Zero();  // of pose and velocity
+  Matrix12d covariance_ = Matrix12d::Zero();  // joint covariance of pose and velocity
   double turn_ = 0, way_ = 0;                 // q of an axis, rad^2 / s^3 and m^2 / s^3
-  double seen_s_ = 0;                         // that they were learned from
+  double seen_s_ = 0;                         // duration that turn_ and way_ were learned from
 };
 
 }  // namespace coslam

@@ -42,7 +42,7 @@ class Reader {
   // A sentence when the file was cut off or its summary is damaged; what there is can be read all the same.
   const std::string& warning() const { return warning_; }
 
-  // From here on: messages of these channels (none: of all) noted at from_ns or later, by that time.
+  // Continues with the messages of these channels (none: of all) noted at from_ns or later, ordered by that time.
   void seek(std::set<std::uint16_t> channels = {}, TimeNs from_ns = 0);
   // Empty at the end. Throws UserError: a chunk is damaged, or compressed in a way that is not known here.
   std::optional<Message> next();
@@ -50,14 +50,14 @@ class Reader {
  private:
   struct Record {
     Opcode opcode{};
-    std::uint64_t offset = 0, length = 0;  // of its content
+    std::uint64_t offset = 0, length = 0;  // position of the content
   };
   // A chunk, or a message outside of any.
   struct Block {
     Opcode opcode{};
     std::uint64_t first_ns = 0, last_ns = 0;
-    std::uint64_t offset = 0, length = 0;  // of the content
-    std::set<std::uint16_t> channels;      // that are in it; empty: not known
+    std::uint64_t offset = 0, length = 0;  // position of the content
+    std::set<std::uint16_t> channels;      // channels with messages in it; empty: not known
   };
   struct Waiting {
     std::uint64_t t_ns = 0, order = 0;
@@ -93,7 +93,7 @@ class Reader {
   std::string warning_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
-  std::vector<Block> blocks_;  // by their first time
+  std::vector<Block> blocks_;  // ordered by first time
 
   std::set<std::uint16_t> wanted_;
   std::uint64_t from_ns_ = 0, order_ = 0;

@@ -40,7 +40,7 @@ enum class Opcode : std::uint8_t {
 
 using Texts = std::map<std::string, std::string>;
 
-// What messages are made of: "ros2msg" and a definition, or "jsonschema" and a schema.
+// Definition of a message type: "ros2msg" and a definition, or "jsonschema" and a schema.
 struct Schema {
   std::uint16_t id = 0;  // 0 is none
   std::string name, encoding, text;
@@ -48,14 +48,14 @@ struct Schema {
 
 struct Channel {
   std::uint16_t id = 0, schema = 0;
-  std::string topic, encoding;  // of its messages: "cdr", "json"
+  std::string topic, encoding;  // encoding of the messages: "cdr", "json"
   Texts metadata;
 };
 
 // A chunk and where its messages are listed. Offsets are from the start of the file, times nanoseconds.
 struct ChunkIndex {
   std::uint64_t first_ns = 0, last_ns = 0;
-  std::uint64_t offset = 0, length = 0;  // of the whole record
+  std::uint64_t offset = 0, length = 0;  // position of the whole record
   std::map<std::uint16_t, std::uint64_t> index_offsets;
   std::uint64_t index_length = 0;
   std::string compression;
@@ -71,7 +71,7 @@ struct Statistics {
 };
 
 struct Footer {
-  std::uint64_t summary = 0, offsets = 0;  // where they start; 0: there is none
+  std::uint64_t summary = 0, offsets = 0;  // start of these sections; 0: absent
   std::uint32_t crc = 0;
 };
 
@@ -162,7 +162,7 @@ std::string record_of(const Channel& channel);
 std::string record_of(const ChunkIndex& index);
 std::string record_of(const Statistics& statistics);
 
-// From the content of a record; what is cut off reads as empty, and `in` is not ok() afterwards.
+// Decodes the content of a record; truncated content reads as empty, and `in` is not ok() afterwards.
 Schema read_schema(OctetReader& in);
 Channel read_channel(OctetReader& in);
 ChunkIndex read_chunk_index(OctetReader& in);

@@ -20,10 +20,10 @@ namespace coslam::mcap {
 enum class Compression : std::uint8_t { kNone, kZstd };
 
 struct WriterConfig {
-  std::string profile = "ros2";  // of the whole file; "" where it is not all ROS 2 messages
+  std::string profile = "ros2";  // profile of the whole file; "" where it is not all ROS 2 messages
   std::string library = "coslam";
   Compression compression = Compression::kZstd;
-  std::size_t chunk_bytes = 1U << 20U;  // of messages, before they are compressed
+  std::size_t chunk_bytes = 1U << 20U;  // size of the messages in a chunk before compression
 };
 
 // Writes an MCAP file, octets in order to `out`: chunks, each followed by the index of its messages, and at the end a
@@ -42,7 +42,7 @@ class Writer {
   // schema: 0 for none. encoding: "cdr", "json".
   std::uint16_t add_channel(const std::string& topic, const std::string& encoding, std::uint16_t schema);
 
-  // Of a channel that was added; times before 0 count as 0. Messages may come in any order of time.
+  // Writes to a channel that was added; times before 0 count as 0. Messages may come in any order of time.
   void write(std::uint16_t channel, TimeNs t_ns, std::span<const std::uint8_t> octets);
   void write(std::uint16_t channel, TimeNs t_ns, std::string_view octets);
 
@@ -65,13 +65,13 @@ class Writer {
   const Out out_;
   const WriterConfig config_;
   std::uint64_t written_ = 0;
-  std::uint32_t crc_ = 0;  // of all so far
+  std::uint32_t crc_ = 0;  // checksum of everything written so far
   std::vector<Schema> schemas_;
   std::vector<Channel> channels_;
   std::map<std::uint16_t, std::uint32_t> sequence_;  // messages of each channel so far
   std::vector<ChunkIndex> chunks_;
 
-  std::string chunk_;  // what is gathered
+  std::string chunk_;  // messages of the open chunk
   std::map<std::uint16_t, std::vector<Entry>> entries_;
   std::uint64_t chunk_first_ns_ = 0, chunk_last_ns_ = 0;
 };

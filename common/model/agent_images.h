@@ -9,13 +9,13 @@
 
 namespace coslam {
 
-// What became of one agent's images, as the server has it.
+// The fates of one agent's images, as the server knows them.
 struct AgentImages {
   std::string agent;
   RunId agent_run, server_run;
   ImageAccount images;
   bool complete = false;  // the agent has ended, and nothing of it is under way any more
-  std::string problem;    // what its user should know of them, a sentence; empty: nothing
+  std::string problem;    // a sentence for the user about problems with these images; empty: no problem
 };
 
 }  // namespace coslam

@@ -13,7 +13,7 @@
 
 namespace coslam {
 
-// Where an agent is, by the server's map: for whoever steers by it.
+// Pose of an agent in the server's map, for whoever steers by it.
 struct AgentPose {
   std::string agent;
   RunId agent_run, server_run;

@@ -11,16 +11,16 @@
 
 namespace coslam {
 
-// What became of an image that a source gave. Each has one fate.
+// Fate of an image that a source gave; each image has exactly one.
 enum class ImageFate : std::uint8_t {
-  kTracked,      // it has a pose in the common map
+  kTracked,      // has a pose in the common map
   kInOtherMaps,  // in a map that could not be brought together with the common one
   kWithoutPose,  // the server used it, and it has none
   kLeftOut,      // the agent did not believe it, see ImageFault
   kNotSent,      // the agent had no time for it, or the link carries less
-  kLost,         // it was sent and did not arrive
-  kLate,         // it arrived when the server was past its instant
-  kOutOfTime,    // its stamp was no time
+  kLost,         // sent, but did not arrive
+  kLate,         // arrived when the server was past its instant
+  kOutOfTime,    // has a stamp that is no valid time
   kSetLeftOut,   // the server had no time for its frame set
 };
 inline constexpr std::size_t kImageFates = 9;
@@ -44,19 +44,19 @@ constexpr ImageFateWords words_of(ImageFate fate) {
   return kWords[static_cast<std::size_t>(fate)];
 }
 
-// What became of all images of one or more cameras.
+// Counts of the images of one or more cameras by their fate.
 struct ImageAccount {
   std::array<std::uint64_t, kImageFates> images{};
 
   std::uint64_t& operator[](ImageFate fate) { return images[static_cast<std::size_t>(fate)]; }
   std::uint64_t operator[](ImageFate fate) const { return images[static_cast<std::size_t>(fate)]; }
-  // What the sources gave: the sum.
+  // Number of images that the sources gave: the sum over all fates.
   std::uint64_t captured() const { return std::accumulate(images.begin(), images.end(), std::uint64_t{0}); }
   double percent(ImageFate fate) const {
     const std::uint64_t all = captured();
     return all == 0 ? 0 : 100 * static_cast<double>((*this)[fate]) / static_cast<double>(all);
   }
-  // All but those that are tracked: "19 not sent in time, 3 lost on the way"; empty: there are none.
+  // Text on the images that were not tracked: "19 not sent in time, 3 lost on the way"; empty: there are none.
   std::string losses() const;
 
   ImageAccount& operator+=(const ImageAccount& other);

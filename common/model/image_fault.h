@@ -14,13 +14,13 @@ enum class ImageFault : std::uint8_t {
   kNone,
   kMissing,      // none came when one was due
   kUnreadable,   // no picture could be made of what came
-  kResized,      // of another size than the first
-  kConcealed,    // its decoder made up what did not arrive
-  kCutOff,       // it ends in one row again and again
+  kResized,      // has another size than the first image
+  kConcealed,    // contains parts that the decoder made up because they did not arrive
+  kCutOff,       // ends in the same row again and again
   kRepeated,     // the image before, bit by bit
   kOutOfOrder,   // an image from earlier, bit by bit
-  kFeatureless,  // nothing is to be seen: dark, dazzled or covered
-  kAlternating,  // of another setting of a camera that takes its images in turn at several; the others are good
+  kFeatureless,  // shows nothing: dark, dazzled or covered
+  kAlternating,  // has another exposure setting, of a camera that alternates between several; the other images are good
 };
 inline constexpr std::size_t kImageFaults = 10;
 

@@ -40,10 +40,10 @@ struct PlacedPose {
   Rigid3 cam_from_world;  // in the epoch of the patch
 };
 
-// Which features of its next image an agent is to describe.
+// Selects the features of the next image that an agent is to describe.
 enum class DescriptorRequest : std::uint8_t {
   kNone,
-  kAtTracks,    // those at its tracks: enough to know a place again
+  kAtTracks,    // features at its tracks: enough for place recognition
   kEverywhere,  // the strongest of the image, which become tracks: to start a map, to be placed, to join another map
 };
 
@@ -59,10 +59,10 @@ struct MapPatch {
   std::string agent;
   RunId server_run;
   RunId agent_run;             // addressee; another run ignores it
-  std::uint32_t sequence = 0;  // from 1, without gaps for one pair of runs; a gap makes the agent ask for a snapshot
+  std::uint32_t sequence = 0;  // from 1 without gaps for a pair of runs; a gap makes the agent ask for a snapshot
   FrameId after_frame;         // the agent's newest frame that this patch has seen; the credit of lock-step replay
   bool snapshot = false;       // `updated` is the whole local map: forget all other bindings
-  MapEpoch epoch;              // of every position and pose in here
+  MapEpoch epoch;              // epoch of every position and pose in here
   Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
   std::optional<ContinuedMap> continues;  // while the agent speaks of the map of a server before this one
   std::optional<PlacedPose> placed;
@@ -73,9 +73,9 @@ struct MapPatch {
   DescriptorRequest descriptor_request = DescriptorRequest::kNone;  // answer with DescriptorReply at the next frame
   GroupId group;
   bool scale_known = false;
-  TimeNs sent_ns = 0;       // by the server's clock; 0 in lock-step
+  TimeNs sent_ns = 0;       // clock of the server; 0 in lock-step
   float uplink_wait_s = 0;  // how much longer than at best the agent's newest frame was under way
-  TimeNs received_ns = 0;   // by the agent's, UTC; not on the wire
+  TimeNs received_ns = 0;   // clock of the agent, UTC; not on the wire
 };
 
 }  // namespace coslam

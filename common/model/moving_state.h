@@ -17,7 +17,7 @@ struct MovingPointState {
   ObjectId object;                                                             // 0 = in none
   Eigen::Vector3f position = Eigen::Vector3f::Zero();                          // map frame, metres when scale_known
   Eigen::Matrix<float, 6, 1> covariance = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz
-  std::uint8_t cameras = 0;                                                    // that saw it at this instant
+  std::uint8_t cameras = 0;  // number of cameras that saw it at this instant
 };
 
 struct MovingObjectState {
@@ -28,7 +28,7 @@ struct MovingObjectState {
   std::uint16_t points = 0;
 };
 
-// What moves in one map at the instant of one frame set, understandable alone.
+// Moving points and objects of one map at the instant of one frame set; can be read without other messages.
 struct MovingState {
   RunId server_run;
   MapId map;
@@ -36,11 +36,12 @@ struct MovingState {
   TimeNs t_ns = 0;  // capture time
   bool scale_known = false;
   std::uint32_t left_out = 0;              // points and objects there was no room for
-  std::vector<MovingObjectState> objects;  // those of most points first
+  std::vector<MovingObjectState> objects;  // sorted by number of points, most first
   std::vector<MovingPointState> points;    // the most certain first
 };
 
-// It travels in one datagram: a point more would be fragments, of which a lost one loses all.
+// Limits that keep the message within one datagram: a larger one would be sent in fragments, and losing one fragment
+// loses all.
 constexpr std::size_t kMostMovingObjects = 12;
 constexpr std::size_t most_moving_points(std::size_t objects) { return 23 - objects; }
 

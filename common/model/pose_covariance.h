@@ -16,10 +16,10 @@ using PoseCovariance = Eigen::Matrix<float, 6, 6>;  // order of retract(): rotat
 // by rows without the diagonal: n is (n - 127) / 127.
 using PoseCovarianceCode = std::array<std::uint8_t, 21>;
 
-// What is not finite or negative counts as 0.
+// Quantises a covariance; entries that are not finite or negative count as 0.
 PoseCovarianceCode code_of_pose_covariance(const PoseCovariance& covariance);
 bool is_valid(const PoseCovarianceCode& code);                           // codes a positive semi-definite matrix
-PoseCovariance decoded_pose_covariance(const PoseCovarianceCode& code);  // of a valid one
+PoseCovariance decoded_pose_covariance(const PoseCovarianceCode& code);  // requires is_valid(code)
 // Quantising twice changes nothing.
 PoseCovariance quantised_pose_covariance(const Eigen::Matrix<double, 6, 6>& covariance);
 

@@ -13,7 +13,7 @@ namespace coslam {
 // A message for the public in its public form, on its way to whoever hands it on.
 struct PublicSample {
   std::string topic;  // "/coslam/map/points"
-  std::string type;   // of ROS 2, or "json"
+  std::string type;   // ROS 2 type, or "json"
   TimeNs t_ns = 0;    // capture time
   std::vector<std::uint8_t> octets;
 };

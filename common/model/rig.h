@@ -16,7 +16,7 @@ struct RigCamera {
   Rigid3 cam_from_first;      // p_in_cam = cam_from_first * p_in_first
 };
 
-// As one text: "CAMERA FIRST x y z qx qy qz qw".
+// Writes the camera as one text: "CAMERA FIRST x y z qx qy qz qw".
 std::string text_of(const RigCamera& camera);
 // Throws UserError with the reason.
 RigCamera parse_rig_camera(std::string_view text);

@@ -17,7 +17,7 @@ namespace coslam {
 
 constexpr std::uint16_t kProtocolVersion = 14;
 
-// How an agent plays its source.
+// Playback mode of an agent's source.
 enum class Pacing : std::uint8_t {
   kLive,      // real time: drops what it has no time for
   kLockstep,  // --rate max: frame n + 1 waits for the server's patch after frame n; nothing is dropped
@@ -37,10 +37,10 @@ enum class AgentState : std::uint8_t { kWaiting, kRunning, kFinished };
 
 // A word from the server and the agent's answer, for what their clocks differ by. All 0: none.
 struct ClockExchange {
-  TimeNs sent_ns = 0;      // by the server's clock
-  TimeNs received_ns = 0;  // by the agent's
-  TimeNs replied_ns = 0;   // by the agent's
-  TimeNs arrived_ns = 0;   // by the server's; not on the wire
+  TimeNs sent_ns = 0;      // clock of the server
+  TimeNs received_ns = 0;  // clock of the agent
+  TimeNs replied_ns = 0;   // clock of the agent
+  TimeNs arrived_ns = 0;   // clock of the server; not on the wire
 };
 
 // Heartbeat of an agent, once a second and on every change of state.
@@ -55,7 +55,7 @@ struct AgentStatus {
   ImageFault image_fault = ImageFault::kNone;  // why its images are not to be believed now; none: they are
   std::uint32_t tracks = 0;
   float frame_ms = 0;       // mean time of one step
-  ClockExchange exchange;   // of agents whose stamps are of their clock
+  ClockExchange exchange;   // set when the stamps of the agent's images are of its own clock
   std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
   // When finished: what the last image shows, since nobody can ask for it any more.
   std::optional<DescriptorReply> last_image;
@@ -71,13 +71,13 @@ struct Refusal {
 struct ServerStatus {
   RunId server_run;
   std::uint16_t protocol = kProtocolVersion;
-  bool started = false;     // all who are waited for are here: play
+  bool started = false;     // all expected agents are here: play
   bool stopping = false;    // the server ends: finish
   TimeNs start_utc_ns = 0;  // live replay: played time 0 is this instant
   std::uint32_t frame_sets = 0;
   std::uint32_t points = 0;
   std::vector<std::string> agents;  // the first 64 reach the others: name those that are here first
-  std::vector<Refusal> refused;     // by run, since the agent that holds the name must not take it for itself
+  std::vector<Refusal> refused;     // listed by run, since the agent that holds the name must not take it for itself
 };
 
 // Why the server turned this run away; empty when it did not.

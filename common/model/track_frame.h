@@ -40,12 +40,12 @@ struct TagObservation {
   std::array<Eigen::Vector2f, 4> undistorted_px;  // on the grid of quantised_px()
   friend bool operator==(const TagObservation&, const TagObservation&) = default;
 };
-// What one frame may carry.
+// Limits of what one frame may carry.
 constexpr std::size_t kMaxTracks = 2048;
 constexpr std::size_t kMaxTags = 16;
 
 enum class PoseState : std::uint8_t {
-  kNone,     // not placed in the map yet
+  kNone,     // never placed in the map
   kTracked,  // cam_from_world and its covariance are valid
   kLost,     // was placed; the pose is the last good one and must not be used
 };
@@ -59,22 +59,22 @@ struct TrackFrame {
   RunId agent_run;
   FrameId frame;
   TimeNs capture_ns = 0;
-  TimeNs clock_set_ns = 0;  // by so much the time of day was set since its agent began; capture_ns does not follow
+  TimeNs clock_set_ns = 0;  // change of the time of day since the agent began; capture_ns does not follow it
 
   PoseState pose_state = PoseState::kNone;
-  RunId server_run;  // whose map the pose is in; 0 before the first patch
+  RunId server_run;  // run of the server whose map the pose is in; 0 before the first patch
   MapEpoch epoch;    // the map epoch in which the pose is expressed
   Rigid3 cam_from_world;
   // Order of retract(): rotation, translation; as quantised_pose_covariance() leaves it. In the map, with what its
   // points are wrong together; not how far the map as a whole is off.
   PoseCovariance pose_covariance = PoseCovariance::Zero();
-  bool on_own_points = false;  // it rests on points that the server has not, too
+  bool on_own_points = false;  // the pose also rests on points that the server does not have
   std::uint16_t pose_inliers = 0;
   float hull_fraction = 0.0f;  // convex hull of the inliers over the image area
 
   std::uint32_t applied_patch = 0;  // sequence number of the last map patch processed, 0 = none
   bool wants_snapshot = false;      // a patch was missed: send everything bound to my tracks again
-  bool images_doubted = false;      // as a whole the images of my camera are not to be believed now, see AgentStatus
+  bool images_doubted = false;      // the images of this camera are not to be believed now, see AgentStatus
   bool narrow_link = false;         // my link carries little: map patches of one datagram
   std::uint16_t patches_sent = 0;   // image patches that travel apart for this frame, see PatchReply
   DescriptorsSent descriptors_sent = DescriptorsSent::kNone;
@@ -89,7 +89,7 @@ using PatchGrey = std::array<std::uint8_t, kPatchBytes>;
 
 struct ImagePatch {
   TrackId track;
-  PatchGrey grey{};  // as quantised_patch() leaves it
+  PatchGrey grey{};  // grey values as quantised_patch() leaves them
 };
 
 // The wire carries 4 bits a pixel: grey values in steps of 2^shift, the finest in which a patch spans at most 16 steps.
@@ -98,7 +98,7 @@ constexpr int kPatchSteps = 16;
 int patch_shift(const PatchGrey& grey);
 PatchGrey quantised_patch(const PatchGrey& grey);
 
-// Which part of an answer: the wire carries them in parts, see common/wire/reply_parts.h.
+// Position of a part in a reply: the wire carries replies in parts, see common/wire/reply_parts.h.
 struct ReplyPart {
   std::uint16_t number = 0, of = 1;
 };

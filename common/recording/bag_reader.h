@@ -36,13 +36,13 @@ class BagReader final : public Recording {
   struct Record {
     std::vector<char> header;
     BagFields fields;                    // views of the header, which stays in its place when it is moved
-    std::uint64_t data = 0, length = 0;  // where its data lies
+    std::uint64_t data = 0, length = 0;  // position of the data
     std::uint64_t end() const { return data + length; }
   };
   // A chunk, or a message outside of any.
   struct Chunk {
     TimeNs first_ns = 0;
-    std::uint64_t offset = 0;  // of the record
+    std::uint64_t offset = 0;  // position of the record
     std::set<Connection> connections;
   };
   struct Waiting {
@@ -76,8 +76,8 @@ class BagReader final : public Recording {
   std::uint64_t size_ = 0;
   std::string warning_;
   std::vector<Topic> topics_;
-  std::vector<std::set<Connection>> connections_;  // of each topic
-  std::vector<Chunk> chunks_;                      // by their first time
+  std::vector<std::set<Connection>> connections_;  // connections of each topic
+  std::vector<Chunk> chunks_;                      // ordered by first time
 
   std::size_t played_ = 0;
   std::size_t next_chunk_ = 0;

@@ -25,7 +25,7 @@ std::unique_ptr<Recording> open_parts(const std::vector<std::filesystem::path>& 
 std::unique_ptr<Recording> open_folder(const std::filesystem::path& folder);
 bool is_folder_of_recordings(const std::filesystem::path& folder);
 
-// By the first octets of a file.
+// Container format of a file, told by its first octets.
 enum class Container : std::uint8_t { kNone, kMcap, kDb3, kBag, kZstd };
 Container container_of(const std::filesystem::path& file);
 // Whether a name ends as those of recordings do: ".mcap", ".db3", ".bag", and these with ".zstd" or ".zst".

@@ -21,8 +21,8 @@ namespace coslam::recording {
 
 struct ProtobufField {
   std::uint64_t number = 0;
-  std::uint64_t value = 0;  // of a varint, or of 4 or 8 octets
-  std::string_view octets;  // of text, a list or a message
+  std::uint64_t value = 0;  // value of a varint, or of 4 or 8 octets
+  std::string_view octets;  // content of a text, list or message
 };
 
 // The fields of a message in the order in which they stand; empty: damaged, or of a kind that is no longer written.

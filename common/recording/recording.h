@@ -16,8 +16,8 @@ namespace coslam::recording {
 
 struct Topic {
   std::string name;      // "/left/image_raw"
-  std::string type;      // as the file has it: "sensor_msgs/msg/Image", "sensor_msgs/Image", "foxglove.RawImage"
-  std::string encoding;  // of its messages: "cdr", "ros1", "protobuf", "json"
+  std::string type;      // spelled as in the file: "sensor_msgs/msg/Image", "sensor_msgs/Image", "foxglove.RawImage"
+  std::string encoding;  // encoding of the messages: "cdr", "ros1", "protobuf", "json"
   friend bool operator==(const Topic&, const Topic&) = default;
 };
 
@@ -39,7 +39,8 @@ class Recording {
   // A sentence when the recording was cut off or something of it is missing; the rest is read all the same.
   virtual const std::string& warning() const = 0;
 
-  // From here on the messages of one of topics(), from the first on, by the time at which they were noted.
+  // Starts playing the messages of one of topics() from the beginning, in the order of the times at which they were
+  // noted.
   virtual void play(std::size_t topic) = 0;
   // Empty at the end. Throws UserError where the recording is damaged.
   virtual std::optional<Message> next() = 0;

@@ -63,7 +63,7 @@ class CdrWriter {
   template <class T>
   void put_items(std::span<const T> items) {
     if constexpr (Number<T>) {
-      if (items.empty()) return;  // nothing to align
+      if (items.empty()) return;  // an empty list needs no alignment
       align(sizeof(T));
       append(items.data(), items.size_bytes());
     } else {
@@ -132,7 +132,7 @@ class CdrReader {
       while (ok_ && list.size() < count) get(list.emplace_back());
     }
   }
-  // Where they lie in what is read.
+  // Gives the octets as a view into the input.
   void get(std::span<const std::uint8_t>& octets) {
     const std::size_t count = get_count();
     const std::uint8_t* from = take(count);

@@ -13,7 +13,7 @@
 // the fields' numbers in its protobuf, in the same order.
 namespace coslam::ros::foxglove {
 
-// What all of them begin with.
+// First field of all these messages.
 struct Stamped {
   static constexpr const char* kType = "foxglove_msgs/Stamped";
   static constexpr std::array kNumbers = {1};

@@ -12,7 +12,7 @@
 
 namespace coslam::ros {
 
-// Those that are topics; the others are parts of them.
+// Messages that are topics; the others are parts of them.
 using Messages =
     std::tuple<String, PoseStamped, PoseArray, PoseWithCovarianceStamped, TransformStamped, TFMessage, Odometry, Path,
                PointCloud2, Image, CompressedImage, CameraInfo, Marker, MarkerArray, Detection3DArray, VehicleOdometry>;

@@ -13,7 +13,7 @@ struct VehicleOdometry {
   enum Frame : std::uint8_t { kUnknown = 0, kNed = 1, kFrd = 2, kBodyFrd = 3 };
   using Vector = std::array<float, 3>;
   std::uint64_t timestamp = 0, timestamp_sample = 0;  // microseconds
-  std::uint8_t pose_frame = kUnknown;                 // of position and q
+  std::uint8_t pose_frame = kUnknown;                 // frame of position and q
   Vector position{};                                  // NaN where a number is not known, here and below
   std::array<float, 4> q{};                           // w x y z: pose frame from body (FRD)
   std::uint8_t velocity_frame = kUnknown;

@@ -15,8 +15,8 @@
 #include "common/ros/cdr.h"
 #include "common/ros/std_messages.h"
 
-// What ROS 1 nodes write: numbers one after the other, little endian; strings and lists behind their count. Structs are
-// those of ROS 2, whose headers lack the number that headers of ROS 1 begin with.
+// Encoding of ROS 1 messages: numbers one after the other, little endian; strings and lists behind their count. The
+// structs are those of ROS 2, whose headers lack the number that headers of ROS 1 begin with.
 namespace coslam::ros {
 
 // Trusts nothing, as CdrReader.

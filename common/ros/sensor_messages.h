@@ -79,7 +79,7 @@ struct ImageWith {
   }
 };
 using Image = ImageWith<std::vector<std::uint8_t>>;
-using ImageView = ImageWith<std::span<const std::uint8_t>>;  // only read: its octets stay where they are
+using ImageView = ImageWith<std::span<const std::uint8_t>>;  // read only: the octets stay in the input
 
 struct CompressedImage {
   static constexpr const char* kType = "sensor_msgs/CompressedImage";
@@ -93,7 +93,7 @@ struct CompressedImage {
   }
 };
 
-// Of ffmpeg_image_transport for ROS 2: one frame of a video.
+// One frame of a video, as ffmpeg_image_transport publishes it in ROS 2.
 struct FfmpegPacket {
   static constexpr const char* kType = "ffmpeg_image_transport_msgs/FFMPEGPacket";
   Header header;

@@ -88,12 +88,12 @@ const TypeText& type_text() {
   return kText;
 }
 
-// Of the messages in messages.h, by their name; null: not one of them.
+// Finds one of the messages in messages.h by its name; null: not one of them.
 const TypeText* find_type(std::string_view name);
 
-// What ROS 2 nodes name "/left/image_raw" is "rt/left/image_raw" over DDS.
+// DDS topic of a ROS 2 topic: "/left/image_raw" becomes "rt/left/image_raw".
 std::string dds_topic_of(const std::string& topic);
-// The other way round; empty: not a topic of messages.
+// ROS 2 topic of a DDS topic; empty: not a topic of messages.
 std::optional<std::string> topic_of_dds(std::string_view dds_topic);
 // "sensor_msgs/msg/Image" of "sensor_msgs::msg::dds_::Image_"; other names stay as they are.
 std::string type_of_dds(const std::string& dds_type);

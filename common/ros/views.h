@@ -11,8 +11,8 @@
 #include "common/ros/sensor_messages.h"
 #include "common/ros/view_messages.h"
 
-// What the map's public topics say, from plain values: the same live, in files and over DDS. Coordinates are in the
-// frame of the header.
+// Content of the map's public topics as plain values, equal live, in files and over DDS. Coordinates are in the frame
+// of the header.
 namespace coslam::ros {
 
 struct StaticPoint {

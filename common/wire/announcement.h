@@ -14,17 +14,17 @@
 
 namespace coslam {
 
-// What a participant of DDS, of ours or not, says of itself to all again and again.
+// Announcement that any DDS participant, also of other products, repeats to all.
 struct Announcement {
   ParticipantKey key{};
   std::array<std::uint8_t, 2> vendor{};
   std::string name;                     // empty: it says none
-  std::vector<Ipv4Endpoint> endpoints;  // where it can be told of others
+  std::vector<Ipv4Endpoint> endpoints;  // addresses where it accepts announcements of others
 };
 
 bool is_rtps(std::span<const std::uint8_t> datagram);
 
-// Of a datagram. Empty for any other, and for nonsense; whatever it holds, nothing outside is read.
+// Reads a datagram. Empty when it is no announcement or is malformed; never reads outside of the datagram.
 std::optional<Announcement> read_announcement(std::span<const std::uint8_t> datagram);
 
 }  // namespace coslam

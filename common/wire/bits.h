@@ -28,7 +28,7 @@ class BitWriter {
 
   // A number below `bound`: those that come first are a bit shorter when the bound is no power of two.
   void put_below(std::uint32_t value, std::uint32_t bound) {
-    if (bound == 0) return;  // there is none
+    if (bound == 0) return;  // no value is below 0
     const int bits = std::bit_width(bound) - 1;
     const std::uint32_t shorter = (2U << bits) - bound;
     if (value < shorter) return put(value, bits);
@@ -36,7 +36,7 @@ class BitWriter {
     put((value + shorter) & 1U, 1);
   }
 
-  // As many numbers as the reader knows to be there, in the Rice code that is shortest for them.
+  // Writes a list, whose size the reader knows, in the Rice code that is shortest for it.
   void put_list(std::span<const std::uint32_t> values, int raw_bits) {
     const int k = best_parameter(values, raw_bits);
     put(static_cast<std::uint64_t>(k), kRiceParameterBits);
@@ -84,7 +84,7 @@ class BitReader {
   explicit BitReader(std::span<const std::uint8_t> octets) : octets_(octets) {}
 
   bool ok() const { return ok_; }
-  // Nothing is left but the padding of the last octet.
+  // Whether only the padding of the last octet is left.
   bool at_end() {
     const std::size_t left = 8 * octets_.size() - at_;
     return ok_ && left < 8 && get(static_cast<int>(left)) == 0;
@@ -129,7 +129,7 @@ class BitReader {
     while (high < kRiceEscape && get(1) == 1) ++high;
     if (high == kRiceEscape) {
       const std::uint32_t value = get(raw_bits);
-      return value >> k >= kRiceEscape ? value : fail();  // else there is a shorter way to write it
+      return value >> k >= kRiceEscape ? value : fail();  // a shorter code would exist otherwise
     }
     const std::uint64_t value = static_cast<std::uint64_t>(high) << k | get(k);
     return value >> raw_bits == 0 ? static_cast<std::uint32_t>(value) : fail();

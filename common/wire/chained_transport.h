@@ -11,7 +11,7 @@
 
 #include <chrono>
 
-// Only for the sources of this folder: what transports that sit on another one have in common.
+// Common parts of the transports that wrap another one; only for the sources of this folder.
 namespace coslam {
 
 namespace rtps = eprosima::fastdds::rtps;

@@ -10,7 +10,7 @@
 #include "common/geometry/rigid3.h"
 #include "common/wire/codec.h"
 
-// What decoders check values with. Each returns the first problem, or nothing. For the codec only.
+// Checks of values for decoders. Each returns the first problem, or nothing. For the codec only.
 namespace coslam {
 
 using Problem = std::optional<Rejection>;

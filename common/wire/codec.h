@@ -50,10 +50,10 @@ idl::ServerStatus encode(const ServerStatus& status);
 
 // kMissingReference when the message needs another reference than this one.
 Decoded<TrackFrame> decode(const idl::TrackFrame& message, const TrackReference& reference = {});
-Decoded<TrackFrame> decode_header(const idl::TrackFrame& message);  // all but the tracks and tags, for who only listens
+Decoded<TrackFrame> decode_header(const idl::TrackFrame& message);  // without tracks and tags, for passive readers
 Decoded<DescriptorReply> decode(const idl::DescriptorReply& message);
 Decoded<PatchReply> decode(const idl::PatchReply& message);
-Decoded<Hello> decode(const idl::Hello& message);  // of any protocol version, see Admission
+Decoded<Hello> decode(const idl::Hello& message);  // accepts any protocol version, see Admission
 Decoded<AgentStatus> decode(const idl::AgentStatus& message);
 Decoded<MapPatch> decode(const idl::MapPatch& message);
 Decoded<MovingState> decode(const idl::MovingState& message);

@@ -20,7 +20,7 @@ struct LinkBytes {
 // Why a sample was not used. The decoder finds the first group, Admission and the joiner the second, the guard
 // around the middleware the third.
 enum class Rejection : std::uint8_t {
-  kMalformed,        // not decodable: truncated or overlong
+  kMalformed,        // cannot be decoded: truncated or overlong
   kNotFinite,        // NaN or infinity
   kOutOfRange,       // a number, coordinate or enumerator outside its range
   kTooMany,          // a count above its bound
@@ -30,7 +30,7 @@ enum class Rejection : std::uint8_t {
   kBadRotation,      // quaternion far from unit norm
   kBadText,          // empty, too long or unprintable name or text
 
-  kWrongProtocol,     // another protocol version
+  kWrongProtocol,     // speaks another protocol version
   kUnknownAgent,      // no hello from this run (yet)
   kWrongRun,          // a run that was replaced, refused, is another process's, or is not the addressee
   kDuplicate,         // seen before

@@ -24,14 +24,14 @@ using EchoOctets = std::array<std::uint8_t, kEchoBytes>;
 
 struct EchoRequest {
   std::uint64_t number = 0;       // comes back in the answer
-  std::uint16_t answer_port = 0;  // of the host that asks; 0: where the question came from
+  std::uint16_t answer_port = 0;  // port on the asking host; 0: where the question came from
 };
 
 struct EchoAnswer {
   std::uint64_t number = 0;
   TimeNs answered_ns = 0;  // UTC by the clock of the host that answers
   std::uint16_t protocol = 0;
-  std::string name;  // of the participant
+  std::string name;  // name of the participant
 };
 
 EchoOctets encode(const EchoRequest& request);

@@ -10,7 +10,7 @@
 #include "common/wire/counters.h"
 #include "common/wire/guard.h"
 
-// Only for the sources of this folder: the headers are heavy.
+// Internal header of this folder: it includes much of the middleware.
 namespace coslam {
 
 // A transport that seals what it sends over `carrier` and passes on what it can open: the middleware, which stops the

@@ -25,7 +25,7 @@ enum class Presence : std::uint8_t {
   kGone,    // ended, or unheard for WireConfig::lease_s
 };
 
-// Where a sample came from and what it cost.
+// Origin and cost of a received sample.
 struct Sample {
   WriterId writer;
   std::uint64_t bytes = 0;

@@ -25,9 +25,9 @@
 // that what an agent says about its frames does not overtake them.
 namespace coslam {
 
-enum class Way : std::uint8_t { kUp, kDown };  // from an agent to the server, or from the server
+enum class Way : std::uint8_t { kUp, kDown };  // up: from an agent to the server; down: from the server
 
-// How soon a lost sample of a reliable topic is sent again. kSoon costs two small datagrams each time, and where a
+// Delay until a lost sample of a reliable topic is sent again. kSoon costs two small datagrams each time, and where a
 // sample that seems lost is still in a queue it makes the queue longer. The middleware cannot change it for a writer.
 enum class Repeat : std::uint8_t { kUsual, kSoon };
 
@@ -71,7 +71,7 @@ inline constexpr std::tuple kMessageTypes{
     // The newest state.
     MessageType<AgentStatus, class AgentStatusPubSubType, coslam::AgentStatus>{
         {.name = "coslam/agent", .way = Way::kUp, .late_joiners = true, .reader_depth = 2}},
-    // Its writer's liveliness is the agent's sign of life.
+    // The liveliness of the writer of Hello is the agent's sign of life.
     MessageType<Hello, class HelloPubSubType, coslam::Hello>{
         {.name = "coslam/hello", .way = Way::kUp, .late_joiners = true, .reader_depth = 4, .sign_of_life = true}},
     // Every patch, in order. Not kept for late joiners: an agent that missed some asks for a snapshot. The depth is
@@ -108,7 +108,7 @@ namespace coslam {
 using idl::kMessageTypes;
 constexpr std::size_t kTopicCount = std::tuple_size_v<decltype(kMessageTypes)>;
 
-// By their place in the list.
+// The topics in the order of kMessageTypes.
 inline constexpr std::array<Topic, kTopicCount> kTopics =
     std::apply([](const auto&... type) { return std::array{type.topic...}; }, kMessageTypes);
 

@@ -15,7 +15,7 @@
 namespace coslam {
 
 struct OctetTopic {
-  std::string name, type;  // as DDS has them
+  std::string name, type;  // DDS names
   bool reliable = true;
   bool late_joiners = false;  // the writer keeps the newest samples for readers that come later (transient local)
   int depth = 1;              // samples that are kept

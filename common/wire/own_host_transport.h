@@ -7,7 +7,7 @@
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <memory>
 
-// Only for the sources of this folder: the headers are heavy.
+// Internal header of this folder: it includes much of the middleware.
 namespace coslam {
 
 // A transport for participants of the loopback device alone. Others of this machine that name its other addresses, as

@@ -50,7 +50,7 @@ class Unpacker {
     return value;
   }
 
-  // Also empty when the number does not fit 32 bits or is written longer than needed.
+  // Reads a varint; empty also when the number does not fit 32 bits or is written longer than needed.
   std::optional<std::uint32_t> get_varint() {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 35; shift += 7) {

@@ -29,10 +29,11 @@ std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool w
 // The IPv4 addresses of this machine now.
 std::vector<std::string> local_addresses();
 
-// Those of them by which others reach a participant with these settings; of the loopback device where it has no other.
+// The local addresses by which others reach a participant with these settings; that of the loopback device where there
+// is no other.
 std::vector<std::string> addresses_used(const WireConfig& config);
 
-// Those of a peer as in WireConfig, which may be a name. Throws UserError.
+// The addresses of a peer as in WireConfig, which may be a name. Throws UserError.
 std::vector<std::string> addresses_of_peer(const std::string& peer);
 
 // Variables of the environment that steer the middleware, for the ROS 2 nodes beside; participants here ignore them.
@@ -42,14 +43,14 @@ constexpr std::array<const char*, 5> kIgnoredVariables = {"ROS_DISCOVERY_SERVER"
 
 const char* middleware_version();
 
-// What a writer of somebody else offers.
+// Topic that a writer of another participant offers.
 struct OfferedTopic {
-  std::string name, type;  // as DDS has them
+  std::string name, type;  // DDS names
   bool reliable = false;
   friend auto operator<=>(const OfferedTopic&, const OfferedTopic&) = default;
 };
 
-// This process's presence in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
+// The presence of this process in a DDS domain. Lives longer than the writers and loops made from it. Thread-safe.
 class Participant {
  public:
   // `name` is what other participants and operators' tools see. Throws UserError, in one sentence: domain out of
@@ -66,9 +67,9 @@ class Participant {
   std::array<TopicCounts, kTopicCount> counts() const;
   // Names of the other participants that are known now. One is known before anything it says can be heard.
   std::vector<std::string> others() const;
-  // Where they say that they can be reached.
+  // Addresses that the other participants announce for themselves.
   std::vector<std::string> addresses_of_others() const;
-  // What their writers offer now, whether it is read here or not; in order, each once.
+  // Topics that the writers of others offer now, whether they are read here or not; sorted, without duplicates.
   std::vector<OfferedTopic> offered() const;
   // Samples that could not be decoded and datagrams without the key are counted here; links add what they turn down
   // later.
@@ -114,7 +115,7 @@ class Writer {
   // Hands the message to the middleware and returns the bytes it costs; 0 when it could not take it.
   std::uint64_t write(const Message& message) { return writer_.write(&message, sample_bytes(message)); }
   void assert_alive() { writer_.assert_alive(); }    // a sign of life, for topics that have one
-  void forget() { writer_.forget(); }                // what was written: it is not sent again, or not at all
+  void forget() { writer_.forget(); }                // drops written samples: they are not sent again, or not at all
   int readers() const { return writer_.readers(); }  // matched now
 
  private:

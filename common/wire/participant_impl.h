@@ -41,7 +41,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
 
   WireConfig config;
   dds::DomainParticipant* participant = nullptr;
-  int id = 0;  // its number, which gives its ports
+  int id = 0;  // number that determines the ports
   std::array<Counts, kTopicCount> counts;
   std::shared_ptr<RejectionCounts> rejections;
   PeerPaths paths;
@@ -54,7 +54,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
     std::vector<std::string> addresses;
   };
   std::map<eprosima::fastrtps::rtps::GUID_t, Other> others;
-  std::map<eprosima::fastrtps::rtps::GUID_t, OfferedTopic> offered;  // by writer
+  std::map<eprosima::fastrtps::rtps::GUID_t, OfferedTopic> offered;  // keyed by writer
 
   // Both take note, on threads of the middleware.
   void on_participant_discovery(dds::DomainParticipant*,
@@ -98,7 +98,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
     paths.set_peer(key, endpoints);
   }
 
-  // One of kTopics, created at first use.
+  // The topic kTopics[index], created at first use.
   dds::Topic* topic(std::size_t index);
 
   std::uint64_t cost(std::size_t sample_bytes) const {

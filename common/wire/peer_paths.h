@@ -18,8 +18,9 @@ namespace coslam {
 // The prefix of the GUIDs of a participant of DDS.
 using ParticipantKey = std::array<std::uint8_t, 12>;
 
-// By which of its addresses a peer is written to that has several, as of Wi-Fi and a radio: by one of those at which
-// it was heard of late, or every byte would go as often as there are ways to it. By all of them as long as none was.
+// Chooses the address to which a peer with several is written, as one on Wi-Fi and a radio: one at which it was heard
+// of late, since otherwise every byte would be sent once per path. All addresses are used as long as the peer was heard
+// on none.
 //
 // Of two participants the one with the smaller key leads. It keeps to the first way on which it hears the other. The
 // other answers on the way on which it heard the leader last. Where that one is silent for kFresh, as after a cable was
@@ -44,7 +45,7 @@ class PeerPaths {
     int datagrams = 0, datagrams_before = 0;  // in this second and in the one before
   };
   struct Peer {
-    std::map<std::uint32_t, Path> paths;  // by address
+    std::map<std::uint32_t, Path> paths;  // keyed by address
     std::optional<std::uint32_t> chosen;
     TimePoint chosen_at, second;
   };

@@ -29,10 +29,10 @@ class PartJoiner {
  public:
   explicit PartJoiner(std::size_t bound) : bound_(bound) {}
 
-  // As decode() gives it. Not taken, or another one lost for it, when the result names a reason.
+  // Adds a part from decode(). The result names a reason when the part was refused, or another one was dropped for it.
   std::optional<Rejection> add(Reply part);
-  bool has(FrameId frame) const;             // all of it
-  std::optional<Reply> take(FrameId frame);  // all of it; empty when some of it is missing
+  bool has(FrameId frame) const;             // whether all parts are there
+  std::optional<Reply> take(FrameId frame);  // takes the whole reply; empty when parts are missing
   std::optional<FrameId> oldest_complete() const;
 
  private:
@@ -42,7 +42,7 @@ class PartJoiner {
     std::size_t missing = 0;
   };
   const std::size_t bound_;
-  std::deque<Gathered> gathered_;  // as they came
+  std::deque<Gathered> gathered_;  // in order of arrival
 };
 
 extern template Decoded<PatchReply> in_one(std::vector<PatchReply> parts);

@@ -11,10 +11,10 @@
 // The DDS domain of ROS 2 nodes.
 namespace coslam {
 
-// Of the variable ROS_DOMAIN_ID; empty: it is not set. Throws UserError: no number of a domain.
+// The domain in the variable ROS_DOMAIN_ID; empty: it is not set. Throws UserError: no number of a domain.
 std::optional<int> ros_domain_id();
 
-// How the nodes' domain is joined on these addresses of this host; none: on all.
+// Settings to join the domain of ROS 2 nodes on these addresses of this host; none: on all.
 WireConfig ros_wire(int domain, const std::vector<std::string>& interfaces = {"127.0.0.1"});
 
 }  // namespace coslam

@@ -13,7 +13,7 @@
 #include "common/wire/echo.h"
 #include "common/wire/peer_paths.h"
 
-// Only for the sources of this folder: the headers are heavy.
+// Internal header of this folder: it includes much of the middleware.
 namespace coslam {
 
 // A transport that sends each datagram once to a peer that has several addresses, by `paths`, which outlives it, and

@@ -27,21 +27,21 @@ class FrameMemory {
   const Entry* find(FrameId frame) const;
 
  private:
-  std::deque<Entry> entries_;  // as they came
+  std::deque<Entry> entries_;  // in the order they were added
 };
 
 // The agent's end. Thread-compatible.
 class TrackEncoder {
  public:
-  // Where the reference is older, on a link where much waits, one frame in eight stands alone: the server may have lost
-  // its references without anybody knowing. With one older still all do.
+  // Ages of the reference frame, reached on a link where much waits. Above the first, one frame in eight is coded
+  // alone, because the server may have lost its references without anybody knowing; above the second every frame is.
   static constexpr TimeNs kOldReference_ns = 1'000'000'000, kOldestReference_ns = 4'000'000'000;
 
   explicit TrackEncoder(double px_scale) : px_scale_(px_scale) {}
 
   // `acknowledged`: the newest frame that the present server has answered, if any.
   idl::TrackFrame encode(const TrackFrame& frame, std::optional<FrameId> acknowledged);
-  // The same frame once more, understandable alone.
+  // Encodes the frame once more without a reference.
   idl::TrackFrame encode_alone(const TrackFrame& frame) const { return coslam::encode(frame, px_scale_); }
 
  private:

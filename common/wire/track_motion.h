@@ -8,7 +8,7 @@
 
 #include "common/wire/coded_tracks.h"
 
-// Where tracks of an earlier frame are expected now: what both ends of the link compute alike, bit for bit. For the
+// Predicts where the tracks of an earlier frame are now; both ends of the link compute it alike, bit for bit. For the
 // codec only.
 namespace coslam {
 
@@ -43,7 +43,7 @@ class TrackPredictor {
   TrackPredictor(const CommonMotion& motion, std::size_t count);
 
   Units predict(Units from);
-  // Where the track last predicted is.
+  // Reports the position of the track that was predicted last.
   void observe(Units to);
 
  private:
@@ -55,7 +55,7 @@ class TrackPredictor {
 
   const CommonMotion motion_;
   std::vector<Deviation> seen_;
-  Units moved_;  // of the track last predicted, by the common motion alone
+  Units moved_;  // the track predicted last, moved by the common motion alone
   Units from_;
 };
 

@@ -8,19 +8,19 @@
 
 namespace coslam {
 
-// What a UDP datagram holds, as the middleware counts.
+// Size limit of a UDP datagram, as the middleware counts.
 constexpr int kMostMessageBytes = 65'500;
 
-// Where and how a process joins the network. Times and rates must be the same on all hosts unless the comment says
-// otherwise.
+// Settings with which a process joins the network. Times and rates must be the same on all hosts unless the comment
+// says otherwise.
 struct WireConfig {
   int domain = 0;                       // DDS domain, 0 to 232: processes in different domains do not see each other
   std::vector<std::string> interfaces;  // IPv4 addresses of this host to use; empty = all
   std::vector<std::string> peers;       // IPv4 addresses or names to call instead of multicast: on agents, the server's
   std::vector<std::string> also_call;   // besides: where others were before this process joined anew; no setting
-  bool own_host = false;                // those of this host that name its other addresses are reached on the loopback
-                                        // device; for ROS 2 alone, no setting
-  int peer_range = 4;                   // participants on each peer that are called; every announcement goes to all
+  bool own_host = false;     // processes of this host that name its other addresses are reached on the loopback device;
+                             // for ROS 2 alone, no setting
+  int peer_range = 4;        // participants on each peer that are called; every announcement goes to all
   std::string certificates;  // directory with ca.pem, cert.pem, key.pem, governance.p7s, permissions.p7s of this
                              // process; empty = no security
   std::string key_file;      // the fleet's key, see guard.h; the same content on all hosts; empty = whoever can send

@@ -30,13 +30,13 @@ class MapKeeper final : public SetObserver {
   // Throws UserError when the file cannot be used; it is not changed then.
   MapKeeper(const std::filesystem::path& file, const KeepConfig& config, MapServer* server);
 
-  // What frames are dated now of agents that have gone on since the map was saved; empty without a map.
+  // Present date of the frames of agents that have gone on since the map was saved; empty without a map.
   std::optional<TimeNs> date_now_ns() const;
 
   // Before the first frame of each set is given to the server: times begin anew with a recording that is played again,
   // but in a map they only grow.
   void before_frame(TimeNs capture_ns);
-  // What the file has of a camera that was put down before this server, in the order of time.
+  // Visits the frames in the file of a camera that left memory before this server began, in the order of time.
   void for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const;
   // Keeps what left the map's memory, which only the file has then; saves when it is time and the disk is not behind.
   void after_set(const SetOutcome& outcome, const ServerView& view) override;

@@ -21,7 +21,7 @@ struct ReportedAgent {
   CameraId camera;
   AgentStatus last_status;
   ImageAccount images;
-  std::string problem;  // what its user should know of them; empty: nothing
+  std::string problem;  // a sentence for the user about problems with the images; empty: none
 };
 
 // Frames that did not become part of a frame set that was used.

@@ -27,7 +27,7 @@ class LiveView {
 
   SetObserver& observer() { return teller_; }
 
-  // Where a browser finds it.
+  // Address of the page for a browser.
   std::string url() const { return web_.url(); }
   std::string url(const std::string& address) const { return web_.url(address); }
 

@@ -10,8 +10,8 @@
 
 namespace coslam {
 
-// What the public is told of a run, into an MCAP file as it happens. What cannot be written is said once, and mapping
-// goes on without.
+// Writes the public messages of a run into an MCAP file as they occur. A write error is logged once, and mapping goes
+// on without the file.
 class McapFile final : public PublicSink {
  public:
   // Throws UserError: it is there already, or cannot be made.

@@ -20,7 +20,7 @@ class McapSink final : public PublicSink {
   void put(const MessagePtr& message) override;
   PartSet parts() const override { return kAllParts; }
 
-  void flush() { writer_.flush(); }  // who follows the file reads so far
+  void flush() { writer_.flush(); }  // makes all messages so far readable for a program that follows the file
   void close() { writer_.close(); }  // the end of the file
 
  private:

@@ -10,13 +10,13 @@
 
 namespace coslam {
 
-// How uncertain the paths of a map are while it grows: asked from time to time, in a thread beside, so that it takes
-// little of the processor. Of the map's thread.
+// Estimates how uncertain the paths of a map are while it grows: from time to time, in a background thread, so that it
+// takes little of the processor. Called from the map's thread.
 class PathWatch {
  public:
   // After a frame set: begins to look when it is due, and takes what was found.
   void look(const MapServer& server, std::chrono::steady_clock::time_point now);
-  // As last found, of a camera in the largest map; empty: not looked at yet.
+  // Newest estimate for a camera in the largest map; empty: none yet.
   std::optional<PathError> of(CameraId camera) const;
 
  private:
@@ -27,7 +27,7 @@ class PathWatch {
   std::chrono::steady_clock::time_point due_;
   std::chrono::steady_clock::duration planning_{};
   PathErrors paths_;
-  std::optional<BackgroundJob<Found>> beside_;  // from the first look on
+  std::optional<BackgroundJob<Found>> beside_;  // created at the first look
 };
 
 }  // namespace coslam

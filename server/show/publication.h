@@ -15,7 +15,7 @@ class Publication {
  public:
   // The sinks outlive it.
   explicit Publication(std::vector<PublicSink*> sinks);
-  ~Publication();  // what was put is told first
+  ~Publication();  // publishes what was put before
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
 

@@ -56,7 +56,7 @@ class Admission {
   bool is_refused(RunId run) const;
 
   const std::chrono::milliseconds patience_;
-  std::map<std::string, Seat> seats_;  // by name
+  std::map<std::string, Seat> seats_;  // keyed by name
   std::vector<Refusal> refused_;       // the newest
   std::vector<Hello> admitted_;
 };

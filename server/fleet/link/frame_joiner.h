@@ -27,7 +27,7 @@ class FrameJoiner {
 
   explicit FrameJoiner(Pacing pacing) : pacing_(pacing) {}
 
-  // What arrives, in any order. Not taken when the result names a reason.
+  // Takes a message; the order of arrival does not matter. The result names a reason when it was refused.
   std::optional<Rejection> add(TrackFrame frame, Instant now);
   std::optional<Rejection> add(PatchReply part);
   std::optional<Rejection> add(DescriptorReply part);

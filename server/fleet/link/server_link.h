@@ -46,7 +46,7 @@ struct AgentGone {
 // A Hello whose name is known but whose run is new means that the agent was restarted.
 using ServerEvent = std::variant<Hello, JoinedFrame, AgentStatus, AgentSilent, AgentGone>;
 
-// What the link lost or did twice, for the report.
+// Counts of what the link lost or did twice, for the report.
 struct ServerLinkCounts {
   std::uint64_t dropped_frames = 0;  // live: events dropped because the map thread was late
   std::uint64_t late_replies = 0;    // replies that missed their frame
@@ -80,8 +80,8 @@ class ServerLink {
   // Public messages, for bridges; from any thread.
   virtual bool public_wanted() const { return false; }
   virtual void send_public(const PublicSample& /*sample*/) {}
-  // What a camera sees, for somebody who looks now: asks its agent for an image, once a second at most, and returns the
-  // newest of the last 5 s, if there is one. From any thread.
+  // Returns an agent's newest image of the last 5 s, if there is one, and asks the agent for a new one, once a second
+  // at most. Callable from any thread.
   virtual std::optional<Thumbnail> thumbnail(const std::string& /*agent*/) { return std::nullopt; }
   // Publishes the status; the link adds its own refusals (same name twice, another protocol) to status.refused.
   virtual void send_status(const ServerStatus& status) = 0;

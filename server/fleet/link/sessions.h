@@ -17,8 +17,8 @@
 
 namespace coslam {
 
-// What the server's ends of all links have in common, whatever carries the messages: decodes, admits, joins, counts,
-// and turns samples into events. Nothing of a run is delivered before the way back to it is open. Pure: time is an
+// The common part of the server's ends of all links, whatever carries the messages: decodes, admits, joins, counts, and
+// turns samples into events. Nothing of a run is delivered before the way back to it is open. Pure: time is an
 // argument. Thread-compatible.
 class Sessions {
  public:
@@ -38,7 +38,7 @@ class Sessions {
   std::vector<RunId> waiting() const;
   void open(RunId run);
   std::vector<RunId> runs() const;
-  bool said_ready(RunId run) const { return early_.contains(run); }  // by a status
+  bool said_ready(RunId run) const { return early_.contains(run); }  // told by a status
   bool knows(RunId run) const { return admission_.find(run) != nullptr; }
 
   void refuse(const Hello& hello, const std::string& reason);

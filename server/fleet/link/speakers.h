@@ -12,11 +12,12 @@
 
 namespace coslam {
 
-// Who says what: a process speaks for the run of its first Hello, and nobody else does. So an agent gone wrong takes no
-// other's name and no more than one seat. Thread-compatible.
+// Binds each process to the run of its first Hello: only that process may send messages of the run. So a faulty agent
+// takes no other's name and no more than one seat. Thread-compatible.
 class Speakers {
  public:
-  // Also true of a run that nobody spoke for yet: what comes ahead of its Hello is for others to judge.
+  // Whether the writer may send for the run; also true while no process is bound to the run, because messages ahead of
+  // its Hello are judged elsewhere.
   bool may_say(RunId run, const WriterId& writer, bool is_hello);
   std::optional<RunId> run_of(const WriterId& writer) const;
   void gone(const WriterId& writer) { run_of_.erase(process_of(writer)); }

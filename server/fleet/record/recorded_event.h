@@ -9,13 +9,13 @@
 #include "server/fleet/link/server_link.h"
 #include "server/fleet/record/recording_file.h"
 
-// What a recording holds as records, and back. What agents sent is held as the messages of the wire, made and checked
-// by its codec; tracks are coded alone. Equal to the bit after both ways.
+// Encodes the content of a recording as records, and decodes it. Messages of agents are stored as those of the wire,
+// made and checked by its codec; tracks are coded without reference frames. A round trip is equal to the bit.
 namespace coslam {
 
-// What it takes to repeat a run beside the events.
+// Data that is needed to repeat a run, beside the events.
 struct RecordingHead {  // NOLINT(bugprone-exception-escape): moving JSON throws nothing
-  std::string version;  // of the program that recorded
+  std::string version;  // version of the recording program
   RunId server_run;     // poses of agents say whose map they are in
   TimeNs utc_ns = 0;    // when the recording began, by both clocks of its machine
   TimeNs monotonic_ns = 0;
@@ -25,7 +25,7 @@ struct RecordingHead {  // NOLINT(bugprone-exception-escape): moving JSON throws
 Record encode_head(const RecordingHead& head);
 Record encode_event(const ServerEvent& event, TimeNs t_ns);
 
-// What to tell the user of a head whose messages are of another protocol; else empty.
+// Sentence for the user when the messages of the head are of another protocol; else empty.
 std::optional<std::string> foreign_protocol(const Record& record);
 // Empty when the record is not one that the functions above make.
 std::optional<RecordingHead> decode_head(const Record& record);

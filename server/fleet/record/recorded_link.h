@@ -23,7 +23,7 @@ class RecordedLink : public LinkToNobody {
   explicit RecordedLink(const std::filesystem::path& file, double rate = 0);
 
   const RecordingHead& head() const { return recording_.head(); }
-  // Of the recorded machine's clocks, now.
+  // Present time by the clocks of the recorded machine.
   TimeNs monotonic_ns() const { return recording_.head().monotonic_ns + now_ns(); }
   TimeNs utc_ns() const { return recording_.head().utc_ns + now_ns(); }
   TimeNs now_ns() const;  // since the recording began
@@ -37,7 +37,7 @@ class RecordedLink : public LinkToNobody {
 
   Recording recording_;
   const double rate_;
-  const TimeNs opened_ns_;  // by the clock of this machine
+  const TimeNs opened_ns_;  // clock of this machine
   TimeNs stepped_ns_ = 0;   // without a rate: what time it is
   std::optional<TimedEvent> next_;
 };

@@ -29,7 +29,7 @@ class Recording {
   // Empty at the end, or where it was cut off.
   std::optional<TimedEvent> next();
   bool cut_off() const { return over_ && !ended_; }
-  // How far it was read; at the end how long it lasted.
+  // Time of the event that was read last; at the end the duration of the recording.
   TimeNs t_ns() const { return t_ns_; }
 
  private:
@@ -48,7 +48,7 @@ class Recording {
 
 struct RecordingSummary {
   RecordingHead head;
-  TimeNs t_ns = 0;  // how long it lasted
+  TimeNs t_ns = 0;  // duration
   bool cut_off = false;
 };
 // Reads all of it once, so that one that is damaged is told of before anything starts. Throws UserError.

@@ -72,7 +72,7 @@ class RecordReader {
   std::filesystem::path file_;
   std::ifstream stream_;
   std::uint64_t left_bytes_ = 0;  // in the file
-  std::uint64_t number_ = 0;      // of the record that was read last, from 1
+  std::uint64_t number_ = 0;      // number of the record that was read last, from 1
   TimeNs last_ns_ = 0;
   bool cut_off_ = false;
 };

@@ -32,11 +32,11 @@ class Recorder {
   TimeNs now_ns() const;  // since the recording began
   // Neither ever waits for the disk.
   void add(ServerEvent event, TimeNs t_ns);
-  void end();  // of the recording, now: what is added later is left out
+  void end();  // ends the recording; events added later are ignored
 
  private:
   struct Item {
-    std::optional<ServerEvent> event;  // none: the end
+    std::optional<ServerEvent> event;  // empty: end of the recording
     TimeNs t_ns = 0;
   };
   void push(Item item);
@@ -59,7 +59,7 @@ class RecordingLink : public ServerLink {
   RecordingLink(ServerLink& link, const std::filesystem::path& file, RecordingHead head)
       : link_(link), recorder_(file, std::move(head)) {}
 
-  void end() { recorder_.end(); }  // of the recording: events that are taken later are not in it
+  void end() { recorder_.end(); }  // ends the recording; events taken later are not in it
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
   bool at_work() const override { return link_.at_work(); }
   std::string join_options() const override { return link_.join_options(); }
@@ -79,7 +79,7 @@ class RecordingLink : public ServerLink {
  private:
   ServerLink& link_;
   Recorder recorder_;
-  std::optional<TimeNs> taken_ns_;  // of the events that are being taken
+  std::optional<TimeNs> taken_ns_;  // time of the events that are being taken
 };
 
 }  // namespace coslam

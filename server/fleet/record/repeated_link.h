@@ -16,7 +16,7 @@ namespace coslam {
 
 struct Repeats {
   int times = 1;       // each recorded agent plays its recording
-  int fleets = 1;      // of the recorded agents, side by side, each a part of the recording behind the one before
+  int fleets = 1;      // copies of the recorded agents, side by side, each starting at another part of the recording
   double pause_s = 1;  // between two times
 };
 
@@ -33,7 +33,7 @@ class RepeatedLink : public LinkToNobody {
   TimeNs monotonic_ns() const { return head_.monotonic_ns + now_ns_; }
   TimeNs utc_ns() const { return head_.utc_ns + now_ns_; }
   TimeNs now_ns() const { return now_ns_; }  // played
-  TimeNs length_ns() const;                  // of all
+  TimeNs length_ns() const;                  // played time of all repetitions
   bool over() const;
 
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
@@ -41,10 +41,10 @@ class RepeatedLink : public LinkToNobody {
  private:
   struct Fleet {
     int number = 0, time = 0;
-    TimeNs begins_ns = 0;  // this time
+    TimeNs begins_ns = 0;  // start of the present repetition, played time
     std::unique_ptr<Recording> recording;
     std::optional<TimedEvent> next;
-    TimeNs due_ns = 0;  // of it
+    TimeNs due_ns = 0;  // played time of `next`
   };
   void take_next(Fleet& fleet);
   void begin(Fleet& fleet);
@@ -54,7 +54,7 @@ class RepeatedLink : public LinkToNobody {
   Repeats repeats_;
   RecordingHead head_;
   TimeNs first_ns_ = 0;   // when the first recorded frame was taken
-  TimeNs period_ns_ = 0;  // of a fleet's times
+  TimeNs period_ns_ = 0;  // played time from one repetition of a fleet to the next
   std::vector<Fleet> fleets_;
   TimeNs now_ns_ = 0;
 };

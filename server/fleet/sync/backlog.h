@@ -28,11 +28,11 @@ class Backlog {
 
  private:
   struct Served {
-    double sets = 0;  // what was long ago counts less
+    double sets = 0;  // decaying count of sets
     TimeNs at_ns = 0;
   };
   double served(CameraId camera, TimeNs now_ns) const;
-  double least_served(const FrameSet& set) const;  // of its cameras
+  double least_served(const FrameSet& set) const;  // minimum of served() over the cameras of the set
 
   std::deque<FrameSet> waiting_;
   std::map<CameraId, Served> served_;

@@ -30,8 +30,8 @@ class ClockEstimate {
   Line fit() const;
   std::optional<double> predicted_s(double at_s) const;
 
-  TimeNs origin_ns_ = 0;       // of the server's time
-  TimeNs offset_zero_ns_ = 0;  // that offsets are counted from: doubles would not tell nanoseconds of years
+  TimeNs origin_ns_ = 0;       // server time that `at` seconds count from
+  TimeNs offset_zero_ns_ = 0;  // zero of the offsets: doubles cannot hold nanoseconds of years
   std::deque<Sample> samples_;
   int strays_ = 0;  // in succession
 };

@@ -15,7 +15,7 @@
 namespace coslam {
 
 struct SyncConfig {
-  double tolerance_frames = 0.55;  // of the frame period: frames this close belong to one instant
+  double tolerance_frames = 0.55;  // share of the frame period: frames this close belong to one instant
   double deadline_s = 0.4;         // live: how long the others wait for the last
   int queue_frames = 90;           // waiting per agent at most; the oldest goes first
 };
@@ -39,9 +39,9 @@ class FrameSetSync {
   void add(CameraId camera, double rate_hz, bool lockstep);
   // Sets are numbered on from this one.
   void begin_after(SetId set) { next_set_ = set.value + 1; }
-  // It will send no more; what it sent is still used.
+  // Marks a camera that will send no more; frames that it sent are still used.
   void finish(CameraId camera);
-  // Not waited for until it sends again.
+  // Stops waiting for a camera until it sends again.
   void set_silent(CameraId camera);
 
   // False when the frame is older than the last set made (too late to use).
@@ -49,7 +49,7 @@ class FrameSetSync {
   // The next set when everyone who is waited for is there, or the deadline has passed.
   std::optional<FrameSet> pop(TimeNs now_ns);
 
-  // Whom the next set waits for.
+  // Cameras that the next set waits for.
   std::vector<CameraId> blocking() const;
   // Older frames are too late.
   std::optional<TimeNs> past_ns() const { return last_t_ns_; }
@@ -64,9 +64,9 @@ class FrameSetSync {
   struct Member {
     bool lockstep = false, finished = false, silent = false;
     TimeNs period_ns = 0;
-    std::optional<TimeNs> newest_ns;   // of the frames that were used
+    std::optional<TimeNs> newest_ns;   // capture time of the newest frame that was used
     std::deque<TimeNs> steps_ns;       // between the last of them
-    TimeNs lag_ns = 0, lag_at_ns = 0;  // how long after their capture its frames arrive, at most lately
+    TimeNs lag_ns = 0, lag_at_ns = 0;  // recent maximum of the time from capture to arrival of its frames
     std::deque<Waiting> queue;
   };
 

@@ -12,8 +12,8 @@ namespace coslam {
 // Counts what becomes of the images of one agent, by what it says and what arrives. Pure. Thread-compatible.
 class ImageTally {
  public:
-  // Another process of the same name: what the one before said still counts. heard_of: the images that it had before
-  // are not of this run, as of an agent that outlived a server.
+  // Starts counting for another process of the same name; the counts of the one before remain. heard_of: images from
+  // before its first message are not of this run, as of an agent that outlived a server.
   void begin(bool heard_of);
   void heard(const AgentStatus& status);
   // A frame arrived; then one of the others follows.
@@ -31,11 +31,11 @@ class ImageTally {
 
   std::uint64_t frames_posed() const { return posed_; }
   std::uint64_t frames_used() const { return posed_ + unposed_; }
-  // Nothing that arrived waits to be used.
+  // Whether no frame that arrived still waits to be used.
   bool all_known() const { return undecided() == 0; }
 
  private:
-  // Of one process, as it says.
+  // Counts that one process reports about itself.
   struct Said {
     std::uint64_t sent = 0, not_sent = 0, left_out = 0;
   };
@@ -44,9 +44,9 @@ class ImageTally {
   std::uint64_t undecided() const;
 
   Said before_, newest_;
-  Said base_;                                     // of the newest process, to be taken off
+  Said base_;                                     // counts of the newest process from before this run, to be subtracted
   bool base_open_ = false;                        // the next word tells it
-  std::uint64_t arrived_ = 0, arrived_then_ = 0;  // then: when the newest word came
+  std::uint64_t arrived_ = 0, arrived_then_ = 0;  // arrived_then_: value of arrived_ at the newest status
   std::uint64_t late_ = 0, out_of_time_ = 0, set_left_out_ = 0, posed_ = 0, unposed_ = 0;
 };
 

@@ -25,8 +25,8 @@ namespace coslam {
 // argument; the server's may begin anywhere but never steps. Thread-compatible.
 class StampWatch {
  public:
-  // What frames of an agent should be dated when they arrive at the server's time 0: UTC for cameras, played time for
-  // recordings. Either is right for the first agent.
+  // Takes the expected stamps of frames that arrive at the server's time 0: UTC for cameras, played time for
+  // recordings. The first agent may fit either.
   explicit StampWatch(std::vector<TimeNs> expected_at_zero_ns) : expected_ns_(std::move(expected_at_zero_ns)) {}
   void expect(TimeNs at_zero_ns) { expected_ns_.push_back(at_zero_ns); }
 
@@ -34,14 +34,14 @@ class StampWatch {
   // more than 60 Hz, or at more than 530 Hz whatever it says, are thinned: each would be a frame set of its own, which
   // the others' wait behind.
   void add(CameraId camera, const std::string& name, double rate_hz);
-  // Of an agent whose stamps are of its clock.
+  // Takes in an exchange with an agent whose stamps are of its own clock.
   void exchange(CameraId camera, const ClockExchange& stamps);
   // When a frame that arrives now was taken; ascending. Empty: it is not to be used.
   std::optional<TimeNs> place(CameraId camera, TimeNs capture_ns, TimeNs now_ns);
 
   // How much longer than at best its newest frame was under way.
   double wait_s(CameraId camera) const;
-  // What is added to an agent's stamps.
+  // Correction that is added to an agent's stamps.
   TimeNs correction_ns(CameraId camera) const;
   std::uint64_t refused() const { return refused_; }
   // Sentences for the log since the last call.
@@ -63,11 +63,11 @@ class StampWatch {
     TimeNs correction_ns = 0;
     bool trusted = false;
     std::optional<TimeNs> newest_ns;  // given out
-    double lag_s = 0, heard_s = 0;    // of the newest frame that was used
-    Floor alone, beside_others;       // of the lag, and of its difference to that of the others, lately
-    Floor ever;                       // of the lag: no more than clocks drift
+    double lag_s = 0, heard_s = 0;    // lag and arrival of the newest frame that was used
+    Floor alone, beside_others;       // recent minimum of the lag, and of its difference to that of the others
+    Floor ever;                       // minimum of the lag over the whole run: it changes no more than clocks drift
     std::deque<Held> held;            // lags of the frames that were held back in succession
-    bool said = false;                // that its stamps are no times
+    bool said = false;                // a warning was given that its stamps are no times
     ClockEstimate clock;
   };
 

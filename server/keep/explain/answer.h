@@ -13,7 +13,7 @@ namespace coslam::explain {
 struct Question {
   std::string kind;            // point, track or camera
   std::string id;              // number, AGENT/TRACK, AGENT
-  std::optional<double> at_s;  // of the run; absent: the whole life
+  std::optional<double> at_s;  // time in the run; absent: the whole life
 };
 
 struct Answer {

@@ -12,7 +12,7 @@
 
 #include "server/estimator/map/journal.h"
 
-// What events.csv holds, by whom it concerns.
+// The events of events.csv, indexed by the points, tracks, cameras and maps they concern.
 namespace coslam::explain {
 
 // Index into EventLog::events.
@@ -25,16 +25,16 @@ struct TrackKey {
 };
 
 struct EventLog {
-  // How the file ends: with the run, at its bound, or without an end: the run goes on or was cut off.
+  // End of the file: the end of the run, the size limit, or none: the run goes on or was cut off.
   enum class End : std::uint8_t { kRunIsOver, kFull, kNone };
 
   std::vector<Event> events;         // figures that the file does not hold are NaN
   std::vector<std::string> cameras;  // names, by CameraId: in the order of their first events
   End end = End::kNone;
-  TimeNs start_ns = 0;  // of the run: times are told from there
-  TimeNs end_ns = 0;    // of the newest line
+  TimeNs start_ns = 0;  // start of the run: texts count times from there
+  TimeNs end_ns = 0;    // time of the newest line
   // Ascending.
-  std::unordered_map<PointId, std::vector<At>> of_point;  // also as the other one of a fusion
+  std::unordered_map<PointId, std::vector<At>> of_point;  // includes fusions in which the point is the other one
   std::map<TrackKey, std::vector<At>> of_track;
   std::map<CameraId, std::vector<At>> of_camera;  // no events of its tracks
   std::vector<At> of_maps;

@@ -15,11 +15,11 @@ namespace coslam::explain {
 struct Entry {
   TimeNs t_ns = 0;
   std::string text;  // a sentence without its end
-  // What it says something about ("phase", "cam0/12"), and what that is from here on ("static"); empty: nothing more.
+  // Aspect that the entry is about ("phase", "cam0/12"), and its value from here on ("static"); empty: no aspect.
   std::string aspect, now;
   // Entries with the same one that follow each other are told as one: "misses of cam0/12".
   std::string fold;
-  std::optional<double> sigmas;  // of which the largest is told then
+  std::optional<double> sigmas;  // distance in standard deviations; of folded entries the largest is printed
   At at = 0;
   bool told = true;  // otherwise it only says what is so from here on
 };
@@ -38,7 +38,7 @@ std::optional<Life> life_of_camera(const EventLog& log, CameraId camera);
 
 // The whole life, a line each, repeated events told as one.
 std::string told(const EventLog& log, const Life& life);
-// What it was at an instant (of the log's clock, not of the run), and why.
+// State of the thing at an instant (of the log's clock, not of the run), and the reason.
 std::string told_at(const EventLog& log, const Life& life, TimeNs t_ns);
 
 }  // namespace coslam::explain

@@ -22,7 +22,7 @@ std::string name(const EventLog& log, const TrackKey& track);
 inline TrackKey track_of(const Event& e) { return {e.camera.value_or(CameraId()), e.track}; }
 // "on trial", "static", "moving".
 std::string words(PointPhase phase);
-// What befell a whole map: it moved or became part of another.
+// Describes an event of a whole map: it moved or became part of another.
 std::string map_sentence(const Event& event);
 std::string miss_sentence(const std::string& who, const Event& event);
 

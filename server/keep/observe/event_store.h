@@ -50,7 +50,7 @@ class EventStore {
   SetId set_;
   TimeNs t_ns_ = 0;
   bool ended_ = false;
-  std::optional<std::uintmax_t> goes_on_at_;  // where the end for now is
+  std::optional<std::uintmax_t> goes_on_at_;  // position of the provisional end
   std::optional<std::string> warning_;
 };
 

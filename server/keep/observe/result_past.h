@@ -17,15 +17,15 @@
 
 namespace coslam {
 
-// Which points moved as one at an instant.
+// Points that moved as one object at an instant.
 struct SeenObject {
   TimeNs t_ns = 0;
   ObjectId id;
   std::vector<PointId> members;
 };
 
-// What a result needs of the part of a run that is no longer in memory. What is read is where the map now has it.
-// Reading throws UserError. Thread-compatible.
+// The part of a run that is no longer in memory, as far as a result needs it. Positions are read as the map now has
+// them. Reading throws UserError. Thread-compatible.
 class ResultPast {
  public:
   explicit ResultPast(const std::filesystem::path& folder) : file_(folder) {}

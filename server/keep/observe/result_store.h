@@ -24,7 +24,8 @@ class ResultStore {
   // Makes the folder. Throws UserError when it cannot be written, or holds a run already.
   explicit ResultStore(const std::filesystem::path& folder, const EventsConfig& events = {});
 
-  // What leaves the server's memory, in the order in which it left; before record() of the same step.
+  // Takes what leaves the server's memory, in the order in which it left; to be called before record() of the same
+  // step.
   void take(const PastPart& past);
   // After each step of the server. What cannot be written is said in the log, once for each file.
   void record(const FrameSet& set, const MapServer& server);
@@ -32,7 +33,7 @@ class ResultStore {
   // place of the one before in one step. Throws UserError, one sentence, when some could not be written; all others
   // are.
   void write(const MapServer& server, const nlohmann::ordered_json& report);
-  // The same for the last time, after the server's own finish.
+  // Like write(), for the last time, after the server's own finish.
   void finish(const MapServer& server, const nlohmann::ordered_json& report);
 
  private:
@@ -55,13 +56,13 @@ class ResultStore {
   // Poses as the agents published them, by camera and the map whose frame they are in.
   std::map<CameraId, std::map<MapId, Trajectory>> live_;
   std::map<CameraId, std::vector<std::pair<MapEpoch, MapId>>>
-      told_;  // which map an agent was told of, from each epoch on
+      told_;  // map that an agent was told to be in, from each epoch on
   std::map<std::string, std::unique_ptr<TrackStore>> tracks_;
-  std::vector<std::string> not_made_;  // what was wrong with the others
+  std::vector<std::string> not_made_;  // problems with the track files that could not be made
   GroupWriter groups_;
   EventStore events_;
   std::vector<SeenObject> objects_;
-  ResultPast past_;  // what memory holds no more of all that
+  ResultPast past_;  // earlier data that is no longer in memory
   std::vector<std::vector<CameraId>> last_groups_;
 };
 

@@ -11,8 +11,8 @@
 
 namespace coslam {
 
-// What a process puts out of its memory for as long as it lives: a file without a name that goes with the process. What
-// cannot be written, as on a full disk, stays in memory and is tried again. Made when something is put into it.
+// Takes data out of memory while the process lives, into a file without a name that vanishes with the process. Data
+// that cannot be written, as on a full disk, stays in memory and is tried again. The file is made at the first use.
 // Thread-compatible.
 class SpillFile {
  public:
@@ -40,7 +40,7 @@ class SpillFile {
   std::filesystem::path folder_;
   int descriptor_ = -1;
   std::uint64_t end_ = 0;
-  std::vector<Place> places_;  // by ticket
+  std::vector<Place> places_;  // indexed by ticket
   std::map<Ticket, std::string> waiting_;
   bool failing_ = false;
   std::optional<std::string> problem_;

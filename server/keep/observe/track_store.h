@@ -21,7 +21,8 @@ class TrackStore {
   // All tracks of this frame, the camera's newest.
   void record(const TrackFrame& frame, const MapCamera& camera, const Map& map);
   CsvWriter& file() { return file_; }
-  // Of the closed file: puts another in its place, if there is anything to mark. Throws UserError, and leaves it then.
+  // Rewrites the closed file with the motion that was recognised later, if there is any to mark. Throws UserError, and
+  // leaves the file as it is then.
   void mark_earlier_motion() const;
 
  private:

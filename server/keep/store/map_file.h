@@ -35,7 +35,7 @@ class MapFile {
   // Everything but the tables that stay on disk (server/estimator/map/past.h), each row against its check sum. Empty
   // for a new file.
   Tables read() const;
-  // Of the rows in it, see kRowsVersion; the newest once something was written.
+  // Version of the rows in the file, see kRowsVersion; the newest once something was written.
   int version() const;
   // The rows of one table from the first to the last number, ascending.
   void for_each_row(const std::string& table, std::int64_t first, std::int64_t last,

@@ -27,9 +27,10 @@ class Saver {
   Saver(const Saver&) = delete;
   Saver& operator=(const Saver&) = delete;
 
-  // All that was given before has been written: there is room for more. What a slow disk cannot take waits in the map.
+  // Whether everything given before has been written, so that there is room for more. Changes that a slow disk cannot
+  // take wait in the map.
   bool idle() const;
-  // What changed since the last time; together with what was given before that is one state of the map.
+  // Queues the rows that changed since the last call; together with the earlier ones they are one state of the map.
   void give(std::vector<Row> rows);
   // One sentence when writing fails, and one when it goes on; each once.
   std::optional<std::string> take_word();
@@ -45,7 +46,7 @@ class Saver {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<std::vector<Row>> waiting_;
-  std::string failure_;  // of the last try; empty: none
+  std::string failure_;  // error of the last try; empty: none
   std::deque<std::string> words_;
   Worker worker_;  // last: stops first
 };

@@ -11,7 +11,7 @@
 namespace coslam {
 
 struct BridgeConfig {
-  int domain = -1;                                      // of the ROS 2 nodes; -1: ROS_DOMAIN_ID, else 0
+  int domain = -1;                                      // domain of the ROS 2 nodes; -1: ROS_DOMAIN_ID, else 0
   std::vector<std::string> interfaces = {"127.0.0.1"};  // on which these are; empty: all
   MapLevel map;
   Px4Config px4;
@@ -28,7 +28,7 @@ void describe(V& v, BridgeConfig& c) {
 
 // All keys of bridge.yaml.
 struct BridgeOptions {
-  WireConfig wire;  // of the fleet
+  WireConfig wire;  // network of the fleet
   BridgeConfig bridge;
 };
 

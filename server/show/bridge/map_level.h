@@ -6,7 +6,8 @@
 
 namespace coslam {
 
-// How the map lies. It begins with the axes of its first camera, x right, y down, z ahead: level when that was.
+// Direction of gravity in the map. A map has the axes of its first camera, x right, y down, z ahead, so the default is
+// right when that camera was level.
 struct MapLevel {
   double down_x = 0, down_y = 1, down_z = 0;  // down in the axes of the map, of any length
 };

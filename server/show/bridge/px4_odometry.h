@@ -15,12 +15,12 @@
 
 namespace coslam {
 
-// How the camera sits on the vehicle. Body axes are those of PX4: forward, right, down.
+// Mounting of the camera on the vehicle. Body axes are those of PX4: forward, right, down.
 struct Px4Config {
-  std::string agent;  // whose camera it is; empty: nothing is said
+  std::string agent;  // agent whose camera is on the vehicle; empty: nothing is sent
   std::string topic = "/fmu/in/vehicle_visual_odometry";
-  double forward_m = 0, right_m = 0, down_m = 0;    // of the camera from the vehicle's origin
-  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // to the right, up, right side down; from looking ahead
+  double forward_m = 0, right_m = 0, down_m = 0;    // position of the camera from the vehicle's origin
+  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // rotation to the right, up, right side down; from looking ahead
 };
 
 template <class V>
@@ -40,20 +40,21 @@ enum class Px4Refusal : std::uint8_t {
   kLost,          // the agent, or the server about it
   kNotTold,       // the server has not said yet in which map and unit the pose is
   kScaleUnknown,  // lengths are no metres
-  kTooOld,        // by the clock of this machine
-  kAhead,         // the same
+  kTooOld,        // frame is too old by the clock of this machine
+  kAhead,         // frame is ahead of the clock of this machine
   kDoubted,       // the agent's images are not to be believed
 };
 const char* sentence_of(Px4Refusal refusal);
 
-// What EKF2 of PX4 is told of a vehicle: its pose in a fixed frame that points ahead of the map's first camera, right
-// and down (POSE_FRAME_FRD), at the pace of the camera. A vehicle believes it, so only what is sure is said. Pure.
+// Odometry of a vehicle for EKF2 of PX4: its pose in a fixed frame that points ahead of the map's first camera, right
+// and down (POSE_FRAME_FRD), at the pace of the camera. The vehicle relies on it, so only poses that are certain are
+// sent. Pure.
 class Px4Odometry {
  public:
   explicit Px4Odometry(const Px4Config& config, const MapLevel& level = {});
 
   const std::string& agent() const { return config_.agent; }
-  // What the server says of the agent: the frame and the unit of its poses.
+  // Takes in the server's message about the agent: the frame and the unit of its poses.
   void see(const AgentPose& pose);
   struct Answer {
     std::optional<ros::VehicleOdometry> odometry;
@@ -67,7 +68,7 @@ class Px4Odometry {
     TimeNs t_ns = 0;
     Rigid3 frd_from_body;
   };
-  // What a pose belongs to: from one to another, it jumps.
+  // Origin of a pose: between different origins the pose jumps.
   struct Origin {
     RunId agent_run, server_run;
     MapId map;

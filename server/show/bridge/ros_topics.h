@@ -18,7 +18,7 @@ namespace coslam {
 // The DDS topic by which ROS 2 nodes know a public one, with the QoS that fits what it is; JSON becomes a
 // std_msgs/msg/String. Empty: a type that is not known here.
 std::optional<OctetTopic> ros_topic(const std::string& topic, const std::string& type);
-// What its samples are there.
+// Octets of a sample on its ROS 2 topic.
 std::vector<std::uint8_t> ros_octets(const PublicSample& sample);
 
 // Public messages as topics of ROS 2 in a domain: each begins with its first message. Not thread-safe.

@@ -12,7 +12,7 @@
 #include "common/base/time.h"
 #include "server/show/publish/snapshot.h"
 
-// What the public is told, whoever carries it there: see docs/live.md for the topics.
+// Public messages and their channels, independent of the transport: see docs/live.md for the topics.
 namespace coslam {
 
 enum class Encoding : std::uint8_t { kCdr, kJson };
@@ -20,22 +20,22 @@ enum class Encoding : std::uint8_t { kCdr, kJson };
 struct Channel {
   std::string topic;
   Encoding encoding = Encoding::kJson;
-  std::string_view type;    // of ROS 2, "nav_msgs/msg/Odometry"; of JSON, a name of ours
-  std::string_view schema;  // of the type: ros2msg, or a JSON schema
-  PartSet part;             // of a snapshot that its messages are made of
+  std::string_view type;    // ROS 2 type, "nav_msgs/msg/Odometry"; for JSON, a name of ours
+  std::string_view schema;  // definition of the type: ros2msg, or a JSON schema
+  PartSet part;             // part of a snapshot that its messages are made of
   std::size_t keep = 0;     // newest messages that somebody who comes later wants too
 };
 using ChannelPtr = std::shared_ptr<const Channel>;
 
 struct PublicMessage {
   ChannelPtr channel;
-  TimeNs t_ns = 0;  // of capture
+  TimeNs t_ns = 0;  // capture time
   std::vector<std::uint8_t> octets;
 };
 using MessagePtr = std::shared_ptr<const PublicMessage>;
 
-// Who carries messages to the public. But for parts() all is called from one thread, that of the publication, and must
-// not wait.
+// Carries messages to the public. All functions but parts() are called from one thread, that of the publication, and
+// must not wait.
 class PublicSink {
  public:
   PublicSink() = default;

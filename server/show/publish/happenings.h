@@ -14,11 +14,11 @@
 
 namespace coslam {
 
-// Of an agent whose images were taken so much later than they are dated.
+// Sentence about an agent whose images were taken so much later than they are dated.
 std::string misdated_sentence(const std::string& agent, const std::string& against, double lag_s);
 
-// What happens to cameras, groups and maps, in sentences: few enough to be told one by one. Of points and tracks the
-// journal knows more.
+// Describes the events of cameras, groups and maps in sentences: few enough to be published one by one. Events of
+// points and tracks are only in the journal.
 class Happenings {
  public:
   // After each frame set.
@@ -40,7 +40,7 @@ class Happenings {
 
   std::map<CameraId, Known> known_;
   std::map<CameraId, std::string> lost_;       // why
-  std::vector<std::vector<CameraId>> groups_;  // as last seen
+  std::vector<std::vector<CameraId>> groups_;  // groups of the set before
 };
 
 }  // namespace coslam

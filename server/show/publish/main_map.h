@@ -10,9 +10,9 @@
 
 namespace coslam {
 
-// Which map's frame is the public one: that with the most frames, as the result has it in the end (counted as they
-// come, since looking through all frames of a long run takes time). Another one has to have clearly more to take its
-// place, so that the public frame seldom changes.
+// Selects the map whose frame is the public one: that with the most frames, as the result has it in the end (counted as
+// they come, since looking through all frames of a long run takes time). Another map has to have clearly more to take
+// its place, so that the public frame seldom changes.
 class MainMap {
  public:
   // Frames that were there before the first set, as of a map that was restored.

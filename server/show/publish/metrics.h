@@ -20,7 +20,7 @@ class MetricsText {
   // Begins a figure; its values follow.
   void begin(std::string_view name, Kind kind, std::string_view help);
   void value(double value, std::initializer_list<Label> labels = {}, std::string_view suffix = {});
-  // One with a single value.
+  // Writes a metric with a single value.
   void one(std::string_view name, Kind kind, std::string_view help, double of) {
     begin(name, kind, help);
     value(of);
@@ -33,7 +33,7 @@ class MetricsText {
 
 inline constexpr std::string_view kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 
-// Of the run. Whatever is lost anywhere is counted.
+// Writes the metrics of the run. Every kind of loss is counted.
 void put_metrics(const PublicState& state, MetricsText* text);
 
 }  // namespace coslam

@@ -22,7 +22,7 @@ class Publisher {
  public:
   Publisher();
 
-  // Those there are so far: more come with more agents, none goes.
+  // All channels so far; more agents bring more, none is removed.
   const std::vector<ChannelPtr>& channels() const { return channels_; }
 
   using Announce = std::function<void(const ChannelPtr&)>;  // a new channel, before its first message
@@ -30,7 +30,7 @@ class Publisher {
   using Put = std::function<void(const MessagePtr&)>;
   void encode(const Snapshot& snapshot, const Announce& announce, const Wants& wants, const Put& put);
 
-  // As of the newest state that was encoded.
+  // Rates at the newest state that was encoded.
   const Rates& rates() const { return rates_; }
   RosNames& names() { return names_; }
 

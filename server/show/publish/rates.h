@@ -10,12 +10,12 @@
 
 namespace coslam {
 
-// What happens a second, of late, from the sums that states have.
+// Recent rates per second, from the running totals in the states.
 class Rates {
  public:
   struct Agent {
-    double bytes_up_per_s = 0, bytes_down_per_s = 0;  // by the server's clock
-    double lost_percent = 0;  // of the frames that an agent sent, those that became part of no frame set
+    double bytes_up_per_s = 0, bytes_down_per_s = 0;  // per second of the server's clock
+    double lost_percent = 0;  // share of the frames sent by an agent that became part of no frame set
   };
 
   void see(const PublicState& state);

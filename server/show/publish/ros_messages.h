@@ -13,15 +13,15 @@ namespace coslam {
 ros::TFMessage tf_message(const PublicPoses& poses, RosNames& names);
 // A covariance that nobody knows is very large.
 ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main);
-// Its covariance is that of the pose in the map: how far the odom frame has drifted is not in it.
+// Odometry with the covariance of the pose in the map: the drift of the odom frame is not in it.
 ros::Odometry odometry(const PublicPose& pose, RosNames& names);
 ros::Path path(const PublicPath& path, const PublicInstant& instant);
 ros::PoseArray key_frames(const PublicPath& path, const PublicInstant& instant);
 // Points of all maps; field `map` says whose frame the coordinates are in.
 ros::PointCloud2 static_cloud(const PublicCloud& cloud);
-// Of the main map.
+// Moving points of the main map.
 ros::PointCloud2 moving_cloud(const PublicMoving& moving);
-ros::MarkerArray object_markers(const PublicMoving& moving);  // of all maps
+ros::MarkerArray object_markers(const PublicMoving& moving);  // includes all maps
 ros::Detection3DArray object_detections(const PublicMoving& moving);
 
 }  // namespace coslam

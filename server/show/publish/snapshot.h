@@ -19,8 +19,8 @@
 #include "common/ros/views.h"
 #include "server/keep/loop_facts.h"
 
-// What of the map the public is told, copied from it at one instant and never changed again: the map's thread copies,
-// others encode. Each part by itself, since each has a pace of its own.
+// The public part of the map, copied at one instant and never changed again: the map's thread copies, other threads
+// encode. Its parts are separate because each has a pace of its own.
 namespace coslam {
 
 // Parts of a snapshot.
@@ -38,7 +38,7 @@ struct PartSet {
 };
 inline constexpr PartSet kAllParts{0x7fU};
 
-// Of all parts.
+// Fields that all parts share.
 struct PublicInstant {
   TimeNs t_ns = 0;  // capture
   MapId main;       // the map whose frame is "map"; 0: there is none yet
@@ -47,7 +47,7 @@ struct PublicInstant {
 struct PublicVelocity {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();  // a second, in the camera frame
   Eigen::Vector3d angular_rad = Eigen::Vector3d::Zero();
-  double over_s = 0;  // that it was measured over
+  double over_s = 0;  // duration of the measurement
 };
 
 struct PublicPose {
@@ -56,7 +56,7 @@ struct PublicPose {
   TimeNs capture_ns = 0;
   Rigid3 cam_from_map;
   Rigid3 cam_from_odom;                      // see OdomFrames
-  std::optional<PoseCovariance> covariance;  // of cam_from_map, as the agent knows it
+  std::optional<PoseCovariance> covariance;  // covariance of cam_from_map, as the agent knows it
   std::optional<PublicVelocity> velocity;
 };
 
@@ -65,7 +65,7 @@ struct PublicPoses : PublicInstant {
   std::vector<PublicPose> cameras;
 };
 
-// What moves at this instant, by map.
+// Moving points and objects at this instant, by map.
 struct PublicMoving : PublicInstant {
   struct InMap {
     std::vector<ros::MovingPoint> points;
@@ -84,7 +84,7 @@ struct PublicPath {
   std::string agent;
   MapId map;
   std::vector<std::pair<TimeNs, Rigid3>> cam_from_map;  // ascending
-  std::vector<Rigid3> key_cam_from_map;                 // of key frames, ascending in time
+  std::vector<Rigid3> key_cam_from_map;                 // poses of the key frames, ascending in time
 };
 
 struct PublicPaths : PublicInstant {
@@ -116,7 +116,7 @@ struct PublicEvent {
   std::vector<std::string> agents;
 };
 
-// How an agent stands, see docs/live.md.
+// State of an agent, see docs/live.md.
 enum class PublicStanding : std::uint8_t { kNone, kTracking, kRelative, kLost, kUnheard };
 
 struct PublicAgent {
@@ -126,21 +126,22 @@ struct PublicAgent {
   MapId map;
   int group = -1;
   PublicStanding standing = PublicStanding::kNone;
-  std::string why;  // it is lost; empty when it is not
+  std::string why;  // reason why it is lost; empty when it is not
   double rate_hz = 0;
-  std::uint32_t frames_due = 0, frames_used = 0;  // of its run: taken by its camera, part of frame sets
+  std::uint32_t frames_due = 0,
+                frames_used = 0;  // counts over its run: images taken by its camera, frames in frame sets
   std::size_t tracks = 0, bound = 0;
   std::optional<double> clock_offset_s;
   std::optional<Rigid3> cam_from_map;
-  bool scale_known = false;  // of its map
+  bool scale_known = false;  // scale of its map
   CameraModel camera;
 };
 
-// How the run stands.
+// State of the run.
 struct PublicState : PublicInstant {
   TimeNs wall_ns = 0;        // monotonic
-  RunId run;                 // none: made of a result, which does not hold how the machines did
-  bool scale_known = false;  // of the main map
+  RunId run;                 // 0: made from a result, which has no facts about the machines
+  bool scale_known = false;  // scale of the main map
   std::vector<PublicAgent> agents;
   std::vector<std::vector<std::string>> groups;
   struct Link {
@@ -148,11 +149,11 @@ struct PublicState : PublicInstant {
     int shared = 0;
   };
   std::vector<Link> links;
-  LoopFacts loop;  // its agents are above
+  LoopFacts loop;  // facts of the loop, but for the agents, which are above
 
   std::size_t points = 0, moving_points = 0, objects = 0, maps = 0, key_frames = 0;
   int frame_sets = 0, merges = 0, inter_pose_calls = 0, refinements = 0;
-  std::map<std::string, StageTime> stages;  // by name; "frame_set" is all of them, "view" comes on top
+  std::map<std::string, StageTime> stages;  // keyed by name; "frame_set" is all of them, "view" comes on top
 };
 
 // Absent parts are not due, or nobody wants them.

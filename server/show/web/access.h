@@ -8,9 +8,9 @@
 
 namespace coslam {
 
-// Who may read. With a token, whoever knows it. Without one the server listens on this host alone, and what remains is
-// that a browser on this host shows a page from elsewhere: such a page says so in Origin, or in Host when it had its
-// own name resolved to this host.
+// Decides who may read: with a token, whoever knows it. Without one the server listens on this host alone, and the
+// remaining risk is a browser on this host that shows a page from elsewhere: such a page names its origin in Origin, or
+// in Host when it had its own name resolved to this host.
 class Access {
  public:
   Access(std::string token, std::vector<std::string> origins)
@@ -18,7 +18,7 @@ class Access {
 
   struct Asked {
     std::string_view host, origin, authorization;  // headers; empty: absent
-    std::string_view token;                        // of the query
+    std::string_view token;                        // parameter of the query
   };
   bool granted(const Asked& asked) const;
 

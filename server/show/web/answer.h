@@ -15,8 +15,8 @@ namespace coslam {
 struct WebAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
-  std::string encoding;               // as in Content-Encoding; empty: plain
-  std::string_view body;              // of what `owner` keeps
+  std::string encoding;               // value of Content-Encoding; empty: plain
+  std::string_view body;              // view of data that `owner` keeps
   std::shared_ptr<const void> owner;  // null: it lasts as long as the program
 };
 

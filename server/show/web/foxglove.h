@@ -31,7 +31,7 @@ std::string advertise(const std::vector<Advertised>& channels);
 enum class Level : std::uint8_t { kInfo, kWarning, kError };
 std::string status(Level level, std::string_view text);
 
-// What goes before the octets of a message; a time is whole.
+// Header of a message, which its octets follow; time_message() is complete.
 std::string message_head(SubscriptionId subscription, TimeNs t_ns);
 std::string time_message(TimeNs t_ns);
 
@@ -42,7 +42,7 @@ struct Request {
   std::vector<std::pair<SubscriptionId, ChannelId>> subscribe;
   std::vector<SubscriptionId> unsubscribe;
 };
-// Of a client's text; empty when it is none of the protocol.
+// Parses a client's text; empty when it is not of the protocol.
 std::optional<Request> parse_request(std::string_view text);
 
 }  // namespace coslam::foxglove

@@ -43,7 +43,7 @@ class HttpSession final : public Connection, public std::enable_shared_from_this
   unsigned version_ = 11;
   bool head_ = false, keep_alive_ = false, ending_ = false;
   std::optional<Response> response_;
-  std::shared_ptr<const void> owner_;  // of its body
+  std::shared_ptr<const void> owner_;  // keeps the body of the response
   std::array<char, 4096> rest_{};
   std::size_t drained_ = 0;
 };

@@ -29,10 +29,10 @@ class HubClient {
   virtual void send_time(TimeNs t_ns) = 0;
 };
 
-// Who reads which channel. Thread-compatible.
+// Keeps track of which client reads which channel. Thread-compatible.
 class Hub {
  public:
-  static constexpr std::size_t kMostSubscriptions = 5000;  // of one client
+  static constexpr std::size_t kMostSubscriptions = 5000;  // limit for one client
 
   explicit Hub(std::string session) : session_(std::move(session)) {}
 
@@ -45,10 +45,10 @@ class Hub {
   bool hear(HubClient& client, std::string_view text);
 
   std::size_t clients() const { return clients_.size(); }
-  // What somebody reads.
+  // Topics that at least one client reads.
   struct Wanted {
     std::set<std::string> topics;
-    PartSet parts;  // that their messages are made of
+    PartSet parts;  // parts of a snapshot that their messages are made of
   };
   Wanted wanted() const;
 

@@ -41,7 +41,7 @@ class Connection {
 
 class HttpSession;
 
-// What the web thread works on.
+// State of the web thread.
 struct WebInside : std::enable_shared_from_this<WebInside> {
   WebInside(const ViewConfig& of, const std::string& session, WebApi answers, const WebLimits& bounds);
 
@@ -51,7 +51,7 @@ struct WebInside : std::enable_shared_from_this<WebInside> {
 
   void end_if_done();
 
-  // From any thread: the answer to a request that waits for it.
+  // Answers a request that waits; callable from any thread.
   void reply(std::uint64_t request, WebAnswer answer);
   void update_wanted();
 
@@ -69,9 +69,9 @@ struct WebInside : std::enable_shared_from_this<WebInside> {
 
   mutable std::mutex wanted_mutex;
   std::set<std::string> wanted;
-  std::atomic<std::uint32_t> parts{0};  // that these are made of
+  std::atomic<std::uint32_t> parts{0};  // parts that the wanted topics are made of
 
-  std::uint16_t port = 0;  // that it listens on
+  std::uint16_t port = 0;  // port that it listens on
   bool closing = false, ended = false;
   std::set<Connection*> connections;
   std::uint64_t next_request = 1;

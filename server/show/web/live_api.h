@@ -20,8 +20,8 @@
 
 namespace coslam {
 
-// What a server at work answers to requests, from the newest snapshot: /metrics, /healthz, /readyz and /api/v1. Told of
-// snapshots by one thread, asked by another. Thread-safe.
+// Answers requests to a running server from the newest snapshot: /metrics, /healthz, /readyz and /api/v1. One thread
+// gives it snapshots, another asks. Thread-safe.
 class LiveApi final : public PublicSink {
  public:
   LiveApi();
@@ -30,7 +30,7 @@ class LiveApi final : public PublicSink {
   // Figures of the web server for /metrics.
   void count(std::function<WebCounts()> counts);
 
-  // Where images of an agent come from: asks for one, and gives the newest. None: the agents of this run give none.
+  // Asks an agent for an image and returns the newest one. Empty function: the agents of this run give no images.
   using ThumbnailOf = std::function<std::optional<Thumbnail>(const std::string& agent)>;
   void look_by(ThumbnailOf thumbnail_of);
 
@@ -66,7 +66,7 @@ class LiveApi final : public PublicSink {
   Rates rates_;
   RosNames names_;
 
-  BoundedQueue<std::function<void()>> questions_;  // that take a while
+  BoundedQueue<std::function<void()>> questions_;  // requests that take a while
   Worker worker_;
 };
 

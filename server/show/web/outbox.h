@@ -13,12 +13,12 @@
 
 namespace coslam {
 
-// What one client is still to be sent: its bound is what a slow client costs. Of messages the oldest of the same
-// channel go first, for what they said is over. Thread-compatible.
+// Queue of messages for one client; its bound limits what a slow client costs. When it is full the oldest messages of
+// the same channel are dropped first, since they are outdated. Thread-compatible.
 class Outbox {
  public:
   static constexpr std::size_t kMostBytes = 8 << 20;  // but for one message that is larger
-  static constexpr std::size_t kBig = 64 << 10;       // of these only the newest of a channel waits
+  static constexpr std::size_t kBig = 64 << 10;       // size above which only the newest message of a channel waits
   static constexpr std::size_t kMostOfChannel = 16, kMostTexts = 64;
 
   struct Item {
@@ -45,7 +45,7 @@ class Outbox {
   std::deque<std::string> texts_;  // go first
   std::optional<TimeNs> time_;
   std::deque<Item> messages_;
-  std::size_t bytes_ = 0;  // of messages
+  std::size_t bytes_ = 0;  // size of the messages
   std::uint64_t dropped_ = 0;
 };
 

@@ -11,12 +11,12 @@ namespace coslam {
 // A file of the page that the web server shows, held in the program.
 struct PageFile {
   std::string_view name;      // relative to the page, with '/' between folders: "index.html", "assets/main.js"
-  std::string_view type;      // as in Content-Type: "text/html; charset=utf-8"
-  std::string_view encoding;  // as in Content-Encoding, "gzip"; empty: plain
+  std::string_view type;      // value of Content-Type: "text/html; charset=utf-8"
+  std::string_view encoding;  // value of Content-Encoding, "gzip"; empty: plain
   std::span<const std::uint8_t> bytes;
 };
 
-// All of them; `/` is index.html. Empty: this program was built without its page.
+// All files of the page; `/` is index.html. Empty: this program was built without its page.
 std::span<const PageFile> page_files();
 
 }  // namespace coslam

@@ -9,9 +9,9 @@
 
 namespace coslam {
 
-// What a request asks for, its escapes decoded.
+// Path and query of a request, escapes decoded.
 struct WebRequest {
-  std::string path;  // from '/'
+  std::string path;  // begins with '/'
   std::map<std::string, std::string> query;
 };
 

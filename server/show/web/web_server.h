@@ -23,19 +23,19 @@ struct WebLimits {
   std::chrono::milliseconds idle{30'000};     // for a sign of life of a subscriber, which is asked for one
   std::chrono::milliseconds farewell{1'000};  // for all to take what is left for them at the end
   std::size_t header_bytes = 16 << 10;
-  std::size_t text_bytes = 64 << 10;  // of a subscriber's message
-  int send_buffer_bytes = 512 << 10;  // of a connection
+  std::size_t text_bytes = 64 << 10;  // maximum size of a subscriber's message
+  int send_buffer_bytes = 512 << 10;  // buffer of one connection
 };
 
 struct WebCounts {
   std::uint64_t connections = 0;  // ever
-  std::uint64_t turned_away = 0;  // there were too many
+  std::uint64_t turned_away = 0;  // connections refused because there were too many
   std::uint64_t refused = 0;      // requests and texts that were no good
   std::uint64_t cut_off = 0;      // subscribers that were stuck
   std::uint64_t sent = 0;         // messages
   std::uint64_t dropped = 0;      // messages that a slow subscriber did not get
   std::size_t open = 0;           // connections
-  std::size_t subscribers = 0;    // of them
+  std::size_t subscribers = 0;    // connections that subscribed to messages
 };
 
 // Shows the page, answers requests, and sends messages to whoever subscribes, over the Foxglove WebSocket protocol: all
@@ -52,7 +52,7 @@ class WebServer final : public PublicSink {
   std::uint16_t port() const;
   // For a browser, with the token.
   std::string url() const;
-  // By one of the addresses of this machine.
+  // Address of the page with one of the addresses of this machine.
   std::string url(const std::string& address) const;
   WebCounts counts() const;
 
