@@ -30,16 +30,16 @@ namespace coslam {
 struct AgentConfig {
   TrackerConfig tracker;
   PoseTrackerConfig pose;
-  int descriptor_features = 310;  // most, in an answer to a request for descriptors everywhere
-  int place_features = 160;       // the same at tracks
+  int descriptor_features = 310;  // maximum, in a reply to a request for descriptors everywhere
+  int place_features = 160;       // maximum, in a reply to a request for descriptors at tracks
   TagConfig tags;
   bool thumbnails = true;  // a small image goes to the server when somebody at the live page asks for one
-  double readout_s = -1;   // of a rolling shutter, from the first row to the last; negative: found out
+  double readout_s = -1;   // readout time of a rolling shutter, from the first row to the last; negative: estimated
 };
 
-// How much of what the server asked for goes with an image; the rest waits for a later one.
+// Limits how much of what the server asked for goes with an image; the rest waits for a later one.
 struct Answers {
-  std::size_t patches = kMaxTracks;                 // most
+  std::size_t patches = kMaxTracks;                 // maximum number of patches
   int described = std::numeric_limits<int>::max();  // most features; 0: none, the request waits
   bool later = false;                               // images are described after their frame, see AgentOutput::describe
 
@@ -51,7 +51,7 @@ struct Answers {
 using DescribeEnd = std::function<DescriptorReply()>;
 using DescribeWork = std::function<DescribeEnd()>;
 
-// What an agent sends for one image.
+// Messages that an agent sends for one image.
 struct AgentOutput {
   TrackFrame frame;
   std::optional<PatchReply> patches;
@@ -62,12 +62,12 @@ struct AgentOutput {
 // The tracker that agents use: the one place that says which.
 std::unique_ptr<FeatureTracker> make_feature_tracker(const CameraModel& camera, const AgentConfig& config);
 
-// One camera's agent: images in, tracks and pose out. Pure: no thread, no clock, no network, and no pixels: those are
-// the tracker's. One step is track(image), which does not depend on the map and so runs while the server still thinks,
-// then finish(patches).
+// One camera's agent: images in, tracks and pose out. Owns no thread and uses no network; reads the clock only for
+// times(). Pixels are the tracker's. One step is track(image), which does not depend on the map and so runs while the
+// server still thinks, then finish(patches).
 class Agent {
  public:
-  static constexpr const char* kFrame = "frame";  // of times(): all that it does for an image
+  static constexpr const char* kFrame = "frame";  // stage in times() that is all of the agent's work for an image
 
   Agent(std::string name, RunId run, const CameraModel& camera, const AgentConfig& config,
         std::unique_ptr<FeatureTracker> tracker);
@@ -81,16 +81,16 @@ class Agent {
   std::optional<FrameId> described() const { return described_; }  // the newest image that was
 
   PoseState pose_state() const { return pose_.state(); }
-  const PoseResult& pose() const { return pose_.result(); }  // of the newest step
+  const PoseResult& pose() const { return pose_.result(); }  // pose of the newest step
   const LocalMap& local_map() const { return map_; }
   const StageTimes& times() const { return times_; }
   std::uint32_t tracked_frames() const { return tracked_frames_; }
-  // Of a rolling shutter, when it is not given but found; else 0.
+  // Estimated readout time of a rolling shutter; 0 when it is configured.
   double found_readout_s() const { return shutter_.found_s(); }
-  // Of the picture, that moves with the camera and is left out.
+  // Share of the picture that moves with the camera and is left out.
   double own_body_share() const { return own_body_.share(); }
   ImageParts own_body() const { return own_body_.found(); }
-  // Of the images as they are tracked in.
+  // Width of the images as they are tracked in.
   int working_width_px() const;
   std::size_t tracks() const { return observations_.size(); }
 
@@ -120,7 +120,7 @@ class Agent {
   FrameId frame_;
   TimeNs capture_ns_ = 0;
   TimeNs heard_ns_ = 0;                         // capture time of the newest image when a patch came last
-  LensCorrection lens_;                         // what the server found to be wrong about the calibration
+  LensCorrection lens_;                         // the server's correction of the calibration
   std::vector<TrackObservation> observations_;  // live tracks that have an undistorted place, by the calibration
   std::vector<TagObservation> tags_;
   std::optional<TimeNs> tags_sought_ns_;

@@ -32,7 +32,7 @@ class AgentLoop {
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
 
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config);
-  // The same with another tracker and another clock.
+  // Uses another tracker and another clock than an agent's process does.
   AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& hello, const AgentConfig& config,
             std::unique_ptr<FeatureTracker> tracker, Clock now = std::chrono::steady_clock::now);
 
@@ -46,7 +46,7 @@ class AgentLoop {
   // agents of this process, with its name before it. One that has the process for itself reports all its warnings.
   enum class LogsAs { kProcess, kOneOfSeveral };
   void log_state(LogsAs as = LogsAs::kProcess) { logs_as_ = as; }
-  // Where in its source it begins, for the report.
+  // Sets the position in the source where it begins, for the report.
   void plays_from(double start_s) { start_s_ = start_s; }
 
   // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
@@ -86,7 +86,7 @@ class AgentLoop {
   Clock now_;
   SendRate send_rate_;
   ReplyRate reply_rate_;
-  double delivered_bytes_ = 0;  // of replies
+  double delivered_bytes_ = 0;  // size of the delivered replies
   // When replies last waited for a link that carries little.
   std::optional<std::chrono::steady_clock::time_point> full_;
   std::optional<FrameId> last_sent_;
@@ -95,7 +95,7 @@ class AgentLoop {
     FrameId frame;
     std::chrono::steady_clock::time_point at;
     double delay_s = 0;      // between image and link: no fault of the link's
-    double reply_bytes = 0;  // that had been sent by then
+    double reply_bytes = 0;  // size of the replies sent by then
   };
   Sent sent_with(FrameId frame) const;
   std::deque<Sent> sent_;  // the last frames

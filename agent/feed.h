@@ -20,9 +20,9 @@ class Feed {
   virtual std::uint32_t dropped() const = 0;
 };
 
-// As fast as they are taken, in the caller's thread.
+// Gives images as fast as they are taken, in the caller's thread.
 std::unique_ptr<Feed> direct_feed(std::unique_ptr<ImageSource> source);
-// The same, read ahead in a thread.
+// Gives images as fast as they are taken, read ahead in a thread.
 std::unique_ptr<Feed> prefetching_feed(std::unique_ptr<ImageSource> source);
 // In real time: played time 0 is at start_utc_ns, and time runs `rate` times as fast. Images that the taker has no time
 // for, beyond a short queue, are dropped, oldest first, and counted. Live sources set the pace themselves.

@@ -15,8 +15,8 @@ namespace coslam {
 class PlayStart {
  public:
   struct Known {
-    TimeNs start_utc_ns = 0;   // by this machine's clock
-    double clock_ahead_s = 0;  // of the server's, as far as that can be told; negative: behind
+    TimeNs start_utc_ns = 0;   // clock of this machine
+    double clock_ahead_s = 0;  // offset of this machine's clock to the server's, as far as known; negative: behind
   };
 
   // A new word of the server's in which play has been ordered. clock_ahead_s: the least that a word took.

@@ -12,8 +12,8 @@
 
 namespace coslam {
 
-// What the log says of an agent's server, link and pose: once when it changes, and not of what is over within half a
-// second. Pure: time is an argument. Thread-compatible.
+// Sentences for the log about an agent's server, link and pose: one at each change, none about what is over within half
+// a second. Pure: time is an argument. Thread-compatible.
 class StateWords {
  public:
   // Once a frame.
@@ -24,13 +24,13 @@ class StateWords {
   std::optional<std::string> link(bool carries_all, Instant now) { return link_.note(carries_all, now); }
   // Whether its images are to be believed, when that changes.
   std::optional<std::string> images(ImageFault verdict);
-  // Its images alternate between settings, the first time.
+  // Says once that the images alternate between settings.
   std::optional<std::string> alternating(bool left_out_some);
-  // Many images repeat the one before, the first time.
+  // Says once that many images repeat the one before.
   std::optional<std::string> repeating(std::uint32_t repeats, std::uint32_t others);
-  // A pattern stays in the picture, the first time.
+  // Says once that a pattern stays in the picture.
   std::optional<std::string> fixed_pattern(bool found);
-  // How much of the picture moves with the camera, when that was found.
+  // Says how much of the picture moves with the camera, when that was found.
   std::optional<std::string> own_body(double share);
   // The time of day was set, when that changes.
   std::optional<std::string> clock(TimeNs set_ns);

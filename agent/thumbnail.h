@@ -8,7 +8,7 @@
 
 namespace coslam {
 
-inline constexpr int kThumbnailWidth_px = 192;  // its longer side, at most
+inline constexpr int kThumbnailWidth_px = 192;  // maximum of the longer side
 
 // A JPEG image of kMostThumbnailBytes at most. image: CV_8UC1; one without pixels gives no octets.
 std::vector<std::uint8_t> thumbnail_jpeg(const cv::Mat& image);

@@ -17,19 +17,19 @@ namespace coslam {
 // for one thread.
 class Alternation {
  public:
-  // Of each image in their order the means of its blocks, and by how much neighbouring pixels differ: dots that are
-  // projected change little else. True: it is of a setting that is not used.
+  // Takes in the next image: the means of its blocks, and the difference of neighbouring pixels, which projected dots
+  // change more than anything else does. True: the image is of a setting that is not used.
   bool leaves_out(const cv::Mat& blocks, double step);
 
  private:
   static constexpr std::size_t kMostSettings = 6, kMostBack = 2 * kMostSettings - 1, kWindow = 4 * kMostSettings;
-  // What tells the settings apart.
+  // Feature that tells the settings apart.
   enum class By : std::uint8_t { kBlocks, kStep, kExposure };
   using Changes = std::array<double, kMostBack>;  // against the 1, 2, ... before
   struct Seen {
     cv::Mat blocks;
     double step = 0, mean = 0, contrast = 0;  // grey values
-    std::size_t backs = 0;                    // so many were before it, kMostBack at most
+    std::size_t backs = 0;                    // number of images before it, kMostBack at most
     Changes of_blocks{}, of_step{}, of_exposure{};
     bool used = true;
     const Changes& changes(By by) const;

@@ -23,7 +23,7 @@ struct FoundCamera {
 };
 FoundCamera camera_of(const std::string& source, const std::string& calibration, const SourceOptions& options);
 
-// That and its images, which have to have the size of its calibration.
+// Camera with its images, which have to have the size of its calibration.
 struct CameraSource {
   FoundCamera found;
   std::unique_ptr<ImageSource> images;

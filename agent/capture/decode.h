@@ -40,10 +40,10 @@ class GreyReader {
  public:
   // Empty when the file is missing, truncated or no image.
   cv::Mat read(const std::filesystem::path& file);
-  // The same of what stands in such a file.
+  // Decodes the content of such a file.
   cv::Mat decode(const std::vector<unsigned char>& octets);
-  // The same of one that is given as it is, of 8 or 16 bits, as grey_of() has it. Where octets lie the other way round
-  // than they should, it is heeded.
+  // Converts an image without a file format, of 8 or 16 bits, as grey_of() has it. Swapped octets of 16-bit values are
+  // recognised and put right.
   cv::Mat decode(RawImage raw);
   // CV_8UC1 or CV_16UC1; empty for any other.
   cv::Mat in_8_bits(const cv::Mat& grey);

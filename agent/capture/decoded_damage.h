@@ -8,8 +8,8 @@ extern "C" {
 
 namespace coslam {
 
-// Which frames of a video are made up, as FFmpeg's decoders tell: what is made from a damaged frame is damaged too,
-// until a key frame, or until most of it has come anew.
+// Tells which frames of a video are made up, from the errors of FFmpeg's decoders: what is made from a damaged frame is
+// damaged too, until a key frame, or until most of it has come anew.
 class DecodedDamage {
  public:
   // The next frame. cut: its packet was damaged. heals_in: frames, this one included, that damage lasts. True: it is

@@ -16,8 +16,8 @@ namespace coslam {
 struct RawImage {
   std::size_t width_px = 0, height_px = 0;
   std::string_view encoding;
-  bool big_endian = false;         // of pixels with 16 bits a value
-  std::size_t octets_per_row = 0;  // of the first plane, padding included
+  bool big_endian = false;         // octet order of pixels with 16 bits a value
+  std::size_t octets_per_row = 0;  // length of a row of the first plane, padding included
   std::span<const std::uint8_t> octets;
 };
 
@@ -31,7 +31,7 @@ cv::Mat grey_of(const RawImage& image);
 class OctetOrder {
  public:
   bool is_wrong_in(const RawImage& image);
-  bool is_wrong() const { return wrong_.value_or(false); }  // as known so far
+  bool is_wrong() const { return wrong_.value_or(false); }  // result so far
 
  private:
   std::optional<bool> wrong_;

@@ -11,7 +11,7 @@ enum class Fields : std::uint8_t {
   kUnknown,     // too little has moved so far
   kNone,        // whole frames: all rows are of one time
   kUpperFirst,  // even rows are of the image's time, odd ones of half a frame later
-  kLowerFirst,  // the other way round
+  kLowerFirst,  // odd rows are of the image's time, even ones of half a frame later
 };
 
 // Tells interlaced images by how they move. From the even rows of an image to its odd rows the picture moves half as

@@ -13,13 +13,13 @@ class FixedPattern {
  public:
   // Each image, CV_8UC1, with the means of its blocks.
   void note(const cv::Mat& grey, const cv::Mat& blocks);
-  // It was found in one of them.
+  // Whether a pattern was found in the images so far.
   bool found() const { return found_; }
 
  private:
-  cv::Mat last_blocks_;  // of the newest image that counts
-  cv::Mat mean_;         // of the differences so far
-  int images_ = 0;       // that show something else each
+  cv::Mat last_blocks_;  // block means of the newest image that counts
+  cv::Mat mean_;         // mean of the differences so far
+  int images_ = 0;       // number of images with different content
   int in_succession_ = 0;
   bool found_ = false;
 };

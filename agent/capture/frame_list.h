@@ -21,10 +21,10 @@ struct ListedFrame {
 // UserError with file and line.
 struct FrameList {
   std::vector<ListedFrame> frames;
-  std::vector<std::optional<TimeNs>> all_ns;  // of all images that were there, with those that were left out
-  TimeNs zero_ns = 0;                         // where their times count from, as it was written
+  std::vector<std::optional<TimeNs>> all_ns;  // times of all images that were there, with those that were left out
+  TimeNs zero_ns = 0;                         // zero of the times, as it was written
   std::vector<std::string> guesses;           // sentences for the user
-  bool at_rate = false;                       // they have no times, and come at the rate
+  bool at_rate = false;                       // the images have no times, and come at the rate
 };
 
 FrameList list_csv(const std::filesystem::path& file);             // `t_s,file[,...]`, paths relative to the CSV

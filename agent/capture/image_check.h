@@ -15,10 +15,10 @@
 
 namespace coslam {
 
-// What an image tells of itself, next to those of the same camera before it. A sensor's noise makes no two the same,
-// and so does motion: an image that was there before, bit by bit, is not what a camera sees that was moving, or whose
-// noise was seen. A simulator's, or that of a video that codes what stands still as the same, may be. Pure; for one
-// thread.
+// Finds faults of an image from its pixels and those of the same camera before it. A sensor's noise makes no two images
+// the same, and so does motion: an image that repeats an earlier one bit by bit is a fault when the camera was moving,
+// or when its noise was seen. Images of a simulator may repeat, and those of a video that codes what stands still as
+// the same. Pure; for one thread.
 class ImageCheck {
  public:
   // Images in their order; what the source found wrong already stands.
@@ -39,10 +39,10 @@ class ImageCheck {
   std::array<std::uint64_t, 32> earlier_{};  // prints of the newest images
   std::size_t images_ = 0;
   std::size_t back_ = 0;  // how many images before the newest one it was there already; 0: it was not
-  int repeats_ = 0;       // of last_, in succession
+  int repeats_ = 0;       // repetitions of last_, in succession
   int since_repeat_ = 0, last_gap_ = 0, same_gaps_ = 0;  // images from one repeat to the next
-  bool whole_moved_ = false;                             // from the one before to last_ all of the picture did
-  std::deque<bool> noise_;  // of the newest pairs that show the same: whether each row was another
+  bool whole_moved_ = false;                             // the whole picture moved from the image before to last_
+  std::deque<bool> noise_;  // for the newest pairs that show the same: whether each row differed
   Alternation alternation_;
   FixedPattern fixed_pattern_;
   std::optional<int> usual_same_;  // rows of 16 that are as in the image before, in the best image so far: a rim

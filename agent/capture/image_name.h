@@ -12,7 +12,7 @@ namespace coslam {
 // A name between its numbers: texts[0] numbers[0] texts[1] numbers[1] ... texts.back().
 struct Name {
   std::vector<std::string> texts, numbers;
-  bool negative = false;  // it is one number below 0, whose sign is no text
+  bool negative = false;  // the name is one number below 0, whose sign is no text
 };
 
 Name parts_of(const std::filesystem::path& file);
@@ -20,7 +20,7 @@ Name parts_of(const std::filesystem::path& file);
 // Text by text and number by number, after the negative numbers.
 std::strong_ordering in_order(const Name& a, const Name& b);
 
-// What names of one camera have in common: `left_#`. A single digit behind a letter, before `_` or `-` and a further
+// Common part of the names of one camera: `left_#`. A single digit behind a letter, before `_` or `-` and a further
 // number, tells cameras apart: `cam0_#`.
 std::string family_of(const Name& name);
 

@@ -26,7 +26,7 @@ std::optional<int> ros2_domain(const std::string& name);
 // does not reach the fleet's. For one thread.
 class Ros2Topic {
  public:
-  // How long nodes are waited for: for the topic to appear, and then for its first message.
+  // Time to wait for nodes: for the topic to appear, and then for its first message.
   static constexpr std::chrono::seconds kPatience{10};
 
   // Waits for the topic, with one of these types ("sensor_msgs/msg/Image"). Throws UserError, one sentence, when it

@@ -13,7 +13,7 @@
 
 namespace coslam {
 
-// What a source yields next.
+// Sequence of images of one camera.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
@@ -32,7 +32,8 @@ class ImageSource {
   virtual bool live() const { return false; }
   // Images passed over so far, as they have no time of their own: no stamp, or one that is not later.
   virtual std::size_t undated() const { return 0; }
-  // From any thread: a next() that waits for a live camera returns empty soon after. The rest is for one thread.
+  // Makes a next() that waits for a live camera return empty soon after; callable from any thread, unlike the other
+  // functions.
   virtual void stop() {}
 };
 
@@ -40,7 +41,7 @@ struct SourceOptions {
   double start_s = 0;
   std::optional<double> duration_s;
   double rate_hz = 30;  // for image folders and videos without times
-  int width_px = 0;     // of the calibration: the first readable image must have this size; 0: any size
+  int width_px = 0;     // width in the calibration: the first readable image must have this size; 0: any size
   int height_px = 0;
   std::string calibration;        // the file of that size, named when the size is another
   std::vector<TimeSpan> covered;  // played times at which the lens is covered: black images with noise, for trials
@@ -62,14 +63,14 @@ std::unique_ptr<ImageSource> open_source(const std::string& uri, const SourceOpt
 // Next image without a fault.
 std::optional<Image> next_readable(ImageSource& source);
 
-// Of the images of a source that is a list of them.
+// Times of the images of a source that is a list of them.
 struct ListedTimes {
-  std::vector<std::optional<TimeNs>> source_ns;  // by image; empty: it is left out
+  std::vector<std::optional<TimeNs>> source_ns;  // times by image; empty: it is left out
 };
 std::optional<ListedTimes> listed_times(const std::string& uri, double rate_hz);
 
-// Where the times of a source count from, as they were written: in UTC where they are dates or the stamps of a
-// recording. 0: from their own 0, or that is not known.
+// Zero of the times of a source, as they were written: UTC where they are dates or the stamps of a recording. 0: the
+// times count from their own 0, or the zero is not known.
 TimeNs written_zero_ns(const std::string& uri, double rate_hz);
 
 // The file that tells most about how a source was taken: a video, or the first of its images. Empty: there is none, as

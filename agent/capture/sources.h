@@ -18,14 +18,14 @@ std::unique_ptr<ImageSource> open_list(const std::string& name, FrameList list, 
 std::unique_ptr<ImageSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 // bag:PATH#TOPIC, or a path.
 std::unique_ptr<ImageSource> open_recorded(const std::string& uri, const SourceOptions& options);
-// Where its times count from, where that is not within an hour of 0.
+// Zero of a recording's times, where that is not within an hour of 0.
 TimeNs recorded_zero_ns(const std::string& uri);
 // ros2:/TOPIC, see live_topic.h.
 std::unique_ptr<ImageSource> open_ros2(const std::string& uri, const SourceOptions& options);
 std::unique_ptr<ImageSource> open_live(const std::string& uri, const SourceOptions& options);
-// Of images that come at a rate which nobody told.
+// Warning about images that come at an unknown rate.
 std::string without_times(const std::string& name, double rate_hz);
-// Of interlaced images one field; `name` as the user called the source.
+// Turns interlaced images into images of one field; `name` as the user called the source.
 std::unique_ptr<ImageSource> of_one_field(std::unique_ptr<ImageSource> source, std::string name);
 std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
 // Any kind that plays from now on.

@@ -26,8 +26,8 @@ std::optional<WrittenTime> parse_written_time(std::string_view text);
 inline constexpr double kSlowest_hz = 0.2, kFastest_hz = 1000;
 bool is_rate_of_camera(double rate_hz);
 
-// From an image to the next, in the unit of ascending times: the median over stretches of a few images of their mean.
-// Empty where no two differ.
+// Interval from an image to the next, in the unit of the ascending times: the median over stretches of a few images of
+// their mean. Empty where no two differ.
 std::optional<double> usual_interval(const std::vector<WrittenTime>& written);
 
 // A sentence where many images come right after another and then none for long, as over a link that holds them back;
@@ -38,8 +38,8 @@ std::string said_of_bursts(const std::string& name, const std::vector<std::optio
 enum class TimeUnit : std::uint8_t { kSeconds, kNanoseconds };
 
 struct SourceTimes {
-  std::vector<std::optional<TimeNs>> source_ns;  // by image; empty: it is left out
-  TimeNs zero_ns = 0;                            // where they count from, as it was written
+  std::vector<std::optional<TimeNs>> source_ns;  // times by image; empty: it is left out
+  TimeNs zero_ns = 0;                            // zero of source_ns, as it was written
   std::vector<std::string> guesses;              // sentences for the user
 };
 

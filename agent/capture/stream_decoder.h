@@ -14,7 +14,7 @@ namespace coslam {
 // The frames of a video file or of a stream from the network, by FFmpeg. For one thread, but for stop().
 class StreamDecoder {
  public:
-  static constexpr const char* kNotAVideo = "what it gives is no video";  // one of the reasons of open()
+  static constexpr const char* kNotAVideo = "what it gives is no video";  // reason that open() may give
   // live: from the network; what has been decoded of a stream that comes at its own pace is given at once, and who is
   // silent for 5 s has failed. Null: it cannot be opened, or there is no video in it; `why` says which, as the end of a
   // sentence. stopped: where it is set, that ends soon, here as in grab().
@@ -24,26 +24,27 @@ class StreamDecoder {
 
   // Decodes the next frame; false at the end, and when the stream has failed.
   virtual bool grab() = 0;
-  // Of the frame that was grabbed last, CV_8UC3 as BGR. Empty: it could not be decoded.
+  // Pixels of the frame that was grabbed last, CV_8UC3 as BGR. Empty: it could not be decoded.
   virtual cv::Mat bgr() = 0;
   // When it is to be shown, from the start of the stream on; empty: the container does not say.
   virtual std::optional<double> time_s() const = 0;
   // Parts of it did not arrive, or of one that it was made from: they are made up.
   virtual bool concealed() const = 0;
 
-  // It is a file that has its end, though it may come from the network.
+  // Whether the stream is a file that has an end, though it may come from the network.
   virtual bool has_end() const = 0;
-  // As the container says, or where it has no times the frames themselves, once one was grabbed; 0: nobody does.
+  // Frame rate in the container, or where that has no times, in the frames themselves once one was grabbed; 0: not
+  // known.
   virtual double rate_hz() const = 0;
-  virtual std::int64_t frames() const = 0;  // as the container says; 0: it does not
+  virtual std::int64_t frames() const = 0;  // number in the container; 0: not known
   virtual int videos() const = 0;           // in the container, of which one is decoded: its place from 1 on
   virtual int video() const = 0;
   // The share of the video that, as the container says, comes after the frame that was grabbed last; 0: none that is
   // worth a word, or it does not say.
   virtual double missing_share() const = 0;
-  virtual int turn_deg() const = 0;  // by which frames are to be turned to stand upright, clockwise: 0 to 359
+  virtual int turn_deg() const = 0;  // clockwise rotation that makes frames upright: 0 to 359
 
-  // From any thread: grab() returns false soon after, for good.
+  // Makes grab() return false soon after, for good; callable from any thread.
   virtual void stop() = 0;
 };
 

@@ -12,7 +12,7 @@ namespace coslam {
 // said of what shows hardly any corners.
 bool shows_two_views(const cv::Mat& grey);
 
-// How the user makes two sources of pictures so wide.
+// Advice to the user on making two sources of pictures that wide.
 std::string how_to_split(int width_px);
 
 }  // namespace coslam

@@ -14,7 +14,7 @@ namespace coslam {
 // which they were taken, as they do without B frames.
 class VideoPackets {
  public:
-  // By the name of a codec ("h264", "libx264", "h265", "hevc", "vp9", "av1"); null: it is none that is known.
+  // Creates a parser by the name of a codec ("h264", "libx264", "h265", "hevc", "vp9", "av1"); null: unknown name.
   static std::unique_ptr<VideoPackets> of(std::string_view codec);
   ~VideoPackets();
   VideoPackets(const VideoPackets&) = delete;

@@ -15,13 +15,13 @@
 
 namespace coslam {
 
-// What the agent must do to its own pose after a patch.
+// Effect of a patch on the agent's own pose.
 struct PatchEffect {
   bool accepted = false;
-  bool new_server = false;             // another server run
+  bool new_server = false;             // the patch is of another server run
   bool goes_on = false;                // with the map of the one before; otherwise every earlier pose is meaningless
   std::optional<Similarity3> rebase;   // the map moved: re-express poses
-  std::optional<LensCorrection> lens;  // its own lens is that from now on
+  std::optional<LensCorrection> lens;  // new correction of the agent's lens
   std::optional<PlacedPose> placed;    // the server says where this agent was at a frame
   std::vector<TrackId> patch_requests;
   DescriptorRequest descriptor_request = DescriptorRequest::kNone;
@@ -43,8 +43,8 @@ class LocalMap {
     PointState state = PointState::kStatic;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    bool former =
-        false;  // of the server before, whose map goes on: this one has not told of it yet, and may not have it
+    bool former = false;  // binding of the server before, whose map goes on: this server has not confirmed it yet, and
+                          // may not have it
     // A far_point(): the track has no point.
     bool is_direction() const { return point == PointId() && state == PointState::kUncertain; }
   };
@@ -73,7 +73,7 @@ class LocalMap {
   std::uint32_t applied_ = 0;
   bool wants_snapshot_ = false;
   std::map<TrackId, Entry> entries_;
-  std::deque<Move> moves_;  // how the map came from one epoch to the next; nothing is known of before the first
+  std::deque<Move> moves_;  // motions of the map from one epoch to the next; the one before the first is not known
 };
 
 }  // namespace coslam

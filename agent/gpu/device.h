@@ -41,11 +41,11 @@ class Device {
   virtual std::size_t group() const = 0;
   virtual Handle kernel(const char* name) const = 0;
   virtual Handle memory(std::size_t bytes) const = 0;
-  // What they copy from and to must stay as it is until finish().
+  // Start a copy; the memory on this side must stay as it is until finish().
   virtual void start_write(const Handle& to, std::size_t offset, const void* from, std::size_t bytes) = 0;
   virtual void start_read(const Handle& from, void* to, std::size_t bytes) = 0;
   virtual void finish() = 0;
-  virtual void wait() noexcept = 0;  // the same, whatever failed
+  virtual void wait() noexcept = 0;  // like finish(), but ignores errors
 
   // Queues a kernel over `items`, in groups of `group` along x. Arguments: memory, or plain values by their bytes.
   template <class... Arguments>
@@ -56,7 +56,7 @@ class Device {
 
  protected:
   struct Argument {
-    const void* value = nullptr;  // else the handle
+    const void* value = nullptr;  // null: the argument is `handle`
     std::size_t bytes = sizeof(void*);
     void* handle = nullptr;
     const void* data() const { return value != nullptr ? value : &handle; }

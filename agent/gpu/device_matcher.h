@@ -11,7 +11,7 @@
 namespace coslam {
 
 struct DeviceMatcher {
-  std::string device;  // its name
+  std::string device;  // name of the device
   std::unique_ptr<Matcher> matcher;
 };
 

@@ -11,7 +11,7 @@
 
 namespace coslam {
 
-// What TrackerConfig::device may be; auto: a GPU where there is one, by CUDA or else OpenCL, else the CPU.
+// Values of TrackerConfig::device; auto: a GPU where there is one, by CUDA or else OpenCL, else the CPU.
 std::vector<std::string> tracker_devices();
 
 // The matcher that config.device asks for. Throws UserError for a device that is named and cannot be used.

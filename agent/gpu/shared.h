@@ -7,8 +7,8 @@
 
 namespace coslam {
 
-// What the devices of a process have in common: the last T that was made of `from`, while one of them has it, else
-// another. T has is_of(from...).
+// Shares an object among the devices of a process: the last T that was made of `from`, while one of them has it, else a
+// new one. T has is_of(from...).
 template <class T, class... From>
 std::shared_ptr<const T> shared_of(const From&... from) {
   static std::mutex mutex;

@@ -18,14 +18,14 @@ namespace coslam {
 // Replies that did not go with their frame.
 struct RepliesWaiting {
   bool patches = false, descriptors = false;
-  double sent_bytes = 0;  // of all replies, since the start
+  double sent_bytes = 0;  // size of all replies sent since the start
 
   bool any() const { return patches || descriptors; }
 };
 
 struct ReplyLimits {
-  double bytes_a_frame = 0;  // that go with a frame at most; the rest waits for the next
-  double up_to_bytes = 0;    // of all replies since the start: what the server is not known to have yet is bounded
+  double bytes_a_frame = 0;  // maximum per frame; the rest waits for the next
+  double up_to_bytes = 0;    // maximum of sent_bytes: limits what the server is not known to have yet
   // Lost ones are sent again soon unless the link is narrow, where what seems lost is mostly waiting.
   bool narrow_link = false;
 };
@@ -46,7 +46,7 @@ class AgentLink {
   // The server asked for a thumbnail since the last call.
   virtual bool take_thumbnail_request() { return false; }
   virtual void send_thumbnail(const Thumbnail&) {}
-  // From now on.
+  // Sets the limits of replies from now on.
   virtual void limit_replies(const ReplyLimits&) {}
   virtual RepliesWaiting waiting() const { return {}; }
 
@@ -65,11 +65,11 @@ class AgentLink {
   // False before the first status and while the server is silent (killed, or the network is cut).
   virtual bool server_alive() const = 0;
 
-  // What the server says became of this run's images, the newest; empty before the first.
+  // The server's newest account of this run's images; empty before the first.
   virtual std::optional<AgentImages> images() const { return std::nullopt; }
 
-  // How far this machine's clock is ahead of the server's, or less: the least that a status took by both clocks. Empty
-  // while there is but one that may have been kept for who comes late.
+  // Offset of this machine's clock to the server's, positive when ahead: the minimum over all statuses of arrival by
+  // this clock minus sending by the server's. Empty while the only status may have been kept for late joiners.
   virtual std::optional<double> clock_ahead_s() const { return std::nullopt; }
 
   virtual LinkBytes bytes() const = 0;

@@ -16,9 +16,9 @@
 
 namespace coslam {
 
-// What an agent received from its server: patches in order of sequence, and the newest status. While its server gives
-// signs of life, no other run is heard; then the first message of a new one replaces it for good, so that two servers
-// at once cannot toss the agent to and fro. Thread-compatible.
+// Messages that an agent received from its server: patches in order of sequence, and the newest status. While its
+// server gives signs of life, no other run is heard; then the first message of a new one replaces it for good, so that
+// two servers at once cannot toss the agent to and fro. Thread-compatible.
 class Inbox {
  public:
   static constexpr std::size_t kCapacity =
@@ -28,7 +28,7 @@ class Inbox {
 
   void set_server_alive(bool alive) { server_alive_ = alive; }
 
-  // Not taken, or something was lost, when the result names a reason.
+  // Takes a message; the result names a reason when it was refused, or when something was lost.
   std::optional<Rejection> add(MapPatch patch);
   std::optional<Rejection> add(ServerStatus status);
   std::optional<Rejection> add(AgentImages images);
@@ -42,7 +42,7 @@ class Inbox {
 
   const std::optional<ServerStatus>& status() const { return status_; }
   const std::optional<AgentImages>& images() const { return images_; }
-  // One was asked for since the last call.
+  // Whether an image was asked for since the last call.
   bool take_thumbnail_request() { return std::exchange(thumbnail_wanted_, false); }
   // The status if it came after the last call.
   std::optional<ServerStatus> take_fresh_status();

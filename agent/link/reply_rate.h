@@ -19,7 +19,7 @@ class ReplyRate {
   // frame was sent. delivered_bytes: of all replies that were sent before it.
   void heard(double uplink_wait_s, double round_s, bool replies_wait, double delivered_bytes, Instant now);
   double bytes_per_s() const { return bytes_per_s_; }
-  // That the server is not known to have yet, at most: a queue in the link tells of itself only when it is long.
+  // Maximum of bytes that the server is not known to have yet: a queue in the link is noticed only when it is long.
   double unanswered_bytes() const;
   // Frames had to wait for replies before: the link does not carry whatever is given to it.
   bool limited() const { return halved_.has_value(); }

@@ -9,12 +9,12 @@
 
 namespace coslam {
 
-// How many of its frames a live agent sends, by how long messages wait on the link. On one that cannot carry all, they
-// come ever later, since what waits for it heaps up: then only every second frame goes, every third and so on, down to
-// ten a second. Where far too much waits, ten at once, after a pause in which that gets through; and ten at first. When
-// messages come soon, more are tried: all at once while nothing came late, then after a while that doubles with each
-// try that fails; a try is given up at the first sign. What the server itself takes, or waits for others, does not
-// count. Pure: time is an argument. Thread-compatible.
+// Decides which frames a live agent sends, from the time that messages wait on the link. On one that cannot carry all,
+// they come ever later, since what waits for it heaps up: then only every second frame goes, every third and so on,
+// down to ten a second. Where far too much waits, ten at once, after a pause in which that gets through; and ten at
+// first. When messages come soon, more are tried: all at once while nothing came late, then after a while that doubles
+// with each try that fails; a try is given up at the first sign. What the server itself takes, or waits for others,
+// does not count. Pure: time is an argument. Thread-compatible.
 class SendRate {
  public:
   explicit SendRate(double rate_hz);
@@ -44,7 +44,7 @@ class SendRate {
   Instant now_{};
   std::optional<Instant> held_, hold_until_;  // sending nothing, so that what waits gets through
   std::optional<int> before_silence_;         // one_in_ then
-  double downlink_s_ = 0;                     // of the newest message
+  double downlink_s_ = 0;                     // delay of the newest message
   std::optional<double> least_downlink_s_;
   struct Waited {
     Instant at;

@@ -11,10 +11,10 @@
 
 namespace coslam {
 
-// What moves with the camera: its vehicle's body, a gripper, a mount, text that was written into the picture. It stays
-// in place whenever the rest of the picture turns, while what is only far away turns with it. Believed where the
-// picture turned for seconds, about more than one axis or both ways, and where each part of it always did the same:
-// whoever stands in front of traffic sees the same road now stand and now move. Pure.
+// Finds the parts of the picture that move with the camera: its vehicle's body, a gripper, a mount, text that was
+// written into the picture. They stay in place whenever the rest of the picture turns, while distant things turn with
+// it. A part counts once the picture turned for seconds, about more than one axis or both ways, and only if it always
+// did the same: behind traffic the same road now stands still and now moves. Pure.
 class OwnBody {
  public:
   explicit OwnBody(const CameraModel& camera);
@@ -22,7 +22,7 @@ class OwnBody {
   // The live tracks of each image. True when more was found.
   bool step(TimeNs capture_ns, const std::vector<Track>& live);
   ImageParts found() const;
-  // Of the picture.
+  // Share of the picture.
   double share() const;
 
  private:
@@ -35,7 +35,7 @@ class OwnBody {
   Cell& cell_at(const Eigen::Vector2f& raw_px);
 
   const CameraModel camera_;
-  const double px_;  // of an image of 640 pixels across
+  const double px_;  // size of a pixel of an image of 640 pixels across
   std::vector<Cell> cells_;
   std::vector<Track> before_;
   std::optional<TimeNs> before_ns_;

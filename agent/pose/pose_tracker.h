@@ -15,14 +15,14 @@
 namespace coslam {
 
 struct PoseTrackerConfig {
-  double sigma_px = 3.0;          // of detection and tracking, at 640 px image width
+  double sigma_px = 3.0;          // noise of detection and tracking, at 640 px image width
   int min_inliers = 12;           // fewer: lost
-  double min_inlier_ratio = 0.3;  // of the static points seen; fewer: lost
+  double min_inlier_ratio = 0.3;  // share of the static points seen; fewer: lost
 };
 
-// Where the agent is, frame by frame, from the static points bound to its tracks (paper 4.1). Keeps a short history of
-// its own poses so that a pose that the server gives for an earlier frame can be carried to now. Where points are few,
-// it goes on as it went. Alone, it rests on points of its own as well.
+// Estimates the agent's pose frame by frame from the static points bound to its tracks (paper 4.1). Keeps a short
+// history of its own poses so that a pose that the server gives for an earlier frame can be carried to now. Where
+// points are few, the motion model continues. Alone, the pose rests on points of the agent's own as well.
 class PoseTracker {
  public:
   PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config);
@@ -37,11 +37,11 @@ class PoseTracker {
   void place(const PlacedPose& placed);
   // Tracks come through another lens from now on: what they were seen at before is forgotten.
   void change_lens() { own_.clear(); }
-  // Another server: start from nothing.
+  // Starts from nothing, for another server.
   void reset();
 
   PoseState state() const { return state_; }
-  const PoseResult& result() const { return result_; }  // of the newest step
+  const PoseResult& result() const { return result_; }  // result of the newest step
   bool on_own_points() const { return alone_; }         // rests on points of its own too
   double inlier_hull_fraction() const { return hull_; }
 
@@ -51,7 +51,7 @@ class PoseTracker {
   void follow(TimeNs capture_ns);
   struct KnownPoints {
     std::vector<PointObservation> observations;
-    std::vector<bool> told;  // by the server, to be at rest
+    std::vector<bool> told;  // whether the server says that the point is static
   };
   KnownPoints known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map) const;
 
@@ -66,7 +66,7 @@ class PoseTracker {
   int told_agree_ = 0;  // points of a server that speaks, at the newest step
   struct Past {
     FrameId frame;
-    std::optional<TimeNs> capture_ns;  // not known of a placed one
+    std::optional<TimeNs> capture_ns;  // unknown for a placed pose
     Rigid3 cam_from_world;
   };
   std::deque<Past> past_;  // newest last, successive good poses

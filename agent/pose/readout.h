@@ -21,8 +21,8 @@ struct SeenPlace {
   Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
 };
 
-// How long a camera takes from its first row to its last, by what its tracks do while it turns. A camera that turns by
-// w in a second sees at row r, read t(r) = (r / height - 1/2) readout after the middle one, exp(w t(r)) n instead of n.
+// Estimates the time from a camera's first row to its last, from its tracks while it turns. A camera that turns by w in
+// a second sees at row r, read t(r) = (r / height - 1/2) readout after the middle one, exp(w t(r)) n instead of n.
 // Between two images with different w, that is
 //   m_2 = R m_1 + readout [ t_2 w_2 x m_2 - R (t_1 w_1 x m_1) ] + turn x m_2 - way across m_2,
 // with t(r) of a readout of one second: linear in the readout, and in what is left of the turn R and the way of the
@@ -43,7 +43,7 @@ class ReadoutEstimate {
  private:
   struct Seen {
     Eigen::Vector3d direction;
-    double late = 0;  // of the readout, -1/2 at the first row
+    double late = 0;  // time in units of the readout, -1/2 at the first row
   };
   struct SeenImage {
     TimeNs capture_ns = 0;

@@ -27,7 +27,7 @@ class RollingShutter {
   // tracks made since the image before.
   void correct(TimeNs capture_ns, std::vector<SeenPlace>* places);
   double readout_s() const { return configured_s_ < 0 ? estimate_.readout_s() : configured_s_; }
-  // As it is found out; 0 when it is given.
+  // Estimated readout time; 0 when it is configured.
   double found_s() const { return configured_s_ < 0 ? estimate_.readout_s() : 0; }
 
  private:

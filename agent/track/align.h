@@ -9,10 +9,10 @@
 
 namespace coslam {
 
-// Where the content of a window was found.
+// Result of aligning a window.
 struct WindowAlignment {
   bool found = false;
-  Eigen::Vector2f px = Eigen::Vector2f::Zero();  // of level 0
+  Eigen::Vector2f px = Eigen::Vector2f::Zero();  // pixel of level 0
   float zncc = 0.0f;                             // at the finest level used
 };
 
@@ -22,8 +22,8 @@ struct WindowAlignment {
 WindowAlignment align(const Pyramid& from, const Eigen::Vector2f& from_px, const Pyramid& to,
                       const Eigen::Vector2f& guess_px, int top);
 
-// Of several guesses, that whose surroundings in `to`, seen at a coarse level, look most like those of from_px in
-// `from`, and the level to start from: where they look alike, coarser ones have nothing to add.
+// Selects from several guesses the one whose surroundings in `to`, seen at a coarse level, look most like those of
+// from_px in `from`, and the level to start from: where they look alike, coarser ones have nothing to add.
 struct Guess {
   Eigen::Vector2f px = Eigen::Vector2f::Zero();
   int top = 0;

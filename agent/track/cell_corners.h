@@ -24,14 +24,14 @@ struct CornerCell {
 };
 
 struct Corner {
-  Eigen::Vector2f px;  // of the level
+  Eigen::Vector2f px;  // pixel of the level
   float score;         // (grey levels / pixel)^2
 };
 
 // The strongest corners of a cell, at most kMostCellCorners, strongest last.
 struct CellCorners {
   std::vector<Corner> corners;
-  float mean_score = 0;  // of all pixels of the cell
+  float mean_score = 0;  // mean over all pixels of the cell
 };
 
 CellCorners corners_in(const CornerCell& cell, const PyramidLevel& level, CornerScore& score);

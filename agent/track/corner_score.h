@@ -9,11 +9,11 @@
 
 namespace coslam {
 
-constexpr int kCornerHalf = 3;  // of the window
+constexpr int kCornerHalf = 3;  // half the width of the window
 // Products are stored this many bits smaller, so that the weighted sums fit: (4 * 255)^2 / 4 * 64 * 64 < 2^31.
 constexpr int kProductShift = 2;
 constexpr float kWindowWeight = 64.0F * 64.0F;  // binomial weights 1 6 15 20 15 6 1, down and across
-constexpr float kSobelGain = 8.0F;              // of the 3 x 3 Sobel kernel on a ramp of one grey level a pixel
+constexpr float kSobelGain = 8.0F;  // response of the 3 x 3 Sobel kernel to a ramp of one grey level a pixel
 constexpr float kScoreScale = (1 << kProductShift) / (kSobelGain * kSobelGain * kWindowWeight);
 
 // Smaller eigenvalue of the structure tensor, in (grey levels / pixel)^2, for a part of an image. The tensor is
@@ -34,7 +34,7 @@ class CornerScore {
   void score_row(float* out) const;
 
   int cols_ = 0, rows_ = 0;
-  int width_ = 0;              // of a row of products: cols_ and what the window adds
+  int width_ = 0;              // length of a row of products: cols_ and the margin of the window
   std::vector<int> products_;  // rows, each gx gx, gx gy, gy gy
   std::vector<int> columns_;   // weighted sums down the window, laid out like one row of them
   std::vector<float> scores_;

@@ -19,7 +19,7 @@ struct DescribedFeatures {
 // 3 px. Values as quantised_descriptor() leaves them.
 DescribedFeatures describe(const cv::Mat& grey, int most, double border_px);
 
-// The same, only of those that lie within near_px of these places.
+// Describes only features that lie within near_px of these places.
 DescribedFeatures describe_near(const cv::Mat& grey, const std::vector<Eigen::Vector2f>& raw_px, float near_px,
                                 int most, double border_px);
 

@@ -51,14 +51,14 @@ class FeatureTracker {
   // The size of the images that are tracked in, against the raw ones.
   virtual double working_scale() const { return 1; }
 
-  // Nothing is followed there from the next image on, beside what never is.
+  // Excludes parts of the image, beside the mask, from the next image on.
   virtual void leave_out(const ImageParts& /*parts*/) {}
 
   // Ends tracks, those that are missed least first, until there are no more than step() would fill up to or `at_most`
   // were ended.
   virtual void thin(int at_most) = 0;
 
-  // What the image looks like around these tracks (ascending), for those of them that are live, in their order.
+  // Cuts patches of the image around those of these tracks (ascending) that are live, in their order.
   virtual std::vector<ImagePatch> patches(const std::vector<TrackId>& tracks) = 0;
 
   // Descriptors of the features of the image that lie at these tracks (ascending), the `most` strongest. What comes
@@ -66,9 +66,9 @@ class FeatureTracker {
   // the tracker.
   virtual std::function<DescribedTracks()> describe_at(const std::vector<TrackId>& tracks, int most) = 0;
 
-  // The same wherever they lie. What the work gives is called once, as the tracker's other functions are: features are
-  // followed to the newest image, and one at no track there starts a track, beyond what step() would fill up to if need
-  // be; the weaker ones are left out once `most_new` were started.
+  // Describes the strongest features wherever they lie. What the work gives is called once, as the tracker's other
+  // functions are: features are followed to the newest image, and one at no track there starts a track, beyond what
+  // step() would fill up to if need be; the weaker ones are left out once `most_new` were started.
   using StartTracks = std::function<DescribedTracks(int most_new)>;
   virtual std::function<StartTracks()> describe_strongest(int most) = 0;
 

@@ -20,13 +20,13 @@ struct FirstSample {
 };
 
 constexpr int kFixedShift = 16;
-// Of a window that is turned and scaled: coordinates kFixedShift bits below a pixel, from `origin`.
+// Sampling grid of a window that is turned and scaled: coordinates kFixedShift bits below a pixel, from `origin`.
 struct WarpedSample {
   const std::uint8_t* origin = nullptr;
   std::ptrdiff_t stride = 0;
-  int x = 0, y = 0;      // of the first sample
-  int x_u = 0, y_u = 0;  // from one to the next in a row
-  int x_v = 0, y_v = 0;  // from one row to the next
+  int x = 0, y = 0;      // first sample
+  int x_u = 0, y_u = 0;  // step from one sample to the next in a row
+  int x_v = 0, y_v = 0;  // step from one row to the next
 };
 
 struct TemplateSums {
@@ -60,7 +60,7 @@ struct Kernels {  // templates: kWindowArea values each
 };
 
 const Kernels& portable_kernels();
-const Kernels* avx2_kernels();  // nothing where they are not built, or this processor has no AVX2
+const Kernels* avx2_kernels();  // null where they are not built, or this processor has no AVX2
 // The best that this processor can do.
 const Kernels& kernels();
 

@@ -10,17 +10,17 @@
 
 namespace coslam {
 
-// What a track looked like when it was found. Following from image to image adds up small errors and slides along edges
-// and outlines unnoticed; finding this patch again, under an affine warp, does neither.
+// First appearance of a track. Following from image to image adds up small errors and slides along edges and outlines
+// unnoticed; finding this patch again, under an affine warp, does neither.
 struct KeyPatch {
   using Vector7f = Eigen::Matrix<float, 7, 1>;  // shift x y, affine xu xv yu yv, gain
 
-  std::uint32_t number = 0;  // another one each time that its tracker takes one
+  std::uint32_t number = 0;  // changes each time that the tracker takes a patch
   Samples grey{}, dx{}, dy{};
-  float squares = 0;  // of grey, mean taken out
+  float squares = 0;  // sum of squares of grey, mean taken out
   Vector7f totals = Vector7f::Zero();
-  Eigen::Matrix<float, 7, 7> inverse = Eigen::Matrix<float, 7, 7>::Zero();  // of the damped normal matrix
-  Eigen::Matrix2f warp = Eigen::Matrix2f::Identity();  // from the patch to the image where it was last found
+  Eigen::Matrix<float, 7, 7> inverse = Eigen::Matrix<float, 7, 7>::Zero();  // inverse of the damped normal matrix
+  Eigen::Matrix2f warp = Eigen::Matrix2f::Identity();  // maps the patch to the image where it was last found
 
   void take(const PyramidLevel& level, const Eigen::Vector2f& centre_px);
 };

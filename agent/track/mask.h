@@ -13,7 +13,7 @@ namespace coslam {
 // one that cannot be read, that is a photo, whose transparency may mean either, or that leaves out everything.
 cv::Mat read_mask(const std::string& file);
 
-// What a mask leaves out, one sentence, and whether that is so unusual that it may not be meant.
+// Sentence on what a mask leaves out, and whether that is so unusual that it may be a mistake.
 struct MaskWord {
   std::string text;
   bool doubtful = false;

@@ -21,16 +21,16 @@ struct Sought {
   const KeyPatch* key = nullptr;       // never null; of two with one number only the warp differs
 };
 
-// Where a track is in the newest image.
+// Position of a track in the newest image.
 struct TrackSighting {
-  bool found = false;                            // by the two images alone
+  bool found = false;                            // result from the two images alone
   Eigen::Vector2f px = Eigen::Vector2f::Zero();  // if found
   KeyAlignment key;                              // the first patch, looked for around px
 };
 
 struct Following {
-  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // of the image as a whole
-  std::vector<TrackSighting> sightings;                // by track
+  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();  // shift of the image as a whole
+  std::vector<TrackSighting> sightings;                // sighting of each track
 };
 
 // The tracker's work on pixels, so that a GPU may do it: the tracker decides what becomes of the tracks.
@@ -48,9 +48,10 @@ class Matcher {
   // Follows tracks from the image before into the newest; last_shift_px is the shift that the last call gave.
   virtual Following follow(const std::vector<Sought>& tracks, const Eigen::Vector2f& last_shift_px) = 0;
 
-  // Where corners will be asked for, pixels of the level corner_level(). Called once, after the first push() of a size.
+  // Sets the cells where corners will be asked for, pixels of the level corner_level(). Called once, after the first
+  // push() of a size.
   virtual void watch(const std::vector<CornerCell>& cells) = 0;
-  // What one of these cells holds in the newest image.
+  // Corners of one of these cells in the newest image.
   virtual CellCorners corners(std::size_t cell) = 0;
 
   // The two images on the CPU: the finest level at least. Empty before they came.

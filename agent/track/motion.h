@@ -13,8 +13,8 @@ namespace coslam {
 // it cannot be misled by a wrong start, and a fast turn of the camera is mostly a shift. Pixels of level 0.
 Eigen::Vector2f global_shift(const Pyramid& from, const Pyramid& to);
 
-// Which of the motions (at from, to) does not go with the image as a whole: not with the affine motion that fits most
-// of them, by far more than the others differ from it (what parallax does to all).
+// Tells which of the motions (at from, to) deviate from that of the image as a whole: from the affine motion that fits
+// most of them, by far more than the others differ from it (what parallax does to all).
 std::vector<bool> moves_apart(const std::vector<Eigen::Vector2f>& from_px, const std::vector<Eigen::Vector2f>& to_px);
 
 // Mean squared difference of the middles (7 x 7) of two windows, (grey levels)^2.

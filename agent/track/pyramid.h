@@ -21,7 +21,7 @@ class PyramidLevel {
   // Valid kMargin pixels beyond the image on every side.
   const std::uint8_t* at(int x, int y) const { return image_.data + y * stride() + x; }
   const cv::Mat& image() const { return image_; }
-  // All of it, margin and all.
+  // Start of the level's memory, margin included.
   const std::uint8_t* first_byte() const { return at(-kMargin, -kMargin); }
   std::size_t bytes() const { return static_cast<std::size_t>(stride() * (rows() + 2 * kMargin)); }
 

@@ -19,7 +19,7 @@ constexpr float kWindowHalf_px = 0.5f * (kWindowSide - 1);
 // template carry 3. By Cauchy and Schwarz a sum of products over a window then stays below 256 * 4096 * 1024 = 2^30.
 constexpr int kSampleUnit = 32;
 constexpr int kSampleCentre = 128 * kSampleUnit;
-constexpr int kWeightSum = 256;  // of the four bilinear weights: 255 * 256 just fits 16 bits
+constexpr int kWeightSum = 256;  // sum of the four bilinear weights: 255 * 256 just fits 16 bits
 constexpr int kWeightShift = 3;  // kWeightSum / kSampleUnit = 2^3
 constexpr int kTemplateShift = 2;
 constexpr int kTemplateUnit = kSampleUnit >> kTemplateShift;

@@ -20,7 +20,7 @@ struct ScaleKernels {
 };
 
 const ScaleKernels& portable_scale_kernels();
-const ScaleKernels* avx2_scale_kernels();  // nothing where they are not built, or this processor has no AVX2
+const ScaleKernels* avx2_scale_kernels();  // null where they are not built, or this processor has no AVX2
 // The best that this processor can do.
 const ScaleKernels& scale_kernels();
 

@@ -28,15 +28,15 @@ struct ScaleSpace {
 ScaleSpace scale_space(const cv::Mat1b& grey);
 
 struct Blob {
-  float x_px = 0, y_px = 0;  // of the image
-  float contrast = 0;        // of the whole range of greys
+  float x_px = 0, y_px = 0;  // position in the image
+  float contrast = 0;        // share of the whole range of greys
   int octave = 0, level = 0;
   float x = 0, y = 0;  // pixels of the octave
   float sigma_px = 0;  // blur at which it is found, pixels of the octave
 };
 
-// All with a contrast of `least` and not on an edge, where the mask, if there is one, is set. One between pixels may be
-// among them twice.
+// Finds all blobs with a contrast of `least` and not on an edge, where the mask, if there is one, is set. A blob
+// between pixels may be found twice.
 std::vector<Blob> find_blobs(const ScaleSpace& space, float least, const cv::Mat1b& mask = {});
 
 }  // namespace coslam

@@ -16,7 +16,7 @@ namespace coslam {
 inline constexpr const char* kNoTags = "none";
 
 struct TagConfig {
-  std::string family = kNoTags;  // as OpenCV calls it, see tag_families()
+  std::string family = kNoTags;  // name of the family in OpenCV, see tag_families()
   double period_s = 0.2;         // between images that are searched: a search takes as long as several tracking steps
 };
 
@@ -25,9 +25,10 @@ std::vector<std::string> tag_families();
 
 struct FoundTag {
   TagId tag;
-  std::array<Eigen::Vector2d, 4> undistorted_px;  // of the black square, clockwise as printed from the upper left
-  int edges = 0;                                  // places on edges that the corners rest on
-  double error_px = 0;                            // of these, RMS
+  std::array<Eigen::Vector2d, 4>
+      undistorted_px;   // corners of the black square, clockwise as printed from the upper left
+  int edges = 0;        // places on edges that the corners rest on
+  double error_px = 0;  // RMS distance of these places from the fitted edges
 };
 
 // Printed square tags in an image. OpenCV finds and reads them; then the plane is fitted to all their edges, those of

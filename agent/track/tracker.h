@@ -41,10 +41,11 @@ class Tracker {
   // Ends tracks where they stand closest, newest first, until at most max_tracks are left or `at_most` were ended.
   void thin(int at_most);
 
-  // From now on images are so many times as large; `grey` is the newest one at that size. All tracks go on.
+  // Changes the image size by `ratio`; `grey` is the newest image at the new size. All tracks go on.
   void resize(const cv::Mat& grey, double ratio);
 
-  // Of the size of the images (CV_8UC1): where it is black nothing is followed from now on. Empty: everywhere.
+  // Sets the mask, of the size of the images (CV_8UC1): where it is black nothing is followed from now on. Empty:
+  // everywhere.
   void set_mask(const cv::Mat& mask);
 
   // Forgets all tracks (after a gap in the images); ids go on.

@@ -8,7 +8,7 @@
 
 namespace coslam {
 
-// Where places of one image lie in another that may be anywhere as long as the two overlap: features of both matched by
+// Finds places of one image in another that may be anywhere as long as the two overlap: features of both matched by
 // their descriptors, each the other's nearest and by far. Takes as long as describing both. CV_8UC1, of one size.
 MotionField wide_baseline_motion(const cv::Mat& before, const cv::Mat& newest);
 

@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-// How far beyond the level a window's centre may lie: half a window, a pixel for the derivative, one for the
+// Distance by which a window's centre may lie beyond the level: half a window, a pixel for the derivative, one for the
 // interpolation, and what kTemplateCols reads beyond stay in the margin.
 constexpr float kWindowReach_px = PyramidLevel::kMargin - kWindowHalf_px - 2 - (kTemplateCols - kTemplateRows);
 
@@ -18,9 +18,10 @@ constexpr float kWindowReach_px = PyramidLevel::kMargin - kWindowHalf_px - 2 - (
 struct WindowTemplate {  // NOLINT(cppcoreguidelines-pro-type-member-init): the samples are written at once
   Samples grey, dx, dy;
   int total_grey = 0, total_dx = 0, total_dy = 0;
-  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of the products of (dx, dy, grey), means taken out
-  double squares = 0;                                 // of grey, mean taken out
-  double min_eigenvalue = 0;  // of the structure tensor, gain and offset eliminated: (grey levels / pixel)^2, summed
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // inverse of the products of (dx, dy, grey), means taken out
+  double squares = 0;                                 // sum of squares of grey, mean taken out
+  // Smaller eigenvalue of the structure tensor, gain and offset eliminated: (grey levels / pixel)^2, summed.
+  double min_eigenvalue = 0;
 };
 
 // Whether the window centred there, with a pixel around it, lies in the level and its margin.
@@ -29,7 +30,7 @@ bool window_readable(const PyramidLevel& level, const Eigen::Vector2f& centre_px
 // The centres below must be readable.
 void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, WindowTemplate& window);
 
-// How far centre_px lies from where the template is found, to first order, and with which gain.
+// Estimates how far centre_px lies from where the template is found, to first order, and with which gain.
 struct WindowStep {
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
   float gain = 0.0f;  // offset_px means nothing unless this is positive

@@ -20,7 +20,7 @@ cv::Mat scaled_image(const cv::Mat& grey, double scale);
 // The image at another size: that of scaled_image() for some scale, but for rounding.
 cv::Mat image_of_size(const cv::Mat& grey, const cv::Size& size);
 
-// Where a track was in the image before and is in the newest; pixels of these images.
+// Position of a track in the image before and in the newest; pixels of these images.
 struct MovedPlace {
   Eigen::Vector2f from_px, to_px;
 };
@@ -45,7 +45,7 @@ class WorkingScale {
 
   // Once for each image after the first: whether it is to be compared with its half.
   bool due();
-  // What loss_by_halving() gave at the finest scale.
+  // Takes the result of loss_by_halving() at the finest scale.
   void compared(double loss);
 
  private:
