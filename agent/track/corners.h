@@ -16,7 +16,7 @@ struct CornerConfig {
   float min_distance_px = 12;
   float min_eigenvalue = 1e-3f;  // relative to the strongest corner of recent images
   float border_px = 12;
-  float free_share = 1;  // share of the image where corners may be: its tracks are as many, closer to each other
+  float free_share = 1;  // share of the image where corners may be; it gets as many tracks, closer together
 };
 
 // Finds new Shi-Tomasi corners in the emptiest cells of a grid, and looks only into the cells that it needs. A corner

@@ -7,7 +7,7 @@
 
 namespace coslam {
 
-// What the chosen subcommand does; gives the exit code. UserError and UsageError are main's to report.
+// Work of the chosen subcommand; returns the exit code. UserError and UsageError are main's to report.
 using Command = std::function<int()>;
 
 // Each adds one subcommand, whose parsing sets `chosen`. One file a subcommand: <name>_command.cpp.

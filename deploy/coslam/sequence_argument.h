@@ -15,7 +15,8 @@ namespace coslam {
 // The SEQUENCE of a command line: a YAML file, a folder with sequence.yaml, or sim:NAME, rendered when it is not yet in
 // the cache. Throws UserError.
 Sequence sequence_argument(const std::string& text);
-// The same, or one source or more, as videos, topics or cameras: an agent each, named for it, without calibrations.
+// Takes one sequence, or one source or more, as videos, topics or cameras: an agent each, named for it, without
+// calibrations.
 Sequence sequence_argument(const std::vector<std::string>& texts);
 
 // The sequence as a run played it: with each source from where its report says that it began, which a run finds out

@@ -11,7 +11,7 @@
 
 namespace coslam {
 
-// Where a command looks for the fleet.
+// Options that say where a command looks for the fleet.
 struct WireArguments {
   std::optional<int> domain;
   bool loopback = false;
@@ -20,7 +20,7 @@ struct WireArguments {
   std::string config;  // agent.yaml or server.yaml
 
   void add_to(CLI::App& command);
-  // What --config has in the section `wire`, as the other options but --peer change it.
+  // Applies the options but --peer to the section `wire` of --config.
   WireConfig over(WireConfig wire) const;
 };
 

@@ -10,7 +10,7 @@
 
 namespace coslam::sim {
 
-// Where a piece of furniture stands: the middle of its back, at its foot. Unturned it faces -y (its back towards +y);
+// Place of a piece of furniture: the middle of its back, at its foot. Unturned it faces -y (its back towards +y);
 // turn_deg is counter-clockwise seen from above.
 struct Placement {
   double x_m = 0, y_m = 0, z_m = 0;

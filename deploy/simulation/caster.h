@@ -18,8 +18,8 @@ namespace coslam::sim {
 inline constexpr std::uint32_t kNoFacet = 0xffffffffU;
 inline constexpr std::uint32_t kNoPart = 0xffffffffU;
 
-// Where a ray meets a facet: u, v in [0, 1] along its edges; distance in lengths of the ray's direction. On a moving
-// part facet is the triangle, and u, v are the weights of its second and third corner.
+// Intersection of a ray with a facet: u, v in [0, 1] along its edges; distance in lengths of the ray's direction. On a
+// moving part facet is the triangle, and u, v are the weights of its second and third corner.
 struct FacetHit {
   std::uint32_t facet = 0;
   float u = 0, v = 0;

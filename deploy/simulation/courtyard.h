@@ -12,12 +12,12 @@ namespace coslam::sim {
 // Houses around a way that goes around two houses in the middle. In the middle of each long side (along x) of the way
 // another house divides it into two lanes, with a gate at both ends of each. Lengths in metres.
 struct CourtyardPlan {
-  double straight_x_m = 0, straight_y_m = 0;  // of the way, a rectangle with round corners
-  double start_y_m = 0;                       // where it starts: on the west side, going south
+  double straight_x_m = 0, straight_y_m = 0;  // straight parts of the way, a rectangle with round corners
+  double start_y_m = 0;                       // start of the way: on the west side, going south
 
   static constexpr double kCornerM = 4.5;
-  static constexpr double kHalfWayM = 5.0;  // from the middle of the way to the houses inside and outside
-  static constexpr double kLaneM = 2.9;     // from the middle of the way to that of a lane
+  static constexpr double kHalfWayM = 5.0;  // distance from the middle of the way to the houses inside and outside
+  static constexpr double kLaneM = 2.9;     // distance from the middle of the way to that of a lane
   double way_x() const { return straight_x_m / 2 + kCornerM; }  // half of the sides
   double way_y() const { return straight_y_m / 2 + kCornerM; }
   double inner_x() const { return way_x() - kHalfWayM; }

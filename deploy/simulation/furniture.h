@@ -24,7 +24,7 @@ void add_block(WorldBuilder& b, const Placement& at, const Eigen::Vector3d& size
 // The front of a wall: a line on the ground with the place of its middle. Along it runs to the right of who faces it.
 struct WallFront {
   double x_m = 0, y_m = 0;
-  double turn_deg = 0;  // as of a Placement
+  double turn_deg = 0;  // see Placement
 
   // `out` metres in front of it.
   Placement at(double along_m, double z_m, double out_m = 0) const;

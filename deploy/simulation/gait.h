@@ -16,7 +16,7 @@ class GroundPath {
   explicit GroundPath(const std::vector<Eigen::Vector2d>& waypoints);
   double length_m() const { return length_m_; }
   Eigen::Vector2d at(double distance_m) const;
-  // Of the way ahead, counter-clockwise from +x, in (-pi, pi]; taken over a third of a metre.
+  // Direction of the path ahead, counter-clockwise from +x, in (-pi, pi]; taken over a third of a metre.
   double heading_rad(double distance_m) const;
 
  private:

@@ -24,7 +24,7 @@ class LightMap {
   std::vector<float> cells_;
 };
 
-// What falls on a place that nothing shades, with an upright share of the ambient light. For things that move.
+// Light on an unshaded place, with an upright share of the ambient light. For things that move.
 double unshaded_light(const World& world, const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 
 }  // namespace coslam::sim

@@ -82,7 +82,7 @@ float hand_albedo(const Material& m, const SurfacePoint& p);
 float shoe_albedo(const Material& m, const SurfacePoint& p);
 // A tag with a margin of one of its cells around; its id is kPrintedTag.
 float tag_albedo(const Material& m, const SurfacePoint& p);
-inline constexpr int kPrintedTag = 0;  // of the family AprilTag 36h11
+inline constexpr int kPrintedTag = 0;  // id in the family AprilTag 36h11
 inline constexpr int kTagCells = 8;    // a side, black border included
 
 }  // namespace coslam::sim

@@ -45,14 +45,14 @@ class ViewPath {
 
  private:
   double turn_deg_;
-  LoopPath curve_;  // its heading is what is left when the turn is taken out evenly
-  double step_;     // of the curve's parameter between two of distance_m_
+  LoopPath curve_;  // heading that remains when the turn is taken out evenly
+  double step_;     // step of the curve's parameter between two of distance_m_
   std::vector<double> distance_m_;
 };
 
 // Time that runs at speed 1 in the long run, and starts from rest at t = 0: C2 for t > 0.
 double eased_start(double t_s, double rise_s);
-// The same, and comes to rest at end_s, having run for end_s - 2 rise_s.
+// Time that starts from rest at t = 0, and comes to rest at end_s, having run for end_s - 2 rise_s.
 double eased_journey(double t_s, double end_s, double rise_s);
 // 0 before `from`, 1 after `to`, with constant speed between C2 ramps that take a quarter of the time each.
 double eased_step(double t_s, double from_s, double to_s);

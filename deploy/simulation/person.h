@@ -33,13 +33,13 @@ enum PersonPart {
 // A person of 1.78 m. Lengths in metres.
 inline constexpr double kThighM = 0.43, kShankM = 0.42, kAnkleM = 0.08, kHipHalfM = 0.09;
 inline constexpr double kUpperArmM = 0.29, kForearmM = 0.25;
-// From the ankle on the floor: where the heel and the ball of the foot are.
+// Offsets of the heel and the ball of the foot from the ankle on the floor.
 inline constexpr double kHeelM = -0.06, kBallM = 0.17;
 
 struct ArmPosture {
-  double swing_rad = 0;   // of the upper arm to the front
+  double swing_rad = 0;   // swing of the upper arm to the front
   double spread_rad = 0;  // away from the body
-  double turn_rad = 0;    // of the forearm's plane inwards
+  double turn_rad = 0;    // turn of the forearm's plane inwards
   double elbow_rad = 0;   // 0 is straight
 };
 
@@ -54,8 +54,8 @@ struct Posture {
   Rigid3 world_from_pelvis;
   Turn torso, head;  // relative to the part before
   std::array<ArmPosture, 2> arms;
-  std::array<Rigid3, 2> world_from_feet;  // where the feet are to be; the legs follow, as far as they reach
-  double knee_lift = 0;                   // which way knees bend: 0 to the front, 1 up as well
+  std::array<Rigid3, 2> world_from_feet;  // targets of the feet; the legs follow, as far as they reach
+  double knee_lift = 0;                   // direction in which knees bend: 0 to the front, 1 up as well
 };
 
 // World from the parts in the order of PersonPart.

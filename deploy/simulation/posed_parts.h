@@ -17,7 +17,7 @@ struct PartMotion {
   double apart_s = 0;
 };
 
-// Where the moving parts of a world are at one instant, and how fast. Thread-safe; the caster must outlive it.
+// Poses and velocities of the moving parts of a world at one instant. Thread-safe; the caster must outlive it.
 class PosedParts {
  public:
   PosedParts(const Caster& caster, double t_s, std::vector<Rigid3> world_from_parts, const PartMotion& motion);

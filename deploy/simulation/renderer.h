@@ -54,7 +54,7 @@ class Renderer {
   cv::Mat1w depth_mm(const RayTable& rays, const Rigid3& cam_from_world, const PosedParts* posed = nullptr) const;
 
  private:
-  // What shading needs of a facet, close together.
+  // Data of a facet for shading, close together.
   struct Surface {
     Texture radiance;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -62,7 +62,7 @@ class Renderer {
   };
   Surface bake(const Facet& facet, double coarseness) const;
   float shade(const FacetHit& hit, const Eigen::Vector3f& direction, float pixel_rad) const;
-  // What shading needs of the skins of a part.
+  // Data of the skins of a part for shading.
   struct PartSurface {
     const Mesh* mesh = nullptr;
     std::vector<Texture> albedo;

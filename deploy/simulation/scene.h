@@ -30,7 +30,7 @@ struct SurfaceSpot {
   Eigen::Vector3d in_object = Eigen::Vector3d::Zero();
 };
 
-// From which speed on a place on a surface is said to move. Somebody who stands still is static for that time.
+// Speed from which on a place on a surface is said to move. Somebody who stands still is static for that time.
 inline constexpr double kMovingSpeed_m_s = 0.02;
 
 // A simulated world with exact truth: what the cameras see, where they are, what moves.
@@ -57,7 +57,7 @@ class Scene {
   virtual Eigen::Vector3d velocity_m_s(const SurfaceSpot& /*spot*/, double /*t_s*/) const {
     return Eigen::Vector3d::Zero();
   }
-  // Of the whole body that an object is a part of: the mean over its surface. World.
+  // Velocity of the whole body that an object is a part of: the mean over its surface. World.
   virtual Eigen::Vector3d body_velocity_m_s(std::uint32_t /*object*/, double /*t_s*/) const {
     return Eigen::Vector3d::Zero();
   }
@@ -76,9 +76,9 @@ struct RenderOptions {
   std::uint64_t seed = 1;
   int cameras = 0;
   int frames = 0;                   // a camera
-  double rate_hz = 0;               // the same motion, with more or fewer images of it
-  int width_px = 0, height_px = 0;  // another width is another scale, another height shows more or less
-  std::string lens;                 // as simulated_camera()
+  double rate_hz = 0;               // image rate; the motion stays the same
+  int width_px = 0, height_px = 0;  // image size: another width is another scale, another height shows more or less
+  std::string lens;                 // see simulated_camera()
   double turn_at_s = 0;             // the cameras stop there and turn by 180 degrees on the spot, in kTurnS
   int threads = 2;
 };

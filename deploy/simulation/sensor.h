@@ -10,8 +10,7 @@
 
 namespace coslam::sim {
 
-// What a camera makes of the light: exposure that drifts, fall-off towards the corners, photon and read noise, a tone
-// curve.
+// Model of the sensor: exposure that drifts, fall-off towards the corners, photon and read noise, a tone curve.
 struct SensorModel {
   double gain = 1;      // share of full scale for radiance 1
   double drift = 0.06;  // relative amplitude of the slow change of the gain

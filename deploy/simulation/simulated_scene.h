@@ -20,7 +20,7 @@ namespace coslam::sim {
 struct SceneCamera {
   CameraModel model;
   SensorModel sensor;
-  std::function<Rigid3(double)> cam_from_world;  // of the time in seconds; defined for every time
+  std::function<Rigid3(double)> cam_from_world;  // pose at a time in seconds; defined for every time
 };
 
 // A scene as its author writes it.
@@ -30,9 +30,9 @@ struct SceneDescription {
   std::vector<SceneCamera> cameras;
   int frames = 0;
   double rate_hz = 30;
-  double image_scale = 1;  // of its images against 640 pixels across
+  double image_scale = 1;  // scale of the images against 640 pixels across
   double tag_m = 0;        // side of the printed tag in it; 0: there is none
-  std::string lens;        // as simulated_camera()
+  std::string lens;        // see simulated_camera()
 };
 
 inline constexpr int kMaxCameras = 16;
@@ -76,14 +76,14 @@ SceneDescription describe_atrium(std::uint64_t seed, int cameras);
 
 struct SceneSize {
   int cameras = 0, frames = 0;      // <= 0: the scene's own number; frames: those of its own time at the rate
-  double image_scale = 1;           // of the scene's images; tests use small ones
+  double image_scale = 1;           // share of the scene's image size; tests use small ones
   double rate_hz = 0;               // <= 0: the scene's own
   int width_px = 0, height_px = 0;  // <= 0: the scene's own
-  std::string lens;                 // as simulated_camera(); empty: the scene's own
+  std::string lens;                 // see simulated_camera(); empty: the scene's own
   double turn_at_s = 0;             // <= 0: none. As RenderOptions
 };
 
-// How long the turn takes, and to come to rest before it and to go on after it.
+// Duration of the turn, and of coming to rest before it and going on after it.
 inline constexpr double kTurnS = 4, kRestS = 0.5;
 
 // A world with what moves in it. Thread-safe.
@@ -115,7 +115,7 @@ class SimulatedScene : public Scene {
   int bodies() const { return static_cast<int>(description_.bodies.size()); }
   // The first part of a body; for body == bodies() the number of parts.
   std::size_t first_part(int body) const { return first_part_[static_cast<std::size_t>(body)]; }
-  // Where the parts are at an instant; null when nothing can move. The last few instants are kept.
+  // Poses of the parts at an instant; null when nothing can move. The last few instants are kept.
   std::shared_ptr<const PosedParts> posed(double t_s) const;
 
  private:
@@ -131,7 +131,7 @@ class SimulatedScene : public Scene {
   mutable std::vector<std::shared_ptr<const PosedParts>> recent_;  // newest last
 };
 
-// As make_scene(). Throws UserError for an unknown name, an unknown lens or too many cameras.
+// Makes a scene like make_scene(). Throws UserError for an unknown name, an unknown lens or too many cameras.
 std::unique_ptr<SimulatedScene> make_simulated_scene(const std::string& name, std::uint64_t seed,
                                                      const SceneSize& size);
 

@@ -9,7 +9,7 @@
 
 #include "deploy/simulation/body.h"
 
-// What drives on a street. Lengths in metres.
+// Vehicles on a street. Lengths in metres.
 namespace coslam::sim {
 
 // On the ground; the heading is counter-clockwise from +x.

@@ -9,11 +9,11 @@
 
 namespace coslam::sim {
 
-// Which share of the surfaces that one camera sees another sees too, and so that they look alike: at most 45 degrees
-// apart, and at most 2.5 times as far away.
+// Computes the share of the surfaces that one camera sees and another sees too, so that they look alike: at most 45
+// degrees apart, and at most 2.5 times as far away.
 class ViewOverlap {
  public:
-  explicit ViewOverlap(const Scene& scene);  // which must outlive it
+  explicit ViewOverlap(const Scene& scene);  // the scene must outlive it
   // Element (a, b): of the pixels of a on a coarse grid, the share whose surface lies open in the image of b.
   Eigen::MatrixXd at(double t_s) const;
 
@@ -23,7 +23,7 @@ class ViewOverlap {
                double t_s) const;
 
   const Scene& scene_;
-  std::vector<std::vector<Eigen::Vector3d>> rays_;  // of each camera, in its frame
+  std::vector<std::vector<Eigen::Vector3d>> rays_;  // rays of each camera, in its frame
 };
 
 }  // namespace coslam::sim

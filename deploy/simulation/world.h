@@ -18,9 +18,9 @@ struct Facet {
   Eigen::Vector3d origin, edge_u, edge_v;  // upper left corner; world, metres
   Eigen::Vector3d normal;                  // unit, out of the front
   Material material;
-  double offset_u_m = 0, offset_v_m = 0;  // where the facet lies in its material
+  double offset_u_m = 0, offset_v_m = 0;  // position of the facet in its material
   double texel_m = 0.003;
-  double light_cell_m = 0.04;  // of its light map
+  double light_cell_m = 0.04;  // cell of its light map
   float emission = 0;          // radiance of its own
   std::uint32_t object = 0;
 

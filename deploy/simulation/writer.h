@@ -16,7 +16,7 @@ inline constexpr int kRendererVersion = 2;
 inline constexpr int kDepthEvery = 10;  // frames with a depth image
 
 struct WriteOptions {
-  std::string name;  // of the scene
+  std::string name;  // name of the scene
   std::uint64_t seed = 1;
   int threads = 2;
   double coarseness = 1;  // > 1: coarser textures and shadows, for tests

@@ -18,8 +18,8 @@ struct Chessboard {
 struct CalibrationFit {
   CameraModel camera;    // radtan, 4 coefficients
   double rms_px = 0;     // reprojection error
-  int views = 0;         // that it rests on
-  double readout_s = 0;  // of a rolling shutter, from the first row to the last; negative: the last row is read first
+  int views = 0;         // number of views used
+  double readout_s = 0;  // rolling shutter: time from the first row to the last; negative: the last row is first
 };
 
 // Views of a chessboard, and the camera that explains them. The camera or the board may move: where the next image
@@ -37,7 +37,8 @@ class ChessboardViews {
   void add_next(const cv::Mat& grey, double after_s);
   int count() const { return static_cast<int>(views_.size()); }
 
-  // From the kMost views that differ most. Throws UserError: too few views, or views that leave the focal length open.
+  // Fits the camera to the kMost views that differ most. Throws UserError: too few views, or views that leave the focal
+  // length open.
   CalibrationFit fit() const;
 
  private:

@@ -20,7 +20,7 @@ NearestCamera nearest_camera(const CameraModel& of, DistortionModel model, int c
 // A calibration as another program reads it.
 struct WrittenCalibration {
   std::string text;
-  CameraModel camera;  // that the text says
+  CameraModel camera;  // camera that the text describes
   double miss_px = 0;  // 0: exactly the one that was asked for
 };
 // plain, opencv, ros, kalibr, colmap, orbslam. Throws UserError for any other.

@@ -12,12 +12,12 @@
 
 namespace coslam::doctor {
 
-// Who is to be examined: this machine with the settings that an agent or the server would have here.
+// The subject of the examination: this machine with the settings that an agent or the server would have here.
 struct Patient {
-  AgentOptions settings;                // of a server, what it shares with an agent: `wire`
-  Findings of_config = {};              // what reading the configuration told
+  AgentOptions settings;                // settings of an agent; for a server only `wire`, which both share
+  Findings of_config = {};              // findings from reading the configuration
   std::vector<std::string> named = {};  // hosts that are asked besides the peers of the settings
-  std::string out = {};                 // where results are to go; empty: not looked at
+  std::string out = {};                 // folder for results; empty: not examined
 };
 
 // With --config; what cannot be read becomes a finding, and the rest keeps its defaults.
@@ -25,7 +25,7 @@ Patient patient_of(const std::string& config_file);
 
 using Check = std::function<Findings(const Patient&)>;
 
-// All that is looked at, in the order of the report.
+// All checks, in the order of the report.
 const std::vector<Check>& checks();
 
 }  // namespace coslam::doctor

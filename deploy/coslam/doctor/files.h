@@ -17,7 +17,7 @@ Findings read_config(const std::string& file, AgentOptions& settings);
 
 struct KeyFacts {
   std::string file;     // empty: none is given
-  std::string problem;  // what its reader says; empty: it is fit
+  std::string problem;  // error of reading the key; empty: it is fit
   bool there = false, open_to_others = false;
 };
 KeyFacts look_at_key(const WireConfig& wire);

@@ -8,13 +8,13 @@
 
 namespace coslam::doctor {
 
-// From good to bad.
+// Grades from good to bad.
 enum class Grade : std::uint8_t { kOk, kWarn, kFail };
 
-// What one look at this machine or the fleet told.
+// Result of one check of this machine or the fleet.
 struct Finding {
   Grade grade = Grade::kOk;
-  std::string subject;  // what was looked at, in a word or two
+  std::string subject;  // subject of the check, in a word or two
   std::string found;
   std::string mend = {};  // a command or a key of the configuration; empty: nothing is to be mended
 };

@@ -12,8 +12,8 @@
 #include "deploy/coslam/doctor/finding.h"
 #include "deploy/coslam/doctor/network.h"
 
-// Who is heard in the fleet's domain and in those next door, and whether what is said to them arrives. Facts are
-// looked up, judging them is pure.
+// Finds out which participants are heard in the fleet's domain and in neighbouring ones, and whether messages to them
+// arrive. Looking up facts is separate from judging them, which is pure.
 namespace coslam::doctor {
 
 // Questions to one address of a participant, and what came back.
@@ -23,21 +23,21 @@ struct Road {
   int asked_for_port = 0, answered_at_port = 0;  // answers to a port of the domain, as samples come
   int all_asked() const { return asked + asked_for_port; }
   int all_answered() const { return answered + answered_at_port; }
-  double least_ms = 0;       // there and back
-  double clock_ahead_s = 0;  // of that host against this one
+  double least_ms = 0;       // minimum round trip
+  double clock_ahead_s = 0;  // offset of that host's clock to this one's
 };
 
 enum class Seal : std::uint8_t { kNone, kOurs };
 
 // A participant of DDS.
 struct Voice {
-  std::string name;           // as it says
-  std::uint32_t address = 0;  // where it speaks from
-  bool announced = false;     // it was heard, without being asked
-  bool by_multicast = false;  // so that others here hear it too
-  bool heard_ours = false;    // it answered what was asked of all
+  std::string name;           // name in its announcement
+  std::uint32_t address = 0;  // address that it sends from
+  bool announced = false;     // it was heard without being asked
+  bool by_multicast = false;  // other hosts here hear it too
+  bool heard_ours = false;    // it answered the question to all
   Seal seal = Seal::kNone;
-  std::optional<std::uint16_t> protocol;  // of those that answered
+  std::optional<std::uint16_t> protocol;  // protocol of those that answered
   std::vector<Road> roads;
 };
 
@@ -47,7 +47,7 @@ struct Called {
   std::string problem;  // why it has no address; empty: it has one
   std::vector<std::uint32_t> addresses;
   bool heard = false;        // somebody of the fleet answers there
-  std::optional<int> error;  // what the network answered, as errno
+  std::optional<int> error;  // error of the network, as errno
 };
 
 struct Neighbour {
@@ -62,11 +62,11 @@ struct FleetFacts {
   std::string key_file;             // empty: none, or not fit
   std::vector<Interface> asked_by;  // multicast
   std::set<unsigned> came_back;     // interfaces on which our own did
-  std::uint16_t own_port = 0;       // of the domain, where answers are expected
+  std::uint16_t own_port = 0;       // port of the domain, where answers are expected
   std::vector<Voice> voices;        // in the domain
   std::vector<Called> called;
   std::set<Neighbour> next_door;             // other domains
-  std::set<std::uint32_t> sealed_by_others;  // who speaks in the domain and cannot be read
+  std::set<std::uint32_t> sealed_by_others;  // addresses of participants in the domain that cannot be read
   bool by_name_alone = false;                // the settings call hosts by name, and nobody by multicast
 };
 

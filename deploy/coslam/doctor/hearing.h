@@ -32,7 +32,7 @@ class Hearing {
 
   // All endpoints that are to be asked, of participants and of hosts that were called.
   std::vector<Ipv4Endpoint> endpoints() const;
-  // Nothing came from there yet.
+  // Whether nothing came from there yet.
   bool is_silent(const Ipv4Endpoint& endpoint) const;
 
  private:
@@ -50,7 +50,7 @@ class Hearing {
   FleetFacts& facts_;
   std::map<std::uint64_t, Question> questions_;
   std::map<ParticipantKey, std::size_t> voice_of_;
-  std::map<Ipv4Endpoint, Road> called_;  // of nobody known yet
+  std::map<Ipv4Endpoint, Road> called_;  // addresses where nobody is known yet
 };
 
 }  // namespace coslam::doctor

@@ -14,7 +14,7 @@ namespace coslam::doctor {
 struct Interface {
   std::string name;
   std::vector<std::string> addresses;  // IPv4
-  unsigned index = 0;                  // as the system numbers it
+  unsigned index = 0;                  // index in the system
   bool up = false, carrier = false;    // switched on; with a cable or an access point
   bool loopback = false, multicast = false;
   int mtu = 0;
@@ -30,7 +30,7 @@ Use use_of(const Interface& interface, const WireConfig& wire);
 
 Findings judge(const std::vector<Interface>& interfaces, const WireConfig& wire);
 
-// Who holds a port on which participants of the domain listen.
+// Process that holds a port on which participants of the domain listen.
 struct HeldPort {
   int participant = 0;
   std::string program;  // empty: of another user

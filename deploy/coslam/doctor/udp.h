@@ -41,10 +41,10 @@ class Udp {
   };
   std::optional<Received> receive() const;
 
-  // What the network answered to a datagram that did not arrive.
+  // Error of the network for a datagram that did not arrive.
   struct Undelivered {
     Ipv4Endpoint to;
-    int error = 0;  // as errno
+    int error = 0;  // an errno
   };
   std::optional<Undelivered> undelivered() const;
 

@@ -18,10 +18,10 @@ namespace coslam::eval {
 
 struct BodyScore {
   int instants = 0;                         // at which two cameras track it while it moves
-  int covered = 0;                          // of those, with a moving point on it
+  int covered = 0;                          // instants with a moving point on it
   int object_instants = 0;                  // at which two cameras have many tracks on it
-  int objects_found = 0;                    // of those, with exactly one object that is mostly on it
-  std::vector<double> velocity_errors_m_s;  // of these objects
+  int objects_found = 0;                    // object_instants with exactly one object that is mostly on it
+  std::vector<double> velocity_errors_m_s;  // errors of these objects
 
   std::optional<double> coverage() const;
   std::optional<double> object_found() const;
@@ -32,20 +32,20 @@ struct BodyScore {
 using ObjectsAt = std::map<TimeNs, std::vector<ResultObjectRow>>;
 ObjectsAt read_objects(const std::filesystem::path& file);
 
-// What the tracks saw of the bodies, then compared with paths and objects.
+// Collects which bodies the tracks were on, then compares them with paths and objects.
 class BodyTracks {
  public:
   void add(const std::string& agent, const ResultTrackRow& row, const SurfacePoint& seen);
-  // By name of the body; nothing is said of objects when there are none. frame_ns: between two frames; times that close
-  // are the same instant.
+  // Scores by name of the body; without objects there are no scores of them. frame_ns: interval between frames; times
+  // that close are the same instant.
   std::map<std::string, BodyScore> scores(const std::unordered_map<PointId, PointPath>& dynamic,
                                           const std::optional<ObjectsAt>& objects, const Similarity3& truth_from_map,
                                           TimeNs frame_ns) const;
 
  private:
   struct Instant {
-    std::map<std::string, int> tracks;                       // of the agents, on what moves
-    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  // of the body
+    std::map<std::string, int> tracks;                       // number of tracks on moving surfaces, by agent
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  // velocity of the body
   };
   std::unordered_map<PointId, std::string> bodies_of_points() const;
 

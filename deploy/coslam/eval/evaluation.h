@@ -20,13 +20,13 @@
 
 namespace coslam::eval {
 
-// What a result and the truth hold of one agent; empty where there is none.
+// Paths of one agent in a result and in the truth; empty where there is none.
 struct AgentPaths {
   std::string name;
   Trajectory estimate;
   Trajectory live;
-  Trajectory truth;  // of the played part
-  int frames = 0;    // of its source; 0 = not known
+  Trajectory truth;  // truth in the played part
+  int frames = 0;    // frames of the source; 0 = not known
   ImageAccount images;
   // In maps without a known relation to the common one.
   std::map<MapId, Trajectory> apart;
@@ -37,11 +37,11 @@ struct AgentPaths {
 struct AgentEvaluation {
   std::string name;
   int frames = 0;
-  ImageAccount images;                    // what the run says became of them
+  ImageAccount images;                    // fates of its images, from the run's report
   int poses = 0;                          // in the common map
   int poses_apart = 0;                    // in others
-  int judged = 0;                         // of the poses in the common map: those for which there is truth
-  double judged_s = 0, poses_s = 0;       // from the first to the last of each
+  int judged = 0;                         // poses in the common map for which there is truth
+  double judged_s = 0, poses_s = 0;       // times from the first to the last of `judged` and of `poses`
   std::optional<double> tracked_percent;  // in the common map
   std::optional<double> path_m;
   std::optional<double> ate_m;      // under the joint alignment
@@ -52,7 +52,7 @@ struct AgentEvaluation {
   std::optional<WorstFrame> worst, live_worst;
   std::optional<MotionError> motion;
   std::optional<double> drift_m;
-  std::vector<std::string> doubts;  // of the truth, sentences
+  std::vector<std::string> doubts;  // doubts about the truth, sentences
 };
 
 struct ClassificationScore {
@@ -62,7 +62,7 @@ struct ClassificationScore {
 
 // Agents that share a map, under an alignment of their own.
 struct MapEvaluation {
-  MapId id;  // of a map apart; 0: agents that share the common one
+  MapId id;  // id of a map apart; 0: agents that share the common one
   AgentNames agents;
   std::optional<double> ate_m, ate_percent, scale;
 };
@@ -73,18 +73,18 @@ struct Evaluation {
   Alignment alignment;  // truth from map, one for all agents
   std::string problem;  // why there is no alignment
   std::optional<double> ate_m, ate_percent, path_m, tracked_percent;
-  std::optional<double> truth_spread_m;  // of the true places of all agents around their mean
+  std::optional<double> truth_spread_m;  // RMS distance of the true positions of all agents from their mean
   std::optional<double> live_ate_m, live_ate_percent, live_scale;
   std::optional<MotionError> motion;
-  std::optional<RelativePoseError> relative_pose;  // of the first two agents
+  std::optional<RelativePoseError> relative_pose;  // error between the first two agents
   std::optional<PointAccuracy> points;
   std::optional<ClassificationScore> classification;
   std::optional<ErrorSpread> dynamic_error_m;          // against the marked points
   std::optional<ErrorSpread> dynamic_surface_error_m;  // against the surface that the pixels show
-  std::optional<ErrorSpread> dynamic_relative_error;   // the same, over the distance of the nearest camera that sees it
+  std::optional<ErrorSpread> dynamic_relative_error;   // error over the distance of the nearest camera that sees it
   std::optional<double> dynamic_length_s;              // median of the paths
-  std::map<std::string, BodyScore> bodies;             // of a simulated scene, by name
-  std::optional<GroupScore> groups;                    // where the true overlap is known
+  std::map<std::string, BodyScore> bodies;             // bodies of a simulated scene, by name
+  std::optional<GroupScore> groups;                    // empty unless the true overlap is known
   std::vector<MapEvaluation> maps;
   // Two agents of a map that do not fit together, while each alone follows its true path.
   std::vector<std::pair<std::string, std::string>> wrong_merges;

@@ -26,11 +26,10 @@ struct GroupChange {
   AgentNames first, second;
 };
 
-// What leads from one partition to the next: splits, then merges. An agent that is missing in one of them is alone
-// there.
+// Changes from one partition to the next: splits, then merges. An agent that is missing in one of them is alone there.
 std::vector<GroupChange> changes_between(const Partition& before, const Partition& after, TimeNs t_ns);
 
-// Of what agent a sees at an instant, the share that agent b sees too.
+// Share of agent a's view at an instant that agent b sees too.
 struct OverlapRow {
   TimeNs t_ns = 0;
   std::string a, b;
@@ -39,8 +38,8 @@ struct OverlapRow {
 // `t_s,agent_a,agent_b,share`; throws UserError with file and line.
 std::vector<OverlapRow> read_overlap(const std::filesystem::path& file);
 
-// Who sees the same as whom. Two agents surely do when each sees the share kLinked or more of the other's view, and
-// surely not when neither sees more than the share kApart; between these either answer is right.
+// The true overlap of views. Two agents surely do see the same when each sees the share kLinked or more of the other's
+// view, and surely not when neither sees more than the share kApart; between these either answer is right.
 class TrueOverlap {
  public:
   static constexpr double kLinked = 0.15, kApart = 0.04;
@@ -48,9 +47,9 @@ class TrueOverlap {
   explicit TrueOverlap(const std::vector<OverlapRow>& rows);
 
   struct Change : GroupChange {
-    TimeNs from_ns = 0;  // from here to t_ns either answer was right
+    TimeNs from_ns = 0;  // start of the time until t_ns in which either answer was right
   };
-  // Of the components, where a link lasts from kLinked until kApart.
+  // Changes of the components, where a link lasts from kLinked until kApart.
   std::vector<Change> changes() const;
   // Whether an agent of one set sees the same as one of the other, directly or over others: possibly, at any time of a
   // span; surely, all the time.
@@ -78,7 +77,7 @@ struct GroupScore {
   int count(bool merge) const;
   int found(bool merge) const;
   int false_count(bool merge) const;
-  std::optional<double> worst_delay_s() const;  // by amount
+  std::optional<double> worst_delay_s() const;  // delay with the largest magnitude
 };
 
 // The report as it was from each time on.

@@ -16,7 +16,7 @@
 #include "common/dataset/result.h"
 #include "common/geometry/rigid3.h"
 
-// How well moving things are told from static ones, and followed.
+// Scores how well moving things are told from static ones, and followed.
 namespace coslam::eval {
 
 // Masks of moving things: <folder>/<agent>/<6-digit frame>.png, non-zero = moving. Keeps the one read last.
@@ -37,16 +37,16 @@ class Classification {
  public:
   void add(bool moving, std::optional<PointState> state);
   int observations() const { return dynamic_moving_ + dynamic_still_ + other_moving_ + other_still_; }
-  std::optional<double> precision() const;         // of the observations called dynamic, those of moving things
-  std::optional<double> recall() const;            // of the observations of moving things, those called dynamic
-  std::optional<double> static_on_moving() const;  // of the observations of moving things, those called static
-  std::optional<double> false_alarm() const;       // of the observations of still things, those called dynamic
+  std::optional<double> precision() const;         // share of moving things in the observations called dynamic
+  std::optional<double> recall() const;            // share called dynamic of the observations of moving things
+  std::optional<double> static_on_moving() const;  // share called static of the observations of moving things
+  std::optional<double> false_alarm() const;       // share called dynamic of the observations of still things
 
  private:
   int dynamic_moving_ = 0, dynamic_still_ = 0, other_moving_ = 0, other_still_ = 0, static_moving_ = 0;
 };
 
-// How long tracks of one agent are known, from the rows of its file.
+// Ages of the tracks of one agent, from the rows of its file.
 class TrackAges {
  public:
   // In frames, since the track's first row; the rows of a track come in order.

@@ -20,8 +20,8 @@ namespace coslam::eval {
 
 struct SurfacePoint {
   Eigen::Vector3d position;  // truth frame
-  double distance_m = 0;     // from the camera
-  std::string body;          // that it is on; empty: a thing that cannot move
+  double distance_m = 0;     // distance from the camera
+  std::string body;          // body that it is on; empty: a thing that cannot move
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d body_velocity_m_s = Eigen::Vector3d::Zero();  // mean over the body
   bool on_depth_edge = false;
@@ -31,7 +31,7 @@ struct SurfacePoint {
 // inverse distance is nearly linear, so it is an edge where the two on either side do not have it between them.
 bool is_on_depth_edge(double distance_m, const std::function<double(const Eigen::Vector2d& by_px)>& distance_beside_m);
 
-// What the agent's pixel shows at a time; empty where that is not known.
+// Finds the surface that an agent's pixel shows at a time; empty where that is not known.
 using SurfaceAt =
     std::function<std::optional<SurfacePoint>(const std::string& agent, TimeNs t_ns, const Eigen::Vector2d& raw_px)>;
 

@@ -12,7 +12,7 @@ namespace coslam::eval {
 // eval.json, see docs/configuration.md; null where a figure is not known.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
 
-// The same as one screen of text.
+// The evaluation as one screen of text.
 std::string to_text(const Evaluation& evaluation);
 
 }  // namespace coslam::eval

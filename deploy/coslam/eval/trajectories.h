@@ -46,13 +46,13 @@ struct MotionError {
 };
 std::optional<MotionError> motion_error(const std::vector<PosePairs>& agents, double scale, TimeNs delta_ns);
 
-// How far the estimated end is off, seen from the start, when the true path ends where it began (within 5 % of its
-// length, after having been four times as far away); empty for an open path.
+// Error of the estimated end, seen from the start, when the true path ends where it began (within 5 % of its length,
+// after having been four times as far away); empty for an open path.
 std::optional<double> closing_drift(const PosePairs& pairs, const Similarity3& truth_from_map);
 
 // Error of cam_b_from_cam_a at common times, medians. Needs no alignment, so that it tells the metric error.
 struct RelativePoseError {
-  double translation = 0;         // as the map has it, against metres: the error in metres when the map is metric
+  double translation = 0;         // map lengths against metres: the error in metres when the map is metric
   double translation_scaled = 0;  // with the scale of the alignment
   double rotation_deg = 0;
   double baseline_m = 0;  // true distance of the two cameras

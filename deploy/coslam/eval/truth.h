@@ -9,7 +9,7 @@
 
 namespace coslam::eval {
 
-// How the four numbers of a quaternion are read: as the form of the file has them, or with w at the other end.
+// Order of the four numbers of a quaternion: that of the file's form, or with w at the other end.
 enum class QuaternionOrder : std::uint8_t { kOfForm, kOther };
 
 // The true poses of an agent's camera in the time that was played; empty where it has none. Forms, told apart by the

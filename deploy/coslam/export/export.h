@@ -21,11 +21,11 @@ Files export_tum(const ResultMap& map, const std::filesystem::path& folder);    
 Files export_euroc(const ResultMap& map, const std::filesystem::path& folder);  // <agent>.csv: ns, p, q (w first)
 // <agent>.txt: 3x4, camera to world, a line for each pose; <agent>.times.txt: their times in seconds.
 Files export_kitti(const ResultMap& map, const std::filesystem::path& folder);
-// Where agents have no pose between two that they have, in words; empty: nowhere.
+// Names the gaps between the poses of agents, in words; empty: there are none.
 std::string gaps_of(const ResultMap& map);
 
 Files export_ply(const ResultMap& map, const std::filesystem::path& folder);  // map.ply
-// The same with the colours that the images of the sequence have there.
+// Like export_ply(), with the colours that the images of the sequence have there.
 Files export_ply_in_colour(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder);
 
 // Text model of COLMAP (cameras.txt, images.txt, points3D.txt): one of so many images that have a pose, and the static
@@ -37,14 +37,14 @@ struct ColmapOptions {
 };
 Files export_colmap(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder,
                     const ColmapOptions& options);
-// The same of pinhole cameras in sparse/, with their images in images/, what dense stereo needs in stereo/ and, where
-// something moves, masks/<image>.png, black where that is. The sequence gives the images too.
+// Like export_colmap(), of pinhole cameras in sparse/, with their images in images/, what dense stereo needs in stereo/
+// and, where something moves, masks/<image>.png, black where that is. The sequence gives the images too.
 Files export_colmap_undistorted(const ResultMap& map, const Sequence& sequence, const std::filesystem::path& folder,
                                 const ColmapOptions& options);
 
 // run.mcap: the run as a viewer would have seen it live (docs/live.md), all maps of it.
 Files export_mcap(const ResultContents& contents, const std::filesystem::path& folder);
-// The same, its octets in order.
+// Writes the content of run.mcap, its octets in order.
 void write_mcap(const ResultContents& contents, const std::function<void(std::string_view)>& out);
 
 // Each map by itself: the common one into `folder`, others into maps/<ID> of it.

@@ -8,8 +8,9 @@
 
 namespace coslam::exporting {
 
-// What moves in each image of a model of pinholes, as COLMAP takes it: <folder>/<image>.png, white but for black areas
-// round moving points, those of one object in one area. False: nothing moved, and nothing is written. Throws UserError.
+// Writes what moves in each image of a model of pinholes, as COLMAP takes it: <folder>/<image>.png, white but for black
+// areas round moving points, those of one object in one area. False: nothing moved, and nothing is written. Throws
+// UserError.
 bool write_masks(const ResultFolder& result, const ColmapModel& model, const std::filesystem::path& folder);
 
 }  // namespace coslam::exporting

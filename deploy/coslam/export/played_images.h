@@ -30,7 +30,8 @@ class PlayedImages {
 
   // In their order. Throws UserError: the source cannot be opened, or it is live.
   std::vector<PlayedImage> list() const;
-  // These of them with their pixels, in colour where the source has it. Throws UserError too where one is not there.
+  // Visits the images of these frames with their pixels, in colour where the source has it. Throws UserError too where
+  // one is not there.
   void each(std::set<FrameId> frames, const std::function<void(FrameId, const cv::Mat&)>& visit) const;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace coslam::exporting {
 
-// What points look like in the images that see them: means.
+// Mean colours of points in the images that see them.
 class PointColors {
  public:
   // image: with the pixels of the model's camera.

@@ -9,8 +9,8 @@
 
 namespace coslam::exporting {
 
-// What happened to cameras, groups and maps in a run, in sentences, by time: from events.csv and groups.csv, as far as
-// they are there.
+// Events of cameras, groups and maps in a run, in sentences, by time: from events.csv and groups.csv, as far as they
+// are there.
 std::vector<PublicEvent> public_events(const ResultFolder& result);
 
 }  // namespace coslam::exporting

@@ -22,7 +22,7 @@ class ResultSnapshots {
   // Reads the whole result. Throws UserError.
   explicit ResultSnapshots(const ResultContents& contents);
 
-  // By time; empty at the end.
+  // Next snapshot in order of time; empty at the end.
   std::optional<Snapshot> next();
 
  private:
@@ -35,9 +35,9 @@ class ResultSnapshots {
     RunId run;
     CameraModel camera;
     double frame_ms = 0, rate_hz = 0;
-    std::vector<std::pair<MapId, Trajectory>> paths;  // of each map that it has poses in
+    std::vector<std::pair<MapId, Trajectory>> paths;  // path in each map that it has poses in
     std::optional<PublicPose> newest;
-    TimeNs last_ns = 0;  // of its poses
+    TimeNs last_ns = 0;  // time of its last pose
     std::uint32_t frames = 0;
     std::size_t tracks = 0, bound = 0;
     std::optional<PathVerdict> path;  // in the end
@@ -65,7 +65,7 @@ class ResultSnapshots {
   std::vector<Agent> agents_;
   std::vector<Instant> instants_;
   std::size_t next_ = 0;
-  std::vector<std::pair<TimeNs, ros::StaticPoint>> points_;  // by the time they were first seen
+  std::vector<std::pair<TimeNs, ros::StaticPoint>> points_;  // points and the times when they were first seen
   std::map<TimeNs, PublicMoving> moving_;
   std::map<TimeNs, std::vector<PublicImage>> images_;
   std::vector<PublicEvent> events_;
@@ -73,7 +73,7 @@ class ResultSnapshots {
   std::vector<ResultGroupRow> groups_;
   std::size_t maps_ = 0;
 
-  bool moves_ = false;  // as last told
+  bool moves_ = false;  // whether the last snapshot had something moving
   std::size_t told_points_ = 0;
   std::optional<TimeNs> cloud_ns_, paths_ns_, state_ns_;
 };

@@ -11,7 +11,7 @@ namespace coslam {
 // A server and its agents, each on a machine of its own.
 struct FleetPlan {
   std::vector<std::string> agents;
-  std::string server;  // its host, which agents call; empty: they find each other by multicast
+  std::string server;  // host of the server, which agents call; empty: they find each other by multicast
   int domain = 0;
 };
 
@@ -31,7 +31,7 @@ std::vector<FleetFile> fleet_files(const FleetPlan& plan, const std::string& sec
 // Throws UserError: a file is there already and may not be replaced, or cannot be written.
 void write_files(const std::filesystem::path& folder, const std::vector<FleetFile>& files, bool replace);
 
-// What is to be typed next, as lines.
+// Commands to type next, as lines.
 std::string next_commands(const FleetPlan& plan, const std::filesystem::path& folder);
 
 }  // namespace coslam

@@ -13,7 +13,7 @@ namespace coslam::plot {
 struct Projection {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 2, 3> axes = Eigen::Matrix<double, 2, 3>::Identity();    // to the right, upwards
-  Eigen::Vector2d min = Eigen::Vector2d::Zero(), max = Eigen::Vector2d::Zero();  // what should be seen
+  Eigen::Vector2d min = Eigen::Vector2d::Zero(), max = Eigen::Vector2d::Zero();  // area that should be seen
 
   Eigen::Vector2d operator()(const Eigen::Vector3d& p) const { return axes * (p - center); }
 };

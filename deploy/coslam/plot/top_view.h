@@ -20,12 +20,12 @@ struct TopViewPath {
   Positions truth;  // may be empty
 };
 
-// All in one frame.
+// Content of the picture, all in one frame.
 struct TopView {
   std::string title;
-  std::string unit = "m";  // of the scale bar
+  std::string unit = "m";  // unit of the scale bar
   Positions points;
-  Positions moving;  // where moving points were at any time
+  Positions moving;  // places of moving points at any time
   std::vector<TopViewPath> paths;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();  // mean of the cameras' unit vectors upwards; 0: not known
 };

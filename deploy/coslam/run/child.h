@@ -26,7 +26,7 @@ class Child {
   // Whether it has ended; then problem() says what was wrong with that, empty for exit code 0.
   bool ended();
   const std::string& problem() const { return problem_; }
-  bool killed() const { return killed_; }  // by a signal, so that it said nothing itself
+  bool killed() const { return killed_; }  // ended by a signal, without a message of its own
   void interrupt() const;                  // SIGINT: end cleanly
   void kill() const;
 

@@ -9,8 +9,8 @@ namespace coslam {
 // A folder holds one run: one that is there is removed with `force`, else refused. Throws UserError.
 void make_result_folder(const std::filesystem::path& folder, bool force);
 
-// What a run came to, on standard output, from its report; nothing without one. False, with a sentence on standard
-// error, when it mapped nothing.
+// Prints the summary of a run on standard output, from its report; nothing without one. False, with a sentence on
+// standard error, when it mapped nothing.
 bool print_summary(const std::filesystem::path& out);
 
 }  // namespace coslam

@@ -11,20 +11,20 @@
 
 namespace coslam {
 
-// What agents found to move with their cameras becomes a mask of theirs, for the run to be repeated with it from its
-// first image on.
+// Turns the parts that agents found to move with their cameras into masks, so that the run can be repeated with them
+// from its first image on.
 class OwnBodies {
  public:
   explicit OwnBodies(Sequence* sequence) : sequence_(*sequence) {}
 
-  // By the report of a run; true when one found something.
+  // Reads the report of a run; true when an agent found something.
   bool improve(const std::filesystem::path& result);
   // Writes the masks into the folder of the next run, which goes by them.
   void write(const std::filesystem::path& result);
 
  private:
   Sequence& sequence_;
-  std::map<std::string, cv::Mat> masks_;  // by agent, what was masked before included
+  std::map<std::string, cv::Mat> masks_;  // masks by agent, with what was masked before
 };
 
 }  // namespace coslam

@@ -11,8 +11,8 @@
 
 namespace coslam {
 
-// What a result was made of, for its report: "sequence" (name, file, and of each agent source, calibration, start), and
-// "agent" beside the server's configuration.
+// Notes the inputs of a result in its report: "sequence" (name, file, and of each agent source, calibration, start),
+// and "agent" beside the server's configuration.
 void note_played(const Sequence& sequence, const std::vector<std::string>& sets, const ResultFolder& result);
 
 // Whether a sequence is another than the one that a result was made of, as a sentence; empty: it is not, or that is not

@@ -17,14 +17,14 @@ struct RunOptions {
   Sequence sequence;  // the agents to run, in order
   std::filesystem::path out;
   std::filesystem::path record;  // empty: none
-  std::filesystem::path map;     // the same
+  std::filesystem::path map;     // empty: none
   std::string rate = "max";
   std::vector<std::string> sets;  // key=value, checked; the scale of the sequence among them
   int domain = -1;                // -1: one that depends on the process
   int frame_sets = 0;             // about how many there will be, for the progress bar
 };
 
-// What --set reaches: agent.* every agent, server.* the server.
+// Configuration that --set reaches: agent.* every agent, server.* the server.
 struct RunConfig {
   AgentConfig agent;
   ServerConfig server;
@@ -40,15 +40,15 @@ void describe(V& v, RunConfig& c) {
 
 struct RunEnd {
   int exit_code = 0;
-  bool interrupted = false;  // by the user, so that only a part was played
+  bool interrupted = false;  // the user stopped it, so only a part was played
 };
 
 // One server process and one agent process a camera, over DDS on this machine's loopback. The exit code is 1 when a
 // process failed, with its sentence on stderr; the others go on and the result is written all the same.
 RunEnd run_processes(const RunOptions& options);
-// Where the run is shown, for the user and for programs: a line on standard output, at once.
+// Says where the run is shown, for the user and for programs: a line on standard output, at once.
 void say_view(const std::string& line);
-// The same code in this process, one thread, over a simulated link.
+// Runs the same code in this process, one thread, over a simulated link.
 RunEnd run_inline(const RunOptions& options);
 
 }  // namespace coslam

@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-// What a video was recorded with, one channel.
+// Sound track of a video, one channel.
 struct Sound {
   static constexpr int kRate_hz = 8000;
   double begins_s = 0;  // against the first image

@@ -13,21 +13,21 @@
 
 namespace coslam {
 
-// What tells when an agent's source began; what is trusted more comes first.
+// Source of an agent's start time, most trusted first.
 enum class StartBy : std::uint8_t { kGiven, kReference, kSound, kTurning, kWhatMoves, kNothing };
 
 std::string_view words_of(StartBy by);
 
-// Recordings that nobody started together: what tells how they lie in time. `start_s` of the sequence's agents whose
-// start is open is set by it; one that is given stays. Where none is given the first agent is the reference, and all
-// are moved so that nothing of any is left out.
+// Aligns recordings that were started separately in time. Sets `start_s` of the sequence's agents whose start is open;
+// one that is given stays. Where none is given the first agent is the reference, and all are moved so that nothing of
+// any is left out.
 class Starts {
  public:
-  // By the sound of videos.
+  // Begins with the sound of videos.
   explicit Starts(Sequence* sequence);
 
-  // By what a run found: how things move, and how cameras that are held together turn. True when a source is to begin
-  // at another time than it did, so that the run is worth repeating.
+  // Uses the result of a run: how things move, and how cameras that are held together turn. True when a source is to
+  // begin at another time than it did, so that the run is worth repeating.
   bool improve(const std::filesystem::path& result);
 
   // Says of each agent when it began and by what, or that nothing tells, in one sentence.

@@ -11,8 +11,8 @@
 
 namespace coslam {
 
-// Who is told of a map server in this process, as long as it lives: the log, as of a server of its own, and the web
-// where that is wanted.
+// Observers of a map server in this process, as long as it lives: the log, as of a server of its own, and the web where
+// that is wanted.
 class RunTold {
  public:
   RunTold(const ViewConfig& view, ServerLoop& loop);

@@ -17,8 +17,8 @@
 
 namespace coslam {
 
-// Who is in a DDS domain and how they fare, from what they say to each other while somebody listens. Pure: time is an
-// argument. Thread-compatible.
+// The participants of a DDS domain and their condition, from the messages between them while somebody listens. Pure:
+// time is an argument. Thread-compatible.
 class Census {
  public:
   // A message of whatever type, and its bytes on the network.
@@ -31,13 +31,13 @@ class Census {
   void add(const MapPatch& patch, std::uint64_t bytes, Instant now);
   void add(const AgentImages& images, std::uint64_t bytes, Instant now);
   void add(const MovingState& state, std::uint64_t bytes, Instant now);
-  void set_alive(RunId run, bool alive);  // of an agent or a server
+  void set_alive(RunId run, bool alive);  // liveliness of an agent or a server
 
   bool empty() const { return servers_.empty() && agents_.empty(); }
   // A line for each server, each agent and each object that moves; rates are over the time since an agent was first
   // heard.
   std::string text(Instant now) const;
-  // The same for programs, on one line: {"servers": [...], "agents": [...], "objects": [...]}.
+  // The census for programs, on one line: {"servers": [...], "agents": [...], "objects": [...]}.
   std::string json(Instant now) const;
 
  private:
@@ -45,8 +45,8 @@ class Census {
     std::string name;
     Instant since;
     std::optional<AgentStatus> status;
-    std::optional<ImageAccount> images;  // as the server has it
-    bool complete = false;               // it ended, says the server
+    std::optional<ImageAccount> images;  // counts of the server
+    bool complete = false;               // the server says that the agent has ended
     std::uint64_t bytes_up = 0, bytes_down = 0;
     int frames = 0;
     Instant first_frame, last_frame;
@@ -56,12 +56,12 @@ class Census {
     GroupId group;
   };
 
-  // What is told of an agent.
+  // Figures of an agent for the text and JSON.
   struct Figures {
     std::string name, state, pose;
     std::optional<std::uint32_t> group;
     AgentStatus status;
-    std::optional<ImageAccount> images;  // as its server counts them
+    std::optional<ImageAccount> images;  // counts of its server
     double rate_hz = 0;
     std::optional<double> lag_ms;
     double up_kb_s = 0, down_kb_s = 0;
@@ -75,7 +75,7 @@ class Census {
   std::string state_of(RunId run, const Agent& agent) const;
   const char* state_of(RunId run, const ServerStatus& server) const;
   Figures figures_of(RunId run, const Agent& agent, Instant now) const;
-  std::vector<Figures> agents(Instant now) const;  // by name
+  std::vector<Figures> agents(Instant now) const;  // sorted by name
   std::vector<std::string> gone() const;           // agents that the server remembers
   bool alive(RunId run) const;
 
