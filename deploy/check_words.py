@@ -44,7 +44,7 @@ BEGINNING = re.compile(
     re.IGNORECASE,
 )
 PRONOUN = re.compile(
-    r"(?:(?<!\w)(?!(?:return|else|throw|case|new|delete|not)\b)\w+|(?<=\S)>)[&*]*\s+"
+    r"(?:(?<!\w)(?!(?:return|else|throw|case|new|delete|not|sizeof)\b)\w+|(?<=\S)>)[&*]*\s+"
     r"(of|own|gone|as|here|kept|then|there|mine|ours|said|it|its|by|since|told|went|from_there|who|whom|which|what|where|"
     r"some|others|with|without)_?(?=\s*[;,=(){[:])"
 )
