@@ -45,7 +45,7 @@ class AgentLoop {
   // Says in the log when the server falls silent or is back, and when the pose is lost or found; as one of several
   // agents of this process, with its name before it. One that has the process for itself reports all its warnings.
   enum class LogsAs { kProcess, kOneOfSeveral };
-  void log_state(LogsAs as = LogsAs::kProcess) { logs_as_ = as; }
+  void log_state(LogsAs logs_as = LogsAs::kProcess) { logs_as_ = logs_as; }
   // Sets the position in the source where it begins, for the report.
   void plays_from(double start_s) { start_s_ = start_s; }
 

@@ -45,20 +45,20 @@ class Due {
  public:
   void came(std::chrono::steady_clock::time_point now) {
     if (last_) intervals_s_[count_++ % intervals_s_.size()] = std::chrono::duration<double>(now - *last_).count();
-    last_ = said_ = now;
+    last_ = reported_ = now;
   }
   // None came for longer than usual, and that was not said just now.
   bool is_over(std::chrono::steady_clock::time_point now) {
     const double patience_s = std::max(kLeast_s, kUsual * *std::ranges::max_element(intervals_s_));
-    if (!last_ || std::chrono::duration<double>(now - said_).count() < patience_s) return false;
-    said_ = now;
+    if (!last_ || std::chrono::duration<double>(now - reported_).count() < patience_s) return false;
+    reported_ = now;
     return true;
   }
 
  private:
   static constexpr double kLeast_s = 0.2, kUsual = 2.5;
   std::optional<std::chrono::steady_clock::time_point> last_;
-  std::chrono::steady_clock::time_point said_;
+  std::chrono::steady_clock::time_point reported_;
   std::array<double, 8> intervals_s_{};  // the newest ones
   std::size_t count_ = 0;
 };

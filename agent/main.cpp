@@ -66,7 +66,7 @@ std::string likely_cause(const WireConfig& wire, const RejectionCounts& refused)
 std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const WireConfig& wire) {
   constexpr int kUnheard = 2;  // times that it was said; then with a cause
   int unheard = 0;
-  auto told = std::chrono::steady_clock::now();
+  auto last_report = std::chrono::steady_clock::now();
   PlayStart start;
   while (!stop_requested) {
     const auto status = link.wait_server_status(std::chrono::milliseconds(200));
@@ -79,8 +79,8 @@ std::optional<TimeNs> wait_for_start(AgentLink& link, const Hello& hello, const 
         return known->start_utc_ns;
       }
     }
-    if (std::chrono::steady_clock::now() - told > std::chrono::seconds(5)) {
-      told = std::chrono::steady_clock::now();
+    if (std::chrono::steady_clock::now() - last_report > std::chrono::seconds(5)) {
+      last_report = std::chrono::steady_clock::now();
       if (link.server_status()) {
         log_info("waiting for the other agents");
       } else {

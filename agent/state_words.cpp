@@ -15,14 +15,15 @@ constexpr std::chrono::milliseconds kPasses{500};
 
 }  // namespace
 
-std::optional<std::string> StateWords::Presence::note(bool there, Instant now) {
-  if (there) {
-    const std::optional<Instant> gone = std::exchange(gone_since_, std::nullopt);
+std::optional<std::string> StateWords::Presence::note(bool present, Instant now) {
+  if (present) {
+    const std::optional<Instant> absent_since = std::exchange(gone_since_, std::nullopt);
     const bool first = !std::exchange(was_there_, true);
     if (first && first_ != nullptr) return first_;
     if (!std::exchange(said_lost_, false)) return std::nullopt;
     char text[96];
-    std::snprintf(text, sizeof text, "%s after %.1f s", back_, std::chrono::duration<double>(now - *gone).count());
+    std::snprintf(text, sizeof text, "%s after %.1f s", back_,
+                  std::chrono::duration<double>(now - *absent_since).count());
     return text;
   }
   if (!was_there_ || said_lost_) return std::nullopt;
@@ -46,9 +47,9 @@ std::optional<std::string> StateWords::alternating(bool left_out_some) {
          "at one";
 }
 
-std::optional<std::string> StateWords::repeating(std::uint32_t repeats, std::uint32_t others) {
+std::optional<std::string> StateWords::repeating(std::uint32_t repeats, std::uint32_t fresh_images) {
   constexpr std::uint32_t kSome = 10, kOneIn = 7;
-  if (said_repeating_ || repeats < kSome || kOneIn * repeats < repeats + others) return std::nullopt;
+  if (said_repeating_ || repeats < kSome || kOneIn * repeats < repeats + fresh_images) return std::nullopt;
   said_repeating_ = true;
   return "many of its images are the one before once more, as of a stream with a higher rate than its camera: they are "
          "left out";

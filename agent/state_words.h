@@ -27,7 +27,7 @@ class StateWords {
   // Says once that the images alternate between settings.
   std::optional<std::string> alternating(bool left_out_some);
   // Says once that many images repeat the one before.
-  std::optional<std::string> repeating(std::uint32_t repeats, std::uint32_t others);
+  std::optional<std::string> repeating(std::uint32_t repeats, std::uint32_t fresh_images);
   // Says once that a pattern stays in the picture.
   std::optional<std::string> fixed_pattern(bool found);
   // Says how much of the picture moves with the camera, when that was found.
@@ -44,7 +44,7 @@ class StateWords {
   class Presence {
    public:
     Presence(const char* first, const char* lost, const char* back) : first_(first), lost_(lost), back_(back) {}
-    std::optional<std::string> note(bool there, Instant now);
+    std::optional<std::string> note(bool present, Instant now);
 
    private:
     const char *first_, *lost_, *back_;

@@ -18,9 +18,9 @@ std::size_t images_to_tell(std::size_t settings) { return std::max(kShortWindow,
 
 }  // namespace
 
-const Alternation::Changes& Alternation::Seen::changes(By by) const {
-  if (by == By::kStep) return of_step;
-  return by == By::kExposure ? of_exposure : of_blocks;
+const Alternation::Changes& Alternation::Seen::changes(By feature) const {
+  if (feature == By::kStep) return of_step;
+  return feature == By::kExposure ? of_exposure : of_blocks;
 }
 
 bool Alternation::leaves_out(const cv::Mat& blocks, double step) {
@@ -35,7 +35,7 @@ bool Alternation::leaves_out(const cv::Mat& blocks, double step) {
     seen.of_exposure[back - 1] = std::abs(std::log((seen.mean + 1) / (before.mean + 1)));
   }
   if (settings_ > 1) {  // so many back there is one of each, even if one is missing
-    const Changes& changes = seen.changes(by_);
+    const Changes& changes = seen.changes(feature_);
     const auto* const like = std::min_element(changes.begin(), changes.begin() + 2 * settings_ - 1);
     seen.used = window_[window_.size() - 1 - static_cast<std::size_t>(like - changes.begin())].used;
   }
@@ -68,38 +68,38 @@ void Alternation::note_settings() {
   if (window_.size() < kShortWindow) return;
   double step = 0;
   for (std::size_t i = window_.size() - kShortWindow; i < window_.size(); ++i) step += window_[i].step / kShortWindow;
-  By by = By::kBlocks;
-  std::size_t settings = settings_by(by, kFewSettings, kLeastChange);
-  if (settings == 1) settings = settings_by(by = By::kStep, kFewSettings, kLeastStep * step);
-  if (settings == 1) settings = settings_by(by = By::kExposure, kMostSettings, kOneStop);
+  By feature = By::kBlocks;
+  std::size_t settings = settings_by(feature, kFewSettings, kLeastChange);
+  if (settings == 1) settings = settings_by(feature = By::kStep, kFewSettings, kLeastStep * step);
+  if (settings == 1) settings = settings_by(feature = By::kExposure, kMostSettings, kOneStop);
   if (settings == settings_) return;
-  by_ = by;
+  feature_ = feature;
   choose(settings);
 }
 
 // Less than half the change means that there are several; they go on until it is nearly as much.
-std::size_t Alternation::settings_by(By by, std::size_t most_settings, double least_change) const {
+std::size_t Alternation::settings_by(By feature, std::size_t most_settings, double least_change) const {
   constexpr double kBegins = 0.5, kEnds = 0.8;  // of the change from one to the next
-  if (settings_ > 1 && by != by_) return 1;
+  if (settings_ > 1 && feature != feature_) return 1;
   std::size_t likest = 1;
   double least = 0;
   for (std::size_t settings = 2; settings <= most_settings && images_to_tell(settings) <= window_.size(); ++settings) {
-    const double change = mean_change(by, settings, window_.size() - images_to_tell(settings));
+    const double change = mean_change(feature, settings, window_.size() - images_to_tell(settings));
     if (likest > 1 && change >= least) continue;
     likest = settings;
     least = change;
   }
-  const double next = mean_change(by, 1, window_.size() - images_to_tell(likest));
+  const double next = mean_change(feature, 1, window_.size() - images_to_tell(likest));
   if (next < least_change || least > (settings_ > 1 ? kEnds : kBegins) * next) return 1;
   return settings_ > 1 ? settings_ : likest;
 }
 
 // Against so many before, of the images from the first of the window on, or of every so many of them.
-double Alternation::mean_change(By by, std::size_t back, std::size_t first, std::size_t every) const {
+double Alternation::mean_change(By feature, std::size_t back, std::size_t first, std::size_t every) const {
   double sum = 0, count = 0;
   for (std::size_t i = first; i < window_.size(); i += every) {
     if (window_[i].backs < back) continue;
-    sum += window_[i].changes(by)[back - 1];
+    sum += window_[i].changes(feature)[back - 1];
     ++count;
   }
   return sum / count;
@@ -118,7 +118,7 @@ void Alternation::choose(std::size_t settings) {
   }
   const double most = std::ranges::max_element(means, {}, &Seen::contrast)->contrast;
   const auto badness = [&](const Seen& s) {
-    if (by_ == By::kStep) return s.step;
+    if (feature_ == By::kStep) return s.step;
     return s.contrast * kMore < most ? HUGE_VAL : s.mean;
   };
   const auto best = static_cast<std::size_t>(std::ranges::min_element(means, {}, badness) - means.begin());
@@ -126,7 +126,7 @@ void Alternation::choose(std::size_t settings) {
   const auto is_like_best = [&](std::size_t setting) {
     if (setting == best) return true;
     const std::size_t back = (setting + settings - best) % settings;
-    return mean_change(by_, back, setting, settings) < kLike * mean_change(by_, 1, first);
+    return mean_change(feature_, back, setting, settings) < kLike * mean_change(feature_, 1, first);
   };
   for (std::size_t i = 0; i < window_.size(); ++i) window_[i].used = is_like_best(i % settings);
 }

@@ -32,18 +32,18 @@ class Alternation {
     std::size_t backs = 0;                    // number of images before it, kMostBack at most
     Changes of_blocks{}, of_step{}, of_exposure{};
     bool used = true;
-    const Changes& changes(By by) const;
+    const Changes& changes(By feature) const;
   };
   void note_settings();
   bool none_used_of_late() const;
   void look_anew();
-  std::size_t settings_by(By by, std::size_t most_settings, double least_change) const;
-  double mean_change(By by, std::size_t back, std::size_t first, std::size_t every = 1) const;
+  std::size_t settings_by(By feature, std::size_t most_settings, double least_change) const;
+  double mean_change(By feature, std::size_t back, std::size_t first, std::size_t every = 1) const;
   void choose(std::size_t settings);
 
   std::deque<Seen> window_;  // the newest one last
   std::size_t settings_ = 1;
-  By by_ = By::kBlocks;
+  By feature_ = By::kBlocks;
 };
 
 }  // namespace coslam

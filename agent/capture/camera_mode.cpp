@@ -11,8 +11,8 @@
 namespace coslam {
 
 CameraMode parse_camera_mode(const std::string& uri) {
-  const auto fail = [&](std::string_view what) {
-    throw UserError(uri + ": " + std::string(what) + "; a mode is like v4l2:0?size=1280x720&fps=30&format=MJPG");
+  const auto fail = [&](std::string_view problem) {
+    throw UserError(uri + ": " + std::string(problem) + "; a mode is like v4l2:0?size=1280x720&fps=30&format=MJPG");
   };
   const auto begin = uri.find(':') + 1, question = std::min(uri.find('?', begin), uri.size());
   CameraMode mode;

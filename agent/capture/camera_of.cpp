@@ -49,7 +49,7 @@ FoundCamera guessed_for(const std::string& source, const SourceOptions& options)
 }
 
 // A calibration that no lens can have says at most how large the images are, and perhaps the focal length.
-FoundCamera without(const ReadCalibration& read) {
+FoundCamera guessed_lens(const ReadCalibration& read) {
   FoundCamera out{guessed_camera(read.camera.width_px, read.camera.height_px, read.doubt.focal_px), {}};
   out.guess = read.doubt.text + " It is left aside, and the lens found out from the images, from a focal length of " +
               std::to_string(std::lround(out.camera.fx)) + " px on";
@@ -62,7 +62,7 @@ FoundCamera camera_of(const std::string& source, const std::string& calibration,
   if (calibration.empty()) return guessed_for(source, options);
   const ReadCalibration read =
       calibration.starts_with(kRos2Scheme) ? heard_camera(calibration) : read_calibration(calibration);
-  return read.doubt.hopeless ? without(read) : FoundCamera{read.camera, read.doubt.text};
+  return read.doubt.hopeless ? guessed_lens(read) : FoundCamera{read.camera, read.doubt.text};
 }
 
 CameraSource open_camera(const std::string& source, const std::string& calibration, SourceOptions options) {

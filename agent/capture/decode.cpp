@@ -65,7 +65,7 @@ cv::Mat GreyReader::in_8_bits(const cv::Mat& grey) {
   return grey.type() == CV_16UC1 ? deep_.spread(grey) : cv::Mat();
 }
 
-std::string GreyReader::said() const {
+std::string GreyReader::bit_depth_note() const {
   if (!deep_.limits()) return {};
   const auto level = [](double limit) { return std::to_string(std::lround(std::clamp(limit, 0.0, kMostLevel))); };
   return std::string(octet_order_.is_wrong() ? "the octets of its pixels lie the other way round than it says; " : "") +

@@ -48,7 +48,7 @@ class GreyReader {
   // CV_8UC1 or CV_16UC1; empty for any other.
   cv::Mat in_8_bits(const cv::Mat& grey);
   // A sentence for the user where images have more than 8 bits; else empty.
-  std::string said() const;
+  std::string bit_depth_note() const;
 
  private:
   DeepLevels deep_;

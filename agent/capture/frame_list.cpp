@@ -45,12 +45,12 @@ std::vector<WrittenFrame> read_list(const fs::path& file, const char* form, cons
     const std::string_view text = trimmed(line);
     if (text.empty() || text.front() == '#') continue;
     const auto frame = read_line(text);
-    const std::string where = file.string() + ":" + std::to_string(number) + ": ";
+    const std::string place = file.string() + ":" + std::to_string(number) + ": ";
     const bool header = number == 1 && std::isalpha(static_cast<unsigned char>(text.front()));
     if (!frame && header) continue;
-    if (!frame) throw UserError(where + "not a line `" + form + "`");
+    if (!frame) throw UserError(place + "not a line `" + form + "`");
     if (!frames.empty() && frame->time < frames.back().time) {
-      throw UserError(where + "the time is earlier than that of the line before");
+      throw UserError(place + "the time is earlier than that of the line before");
     }
     frames.push_back(*frame);
   }
@@ -118,11 +118,11 @@ std::vector<std::string> fields_of(std::string_view line) {
 // The times of the images of a folder lie in it, as KITTI has them beside image_0, image_1, ... and TUM beside images,
 // or above the folder `data` of KITTI's raw recordings.
 std::optional<fs::path> times_of(const fs::path& folder) {
-  const fs::path here = fs::absolute(folder / ".").lexically_normal().parent_path();
-  const std::string name = here.filename().string();
+  const fs::path absolute_folder = fs::absolute(folder / ".").lexically_normal().parent_path();
+  const std::string name = absolute_folder.filename().string();
   std::vector<fs::path> candidates = {folder / "times.txt", folder / "timestamps.txt"};
-  if (name.starts_with("image_") || name == "images") candidates.push_back(here.parent_path() / "times.txt");
-  if (name == "data") candidates.push_back(here.parent_path() / "timestamps.txt");
+  if (name.starts_with("image_") || name == "images") candidates.push_back(absolute_folder.parent_path() / "times.txt");
+  if (name == "data") candidates.push_back(absolute_folder.parent_path() / "timestamps.txt");
   const auto found = std::ranges::find_if(candidates, [](const fs::path& f) { return fs::exists(f); });
   return found == candidates.end() ? std::nullopt : std::optional(*found);
 }

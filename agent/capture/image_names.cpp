@@ -203,19 +203,19 @@ std::string instead_of_images(const fs::path& folder) {
 std::vector<fs::path> of_one_camera(const fs::path& folder, const std::vector<fs::path>& files,
                                     std::vector<std::string>* guesses) {
   Families families = families_of(files);
-  std::vector<fs::path> kept = files;
+  std::vector<fs::path> remaining = files;
   if (const std::set<fs::path> depth = depth_in(families); !depth.empty() && depth.size() * 2 <= files.size()) {
     guesses->push_back(folder.string() + ": " + std::to_string(depth.size()) + " images of depth are left out, as " +
                        depth.begin()->filename().string());
     std::erase_if(families, [&](const auto& f) { return depth.contains(f.second.front()); });
-    std::erase_if(kept, [&](const fs::path& file) { return depth.contains(file); });
+    std::erase_if(remaining, [&](const fs::path& file) { return depth.contains(file); });
   }
   std::size_t most = 0;
   for (const auto& [family, images] : families) most = std::max(most, images.size());
   // A few others among many images, or names that have nothing in common, are no second camera.
   constexpr std::size_t kFew = 10;
   std::erase_if(families, [&](const auto& f) { return f.second.size() < 2 || f.second.size() * kFew < most; });
-  if (families.size() < 2) return kept;
+  if (families.size() < 2) return remaining;
   std::string listed;
   for (const auto& [family, images] : families) {
     listed += (listed.empty() ? "" : ", ") + count_of(family, images.size());

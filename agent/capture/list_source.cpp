@@ -29,7 +29,7 @@ class ListSource final : public ImageSource {
     }
     require_size(first_image_, options, frames_[first_].file.string());
     size_ = first_image_.size();
-    if (const std::string said = reader_.said(); !said.empty()) log_info(name + ": " + said);
+    if (const std::string note = reader_.bit_depth_note(); !note.empty()) log_info(name + ": " + note);
   }
 
   std::optional<Image> next() override {

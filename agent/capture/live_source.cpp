@@ -228,15 +228,15 @@ class LiveSource final : public ImageSource {
   }
 
   void warn(const Image& image) const {
-    const std::string what = "the source '" + name_ + "' ";
+    const std::string source_name = "the source '" + name_ + "' ";
     if (image.fault == ImageFault::kMissing) {
-      log_warn(what + "gives no image, opening it again");
+      log_warn(source_name + "gives no image, opening it again");
     } else if (image.fault == ImageFault::kResized) {
-      log_warn(what + "gives images of " + std::to_string(image.grey.cols) + "x" + std::to_string(image.grey.rows) +
-               " pixels instead of " + std::to_string(size_.width) + "x" + std::to_string(size_.height) +
-               ", as the calibration is for; they are left out");
+      log_warn(source_name + "gives images of " + std::to_string(image.grey.cols) + "x" +
+               std::to_string(image.grey.rows) + " pixels instead of " + std::to_string(size_.width) + "x" +
+               std::to_string(size_.height) + ", as the calibration is for; they are left out");
     } else {
-      log_warn(what + "gives a damaged image; it is left out");
+      log_warn(source_name + "gives a damaged image; it is left out");
     }
   }
 

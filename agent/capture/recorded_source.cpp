@@ -51,7 +51,7 @@ class RecordedSource final : public ImageSource {
         topic_(recorded_topic(uri)),
         recording_(recording::open(topic_.path)),
         place_(find_topic(*recording_, topic_, Wanted::kImages)),
-        reader_(recording::MessageReader::of(recording_->topics()[place_]).value()),
+        reader_(recording::MessageReader::for_topic(recording_->topics()[place_]).value()),
         span_(options) {
     if (!recording_->warning().empty()) log_warn(recording_->warning());
     recording_->play(place_);
@@ -62,7 +62,7 @@ class RecordedSource final : public ImageSource {
     if (!ahead_) throw UserError(uri + ": there is no image in the time span asked for that can be read" + hint_);
     require_size(decoded(), options, uri);
     size_ = decoded().size();
-    if (const std::string said = grey_.said(); !said.empty()) log_info(uri + ": " + said);
+    if (const std::string note = grey_.bit_depth_note(); !note.empty()) log_info(uri + ": " + note);
   }
 
   std::optional<Image> next() override {
@@ -176,7 +176,7 @@ class RecordedSource final : public ImageSource {
     if (reader_.kind() != recording::MessageKind::kCompressedImage || asked_for_video_) return video_ != nullptr;
     if (const auto image = reader_.compressed_image(message)) {
       asked_for_video_ = true;
-      video_ = VideoPackets::of(image->format);
+      video_ = VideoPackets::for_codec(image->format);
     }
     return video_ != nullptr;
   }
@@ -250,7 +250,7 @@ TimeNs recorded_zero_ns(const std::string& uri) {
   const RecordedTopic topic = recorded_topic(uri);
   const auto recording = recording::open(topic.path);
   const std::size_t place = find_topic(*recording, topic, Wanted::kImages);
-  const auto reader = recording::MessageReader::of(recording->topics()[place]).value();
+  const auto reader = recording::MessageReader::for_topic(recording->topics()[place]).value();
   recording->play(place);
   const FirstMessages first = first_messages(reader, [&] {
     auto message = recording->next();

@@ -85,7 +85,7 @@ class Ros2Source final : public ImageSource {
     require_size(first->grey, options, "the image of '" + name_ + "'");
     size_ = first->grey.size();
     missed_said_ = topic_.missed();  // those before it do not count
-    if (const std::string said = grey_.said(); !said.empty()) log_info(name_ + ": " + said);
+    if (const std::string note = grey_.bit_depth_note(); !note.empty()) log_info(name_ + ": " + note);
     warn_of_clock(*first);
   }
 
@@ -148,13 +148,13 @@ class Ros2Source final : public ImageSource {
 
   std::string no_image(const std::optional<Heard>& heard) const {
     if (!heard) return topic_.why_silent();
-    std::string what = "no image came that can be read";
-    if (heard->encoding.empty() || is_known_encoding(heard->encoding)) return what;
-    return what + "; " + why_not_grey({.encoding = heard->encoding});
+    std::string problem = "no image came that can be read";
+    if (heard->encoding.empty() || is_known_encoding(heard->encoding)) return problem;
+    return problem + "; " + why_not_grey({.encoding = heard->encoding});
   }
 
-  void warn(const char* what) {
-    if (log_.pass()) log_warn(name_ + ": " + what);
+  void warn(const char* problem) {
+    if (log_.pass()) log_warn(name_ + ": " + problem);
   }
 
   void say_missed(std::size_t image_octets) {

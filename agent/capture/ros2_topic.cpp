@@ -100,18 +100,18 @@ std::string Ros2Topic::no_topic() const {
     return "no node was seen in " + domain + " at " + joined(topic_.interfaces, ", ") + patience_text() +
            ": nodes of another domain are heard with ?domain=N, those of other machines with ?interface=ADDRESS";
   }
-  std::vector<std::string> here, seen;
+  std::vector<std::string> types_here, seen;
   for (const OfferedTopic& offered : participant_.offered()) {
     const auto topic = ros::topic_of_dds(offered.name);
     const std::string type = ros::type_of_dds(offered.type);
-    if (topic == topic_.topic) here.push_back(type);
+    if (topic == topic_.topic) types_here.push_back(type);
     if (topic && type.find(like_) != type.npos) seen.push_back(*topic + " (" + type + ")");
   }
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());  // of writers that differ in what they offer
-  const std::string others = like_ + " topics seen: " + (seen.empty() ? "none" : joined(seen, ", "));
-  if (here.empty()) return "there is no topic " + topic_.topic + " in " + domain + "; " + others;
-  return "topic " + topic_.topic + " in " + domain + " is of type " + joined(here, " and ") + ", but " +
-         joined(types_, " or ") + " is read; " + others;
+  const std::string seen_text = like_ + " topics seen: " + (seen.empty() ? "none" : joined(seen, ", "));
+  if (types_here.empty()) return "there is no topic " + topic_.topic + " in " + domain + "; " + seen_text;
+  return "topic " + topic_.topic + " in " + domain + " is of type " + joined(types_here, " and ") + ", but " +
+         joined(types_, " or ") + " is read; " + seen_text;
 }
 
 ReadCalibration heard_camera(const std::string& name) {

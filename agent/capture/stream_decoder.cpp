@@ -124,8 +124,8 @@ class FfmpegDecoder final : public StreamDecoder {
   double missing_share() const override {
     constexpr double kWorthAWord_s = 0.5;
     // Else it is of what is there.
-    const bool told = container_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
-    if (container_->duration <= 0 || !told || last_pts_ == AV_NOPTS_VALUE) return 0;
+    const bool is_in_stream = container_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
+    if (container_->duration <= 0 || !is_in_stream || last_pts_ == AV_NOPTS_VALUE) return 0;
     const auto seconds = [&](std::int64_t pts) { return static_cast<double>(pts) * av_q2d(stream().time_base); };
     const double end_s = seconds(last_pts_) + (rate_hz() > 0 ? 1 / rate_hz() : 0), missing_s = length_s() - end_s;
     const double start_s = stream().start_time == AV_NOPTS_VALUE ? 0 : seconds(stream().start_time);

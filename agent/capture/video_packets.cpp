@@ -68,7 +68,7 @@ struct VideoPackets::Impl {
 VideoPackets::VideoPackets(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VideoPackets::~VideoPackets() = default;
 
-std::unique_ptr<VideoPackets> VideoPackets::of(std::string_view codec) {
+std::unique_ptr<VideoPackets> VideoPackets::for_codec(std::string_view codec) {
   const AVCodecID id = codec_id(codec);
   const AVCodec* found = id == AV_CODEC_ID_NONE ? nullptr : avcodec_find_decoder(id);
   if (found == nullptr) return nullptr;

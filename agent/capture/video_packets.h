@@ -15,7 +15,7 @@ namespace coslam {
 class VideoPackets {
  public:
   // Creates a parser by the name of a codec ("h264", "libx264", "h265", "hevc", "vp9", "av1"); null: unknown name.
-  static std::unique_ptr<VideoPackets> of(std::string_view codec);
+  static std::unique_ptr<VideoPackets> for_codec(std::string_view codec);
   ~VideoPackets();
   VideoPackets(const VideoPackets&) = delete;
   VideoPackets& operator=(const VideoPackets&) = delete;

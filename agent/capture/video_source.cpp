@@ -39,8 +39,8 @@ class VideoTimes {
     if (frame == 0) begin(stream_s, stream_hz);
     const TimeNs even_ns = to_ns(static_cast<double>(frame) / rate_hz_);
     const TimeNs stream_ns = stream_s ? to_ns(*stream_s - first_s_) : 0;
-    const bool told = stream_ns > last_ns_ && std::abs(stream_ns - even_ns) > kRounding_ns;
-    last_ns_ = told ? stream_ns : std::max(even_ns, last_ns_ + (frame == 0 ? 0 : 1));
+    const bool is_usable = stream_ns > last_ns_ && std::abs(stream_ns - even_ns) > kRounding_ns;
+    last_ns_ = is_usable ? stream_ns : std::max(even_ns, last_ns_ + (frame == 0 ? 0 : 1));
     return last_ns_;
   }
 
@@ -48,9 +48,9 @@ class VideoTimes {
   void begin(std::optional<double> stream_s, double stream_hz) {
     constexpr double kSlowest_hz = 0.1, kFastest_hz = 1000;
     first_s_ = stream_s.value_or(0);
-    const bool told = stream_hz > kSlowest_hz && stream_hz < kFastest_hz;
-    if (told) rate_hz_ = stream_hz;
-    if (told || stream_s) return;
+    const bool is_usable = stream_hz > kSlowest_hz && stream_hz < kFastest_hz;
+    if (is_usable) rate_hz_ = stream_hz;
+    if (is_usable || stream_s) return;
     log_warn(without_times(name_, rate_hz_));
   }
 

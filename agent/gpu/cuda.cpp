@@ -22,20 +22,20 @@ constexpr int kGroup = 64;
 // A library that is there for the whole run, or not at all.
 class Library {
  public:
-  Library(const char* what, std::initializer_list<const char*> names) : what_(what) {
+  Library(const char* library, std::initializer_list<const char*> names) : library_(library) {
     for (const char* name : names) {
       if (handle_ == nullptr) handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     }
-    if (handle_ == nullptr) throw NoDevice(std::string("CUDA's ") + what + " is not installed");
+    if (handle_ == nullptr) throw NoDevice(std::string("CUDA's ") + library + " is not installed");
   }
   template <class F>
   void load(const char* name, F*& function) const {
     function = reinterpret_cast<F*>(dlsym(handle_, name));
-    if (function == nullptr) throw NoDevice(std::string("CUDA's ") + what_ + " is too old: it has no " + name);
+    if (function == nullptr) throw NoDevice(std::string("CUDA's ") + library_ + " is too old: it has no " + name);
   }
 
  private:
-  const char* what_;
+  const char* library_;
   void* handle_ = nullptr;
 };
 
@@ -162,12 +162,12 @@ struct Loaded {
 
   // What was kept may be of a driver that is no more: then it is translated all the same.
   void load(int capability) {
-    const KeptCode kept = KeptCode::of_user();
+    const KeptCode code_cache = KeptCode::of_user();
     const std::string key = architecture_of(capability) + "\n" + text_of(source);
-    if (const auto code = kept.find(key); code && cuda.load_module(&module, code->data()) == 0) return;
+    if (const auto code = code_cache.find(key); code && cuda.load_module(&module, code->data()) == 0) return;
     const std::vector<char> code = cuda_machine_code(source, capability);
     cuda.check(cuda.load_module(&module, code.data()), "cuModuleLoadData");
-    kept.keep(key, code);
+    code_cache.keep(key, code);
   }
 
   const Driver& cuda = Driver::get();

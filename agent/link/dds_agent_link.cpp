@@ -104,8 +104,8 @@ class DdsAgentLink : public AgentLink {
     const bool patches_gone = ends_ && patches && patches_waiting_.empty();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
     if (descriptors && descriptors->frame == frame.frame) {
-      const bool gone = ends_ && descriptors_waiting_.empty();
-      frame.descriptors_sent = gone ? DescriptorsSent::kWithFrame : DescriptorsSent::kLater;
+      const bool are_sent = ends_ && descriptors_waiting_.empty();
+      frame.descriptors_sent = are_sent ? DescriptorsSent::kWithFrame : DescriptorsSent::kLater;
     }
     // Joining anew: lost, as on a link that is cut.
     if (ends_) ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));

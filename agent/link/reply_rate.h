@@ -23,7 +23,7 @@ class ReplyRate {
   double unanswered_bytes() const;
   // Frames had to wait for replies before: the link does not carry whatever is given to it.
   bool limited() const { return halved_.has_value(); }
-  bool limited_since(Instant then) const { return halved_ && *halved_ >= then; }
+  bool limited_since(Instant start) const { return halved_ && *halved_ >= start; }
 
  private:
   void note_delivered(double bytes, Instant now);

@@ -90,8 +90,8 @@ void SendRate::waited(double wait_s, bool full, Instant now) {
   }
   if (late && one_in_ < most_) return send_fewer(wait_s, now);
   if (one_in_ == 1 || !soon_since_) return;
-  const Instant since = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
-  if (seconds(since, now) <= patience_s_) return;
+  const Instant start = std::max({*soon_since_, tried_.value_or(*soon_since_), fewer_.value_or(*soon_since_)});
+  if (seconds(start, now) <= patience_s_) return;
   before_try_ = one_in_;
   --one_in_;  // a narrow link is found at the first step, before a queue is long
   tried_ = now;

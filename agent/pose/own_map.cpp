@@ -16,11 +16,11 @@ constexpr double kMostError_px = 3.0;  // likewise
 
 // Every other one goes, but for the first and the newest.
 void thin(auto& sights) {
-  std::size_t kept = 0;
+  std::size_t size = 0;
   for (std::size_t i = 0; i < sights.size(); ++i) {
-    if (i % 2 == 0 || i + 1 == sights.size()) sights[kept++] = sights[i];
+    if (i % 2 == 0 || i + 1 == sights.size()) sights[size++] = sights[i];
   }
-  sights.resize(kept);
+  sights.resize(size);
 }
 
 }  // namespace

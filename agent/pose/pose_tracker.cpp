@@ -13,7 +13,7 @@ constexpr double kFirmHull = 0.2;
 }  // namespace
 
 PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)
-    : camera_(camera), config_(config), own_(camera) {}
+    : camera_(camera), config_(config), own_map_(camera) {}
 
 PoseTracker::KnownPoints PoseTracker::known_points(const std::vector<TrackObservation>& tracks,
                                                    const LocalMap& map) const {
@@ -23,10 +23,10 @@ PoseTracker::KnownPoints PoseTracker::known_points(const std::vector<TrackObserv
     const Eigen::Vector2d px = t.undistorted_px.cast<double>();
     if (e != nullptr && (e->state == PointState::kStatic || e->is_direction())) {
       out.observations.push_back({e->position, e->covariance, px, e->is_direction()});
-      out.told.push_back(!e->is_direction() && !e->former);
-    } else if (const auto own = alone_ && e == nullptr ? own_.find(t.track) : std::nullopt) {
-      out.observations.push_back({own->position, own->covariance, px});
-      out.told.push_back(false);
+      out.from_server.push_back(!e->is_direction() && !e->former);
+    } else if (const auto own_point = alone_ && e == nullptr ? own_map_.find(t.track) : std::nullopt) {
+      out.observations.push_back({own_point->position, own_point->covariance, px});
+      out.from_server.push_back(false);
     }
   }
   return out;
@@ -39,7 +39,7 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
     return;  // never placed, or lost and waiting for the server
   }
   alone_ = alone || (alone_ && told_agree_ < kFirmPoints);
-  const auto [observations, told] = known_points(tracks, map);
+  const auto [observations, from_server] = known_points(tracks, map);
   PoseRefinementConfig refinement{.sigma_px = camera_.px_from_640(config_.sigma_px)};
   const Rigid3& last = past_.back().cam_from_world;
   const auto dt_s = steady_s(capture_ns);
@@ -58,13 +58,13 @@ void PoseTracker::step(FrameId frame, TimeNs capture_ns, const std::vector<Track
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (!result_.is_inlier[i]) continue;
     inliers.push_back(observations[i].undistorted_px);
-    told_agree_ += !alone && told[i];
+    told_agree_ += !alone && from_server[i];
   }
   hull_ = hull_fraction(std::move(inliers), camera_);
   if (state_ == PoseState::kLost) past_.clear();  // the motion across the gap is unknown
   follow(capture_ns);
   state_ = PoseState::kTracked;
-  own_.observe(result_.cam_from_world, tracks);
+  own_map_.observe(result_.cam_from_world, tracks);
   past_.push_back({frame, capture_ns, result_.cam_from_world});
   if (past_.size() > kHistory) past_.pop_front();
 }
@@ -87,7 +87,7 @@ void PoseTracker::follow(TimeNs capture_ns) {
 
 void PoseTracker::rebase(const Similarity3& new_from_old) {
   for (Past& p : past_) p.cam_from_world = transform_world(p.cam_from_world, new_from_old);
-  own_.move(new_from_old);
+  own_map_.move(new_from_old);
   motion_.rescale(new_from_old.scale);
 }
 
@@ -102,18 +102,18 @@ void PoseTracker::place(const PlacedPose& placed) {
     motion_.correct(local(thought, past_.back().cam_from_world),
                     to_seconds(now_ns - same->capture_ns.value_or(now_ns)));
     const Rigid3 new_from_old = old_from_new.inverse();
-    own_.move({1.0, new_from_old.rotation, new_from_old.translation});
+    own_map_.move({1.0, new_from_old.rotation, new_from_old.translation});
     return;
   }
   past_ = {{placed.frame, std::nullopt, placed.cam_from_world}};
   motion_.lose();
-  own_.clear();
+  own_map_.clear();
   if (state_ == PoseState::kNone) state_ = PoseState::kLost;  // placed, not yet tracked
 }
 
 void PoseTracker::reset() {
   past_.clear();
-  own_.clear();
+  own_map_.clear();
   motion_ = {};
   alone_ = false;
   state_ = PoseState::kNone;

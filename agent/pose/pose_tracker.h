@@ -36,7 +36,7 @@ class PoseTracker {
   // The server's pose for an earlier frame; the motion since then is kept when it is known.
   void place(const PlacedPose& placed);
   // Tracks come through another lens from now on: what they were seen at before is forgotten.
-  void change_lens() { own_.clear(); }
+  void change_lens() { own_map_.clear(); }
   // Starts from nothing, for another server.
   void reset();
 
@@ -51,7 +51,7 @@ class PoseTracker {
   void follow(TimeNs capture_ns);
   struct KnownPoints {
     std::vector<PointObservation> observations;
-    std::vector<bool> told;  // whether the server says that the point is static
+    std::vector<bool> from_server;  // whether the server says that the point is static
   };
   KnownPoints known_points(const std::vector<TrackObservation>& tracks, const LocalMap& map) const;
 
@@ -60,7 +60,7 @@ class PoseTracker {
   PoseState state_ = PoseState::kNone;
   PoseResult result_;
   double hull_ = 0;
-  OwnMap own_;
+  OwnMap own_map_;
   SteadyMotion motion_;
   bool alone_ = false;
   int told_agree_ = 0;  // points of a server that speaks, at the newest step

@@ -31,10 +31,10 @@ std::optional<Eigen::Vector3d> common_turn_rad(DirectionPairs pairs) {
     const auto miss = [&turn](const auto& pair) { return (turn * pair.first - pair.second).norm(); };
     std::ranges::nth_element(pairs, pairs.begin() + std::ssize(pairs) / 2, {}, miss);
     const double most = 2 * miss(pairs[pairs.size() / 2]);
-    DirectionPairs some;
-    std::ranges::copy_if(pairs, std::back_inserter(some), [&](const auto& pair) { return miss(pair) <= most; });
-    if (some.size() < kFewest) break;
-    turn = turn_between(some);
+    DirectionPairs inliers;
+    std::ranges::copy_if(pairs, std::back_inserter(inliers), [&](const auto& pair) { return miss(pair) <= most; });
+    if (inliers.size() < kFewest) break;
+    turn = turn_between(inliers);
   }
   return so3_log(Eigen::Quaterniond(turn));
 }

@@ -45,11 +45,11 @@ constexpr float kMomentUnit = 8.0f;  // of WarpedSums
 
 // Products of the samples, mean taken out, with the derivatives of the patch by all parameters.
 Vector7f project(const KeyPatch& patch, const WarpedSums& sums) {
-  Vector7f with;
-  with << static_cast<float>(sums.dx), static_cast<float>(sums.dy), kMomentUnit * static_cast<float>(sums.column_dx),
+  Vector7f moments;
+  moments << static_cast<float>(sums.dx), static_cast<float>(sums.dy), kMomentUnit * static_cast<float>(sums.column_dx),
       kMomentUnit * static_cast<float>(sums.row_dx), kMomentUnit * static_cast<float>(sums.column_dy),
       kMomentUnit * static_cast<float>(sums.row_dy), static_cast<float>(sums.grey);
-  return with - patch.totals * (static_cast<float>(sums.total) / kWindowArea);
+  return moments - patch.totals * (static_cast<float>(sums.total) / kWindowArea);
 }
 
 }  // namespace
@@ -94,10 +94,11 @@ KeyAlignment find_key_patch(const KeyPatch& patch, const Pyramid& pyramid, const
     if (!readable(level, at, warp)) return result;
     const WarpedSums sums =
         kernels().warped(first_warped(level, at, warp), patch.grey.data(), patch.dx.data(), patch.dy.data());
-    const Vector7f with = project(patch, sums);
+    const Vector7f moments = project(patch, sums);
     const float own_squares = static_cast<float>(centred(sums.small_squares, sums.small_total, sums.small_total));
-    result.zncc = own_squares > 0 ? with[6] / ((1 << kTemplateShift) * std::sqrt(own_squares * patch.squares)) : 0.0f;
-    const Vector7f solution = patch.inverse * with;
+    result.zncc =
+        own_squares > 0 ? moments[6] / ((1 << kTemplateShift) * std::sqrt(own_squares * patch.squares)) : 0.0f;
+    const Vector7f solution = patch.inverse * moments;
     if (!(solution[6] * kTemplateUnit > kKeyLeastGain * kSampleUnit)) return result;
     const Vector7f change = solution / solution[6];
     Eigen::Matrix2f affine;  // of the patch, as now seen; to be undone

@@ -41,8 +41,8 @@ bool is_photo(const cv::Mat& grey) {
   grey.convertTo(levels, CV_8U, 255 / std::max(largest(grey), 1e-6));
   std::array<int, 256> counts{};
   for (auto at = levels.begin<std::uint8_t>(); at != levels.end<std::uint8_t>(); ++at) ++counts[*at];
-  const double some = kSome * static_cast<double>(levels.total());
-  return std::ranges::count_if(counts, [&](int count) { return count > some; }) >= kMany;
+  const double least_count = kSome * static_cast<double>(levels.total());
+  return std::ranges::count_if(counts, [&](int count) { return count > least_count; }) >= kMany;
 }
 
 cv::Mat followed(const std::string& file, const cv::Mat& image) {

@@ -93,11 +93,11 @@ cv::Mat1s doubled(const cv::Mat1b& grey) {
       row[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(3 * near[x] + far[x]);
     auto* to = out.ptr<std::int16_t>(y);
     for (int x = 0; x < grey.cols; ++x) {
-      const int here = row[static_cast<std::size_t>(x)];
+      const int centre = row[static_cast<std::size_t>(x)];
       const int left = row[static_cast<std::size_t>(std::max(0, x - 1))];
       const int right = row[static_cast<std::size_t>(std::min(grey.cols - 1, x + 1))];
-      to[2 * x] = grey16(3 * here + left);
-      to[2 * x + 1] = grey16(3 * here + right);
+      to[2 * x] = grey16(3 * centre + left);
+      to[2 * x + 1] = grey16(3 * centre + right);
     }
   }
   return out;

@@ -154,7 +154,7 @@ void Tracker::State::follow() {
   shift_px = following.shift_px;
   if (few_found(following) && images_until_leap-- <= 0) look_farther(&sought, &following);
   const auto sought_for = static_cast<double>(tracks.size());
-  std::size_t kept = 0;
+  std::size_t size = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track track = tracks[i];
     Memory& memory = memories[i];
@@ -163,13 +163,13 @@ void Tracker::State::follow() {
     Eigen::Vector2f px = seen.px;
     if (!confirm(memory, seen.key, px) || masked(px)) continue;
     memory.motion_px = px - track.raw_px;
-    tracks[kept] = {track.id, px, track.age_frames + 1};
-    if (kept != i) memories[kept] = std::move(memory);
-    ++kept;
+    tracks[size] = {track.id, px, track.age_frames + 1};
+    if (size != i) memories[size] = std::move(memory);
+    ++size;
   }
-  tracks.resize(kept);
-  memories.resize(kept);
-  ended_share = 1 - static_cast<double>(kept) / sought_for;
+  tracks.resize(size);
+  memories.resize(size);
+  ended_share = 1 - static_cast<double>(size) / sought_for;
 }
 
 void Tracker::State::tell_moving() {
@@ -199,19 +199,19 @@ void Tracker::State::end_outlines() {
     if (!memories[i].moving) rest.add(tracks[i].raw_px - memories[i].motion_px, memories[i].motion_px);
   }
   if (rest.empty()) return;
-  std::size_t kept = 0;
+  std::size_t size = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     Memory& m = memories[i];
     const Eigen::Vector2f& px = tracks[i].raw_px;
     if (m.moving && on_outline(m, px, rest.near(px - m.motion_px))) continue;
-    if (kept != i) {
-      tracks[kept] = tracks[i];
-      memories[kept] = std::move(m);
+    if (size != i) {
+      tracks[size] = tracks[i];
+      memories[size] = std::move(m);
     }
-    ++kept;
+    ++size;
   }
-  tracks.resize(kept);
-  memories.resize(kept);
+  tracks.resize(size);
+  memories.resize(size);
 }
 
 // The nearest track, if it moves and is beside this place: a new track there will go with it.
@@ -312,15 +312,15 @@ void Tracker::thin(int at_most) {
         i);
   }
   const int surplus = std::min(at_most, static_cast<int>(tracks.size()) - state_->config.max_tracks);
-  std::vector<std::size_t> gone;
+  std::vector<std::size_t> ended;
   for (int n = 0; n < surplus; ++n) {
     auto fullest =
         std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    gone.push_back(fullest->back());
+    ended.push_back(fullest->back());
     fullest->pop_back();
   }
-  std::sort(gone.rbegin(), gone.rend());
-  for (const std::size_t i : gone) {
+  std::sort(ended.rbegin(), ended.rend());
+  for (const std::size_t i : ended) {
     tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(i));
     state_->memories.erase(state_->memories.begin() + static_cast<std::ptrdiff_t>(i));
   }

@@ -67,10 +67,10 @@ void cut_template(const PyramidLevel& level, const Eigen::Vector2f& centre_px, W
 WindowStep window_step(const PyramidLevel& level, const Eigen::Vector2f& centre_px, const WindowTemplate& window) {
   const StepSums sums =
       kernels().step(first_of_window(level, centre_px), window.grey.data(), window.dx.data(), window.dy.data());
-  const Eigen::Vector3d with(centred(sums.dx, sums.total, window.total_dx),
-                             centred(sums.dy, sums.total, window.total_dy),
-                             centred(sums.grey, sums.total, window.total_grey));
-  const Eigen::Vector3d solution = window.inverse * with;  // gain * offset, gain
+  const Eigen::Vector3d products(centred(sums.dx, sums.total, window.total_dx),
+                                 centred(sums.dy, sums.total, window.total_dy),
+                                 centred(sums.grey, sums.total, window.total_grey));
+  const Eigen::Vector3d solution = window.inverse * products;  // gain * offset, gain
   WindowStep step;
   step.gain = static_cast<float>(solution.z() * kTemplateUnit / kSampleUnit);
   if (step.gain > 0) step.offset_px = (solution.head<2>() / solution.z()).cast<float>();
@@ -81,8 +81,8 @@ float window_zncc(const PyramidLevel& level, const Eigen::Vector2f& centre_px, c
   const CorrelationSums sums = kernels().correlate(first_of_window(level, centre_px), window.grey.data());
   const double squares = centred(sums.small_squares, sums.small_total, sums.small_total);
   if (squares <= 0 || window.squares <= 0) return 0.0f;
-  const double with = centred(sums.grey, sums.total, window.total_grey);
-  return static_cast<float>(with / ((1 << kTemplateShift) * std::sqrt(squares * window.squares)));
+  const double product = centred(sums.grey, sums.total, window.total_grey);
+  return static_cast<float>(product / ((1 << kTemplateShift) * std::sqrt(squares * window.squares)));
 }
 
 }  // namespace coslam

@@ -17,14 +17,14 @@ class IdTable {
   T* find(Id id) const {
     const std::size_t block = id.value / kInBlock;
     if (block >= blocks_.size() || !blocks_[block]) return nullptr;
-    return blocks_[block]->of[id.value % kInBlock];
+    return blocks_[block]->entries[id.value % kInBlock];
   }
 
   void put(Id id, T& value) {
     const std::size_t block = id.value / kInBlock;
     if (block >= blocks_.size()) blocks_.resize(block + 1);
     if (!blocks_[block]) blocks_[block] = std::make_unique<Block>();
-    T*& at = blocks_[block]->of[id.value % kInBlock];
+    T*& at = blocks_[block]->entries[id.value % kInBlock];
     if (at == nullptr) ++blocks_[block]->size;
     at = &value;
   }
@@ -32,7 +32,7 @@ class IdTable {
   void erase(Id id) {
     if (find(id) == nullptr) return;
     std::unique_ptr<Block>& block = blocks_[id.value / kInBlock];
-    block->of[id.value % kInBlock] = nullptr;
+    block->entries[id.value % kInBlock] = nullptr;
     if (--block->size == 0) block.reset();
   }
 
@@ -45,7 +45,7 @@ class IdTable {
  private:
   static constexpr std::size_t kInBlock = 128;
   struct Block {
-    std::array<T*, kInBlock> of{};
+    std::array<T*, kInBlock> entries{};
     std::size_t size = 0;
   };
   std::vector<std::unique_ptr<Block>> blocks_;

@@ -23,17 +23,17 @@ namespace {
 class Quoted final : public spdlog::custom_flag_formatter {
  public:
   enum class What { kText, kName };
-  explicit Quoted(What what) : what_(what) {}
+  explicit Quoted(What part) : part_(part) {}
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
-    const spdlog::string_view_t text = what_ == What::kText ? message.payload : message.logger_name;
+    const spdlog::string_view_t text = part_ == What::kText ? message.payload : message.logger_name;
     const std::string quoted = nlohmann::json(std::string(text.data(), text.size()))
                                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     out.append(quoted.data(), quoted.data() + quoted.size());
   }
-  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Quoted>(what_); }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Quoted>(part_); }
 
  private:
-  What what_;
+  What part_;
 };
 
 std::unique_ptr<spdlog::formatter> json_lines() {

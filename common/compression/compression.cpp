@@ -45,9 +45,9 @@ std::string zstd_compressed(std::string_view octets) {
 }
 
 std::optional<std::string> zstd_decompressed(std::string_view octets, std::uint64_t size) {
-  const unsigned long long told = ZSTD_getFrameContentSize(octets.data(), octets.size());
-  if (told != ZSTD_CONTENTSIZE_UNKNOWN && told != size) return std::nullopt;
-  if (told == size && size / kUsualRatio <= octets.size()) {  // at once is faster
+  const unsigned long long content_size = ZSTD_getFrameContentSize(octets.data(), octets.size());
+  if (content_size != ZSTD_CONTENTSIZE_UNKNOWN && content_size != size) return std::nullopt;
+  if (content_size == size && size / kUsualRatio <= octets.size()) {  // at once is faster
     std::string out(size, '\0');
     const std::size_t got = ZSTD_decompress(out.data(), out.size(), octets.data(), octets.size());
     return ZSTD_isError(got) == 0 && got == size ? std::optional(std::move(out)) : std::nullopt;

@@ -50,9 +50,9 @@ std::vector<std::string> options_of(const CLI::App& app) {
   return names;
 }
 
-std::string with_nearest(const std::string& what, const std::string& word, const std::vector<std::string>& known) {
+std::string with_nearest(const std::string& problem, const std::string& word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_of(word, known);
-  return what + " '" + word + "'" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+  return problem + " '" + word + "'" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
 }
 
 // What is unknown goes before what is missing for that reason.

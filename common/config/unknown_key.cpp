@@ -96,8 +96,8 @@ std::string what_there_is(const std::string& section, const Words& known) {
 std::string did_you_mean(const Words& keys) { return "unknown key, did you mean " + either(keys) + "?"; }
 
 std::string known_are(const std::string& section, const Words& known) {
-  const std::string where = section.empty() ? "" : " in " + section.substr(0, section.size() - 1);
-  return "unknown key, known" + where + " are" + what_there_is(section, known);
+  const std::string in_section = section.empty() ? "" : " in " + section.substr(0, section.size() - 1);
+  return "unknown key, known" + in_section + " are" + what_there_is(section, known);
 }
 
 }  // namespace
@@ -142,9 +142,9 @@ std::string unknown_file_key_reason(const std::string& section, const std::strin
   for (const std::string& found : nearest_keys(dotted, known)) {
     const std::string head = found.ends_with(tail) ? found.substr(0, found.size() - tail.size()) : found;
     // Another name for this key, all else being right; or something that belongs elsewhere.
-    const bool own = head.starts_with(section) && contains(names, head.substr(section.size())) &&
-                     !nearest_of(key, {last_step(head)}).empty();
-    nearest.push_back(own ? last_step(head) : found);
+    const bool is_renamed_key = head.starts_with(section) && contains(names, head.substr(section.size())) &&
+                                !nearest_of(key, {last_step(head)}).empty();
+    nearest.push_back(is_renamed_key ? last_step(head) : found);
   }
   return nearest.empty() ? known_are(section, known) : did_you_mean(nearest);
 }

@@ -42,10 +42,10 @@ YamlValue YamlValue::parse(std::istream& text, const std::filesystem::path& file
 }
 
 void YamlValue::fail(const std::string& reason) const {
-  std::string where = file_->string();
+  std::string place = file_->string();
   const YAML::Mark mark = node_.Mark();
-  if (!mark.is_null()) where += ":" + std::to_string(mark.line + 1);
-  throw UserError(where + ": " + (path_.empty() ? "" : path_ + ": ") + reason);
+  if (!mark.is_null()) place += ":" + std::to_string(mark.line + 1);
+  throw UserError(place + ": " + (path_.empty() ? "" : path_ + ": ") + reason);
 }
 
 void YamlValue::require_map() const {

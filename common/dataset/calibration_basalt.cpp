@@ -8,10 +8,10 @@
 namespace coslam::calibration {
 namespace {
 
-std::vector<double> numbers_of(const YamlValue& of, const std::vector<const char*>& keys) {
+std::vector<double> numbers_of(const YamlValue& section, const std::vector<const char*>& keys) {
   std::vector<double> out;
   out.reserve(keys.size());
-  for (const char* key : keys) out.push_back(of.at(key).number());
+  for (const char* key : keys) out.push_back(section.at(key).number());
   return out;
 }
 

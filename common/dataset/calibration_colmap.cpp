@@ -41,31 +41,31 @@ const std::map<std::string, Layout, std::less<>> kLayouts = {
 
 // Has k1 k2 p1 p2 k3 k4 sx1 sy1. What is left out moves places by p and s times the squared angle, at the farthest
 // corner most.
-CameraModel without_prism(CameraModel camera, const std::string& where) {
+CameraModel without_prism(CameraModel camera, const std::string& place) {
   const auto k = camera.coefficients;
   const double p = std::abs(k[2]) + std::abs(k[3]), s = std::abs(k[6]) + std::abs(k[7]);
   camera.coefficients = {k[0], k[1], k[4], k[5]};
   const double corner = farthest_corner(camera);
   const FittedLens fit{camera, std::max(camera.fx, camera.fy) * (3 * p + s) * corner * corner};
-  if (p + s > 0) log_warn(where + fit_said(kThinPrism, fit));
+  if (p + s > 0) log_warn(place + fit_said(kThinPrism, fit));
   return camera;
 }
 
-CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& where) {
+CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& place) {
   const auto layout = kLayouts.find(fields[1]);
   if (layout == kLayouts.end()) {
-    throw UserError(where + "the camera model '" + std::string(fields[1]) + "' is not supported");
+    throw UserError(place + "the camera model '" + std::string(fields[1]) + "' is not supported");
   }
   std::vector<double> v;
   for (std::size_t i = 2; i < fields.size(); ++i) {
     const auto number = parse_double(fields[i]);
-    if (!number) throw UserError(where + "'" + std::string(fields[i]) + "' is not a number");
+    if (!number) throw UserError(place + "'" + std::string(fields[i]) + "' is not a number");
     v.push_back(*number);
   }
   const auto& [one_focal, distortion, coefficients] = layout->second;
   const std::size_t first = 2 + (one_focal ? 3 : 4);
   if (v.size() != first + static_cast<std::size_t>(coefficients)) {
-    throw UserError(where + "the number of parameters does not fit the camera model");
+    throw UserError(place + "the number of parameters does not fit the camera model");
   }
   CameraModel camera;
   camera.width_px = static_cast<int>(std::clamp(v[0], -1.0, 1e6));
@@ -77,12 +77,12 @@ CameraModel parse_camera(const std::vector<std::string_view>& fields, const std:
   camera.cy = v[first - 1] - 0.5;
   if (fields[1] == kFieldOfView) {
     const FittedLens fit = fit_equidistant(camera, field_of_view_lens(v[first]));
-    log_info(where + fit_said(kFieldOfView, fit));
+    log_info(place + fit_said(kFieldOfView, fit));
     return fit.camera;
   }
   camera.distortion = distortion;
   std::copy(v.begin() + static_cast<std::ptrdiff_t>(first), v.end(), camera.coefficients.begin());
-  return fields[1] == kThinPrism ? without_prism(camera, where) : camera;
+  return fields[1] == kThinPrism ? without_prism(camera, place) : camera;
 }
 
 }  // namespace
@@ -95,10 +95,10 @@ CameraModel read_colmap(const std::filesystem::path& cameras_txt, const std::str
   for (int number = 1; std::getline(stream, line); ++number) {
     const auto fields = split_fields(line);
     if (fields.empty() || fields[0].starts_with('#')) continue;
-    const std::string where = cameras_txt.string() + ":" + std::to_string(number) + ": ";
-    if (fields.size() < 5) throw UserError(where + "not a line `ID MODEL WIDTH HEIGHT PARAMS`");
+    const std::string place = cameras_txt.string() + ":" + std::to_string(number) + ": ";
+    if (fields.size() < 5) throw UserError(place + "not a line `ID MODEL WIDTH HEIGHT PARAMS`");
     if (!camera.empty() && fields[0] != camera) continue;
-    if (!camera.empty() || !found) found = parse_camera(fields, where);
+    if (!camera.empty() || !found) found = parse_camera(fields, place);
     names += (names.empty() ? "" : ", ") + std::string(fields[0]);
   }
   if (names.find(',') != std::string::npos) throw UserError(cameras_txt.string() + ": " + several_cameras(names));

@@ -181,8 +181,8 @@ namespace {
 // Its lens is that of the whole sensor; its images may be a part of that (which is told), in which pixels were taken
 // together.
 bool take_region(CameraModel& camera, const YamlValue& root) {
-  const auto count = [](const std::optional<YamlValue>& value, int without) {
-    return value ? std::max(without, pixels(*value)) : without;
+  const auto count = [](const std::optional<YamlValue>& value, int fallback) {
+    return value ? std::max(fallback, pixels(*value)) : fallback;
   };
   bool part = false;
   if (const auto region = root.find("roi"); region && region->is_map()) {

@@ -17,9 +17,9 @@
 namespace coslam::calibration {
 namespace {
 
-std::vector<double> numbers_at(const YamlValue& of, std::initializer_list<const char*> keys) {
+std::vector<double> numbers_at(const YamlValue& section, std::initializer_list<const char*> keys) {
   std::vector<double> out;
-  for (const char* key : keys) out.push_back(of.at(key).number());
+  for (const char* key : keys) out.push_back(section.at(key).number());
   return out;
 }
 
@@ -152,11 +152,11 @@ CameraModel read_ost(const std::filesystem::path& file) {
   }
   std::ostringstream text;
   text.precision(17);
-  const auto put = [&](const char* key, const char* of, std::size_t count) {
-    const auto& v = values[of];
+  const auto put = [&](const char* key, const char* source_key, std::size_t count) {
+    const auto& v = values[source_key];
     if (count > 0 && v.size() != count) {
-      throw UserError(file.string() + ": of '" + of + "' there are " + std::to_string(v.size()) + " numbers, not " +
-                      std::to_string(count));
+      throw UserError(file.string() + ": of '" + source_key + "' there are " + std::to_string(v.size()) +
+                      " numbers, not " + std::to_string(count));
     }
     text << key << ": ";
     if (count != 1) text << '[';

@@ -37,7 +37,7 @@ std::string as_file(const ros::CameraInfo& info) {
 SensorCamera read_recorded(const RecordedTopic& topic) {
   const auto recording = recording::open(topic.path);
   const std::size_t place = find_topic(*recording, topic, Wanted::kLenses);
-  const auto reader = recording::MessageReader::of(recording->topics()[place]).value();
+  const auto reader = recording::MessageReader::for_topic(recording->topics()[place]).value();
   recording->play(place);
   std::optional<ros::CameraInfo> first;
   while (auto message = recording->next()) {

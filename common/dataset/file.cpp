@@ -93,11 +93,11 @@ void OutputFile::write_out() {
     [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(written_));
     if (buffer_.size() < kMostKept_bytes) return;
     ended_ = true;
-    told_ = false;
+    reported_ = false;
   } else {
     written_ += buffer_.size();
     problem_.clear();
-    told_ = false;
+    reported_ = false;
   }
   buffer_.clear();
 }
@@ -119,7 +119,7 @@ void OutputFile::cut(std::uintmax_t bytes) {
 }
 
 std::optional<std::string> OutputFile::take_problem() {
-  if (problem_.empty() || std::exchange(told_, true)) return std::nullopt;
+  if (problem_.empty() || std::exchange(reported_, true)) return std::nullopt;
   return problem_;
 }
 

@@ -62,7 +62,7 @@ class OutputFile {
   std::uintmax_t written_ = 0;
   std::string buffer_;
   std::string problem_;  // empty: none
-  bool told_ = false, ended_ = false;
+  bool reported_ = false, ended_ = false;
   std::chrono::steady_clock::time_point tried_{};  // last, while there is a problem
 };
 

@@ -20,7 +20,7 @@ std::string_view scheme_of(std::string_view name) {
 }
 
 bool is_read(const recording::Topic& topic, Wanted wanted) {
-  const auto reader = recording::MessageReader::of(topic);
+  const auto reader = recording::MessageReader::for_topic(topic);
   return reader && (reader->kind() == recording::MessageKind::kCameraInfo) == (wanted == Wanted::kLenses);
 }
 
@@ -43,9 +43,9 @@ std::string in_other_forms(const recording::Recording& recording, const Recorded
   for (const recording::Topic& topic : recording.topics()) {
     if (is_read(topic, wanted)) continue;
     const std::string& type = topic.type;
-    const bool like =
-        !recording::MessageReader::of(topic) && (type.find("Image") != type.npos || type.find("Video") != type.npos ||
-                                                 type.starts_with("theora_image_transport/"));
+    const bool like = !recording::MessageReader::for_topic(topic) &&
+                      (type.find("Image") != type.npos || type.find("Video") != type.npos ||
+                       type.starts_with("theora_image_transport/"));
     if (topic.name != wanted_topic.topic && !like) continue;
     text += (text.empty() ? "" : ", ") + with_type(topic) + remedy(topic);
   }
@@ -71,16 +71,16 @@ RecordedTopic recorded_topic(const std::string& name, const std::filesystem::pat
 }
 
 std::size_t find_topic(const recording::Recording& recording, const RecordedTopic& topic, Wanted wanted) {
-  std::vector<std::size_t> there;
+  std::vector<std::size_t> candidates;
   std::string listed;
   for (std::size_t i = 0; i < recording.topics().size(); ++i) {
     const recording::Topic& candidate = recording.topics()[i];
     if (!is_read(candidate, wanted)) continue;
     if (candidate.name == topic.topic) return i;
-    there.push_back(i);
+    candidates.push_back(i);
     listed += (listed.empty() ? "" : ", ") + candidate.name;
   }
-  if (topic.topic.empty() && there.size() == 1) return there.front();
+  if (topic.topic.empty() && candidates.size() == 1) return candidates.front();
   const std::string kind = wanted == Wanted::kImages ? "images" : "lenses (CameraInfo)";
   throw UserError(topic.path.string() + ": " +
                   (topic.topic.empty() ? "no topic is named (bag:PATH#TOPIC)" : "there is no topic " + topic.topic) +

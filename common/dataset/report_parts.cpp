@@ -34,10 +34,10 @@ nlohmann::ordered_json json_of(const std::vector<Warning>& warnings) {
   return out;
 }
 
-std::vector<Warning> warnings_of(const nlohmann::json& of) {
+std::vector<Warning> warnings_of(const nlohmann::json& report) {
   std::vector<Warning> out;
-  const auto list = of.is_object() ? of.find("warnings") : of.end();
-  if (list == of.end() || !list->is_array()) return out;
+  const auto list = report.is_object() ? report.find("warnings") : report.end();
+  if (list == report.end() || !list->is_array()) return out;
   for (const nlohmann::json& w : *list) {
     if (!w.is_object() || !w.contains("text") || !w["text"].is_string()) continue;
     const auto count = w.find("count");

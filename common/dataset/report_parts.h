@@ -19,6 +19,6 @@ ImageAccount images_of(const nlohmann::json& agent);
 // [{"text": "...", "count": 3}, ...], as UTF-8 whatever the texts hold.
 nlohmann::ordered_json json_of(const std::vector<Warning>& warnings);
 // Reads the warnings of an agent or of a whole report; empty where it has none.
-std::vector<Warning> warnings_of(const nlohmann::json& of);
+std::vector<Warning> warnings_of(const nlohmann::json& report);
 
 }  // namespace coslam

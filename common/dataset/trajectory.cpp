@@ -45,10 +45,10 @@ Trajectory load_tum(const std::filesystem::path& file) {
     const auto fields = split_fields(line);
     if (fields.empty() || fields[0].starts_with('#')) continue;
     const auto pose = parse_pose(fields);
-    const std::string where = file.string() + ":" + std::to_string(number) + ": ";
-    if (!pose) throw UserError(where + "not a line `t_s tx ty tz qx qy qz qw` with a unit quaternion");
+    const std::string place = file.string() + ":" + std::to_string(number) + ": ";
+    if (!pose) throw UserError(place + "not a line `t_s tx ty tz qx qy qz qw` with a unit quaternion");
     if (!trajectory.empty() && pose->t_ns <= trajectory.back().t_ns) {
-      throw UserError(where + "the time is not later than that of the line before");
+      throw UserError(place + "the time is not later than that of the line before");
     }
     trajectory.push_back(*pose);
   }

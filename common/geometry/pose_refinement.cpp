@@ -25,7 +25,7 @@ struct Residual {
 
 // What does not depend on the pose.
 struct Given {
-  Given(std::span<const RigView> of, std::span<const PointObservation> seen) : rig(of), observations(seen) {
+  Given(std::span<const RigView> cameras, std::span<const PointObservation> seen) : rig(cameras), observations(seen) {
     cam_from_rig.reserve(rig.size());
     for (const RigView& v : rig) cam_from_rig.emplace_back(v.cam_from_rig.rotation.toRotationMatrix());
     raw_by_undistorted.reserve(observations.size());

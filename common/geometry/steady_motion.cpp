@@ -85,11 +85,11 @@ void SteadyMotion::correct(const Vector6d& off, double since_s) {
 }
 
 void SteadyMotion::rescale(double factor) {
-  Eigen::Matrix<double, 12, 1> by = Eigen::Matrix<double, 12, 1>::Ones();
-  by.segment<3>(3).setConstant(factor);
-  by.segment<3>(9).setConstant(factor);
+  Eigen::Matrix<double, 12, 1> scale = Eigen::Matrix<double, 12, 1>::Ones();
+  scale.segment<3>(3).setConstant(factor);
+  scale.segment<3>(9).setConstant(factor);
   velocity_.tail<3>() *= factor;
-  covariance_ = by.asDiagonal() * covariance_ * by.asDiagonal();
+  covariance_ = scale.asDiagonal() * covariance_ * scale.asDiagonal();
   way_ *= factor * factor;
 }
 

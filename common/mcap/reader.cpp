@@ -48,7 +48,7 @@ const Schema& Reader::schema_of(const Channel& channel) const {
 
 TimeNs Reader::first_ns() const { return blocks_.empty() ? 0 : time_of(blocks_.front().first_ns); }
 
-void Reader::fail(const std::string& what) const { throw UserError(name_ + ": " + what); }
+void Reader::fail(const std::string& problem) const { throw UserError(name_ + ": " + problem); }
 
 std::string Reader::octets_of(std::uint64_t offset, std::uint64_t length) {
   if (offset > size_ || length > size_ - offset) fail("is damaged: a record lies outside of the file");
@@ -190,14 +190,14 @@ void Reader::scan_chunk(const Record& record) {
 // The records in a chunk, decompressed and checked.
 std::string Reader::messages_of_chunk(const Block& block) {
   const std::string chunk = octets_of(block.offset, block.length);
-  const std::string where = "the chunk at octet " + std::to_string(block.offset);
+  const std::string chunk_name = "the chunk at octet " + std::to_string(block.offset);
   OctetReader in(chunk);
   in.get_octets(2 * sizeof(std::uint64_t));  // the times
   const auto size = in.get<std::uint64_t>();
   const auto crc = in.get<std::uint32_t>();
   const std::string compression(in.get_text());
   const std::string_view octets = in.get_octets(in.get<std::uint64_t>());
-  if (!in.ok() || size > kMostChunkOctets) fail("is damaged: " + where + " is no chunk");
+  if (!in.ok() || size > kMostChunkOctets) fail("is damaged: " + chunk_name + " is no chunk");
   std::optional<std::string> records;
   if (compression.empty()) {
     if (octets.size() == size) records = octets;
@@ -208,7 +208,8 @@ std::string Reader::messages_of_chunk(const Block& block) {
   } else {
     fail("is compressed with " + compression + ", which is not known here: zstd and lz4 are");
   }
-  if (!records || (crc != 0 && crc != crc32_of(*records))) fail("is damaged: " + where + " is not what was written");
+  if (!records || (crc != 0 && crc != crc32_of(*records)))
+    fail("is damaged: " + chunk_name + " is not what was written");
   return std::move(*records);
 }
 

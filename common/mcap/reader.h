@@ -70,7 +70,7 @@ class Reader {
     }
   };
 
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& problem) const;
   std::optional<Record> record_at(std::uint64_t offset);  // empty: the file ends before it does
   std::string octets_of(std::uint64_t offset, std::uint64_t length);
 

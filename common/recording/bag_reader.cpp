@@ -36,7 +36,7 @@ BagReader::BagReader(const std::filesystem::path& file, std::string name) : name
   std::ranges::stable_sort(chunks_, {}, &Chunk::first_ns);
 }
 
-void BagReader::fail(const std::string& what) const { throw UserError(name_ + ": " + what); }
+void BagReader::fail(const std::string& problem) const { throw UserError(name_ + ": " + problem); }
 
 std::string BagReader::octets_of(std::uint64_t offset, std::uint64_t length) {
   if (offset > size_ || length > size_ - offset) fail("is damaged: a record lies outside of the file");
@@ -160,10 +160,10 @@ void BagReader::add_connection(const BagFields& fields, std::string_view data) {
 
 // The records in a chunk, decompressed.
 std::string BagReader::records_of_chunk(const Record& record) {
-  const std::string where = "the chunk at octet " + std::to_string(record.data);
+  const std::string chunk_name = "the chunk at octet " + std::to_string(record.data);
   const auto size = record.fields.number("size");
   if (record.fields.op() != BagOp::kChunk || !size || *size > kMostChunkOctets) {
-    fail("is damaged: " + where + " is no chunk");
+    fail("is damaged: " + chunk_name + " is no chunk");
   }
   std::string octets = octets_of(record.data, record.length);
   const std::string compression(record.fields.text("compression"));
@@ -177,7 +177,7 @@ std::string BagReader::records_of_chunk(const Record& record) {
   } else {
     fail("is compressed with " + compression + ", which is not known here: bz2 and lz4 are");
   }
-  if (!records) fail("is damaged: " + where + " is not what was written");
+  if (!records) fail("is damaged: " + chunk_name + " is not what was written");
   return std::move(*records);
 }
 

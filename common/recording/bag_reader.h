@@ -57,7 +57,7 @@ class BagReader final : public Recording {
     }
   };
 
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& problem) const;
   std::string octets_of(std::uint64_t offset, std::uint64_t length);
   std::optional<Record> record_at(std::uint64_t offset);  // empty: the file ends before it does, or it is none
 

@@ -57,7 +57,7 @@ std::optional<MessageReader::Form> MessageReader::form_of(const std::string& enc
   return found == kForms.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::optional<MessageReader> MessageReader::of(const Topic& topic) {
+std::optional<MessageReader> MessageReader::for_topic(const Topic& topic) {
   struct Known {
     std::string_view package, name;
     Definition definition;

@@ -18,7 +18,7 @@ enum class MessageKind : std::uint8_t { kImage, kCompressedImage, kCameraInfo };
 class MessageReader {
  public:
   // Empty: the topic's messages are of no kind or in no form that is read.
-  static std::optional<MessageReader> of(const Topic& topic);
+  static std::optional<MessageReader> for_topic(const Topic& topic);
 
   MessageKind kind() const { return kind_; }
   // A message without the compression by which rosbag2 packs each on its own; empty where that is damaged.

@@ -38,8 +38,8 @@ T get(std::span<const std::uint8_t> octets, std::size_t at) {
   return value;
 }
 
-bool begins(std::span<const std::uint8_t> datagram, const std::array<std::uint8_t, 4>& with) {
-  return datagram.size() == kEchoBytes && std::ranges::equal(datagram.first(with.size()), with);
+bool begins(std::span<const std::uint8_t> datagram, const std::array<std::uint8_t, 4>& magic) {
+  return datagram.size() == kEchoBytes && std::ranges::equal(datagram.first(magic.size()), magic);
 }
 
 }  // namespace
@@ -95,13 +95,13 @@ struct EchoAnswerer::Impl {
   }
 
   void send(std::span<const std::uint8_t> datagram, const Ipv4Endpoint& to) const {
-    sockaddr_in there{};
-    there.sin_family = AF_INET;
-    there.sin_addr.s_addr = htonl(to.address);
-    there.sin_port = htons(to.port);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(to.address);
+    address.sin_port = htons(to.port);
     // One that is lost is what the question is about.
-    (void)sendto(socket, datagram.data(), datagram.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&there),
-                 sizeof there);
+    (void)sendto(socket, datagram.data(), datagram.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address),
+                 sizeof address);
   }
 
   std::string name;

@@ -59,7 +59,7 @@ class Hmac {
     }
   }
 
-  Digest of(Octets octets) {
+  Digest digest_of(Octets octets) {
     Digest digest{};
     std::size_t written = 0;
     const std::lock_guard lock(mutex_);
@@ -134,7 +134,7 @@ std::string read_secret(const std::string& file) {
 }  // namespace
 
 FleetKey fleet_key(std::string_view secret, int domain) {
-  return Hmac(octets_of(secret)).of(octets_of("CoSLAM fleet key 1, DDS domain " + std::to_string(domain)));
+  return Hmac(octets_of(secret)).digest_of(octets_of("CoSLAM fleet key 1, DDS domain " + std::to_string(domain)));
 }
 
 FleetKey load_fleet_key(const std::string& file, int domain) { return fleet_key(read_secret(file), domain); }
@@ -158,7 +158,7 @@ void Sealer::seal(std::span<const std::uint8_t> payload, std::vector<std::uint8_
   std::memcpy(at, &impl_->sender, kSenderBytes);
   at = std::ranges::copy(payload, at + kSenderBytes).out;
   std::memcpy(at, &counter, kCounterBytes);
-  const Digest digest = impl_->hmac.of(Octets(sealed).first(sealed.size() - kTagBytes));
+  const Digest digest = impl_->hmac.digest_of(Octets(sealed).first(sealed.size() - kTagBytes));
   std::memcpy(at + kCounterBytes, digest.data(), kTagBytes);
 }
 
@@ -191,7 +191,7 @@ Opener::~Opener() = default;
 
 Opened Opener::open(std::span<const std::uint8_t> sealed) {
   if (sealed.size() < kSealBytes) return {Rejection::kUnauthentic, {}};
-  const Digest digest = impl_->hmac.of(sealed.first(sealed.size() - kTagBytes));
+  const Digest digest = impl_->hmac.digest_of(sealed.first(sealed.size() - kTagBytes));
   // In a time that does not tell how much of the tag is right.
   if (CRYPTO_memcmp(digest.data(), sealed.last(kTagBytes).data(), kTagBytes) != 0) return {Rejection::kUnauthentic, {}};
   const std::uint64_t counter = integer_at(sealed, sealed.size() - kTagBytes - kCounterBytes);

@@ -53,17 +53,17 @@ class Transport : public ChainedTransport<Descriptor> {
   // On several threads of the middleware.
   void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
                const rtps::Locator& local, const rtps::Locator& remote) override {
-    if (own_.has(remote)) receiver->OnDataReceived(data, size, local, remote);
+    if (own_addresses_.has(remote)) receiver->OnDataReceived(data, size, local, remote);
   }
 
   bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result) const override {
     rtps::Locator near = remote;
-    if (own_.has(remote)) IPLocator::setIPv4(near, "127.0.0.1");
+    if (own_addresses_.has(remote)) IPLocator::setIPv4(near, "127.0.0.1");
     return ChainedTransport::transform_remote_locator(near, result);
   }
 
  private:
-  OwnAddresses own_;
+  OwnAddresses own_addresses_;
 };
 
 rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }

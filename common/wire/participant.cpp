@@ -89,17 +89,17 @@ WireConfig with_addresses(WireConfig config) {
 }
 
 void require_addresses(const WireConfig& c) {
-  const std::vector<std::string> mine = local_addresses();
-  if (mine.empty() && !c.interfaces.empty()) {
+  const std::vector<std::string> local = local_addresses();
+  if (local.empty() && !c.interfaces.empty()) {
     throw UserError(
         "no network interface of this machine is up, not even the loopback device, which `ip link set lo up` starts; "
         "coslam run --inline needs none");
   }
   const auto foreign = std::ranges::find_if(
-      c.interfaces, [&](const std::string& address) { return std::ranges::find(mine, address) == mine.end(); });
+      c.interfaces, [&](const std::string& address) { return std::ranges::find(local, address) == local.end(); });
   if (foreign != c.interfaces.end()) {
     throw UserError("network interface '" + *foreign + "' is not an IPv4 address of this machine (it has " +
-                    joined(mine) + ")");
+                    joined(local) + ")");
   }
 }
 
@@ -326,8 +326,10 @@ Participant::Participant(const WireConfig& config, const std::string& name, std:
     ids.used.insert(id);
     return;
   }
-  const std::string with = config.certificates.empty() ? "" : " with the certificates in '" + config.certificates + "'";
-  throw UserError("cannot join DDS domain " + std::to_string(config.domain) + with + ": " + errors.first());
+  const std::string with_certificates =
+      config.certificates.empty() ? "" : " with the certificates in '" + config.certificates + "'";
+  throw UserError("cannot join DDS domain " + std::to_string(config.domain) + with_certificates + ": " +
+                  errors.first());
 }
 
 Participant::~Participant() {

@@ -17,9 +17,9 @@ constexpr int kFewDatagrams = 4;                  // in a second: announcements 
 
 }  // namespace
 
-void PeerPaths::set_own(const ParticipantKey& own) {
+void PeerPaths::set_own(const ParticipantKey& key) {
   const std::lock_guard lock(mutex_);
-  own_ = own;
+  own_key_ = key;
 }
 
 void PeerPaths::set_peer(const ParticipantKey& key, const std::vector<Ipv4Endpoint>& endpoints) {
@@ -62,7 +62,7 @@ bool PeerPaths::goes(const Ipv4Endpoint& destination, TimePoint now) {
   if (key == by_endpoint_.end()) return true;
   Peer& peer = peers_.at(key->second);
   if (peer.paths.size() < 2) return true;
-  if (own_ < key->second) {
+  if (own_key_ < key->second) {
     lead(&peer, now);
   } else {
     follow(&peer, now);

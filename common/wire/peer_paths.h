@@ -31,7 +31,7 @@ class PeerPaths {
   using TimePoint = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::milliseconds kFresh{1000};
 
-  void set_own(const ParticipantKey& own);
+  void set_own(const ParticipantKey& key);
   void set_peer(const ParticipantKey& key, const std::vector<Ipv4Endpoint>& endpoints);
   void forget(const ParticipantKey& key);
   void heard(const ParticipantKey& key, std::uint32_t address, TimePoint now);
@@ -56,7 +56,7 @@ class PeerPaths {
   static void follow(Peer* peer, TimePoint now);
 
   std::mutex mutex_;
-  ParticipantKey own_{};
+  ParticipantKey own_key_{};
   std::map<ParticipantKey, Peer> peers_;
   std::map<Ipv4Endpoint, ParticipantKey> by_endpoint_;
 };

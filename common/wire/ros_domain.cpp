@@ -22,12 +22,13 @@ std::optional<int> ros_domain_id() {
 
 WireConfig ros_wire(int domain, const std::vector<std::string>& interfaces) {
   const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
-  const bool here = !interfaces.empty() && std::ranges::all_of(interfaces, is_loopback);
-  WireConfig wire = here ? loopback_config(domain) : WireConfig{.domain = domain};
+  const bool on_loopback = !interfaces.empty() && std::ranges::all_of(interfaces, is_loopback);
+  WireConfig wire = on_loopback ? loopback_config(domain) : WireConfig{.domain = domain};
   wire.interfaces = interfaces;
   wire.bulk_bytes_per_s = 0;
-  wire.own_host = here;
-  if (here) wire.max_message_bytes = kMostMessageBytes;  // nothing is lost within a machine, and large ones cost less
+  wire.own_host = on_loopback;
+  if (on_loopback)
+    wire.max_message_bytes = kMostMessageBytes;  // nothing is lost within a machine, and large ones cost less
   return wire;
 }
 

@@ -35,7 +35,7 @@ struct Kept {
 // The tracks of a frame, and what became of those of its reference.
 struct Split {
   std::vector<std::uint32_t> missing;  // places in the reference
-  std::vector<Kept> kept;
+  std::vector<Kept> kept_tracks;
   CodedTracks fresh;
 };
 
@@ -48,7 +48,7 @@ Split split(const CodedTracks& tracks, const CodedTracks& reference) {
     if (at == tracks.end() || at->track != before.track) {
       s.missing.push_back(place);
     } else {
-      s.kept.push_back({before.track, {before.at, at->at}});
+      s.kept_tracks.push_back({before.track, {before.at, at->at}});
       ++at;
     }
   }
@@ -58,10 +58,10 @@ Split split(const CodedTracks& tracks, const CodedTracks& reference) {
 
 std::uint32_t last_of(const CodedTracks& reference) { return reference.empty() ? 0 : reference.back().track; }
 
-Units centre_of(const std::vector<Kept>& kept) {
+Units centre_of(const std::vector<Kept>& kept_tracks) {
   std::vector<Units> from;
-  from.reserve(kept.size());
-  for (const Kept& k : kept) from.push_back(k.step.from);
+  from.reserve(kept_tracks.size());
+  for (const Kept& k : kept_tracks) from.push_back(k.step.from);
   return centre_of(from);
 }
 
@@ -89,15 +89,15 @@ void put_fresh_ids(BitWriter& out, const CodedTracks& fresh, std::uint32_t above
   out.put_list(steps, kIdBits);
 }
 
-void put_kept(BitWriter& out, const std::vector<Kept>& kept) {
-  if (kept.empty()) return;
-  const Units centre = centre_of(kept);
+void put_kept(BitWriter& out, const std::vector<Kept>& kept_tracks) {
+  if (kept_tracks.empty()) return;
+  const Units centre = centre_of(kept_tracks);
   std::vector<Step> steps;
-  steps.reserve(kept.size());
-  for (const Kept& k : kept) steps.push_back(k.step);
+  steps.reserve(kept_tracks.size());
+  for (const Kept& k : kept_tracks) steps.push_back(k.step);
   const MotionParameters parameters = fit_motion(centre, steps);
   for (const std::int16_t p : parameters) out.put(static_cast<std::uint16_t>(p), kUnitBits);
-  TrackPredictor predictor(CommonMotion(centre, parameters), kept.size());
+  TrackPredictor predictor(CommonMotion(centre, parameters), kept_tracks.size());
   std::vector<std::uint32_t> x, y;
   for (const Step& s : steps) {
     const Units expected = predictor.predict(s.from);
@@ -127,12 +127,12 @@ void put_fresh_places(BitWriter& out, const CodedTracks& fresh) {
   }
 }
 
-Problem get_kept_ids(BitReader& in, const CodedTracks& reference, std::vector<Kept>& kept) {
+Problem get_kept_ids(BitReader& in, const CodedTracks& reference, std::vector<Kept>& kept_tracks) {
   const std::size_t missing = in.get(kCountBits);
   if (missing > reference.size()) return Rejection::kTooMany;
   std::size_t next = 0;
   const auto keep = [&] {
-    kept.push_back({reference[next].track, {reference[next].at, {}}});
+    kept_tracks.push_back({reference[next].track, {reference[next].at, {}}});
     ++next;
   };
   if (missing > 0) {
@@ -160,19 +160,19 @@ Problem get_fresh_ids(BitReader& in, std::uint32_t above, CodedTracks& fresh) {
 
 bool within_limits(Units at) { return std::max(std::abs(at.x), std::abs(at.y)) <= kMostUnits; }
 
-Problem get_kept_places(BitReader& in, std::vector<Kept>& kept) {
-  if (kept.empty()) return std::nullopt;
+Problem get_kept_places(BitReader& in, std::vector<Kept>& kept_tracks) {
+  if (kept_tracks.empty()) return std::nullopt;
   MotionParameters parameters;
   for (std::int16_t& p : parameters) p = static_cast<std::int16_t>(in.get(kUnitBits));
-  const std::vector<std::uint32_t> x = in.get_list(kept.size(), kResidualBits);
-  const std::vector<std::uint32_t> y = in.get_list(kept.size(), kResidualBits);
+  const std::vector<std::uint32_t> x = in.get_list(kept_tracks.size(), kResidualBits);
+  const std::vector<std::uint32_t> y = in.get_list(kept_tracks.size(), kResidualBits);
   if (!in.ok()) return Rejection::kMalformed;
-  TrackPredictor predictor(CommonMotion(centre_of(kept), parameters), kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const Units expected = predictor.predict(kept[i].step.from);
-    kept[i].step.to = {expected.x + unfolded(x[i]), expected.y + unfolded(y[i])};
-    if (!within_limits(kept[i].step.to)) return Rejection::kOutOfRange;
-    predictor.observe(kept[i].step.to);
+  TrackPredictor predictor(CommonMotion(centre_of(kept_tracks), parameters), kept_tracks.size());
+  for (std::size_t i = 0; i < kept_tracks.size(); ++i) {
+    const Units expected = predictor.predict(kept_tracks[i].step.from);
+    kept_tracks[i].step.to = {expected.x + unfolded(x[i]), expected.y + unfolded(y[i])};
+    if (!within_limits(kept_tracks[i].step.to)) return Rejection::kOutOfRange;
+    predictor.observe(kept_tracks[i].step.to);
   }
   return std::nullopt;
 }
@@ -196,7 +196,7 @@ std::vector<std::uint8_t> pack_tracks(const CodedTracks& tracks, const CodedTrac
   BitWriter out;
   if (!reference.empty()) put_missing(out, s.missing);
   put_fresh_ids(out, s.fresh, last_of(reference));
-  put_kept(out, s.kept);
+  put_kept(out, s.kept_tracks);
   put_fresh_places(out, s.fresh);
   return out.take();
 }
@@ -204,18 +204,18 @@ std::vector<std::uint8_t> pack_tracks(const CodedTracks& tracks, const CodedTrac
 Problem unpack_tracks(std::span<const std::uint8_t> octets, std::size_t count, const CodedTracks& reference,
                       CodedTracks& tracks) {
   BitReader in(octets);
-  std::vector<Kept> kept;
+  std::vector<Kept> kept_tracks;
   if (!reference.empty()) {
-    if (const Problem p = get_kept_ids(in, reference, kept)) return p;
+    if (const Problem p = get_kept_ids(in, reference, kept_tracks)) return p;
   }
-  if (kept.size() > count) return Rejection::kSizeMismatch;
-  CodedTracks fresh(count - kept.size());
+  if (kept_tracks.size() > count) return Rejection::kSizeMismatch;
+  CodedTracks fresh(count - kept_tracks.size());
   if (const Problem p = get_fresh_ids(in, last_of(reference), fresh)) return p;
-  if (const Problem p = get_kept_places(in, kept)) return p;
+  if (const Problem p = get_kept_places(in, kept_tracks)) return p;
   if (const Problem p = get_fresh_places(in, fresh)) return p;
   if (!in.at_end()) return Rejection::kMalformed;
   CodedTracks carried;
-  for (const Kept& k : kept) carried.push_back({k.track, k.step.to});
+  for (const Kept& k : kept_tracks) carried.push_back({k.track, k.step.to});
   tracks.reserve(count);
   std::ranges::merge(carried, fresh, std::back_inserter(tracks), {}, &CodedTrack::track, &CodedTrack::track);
   const auto repeated = std::ranges::adjacent_find(tracks, {}, &CodedTrack::track);

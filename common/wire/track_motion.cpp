@@ -124,7 +124,7 @@ void TrackPredictor::observe(Units to) {
 Units TrackPredictor::deviation_near(Units at) const {
   struct Neighbour {
     std::int64_t distance = INT64_MAX;
-    Units by;
+    Units deviation;
   };
   std::array<Neighbour, kNeighbours> nearest;  // ascending
   for (const Deviation& d : seen_) {

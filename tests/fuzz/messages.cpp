@@ -44,7 +44,7 @@ std::string seed(std::size_t form, const std::string& message) {
 void fuzz::try_octets(Octets octets) {
   if (octets.empty()) return;
   const Form& form = kForms[octets[0] % kForms.size()];
-  const auto reader = recording::MessageReader::of({"/topic", form.type, form.encoding});
+  const auto reader = recording::MessageReader::for_topic({"/topic", form.type, form.encoding});
   const std::string message = reader->unpacked(std::string(text_of(octets).substr(1)));
   reader->stamp_ns(message);
   reader->image(message);

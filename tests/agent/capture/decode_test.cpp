@@ -64,9 +64,9 @@ TEST(GreyReader, TakesWhatIsGreyAndSaysWhatItSpreads) {
   GreyReader reader;
   EXPECT_TRUE(reader.in_8_bits(cv::Mat(4, 4, CV_32FC1)).empty());
   EXPECT_EQ(reader.in_8_bits(cv::Mat(4, 4, CV_8UC1, cv::Scalar(7))).at<std::uint8_t>(0, 0), 7);
-  EXPECT_TRUE(reader.said().empty());
+  EXPECT_TRUE(reader.bit_depth_note().empty());
   EXPECT_EQ(reader.in_8_bits(ramp(0, 65535)).type(), CV_8UC1);
-  EXPECT_NE(reader.said().find("more than 8 bits"), std::string::npos);
+  EXPECT_NE(reader.bit_depth_note().find("more than 8 bits"), std::string::npos);
 }
 
 }  // namespace

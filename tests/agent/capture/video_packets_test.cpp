@@ -36,7 +36,7 @@ TEST_P(VideoPacketsOf, FramesComeOnePacketEach) {
   const auto video = packets(GetParam().encoder);
   if (video.empty()) GTEST_SKIP() << "FFmpeg has no encoder for it";
   ASSERT_EQ(video.size(), std::size_t{kFrames});
-  const auto decoder = VideoPackets::of(GetParam().name);
+  const auto decoder = VideoPackets::for_codec(GetParam().name);
   ASSERT_TRUE(decoder);
   for (int i = 0; i < kFrames; ++i) {
     const cv::Mat luma = decoder->decode(video[static_cast<std::size_t>(i)]);
@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Codecs, VideoPacketsOf,
 TEST(VideoPackets, BeforeTheFirstKeyFrameThereIsNone) {
   const auto video = packets();
   if (video.empty()) GTEST_SKIP() << "FFmpeg has no encoder for it";
-  const auto decoder = VideoPackets::of("libx264");
+  const auto decoder = VideoPackets::for_codec("libx264");
   ASSERT_TRUE(decoder);
   for (std::size_t i = 2; i < video.size(); ++i) EXPECT_EQ(decoder->decode(video[i]).empty(), i < 5) << i;
   EXPECT_TRUE(decoder->decode({}).empty());
@@ -62,10 +62,10 @@ TEST(VideoPackets, BeforeTheFirstKeyFrameThereIsNone) {
 }
 
 TEST(VideoPackets, OtherFormatsAreNone) {
-  EXPECT_FALSE(VideoPackets::of("jpeg"));
-  EXPECT_FALSE(VideoPackets::of("rgb8; jpeg compressed bgr8"));
-  EXPECT_FALSE(VideoPackets::of(""));
-  EXPECT_TRUE(VideoPackets::of("hevc"));
+  EXPECT_FALSE(VideoPackets::for_codec("jpeg"));
+  EXPECT_FALSE(VideoPackets::for_codec("rgb8; jpeg compressed bgr8"));
+  EXPECT_FALSE(VideoPackets::for_codec(""));
+  EXPECT_TRUE(VideoPackets::for_codec("hevc"));
 }
 
 TEST(VideoPackets, ATopicOfThemIsASource) {

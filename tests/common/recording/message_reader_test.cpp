@@ -26,7 +26,7 @@ std::string from_hex(std::string_view hex) {
 }
 
 MessageReader reader_of(const std::string& type, const std::string& encoding) {
-  return MessageReader::of({"/topic", type, encoding}).value();
+  return MessageReader::for_topic({"/topic", type, encoding}).value();
 }
 
 void expect_image(const MessageReader& reader, const std::string& octets) {
@@ -165,7 +165,7 @@ TEST(MessageReader, MessagesThatRosbag2CompressedEach) {
 
 TEST(MessageReader, OtherTypesAndFormsAreNotRead) {
   const auto is_read = [](const std::string& type, const std::string& encoding) {
-    return MessageReader::of({"/topic", type, encoding}).has_value();
+    return MessageReader::for_topic({"/topic", type, encoding}).has_value();
   };
   EXPECT_TRUE(is_read("sensor_msgs/msg/Image", "cdr"));
   EXPECT_FALSE(is_read("sensor_msgs/msg/Image", "ros1"));
