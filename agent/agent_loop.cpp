@@ -64,7 +64,8 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   } else {
     not_sent_.reset();
     last_sent_ = out.frame.frame;
-    const double delay_s = image->since ? std::chrono::duration<double>(now_() - *image->since).count() : 0;
+    const double delay_s =
+        image->available_since ? std::chrono::duration<double>(now_() - *image->available_since).count() : 0;
     if (out.describe) describe_beside(std::move(out.describe));
     if (!out.descriptors) out.descriptors = std::exchange(described_, std::nullopt);
     link_.send(std::move(out.frame), out.patches, out.descriptors);

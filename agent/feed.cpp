@@ -108,7 +108,7 @@ class ThreadedFeed final : public Feed {
       std::optional<Image> image = source_->next();
       if (!image) break;
       look_at(check_, &*image);
-      if (rate_ > 0) image->since = std::chrono::steady_clock::now();
+      if (rate_ > 0) image->available_since = std::chrono::steady_clock::now();
       if (!queue_.push(std::move(*image))) break;
     }
     queue_.close();

@@ -93,14 +93,14 @@ int evaluate_result(const EvalArguments& arguments) {
     std::printf("%s  written: %s, %s\n", eval::to_text(evaluation).c_str(), result.evaluation().c_str(),
                 result.top_view().c_str());
   }
-  bool told = false;
+  bool any_reason = false;
   for (const eval::AgentPaths& agent : agents) {
     const std::string why =
         eval::why_not_judged(agent.name, agent.estimate, agent.truth, eval::max_gap_ns(sequence.rate_hz));
     if (!why.empty()) std::fprintf(stderr, "coslam: %s\n", why.c_str());
-    told = told || !why.empty();
+    any_reason = any_reason || !why.empty();
   }
-  return told && !evaluation.alignment.target_from_source ? 1 : 0;
+  return any_reason && !evaluation.alignment.target_from_source ? 1 : 0;
 }
 
 }  // namespace

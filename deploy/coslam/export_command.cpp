@@ -58,17 +58,17 @@ int export_result(const ExportArguments& arguments) {
   if (!arguments.sequence.empty() && arguments.format != "colmap" && arguments.format != "ply") {
     throw UsageError("--sequence is for --format colmap and ply");
   }
-  exporting::MapExport as;
+  exporting::MapExport export_map;
   const bool whole = arguments.format == "mcap";  // all maps in one file
   const ResultFolder result = result_argument(arguments.result);
   std::error_code none;
   if (std::filesystem::equivalent(result.path(), arguments.folder, none)) {
     throw UsageError(arguments.folder + " is the result itself: name another folder to export to");
   }
-  if (!whole) as = exporter(arguments, result);
+  if (!whole) export_map = exporter(arguments, result);
   const ResultContents contents = contents_of(result);
   const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)
-                                       : exporting::export_maps(contents, arguments.folder, as);
+                                       : exporting::export_maps(contents, arguments.folder, export_map);
   for (const auto& file : files) std::printf("%s\n", file.c_str());
   if (arguments.format == "kitti") {
     for (const ResultMap& map : contents.maps) {

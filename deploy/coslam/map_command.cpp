@@ -25,7 +25,7 @@ using Access = MapFile::Access;
 
 struct MapArguments {
   std::string file, folder;
-  std::vector<std::string> others;
+  std::vector<std::string> other_files;
 };
 
 struct MapCensus {
@@ -49,7 +49,7 @@ std::map<MapId, MapCensus> census(const Map& map) {
 }
 
 // To be written, but not made: there has to be one.
-void require_map(const std::string& file) { const MapFile there(file, Access::kRead); }
+void require_map(const std::string& file) { const MapFile existing(file, Access::kRead); }
 
 int list(const MapArguments& arguments) {
   const MapFile file(arguments.file, Access::kRead);
@@ -120,11 +120,11 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
   }
   if (apart.empty() && taken.joined.empty()) std::printf("%s has no map that anybody was in\n", name.c_str());
   for (const JoinedMaps& j : taken.joined) {
-    const bool kept = j.kept.value > taken.as.maps;
+    const bool took_other = j.kept.value > taken.as.maps;
     apart.erase(j.kept);
     std::printf("map %u of %s is one with map %u: %d images show its places, %d points are the same, scale %.4g\n",
-                (kept ? j.kept : j.gone).value - taken.as.maps, name.c_str(), (kept ? j.gone : j.kept).value, j.images,
-                j.points, j.scale);
+                (took_other ? j.kept : j.gone).value - taken.as.maps, name.c_str(),
+                (took_other ? j.gone : j.kept).value, j.images, j.points, j.scale);
   }
   for (const MapId id : apart) {
     std::printf("map %u of %s shows no place that is known: it stays a map of its own, %u\n", id.value - taken.as.maps,
@@ -133,21 +133,21 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
 }
 
 // What the other file has on disk only.
-void take_past(const MapFile& other, const Map& map, const Renumbered& as, std::vector<Row>* rows) {
+void take_past(const MapFile& other, const Map& map, const Renumbered& renumbered, std::vector<Row>* rows) {
   const auto add = [&](const PastPart& past) {
-    std::vector<Row> some = rows_of(past);
-    rows->insert(rows->end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
+    std::vector<Row> past_rows = rows_of(past);
+    rows->insert(rows->end(), std::make_move_iterator(past_rows.begin()), std::make_move_iterator(past_rows.end()));
   };
   other.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.frames = {past_frames_of(octets)}};
     require_sound(past.frames.front(), map);
-    renumber(as, &past.frames.front());
+    renumber(renumbered, &past.frames.front());
     add(past);
   });
   other.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.places = past_places_of(octets)};
     require_sound(*past.places, map);
-    renumber(as, &*past.places);
+    renumber(renumbered, &*past.places);
     add(past);
   });
 }
@@ -158,7 +158,7 @@ int merge(const MapArguments& arguments) {
   MapFile file(arguments.file, Access::kWrite);
   MapServer server = load_map(file);
   std::vector<Row> past;
-  for (const std::string& name : arguments.others) {
+  for (const std::string& name : arguments.other_files) {
     if (std::filesystem::exists(name) && std::filesystem::equivalent(name, arguments.file)) {
       throw UserError(name + " is the file that the others are put into");
     }
@@ -176,9 +176,9 @@ int merge(const MapArguments& arguments) {
 
 using Do = int (*)(const MapArguments&);
 
-CLI::App* add(CLI::App& map, Command& chosen, const char* name, const char* what, Do work,
+CLI::App* add(CLI::App& map, Command& chosen, const char* name, const char* description, Do work,
               const std::shared_ptr<MapArguments>& arguments) {
-  CLI::App* command = map.add_subcommand(name, what);
+  CLI::App* command = map.add_subcommand(name, description);
   command->add_option("FILE", arguments->file, "map file, as --map names it")->required();
   command->callback([=, &chosen] { chosen = [=] { return work(*arguments); }; });
   return command;
@@ -195,7 +195,7 @@ void add_map_command(CLI::App& app, Command& chosen) {
   add(*map, chosen, "adjust", "Adjust the whole map once more (bundle adjustment)", adjust, arguments);
   add(*map, chosen, "merge", "Put the maps of other files into it; those that show a place of it become one with it",
       merge, arguments)
-      ->add_option("OTHER", arguments->others, "map files")
+      ->add_option("OTHER", arguments->other_files, "map files")
       ->required();
   add(*map, chosen, "compact", "Give room back to the disk", compact, arguments);
   add(*map, chosen, "copy", "Copy it whole, also while a server writes it", copy, arguments)

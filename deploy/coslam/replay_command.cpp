@@ -71,7 +71,7 @@ class Costs {
       std::printf(
           "played_min,resident_mib,map_mib,cpu_ms_a_set,map_thread_ms_a_set,points,key_frames,frames,threads,files\n");
     }
-    const DurationHistogram sets = of(server, "frame_set");
+    const DurationHistogram sets = stage_histogram(server, "frame_set");
     double map_mib = 0;
     for (const auto& [what, bytes] : server.memory()) map_mib += static_cast<double>(bytes) / (1U << 20U);
     std::size_t frames = 0;
@@ -89,7 +89,7 @@ class Costs {
   }
 
  private:
-  static DurationHistogram of(const MapServer& server, const char* stage) {
+  static DurationHistogram stage_histogram(const MapServer& server, const char* stage) {
     const auto& stages = server.times().stages();
     const auto at = stages.find(stage);
     return at == stages.end() ? DurationHistogram() : at->second;
@@ -117,7 +117,7 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
                    .map = arguments.map,
                    .refine_in_thread = false,
                    .clock = clock});
-  const RunTold told(shown, loop);
+  const RunTold observers(shown, loop);
   Costs costs;
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     costs.show(link.now_ns(), loop.map_server());
@@ -139,7 +139,7 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
                    .refine_in_thread = rate != 0,
                    .clock = clock,
                    .adjusting = [&](int percent) { progress.adjusting(percent); }});
-  const RunTold told(shown, loop);
+  const RunTold observers(shown, loop);
   const auto whole_s = [](TimeNs t_ns) { return static_cast<int>(t_ns / 1'000'000'000); };
   while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     progress.mapping(whole_s(std::min(link.now_ns(), length_ns)), whole_s(length_ns));

@@ -24,7 +24,7 @@ namespace coslam {
 namespace {
 
 struct ViewArguments {
-  std::string what;
+  std::string argument;
   int port = 8765;
 };
 
@@ -61,11 +61,11 @@ Shown shown_map(const std::filesystem::path& file) {
   return shown;
 }
 
-Shown shown_of(const std::string& what) {
-  if (std::filesystem::is_directory(what)) return shown_result(result_argument(what));
-  if (!std::filesystem::exists(what)) throw UserError("there is no " + what);
-  if (std::filesystem::path(what).extension() == ".mcap") return {octets_of_file(what), {}};
-  return shown_map(what);
+Shown shown_of(const std::string& argument) {
+  if (std::filesystem::is_directory(argument)) return shown_result(result_argument(argument));
+  if (!std::filesystem::exists(argument)) throw UserError("there is no " + argument);
+  if (std::filesystem::path(argument).extension() == ".mcap") return {octets_of_file(argument), {}};
+  return shown_map(argument);
 }
 
 WebAnswer nothing_at(const std::string& path) {
@@ -85,11 +85,11 @@ WebAnswer answer(const Shown& shown, const std::shared_ptr<const std::string>& m
 int view(const ViewArguments& arguments) {
   catch_stop_signals();
   if (page_files().empty()) throw UserError("this coslam was built without the page: see docs/live.md");
-  Shown shown = shown_of(arguments.what);
+  Shown shown = shown_of(arguments.argument);
   const auto mcap = std::make_shared<const std::string>(std::move(shown.mcap));
   ViewConfig config;
   config.port = arguments.port;
-  const WebServer web(config, arguments.what,
+  const WebServer web(config, arguments.argument,
                       [&](const WebRequest& request, const WebReply& reply) { reply(answer(shown, mcap, request)); });
   std::printf("view: %s?recorded=1\nCtrl-C ends it\n", web.url().c_str());
   std::fflush(stdout);
@@ -102,7 +102,7 @@ int view(const ViewArguments& arguments) {
 void add_view_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "Show a finished run in a browser");
-  command->add_option("WHAT", arguments->what, "a RESULT, a map file, or an MCAP file of a run")->required();
+  command->add_option("WHAT", arguments->argument, "a RESULT, a map file, or an MCAP file of a run")->required();
   command->add_option("--port", arguments->port, "TCP port on this machine; 0: a free one")
       ->capture_default_str()
       ->type_name("N")

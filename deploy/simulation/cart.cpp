@@ -24,16 +24,16 @@ std::vector<Mesh> cart_parts(std::uint64_t seed) {
   };
   std::vector<Mesh> out(5);
   Mesh& cart = out[0];
-  const Rigid3 here;
+  const Rigid3 origin;
   const Material wood = drawn(MaterialKind::kWood, 0.4), metal = drawn(MaterialKind::kPaint, 0.35);
-  add_box(cart, here, {-0.45, -0.25, 0.16}, {0.45, 0.25, 0.21}, wood, wood);
-  add_box(cart, here, {-0.30, -0.23, 0.21}, {0.42, 0.22, 0.56}, drawn(MaterialKind::kCarton, 0.45),
+  add_box(cart, origin, {-0.45, -0.25, 0.16}, {0.45, 0.25, 0.21}, wood, wood);
+  add_box(cart, origin, {-0.30, -0.23, 0.21}, {0.42, 0.22, 0.56}, drawn(MaterialKind::kCarton, 0.45),
           drawn(MaterialKind::kNewspaper, 0.6));
   const Rigid3 askew(Quaterniond(AngleAxisd(0.25, Vector3d::UnitZ())), {0.08, 0, 0.56});
   add_box(cart, askew, {-0.25, -0.17, 0}, {0.22, 0.17, 0.28}, drawn(MaterialKind::kPoster, 0.6),
           drawn(MaterialKind::kCarton, 0.3));
-  for (const double y : {-0.23, 0.20}) add_box(cart, here, {-0.45, y, 0.21}, {-0.42, y + 0.03, 0.97}, metal, metal);
-  add_box(cart, here, {-0.45, -0.23, 0.97}, {-0.42, 0.23, 1.0}, metal, metal);
+  for (const double y : {-0.23, 0.20}) add_box(cart, origin, {-0.45, y, 0.21}, {-0.42, y + 0.03, 0.97}, metal, metal);
+  add_box(cart, origin, {-0.45, -0.23, 0.97}, {-0.42, 0.23, 1.0}, metal, metal);
   // z of the loft along the axle.
   const Rigid3 axle(Quaterniond(AngleAxisd(-0.5 * std::numbers::pi, Vector3d::UnitX())), Vector3d::Zero());
   for (std::size_t i = 1; i < out.size(); ++i) {

@@ -106,9 +106,9 @@ RTCScene scene_of(RTCDevice device, const Mesh& mesh) {
   return scene;
 }
 
-void attach(RTCDevice device, RTCScene scene, RTCScene what, const Rigid3& scene_from_what) {
+void attach(RTCDevice device, RTCScene scene, RTCScene instanced, const Rigid3& scene_from_what) {
   RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(instance, what);
+  rtcSetGeometryInstancedScene(instance, instanced);
   const Eigen::Matrix<float, 3, 4> transform = scene_from_what.matrix().cast<float>();
   rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
   rtcCommitGeometry(instance);

@@ -60,20 +60,21 @@ std::vector<Rigid3> place_person(const Posture& p) {
   out[kHead] = out[kTorso] * Rigid3(p.head.rotation(), kNeckInTorso);
   for (int side = 0; side < 2; ++side) {
     const double left = side == 0 ? 1 : -1;
-    const auto of = [&](PersonPart part) -> Rigid3& { return out[static_cast<std::size_t>(part + side)]; };
+    const auto pose_of = [&](PersonPart part) -> Rigid3& { return out[static_cast<std::size_t>(part + side)]; };
     const ArmPosture& arm = p.arms[static_cast<std::size_t>(side)];
     const Quaterniond upper = about(Vector3d::UnitY(), -arm.swing_rad) *
                               about(Vector3d::UnitX(), left * arm.spread_rad) *
                               about(Vector3d::UnitZ(), -left * arm.turn_rad);
-    of(kLeftUpperArm) = out[kTorso] * Rigid3(upper, {0, left * kShoulderHalfM, kShoulderM});
-    of(kLeftForearm) = of(kLeftUpperArm) * Rigid3(about(Vector3d::UnitY(), -arm.elbow_rad), {0, 0, -kUpperArmM});
+    pose_of(kLeftUpperArm) = out[kTorso] * Rigid3(upper, {0, left * kShoulderHalfM, kShoulderM});
+    pose_of(kLeftForearm) =
+        pose_of(kLeftUpperArm) * Rigid3(about(Vector3d::UnitY(), -arm.elbow_rad), {0, 0, -kUpperArmM});
     const Rigid3& foot = p.world_from_feet[static_cast<std::size_t>(side)];
     const Vector3d ahead = out[kPelvis].rotation * Vector3d::UnitX() + foot.rotation * Vector3d::UnitX();
     const Leg leg = reach(out[kPelvis] * Vector3d(0, left * kHipHalfM, 0), foot,
                           ahead.normalized() + p.knee_lift * Vector3d::UnitZ());
-    of(kLeftThigh) = leg.thigh;
-    of(kLeftShank) = leg.shank;
-    of(kLeftFoot) = leg.foot;
+    pose_of(kLeftThigh) = leg.thigh;
+    pose_of(kLeftShank) = leg.shank;
+    pose_of(kLeftFoot) = leg.foot;
   }
   return out;
 }
@@ -105,12 +106,12 @@ Material piece(Material m, std::uint32_t number) {
   return m;
 }
 
-void add_trunk(std::vector<Mesh>& parts, const Outfit& of) {
-  const Rigid3 here;
-  add_loft(parts[kPelvis], here,
+void add_trunk(std::vector<Mesh>& parts, const Outfit& outfit) {
+  const Rigid3 origin;
+  add_loft(parts[kPelvis], origin,
            {{{-0.11, 0.10, 0.15}, {0, 0.115, 0.175}, {0.08, 0.11, 0.16}, {0.17, 0.10, 0.145}}, 0.06, 0.03, 2.4},
-           piece(of.trousers, 0));
-  add_loft(parts[kTorso], here,
+           piece(outfit.trousers, 0));
+  add_loft(parts[kTorso], origin,
            {{{-0.09, 0.105, 0.155},
              {0.05, 0.11, 0.15, 0.005},
              {0.2, 0.13, 0.175, 0.01},
@@ -120,8 +121,8 @@ void add_trunk(std::vector<Mesh>& parts, const Outfit& of) {
             0.02,
             0.025,
             2.5},
-           of.shirt);
-  add_loft(parts[kHead], here,
+           outfit.shirt);
+  add_loft(parts[kHead], origin,
            {{{-0.02, 0.055, 0.055},
              {0.07, 0.055, 0.055},
              {0.10, 0.08, 0.065, 0.015},
@@ -131,45 +132,45 @@ void add_trunk(std::vector<Mesh>& parts, const Outfit& of) {
             0.01,
             0.075,
             2.2},
-           of.head);
+           outfit.head);
 }
 
 // side: 0 left, 1 right.
-void add_arm(std::vector<Mesh>& parts, const Outfit& of, std::uint32_t side) {
-  const Rigid3 here;
+void add_arm(std::vector<Mesh>& parts, const Outfit& outfit, std::uint32_t side) {
+  const Rigid3 origin;
   const auto part = [&](PersonPart left) -> Mesh& { return parts[static_cast<std::size_t>(left) + side]; };
-  add_loft(part(kLeftUpperArm), here,
+  add_loft(part(kLeftUpperArm), origin,
            {{{-kUpperArmM - 0.03, 0.042, 0.042}, {-0.16, 0.052, 0.05}, {-0.03, 0.058, 0.055}, {0.045, 0.05, 0.05}},
             0.04,
             0.05},
-           piece(of.shirt, 1 + side));
-  add_loft(part(kLeftForearm), here,
+           piece(outfit.shirt, 1 + side));
+  add_loft(part(kLeftForearm), origin,
            {{{-kForearmM + 0.01, 0.032, 0.032}, {-0.12, 0.043, 0.042}, {0, 0.043, 0.042}, {0.03, 0.035, 0.035}},
             0.015,
             0.03},
-           piece(of.shirt, 3 + side));
-  add_loft(part(kLeftForearm), here,
+           piece(outfit.shirt, 3 + side));
+  add_loft(part(kLeftForearm), origin,
            {{{-kForearmM - 0.17, 0.025, 0.015}, {-kForearmM - 0.08, 0.043, 0.02}, {-kForearmM + 0.03, 0.025, 0.025}},
             0.03,
             0.01},
-           piece(of.hand, side));
+           piece(outfit.hand, side));
 }
 
-void add_leg(std::vector<Mesh>& parts, const Outfit& of, std::uint32_t side) {
-  const Rigid3 here;
+void add_leg(std::vector<Mesh>& parts, const Outfit& outfit, std::uint32_t side) {
+  const Rigid3 origin;
   const auto part = [&](PersonPart left) -> Mesh& { return parts[static_cast<std::size_t>(left) + side]; };
   add_loft(
-      part(kLeftThigh), here,
+      part(kLeftThigh), origin,
       {{{-kThighM - 0.04, 0.057, 0.057}, {-0.3, 0.07, 0.068}, {-0.1, 0.088, 0.085}, {0.06, 0.08, 0.075}}, 0.05, 0.06},
-      piece(of.trousers, 1 + side));
-  add_loft(part(kLeftShank), here,
+      piece(outfit.trousers, 1 + side));
+  add_loft(part(kLeftShank), origin,
            {{{-kShankM + 0.02, 0.048, 0.046},
              {-0.26, 0.058, 0.056, -0.01},
              {-0.12, 0.064, 0.06, -0.012},
              {0.03, 0.056, 0.054}},
             0.01,
             0.04},
-           piece(of.trousers, 3 + side));
+           piece(outfit.trousers, 3 + side));
   // Turned so that its z axis is the foot's x axis; its x axis is down.
   const Rigid3 along(rotation_of(Vector3d::UnitY(), Vector3d::UnitX()), {0, 0, -0.02});
   add_loft(part(kLeftFoot), along,
@@ -180,7 +181,7 @@ void add_leg(std::vector<Mesh>& parts, const Outfit& of, std::uint32_t side) {
             0.03,
             0.04,
             3},
-           piece(of.shoe, side));
+           piece(outfit.shoe, side));
 }
 
 std::vector<Mesh> person_parts(std::uint64_t seed) {

@@ -40,10 +40,10 @@ constexpr std::array<NamedScene, 13> kScenes{{{"room", 3, describe_room},
 constexpr std::size_t kInstantsKept = 8;
 
 // Another width is another scale; another height shows more or less above and below.
-CameraModel camera_of(int index, const SceneSize& size, const SceneDescription& own) {
-  const std::string& lens = size.lens.empty() ? own.lens : size.lens;
+CameraModel camera_of(int index, const SceneSize& size, const SceneDescription& description) {
+  const std::string& lens = size.lens.empty() ? description.lens : size.lens;
   constexpr double kUsualWidthPx = 640;
-  const double scale = size.width_px > 0 ? size.width_px / kUsualWidthPx : size.image_scale * own.image_scale;
+  const double scale = size.width_px > 0 ? size.width_px / kUsualWidthPx : size.image_scale * description.image_scale;
   CameraModel out = simulated_camera(index, scale, lens);
   if (size.height_px > 0) {
     out.cy += 0.5 * (size.height_px - out.height_px);
@@ -190,10 +190,10 @@ Eigen::Vector3d SimulatedScene::velocity_m_s(const SurfaceSpot& spot, double t_s
 Eigen::Vector3d SimulatedScene::body_velocity_m_s(std::uint32_t object, double t_s) const {
   if (!can_move(object)) return Eigen::Vector3d::Zero();
   const auto now = posed(t_s);
-  const int of = body_of(object);
+  const int body = body_of(object);
   Eigen::Vector3d sum_m_s = Eigen::Vector3d::Zero();
   double area = 0;
-  for (std::size_t part = first_part(of); part < first_part(of + 1); ++part) {
+  for (std::size_t part = first_part(body); part < first_part(body + 1); ++part) {
     const Mesh& mesh = parts_[part];
     const auto corner = [&](std::uint32_t i) { return Eigen::Vector3d(mesh.vertices[i].point.cast<double>()); };
     for (const MeshTriangle& triangle : mesh.triangles) {

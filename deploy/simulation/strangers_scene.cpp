@@ -91,15 +91,15 @@ Waypoints eastern_way() {
 LoopPath strangers_path(int index) {
   constexpr double kApartM = 0.55;
   const Waypoints way = index % 3 == 2 ? eastern_way() : western_way();
-  std::vector<ViewPose> there;
+  std::vector<ViewPose> path;
   for (ViewPose p : way) {
     const double heading = p.heading_deg * std::numbers::pi / 180;
     // The second goes to the right of the first.
     if (index % 3 == 1) p.position_m += kApartM * Vector3d(std::sin(heading), -std::cos(heading), 0.1);
     p.position_m += (index / 3) * Vector3d(0.02, -0.04, 0.12);
-    there.push_back(p);
+    path.push_back(p);
   }
-  return there_and_back(there, kStepS);
+  return there_and_back(path, kStepS);
 }
 
 }  // namespace

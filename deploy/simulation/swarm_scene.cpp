@@ -34,7 +34,7 @@ ViewPath swarm_path(int index) {
   const double half_m = kPlan.way_length_m() / 2, lane = member % 2 == 0 ? -1 : 1;
   const int place = member / 2 - 1;
   const double ahead_m = 0.3 + 0.42 * member;
-  std::vector<ViewPose> there;
+  std::vector<ViewPose> path;
   const int steps = static_cast<int>(std::lround(half_m / kStepM));
   for (int i = 0; i <= steps; ++i) {
     const double gone_m = half_m * i / steps;
@@ -44,11 +44,11 @@ ViewPath swarm_path(int index) {
     const Vector2d at = way.at + off_m * way.outward;
     const double heading_deg = way.heading_deg + 90 - 48 * smooth(from_end_m / kTurnM) + 8 * inside;
     const double up = north ? -1 : 1;  // the north is the south turned over
-    there.push_back(
+    path.push_back(
         {{at.x(), up * at.y(), 1.45 + 0.07 * member + 0.14 * row + (north ? 0.04 : 0)}, up * heading_deg, -5, 0});
   }
-  std::vector<ViewPose> round = there;
-  for (std::size_t i = there.size() - 2; i > 0; --i) round.push_back(there[i]);
+  std::vector<ViewPose> round = path;
+  for (std::size_t i = path.size() - 2; i > 0; --i) round.push_back(path[i]);
   return {round, 0};
 }
 

@@ -44,11 +44,11 @@ World tag_world(std::uint64_t seed) {
 }
 
 LoopPath tag_path(int index) {
-  std::vector<ViewPose> there{{{-1.2, -0.7, 1.45}, 74, -7, 0},  {{-0.7, -0.5, 1.52}, 79, -9, 1},
-                              {{-0.1, -0.3, 1.46}, 86, -6, -1}, {{0.5, -0.2, 1.42}, 95, -5, 1},
-                              {{1.0, 0.0, 1.50}, 104, -8, 0},   {{1.3, 0.3, 1.58}, 113, -11, -2}};
-  for (ViewPose& p : there) p.position_m += index * Eigen::Vector3d(0.02, -0.08, 0.03);
-  return there_and_back(there, 1.0);
+  std::vector<ViewPose> path{{{-1.2, -0.7, 1.45}, 74, -7, 0},  {{-0.7, -0.5, 1.52}, 79, -9, 1},
+                             {{-0.1, -0.3, 1.46}, 86, -6, -1}, {{0.5, -0.2, 1.42}, 95, -5, 1},
+                             {{1.0, 0.0, 1.50}, 104, -8, 0},   {{1.3, 0.3, 1.58}, 113, -11, -2}};
+  for (ViewPose& p : path) p.position_m += index * Eigen::Vector3d(0.02, -0.08, 0.03);
+  return there_and_back(path, 1.0);
 }
 
 }  // namespace

@@ -57,22 +57,23 @@ std::vector<Mesh> car_parts(std::uint64_t seed) {
   Materials drawn(mix(seed, 81));
   std::vector<Mesh> out(5);
   Mesh& car = out[0];
-  const Rigid3 here;
+  const Rigid3 origin;
   constexpr double kLong = kCarHalfLengthM, kWide = kCarHalfWidthM, kPlate = 0.03;
   const Material paint = drawn(kPaint, drawn.uniform(0.15, 0.7)), glass = drawn(kPicture, 0.3);
-  add_box(car, here, {-kLong + kPlate, -kWide + kPlate, 0.3}, {kLong - kPlate, kWide - kPlate, 0.86}, paint,
+  add_box(car, origin, {-kLong + kPlate, -kWide + kPlate, 0.3}, {kLong - kPlate, kWide - kPlate, 0.86}, paint,
           drawn(kScreen, 0.4));
-  add_box(car, here, {-1.75, -0.76, 0.86}, {0.75, 0.76, 1.46}, paint, glass);
+  add_box(car, origin, {-1.75, -0.76, 0.86}, {0.75, 0.76, 1.46}, paint, glass);
   // Number plate and lamps behind, the grille, the windows, and what is printed on the doors.
-  add_box(car, here, {-kLong, -0.8, 0.42}, {-kLong + kPlate, 0.8, 0.82}, drawn(kNewspaper, 0.5), paint);
-  add_box(car, here, {kLong - kPlate, -0.8, 0.4}, {kLong, 0.8, 0.8}, drawn(kStripedCloth, 0.4), drawn(kNewspaper, 0.4));
-  add_box(car, here, {-1.78, -0.68, 0.95}, {-1.75, 0.68, 1.38}, glass, glass);
+  add_box(car, origin, {-kLong, -0.8, 0.42}, {-kLong + kPlate, 0.8, 0.82}, drawn(kNewspaper, 0.5), paint);
+  add_box(car, origin, {kLong - kPlate, -0.8, 0.4}, {kLong, 0.8, 0.8}, drawn(kStripedCloth, 0.4),
+          drawn(kNewspaper, 0.4));
+  add_box(car, origin, {-1.78, -0.68, 0.95}, {-1.75, 0.68, 1.38}, glass, glass);
   for (const double side : {-1.0, 1.0}) {
     const double inner = side * (kWide - kPlate), outer = side * kWide;
-    add_box(car, here, {-1.0, std::min(inner, outer), 0.4}, {1.0, std::max(inner, outer), 0.8}, drawn(kPoster, 0.7),
+    add_box(car, origin, {-1.0, std::min(inner, outer), 0.4}, {1.0, std::max(inner, outer), 0.8}, drawn(kPoster, 0.7),
             paint);
     const double pane = side * 0.76, out_of_it = side * 0.78;
-    add_box(car, here, {-1.5, std::min(pane, out_of_it), 0.95}, {0.5, std::max(pane, out_of_it), 1.38}, glass, glass);
+    add_box(car, origin, {-1.5, std::min(pane, out_of_it), 0.95}, {0.5, std::max(pane, out_of_it), 1.38}, glass, glass);
   }
   for (std::size_t i = 1; i < out.size(); ++i) add_wheel(out[i], kCarWheelM, 0.09, drawn(kStripedCloth, 0.25));
   for (Mesh& mesh : out) {
@@ -89,15 +90,15 @@ std::vector<Mesh> bicycle_parts(std::uint64_t seed) {
   using enum MaterialKind;
   Materials drawn(mix(seed, 82));
   std::vector<Mesh> out(3);
-  const Rigid3 here;
+  const Rigid3 origin;
   const Material paint = drawn(kPaint, drawn.uniform(0.2, 0.6));
-  const auto bar = [&](const Vector3d& low, const Vector3d& high) { add_box(out[0], here, low, high, paint, paint); };
+  const auto bar = [&](const Vector3d& low, const Vector3d& high) { add_box(out[0], origin, low, high, paint, paint); };
   bar({-0.5, -0.02, 0.33}, {0.0, 0.02, 0.37});
   bar({-0.22, -0.02, 0.3}, {-0.18, 0.02, 0.9});
   bar({-0.2, -0.02, 0.74}, {0.42, 0.02, 0.78});
   bar({0.42, -0.02, 0.34}, {0.46, 0.02, 1.02});
   bar({0.4, -0.26, 1.0}, {0.44, 0.26, 1.04});
-  add_box(out[0], here, {-0.62, -0.2, 0.72}, {-0.3, 0.2, 0.98}, drawn(kPoster, 0.5), drawn(kCarton, 0.4));  // its bag
+  add_box(out[0], origin, {-0.62, -0.2, 0.72}, {-0.3, 0.2, 0.98}, drawn(kPoster, 0.5), drawn(kCarton, 0.4));  // its bag
   for (std::size_t i = 1; i < out.size(); ++i) add_wheel(out[i], kBikeWheelM, 0.025, drawn(kStripedCloth, 0.3));
   return out;
 }
@@ -158,8 +159,8 @@ Drive::Drive(const std::function<double(double)>& limit_m_s, double accelerate_m
   const auto may_m_s = [&](double way_m) {
     double out = limit_m_s(way_m);
     for (double ahead = 0; ahead < out * out / (2 * accelerate_m_s2); ahead += kLookM) {
-      const double there = limit_m_s(way_m + ahead);
-      out = std::min(out, std::sqrt(there * there + 2 * accelerate_m_s2 * ahead));
+      const double limit = limit_m_s(way_m + ahead);
+      out = std::min(out, std::sqrt(limit * limit + 2 * accelerate_m_s2 * ahead));
     }
     return out;
   };

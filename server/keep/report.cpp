@@ -111,8 +111,8 @@ Json camera_report(const MapServer& server, CameraId id) {
 Json own_report(const std::string& text) {
   constexpr int kDeepest = 4;
   const auto keep = [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; };
-  Json own = Json::parse(text, keep, false);
-  return own.is_object() ? own : Json::object();
+  Json parsed = Json::parse(text, keep, false);
+  return parsed.is_object() ? parsed : Json::object();
 }
 
 Json agent_report(const MapServer& server, const ServerLink& link, const ReportedAgent& agent) {
@@ -150,9 +150,10 @@ Json tags_report(const std::vector<MeasuredTag>& tags) {
   return out;
 }
 
-Json points_report(const MapServer& server, MapId of) {
+Json points_report(const MapServer& server, MapId map_id) {
   std::map<std::string, int> by_state{{"static", 0}, {"dynamic", 0}, {"uncertain", 0}};
-  for (const auto& [id, p] : server.map().points()) by_state[state_name(told_state(p.phase))] += p.map == of ? 1 : 0;
+  for (const auto& [id, p] : server.map().points())
+    by_state[state_name(told_state(p.phase))] += p.map == map_id ? 1 : 0;
   return by_state;
 }
 
@@ -221,9 +222,9 @@ std::string nothing_mapped(const ImageAccount& images, const std::vector<Reporte
 
 std::array<std::uint64_t, kImageFaults> faults_of(const std::string& report_json) {
   std::array<std::uint64_t, kImageFaults> out{};
-  const Json own = own_report(report_json);
-  const auto left_out = own.find("left_out");
-  if (left_out == own.end() || !left_out->is_object()) return out;
+  const Json agent_json = own_report(report_json);
+  const auto left_out = agent_json.find("left_out");
+  if (left_out == agent_json.end() || !left_out->is_object()) return out;
   for (std::size_t i = 0; i < kImageFaults; ++i) {
     const auto n = left_out->find(words_of(static_cast<ImageFault>(i)).name);
     if (n != left_out->end() && n->is_number_unsigned()) out[i] = n->get<std::uint64_t>();

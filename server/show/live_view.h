@@ -18,11 +18,11 @@ namespace coslam {
 // Shows a server at work on the web, from the moment at which the server's loop has its observer.
 class LiveView {
  public:
-  // What a camera sees now, by the name of its agent.
+  // Finds the present image of a camera by the name of its agent.
   using ThumbnailSource = std::function<std::optional<Thumbnail>(const std::string& agent)>;
 
-  // others: who is told too; they outlive this. Throws UserError when the port cannot be had.
-  LiveView(const ViewConfig& config, const MapServer& server, const std::vector<PublicSink*>& others = {},
+  // more_sinks: further receivers; they outlive this. Throws UserError when the port cannot be had.
+  LiveView(const ViewConfig& config, const MapServer& server, const std::vector<PublicSink*>& more_sinks = {},
            ThumbnailSource thumbnails = {});
 
   SetObserver& observer() { return teller_; }

@@ -36,7 +36,7 @@ LoopFacts MapTeller::facts(const ServerView& view) const {
   }
   for (AgentFacts& agent : out.agents) {
     const auto settled = view.server.path_error(agent.camera);
-    const auto path = settled ? settled : paths_.of(agent.camera);
+    const auto path = settled ? settled : paths_.path_error(agent.camera);
     if (path) agent.path = verdict_of(view.server.map().camera(agent.camera), *path, agent.images);
   }
   return out;

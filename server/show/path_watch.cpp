@@ -38,7 +38,7 @@ void PathWatch::look(const MapServer& server, Clock::time_point now) {
   });
 }
 
-std::optional<PathError> PathWatch::of(CameraId camera) const {
+std::optional<PathError> PathWatch::path_error(CameraId camera) const {
   const auto at = paths_.find(camera);
   return at == paths_.end() ? std::nullopt : std::optional(at->second);
 }

@@ -17,7 +17,7 @@ class PathWatch {
   // After a frame set: begins to look when it is due, and takes what was found.
   void look(const MapServer& server, std::chrono::steady_clock::time_point now);
   // Newest estimate for a camera in the largest map; empty: none yet.
-  std::optional<PathError> of(CameraId camera) const;
+  std::optional<PathError> path_error(CameraId camera) const;
 
  private:
   struct Found {

@@ -132,7 +132,7 @@ class AgentLoopTest : public testing::Test {
                                         hello, AgentConfig{}, std::move(tracker), [this] { return time_.now; });
   }
   void prepare(Image& image) const {
-    image.since = since_;
+    image.available_since = since_;
     image.fault = fault_;
     image.grey = grey_;
   }

@@ -97,8 +97,8 @@ class Solver {
     if (curvature <= 0) return none;
     const double readout_s = std::clamp(0.5 * kStep_s * (down - up) / curvature, -kMost_s, kMost_s);
     if (std::abs(readout_s) < kLeast_s) return none;
-    Solution with = solve(readout_s);
-    return square(with) < kTells * at ? with : none;
+    Solution with_readout = solve(readout_s);
+    return square(with_readout) < kTells * at ? with_readout : none;
   }
 
   // Views that are far worse than most: blurred ones, or of a board that was bent. False: there are none, or too few

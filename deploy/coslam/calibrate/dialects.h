@@ -15,7 +15,7 @@ struct NearestCamera {
   double miss_px = 0;  // the largest, in the image
 };
 // coefficients: how many of the model's are free; the rest are 0.
-NearestCamera nearest_camera(const CameraModel& of, DistortionModel model, int coefficients);
+NearestCamera nearest_camera(const CameraModel& original, DistortionModel model, int coefficients);
 
 // A calibration as another program reads it.
 struct WrittenCalibration {

@@ -31,7 +31,7 @@ std::vector<Seen> rays_of(const CameraModel& camera) {
   return out;
 }
 
-CameraModel with(CameraModel camera, const Eigen::VectorXd& x) {
+CameraModel with_parameters(CameraModel camera, const Eigen::VectorXd& x) {
   camera.fx = x[0];
   camera.fy = x[1];
   camera.cx = x[2];
@@ -52,16 +52,16 @@ Eigen::VectorXd residuals_px(const CameraModel& camera, const std::vector<Seen>&
 }  // namespace
 
 // Levenberg-Marquardt from a pinhole, with numeric derivatives.
-NearestCamera nearest_camera(const CameraModel& of, DistortionModel model, int coefficients) {
+NearestCamera nearest_camera(const CameraModel& original, DistortionModel model, int coefficients) {
   constexpr int kIterations = 200;
   constexpr double kStep = 1e-6, kEnough = 1e-12;
-  const std::vector<Seen> rays = rays_of(of);
-  CameraModel frame = of;
+  const std::vector<Seen> rays = rays_of(original);
+  CameraModel frame = original;
   frame.distortion = coefficients == 0 ? DistortionModel::kNone : model;
   frame.coefficients.fill(0);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(kFocals + coefficients);
-  x.head<kFocals>() << of.fx, of.fy, of.cx, of.cy;
-  Eigen::VectorXd r = residuals_px(with(frame, x), rays);
+  x.head<kFocals>() << original.fx, original.fy, original.cx, original.cy;
+  Eigen::VectorXd r = residuals_px(with_parameters(frame, x), rays);
   double lambda = 1e-3;
   for (int i = 0; i < kIterations && r.allFinite(); ++i) {
     Eigen::MatrixXd jacobian(r.size(), x.size());
@@ -69,12 +69,12 @@ NearestCamera nearest_camera(const CameraModel& of, DistortionModel model, int c
       Eigen::VectorXd moved = x;
       const double step = kStep * std::max(1.0, std::abs(x[j]));
       moved[j] += step;
-      jacobian.col(j) = (residuals_px(with(frame, moved), rays) - r) / step;
+      jacobian.col(j) = (residuals_px(with_parameters(frame, moved), rays) - r) / step;
     }
     Eigen::MatrixXd a = jacobian.transpose() * jacobian;
     a.diagonal() *= 1 + lambda;
     const Eigen::VectorXd candidate = x - a.ldlt().solve(jacobian.transpose() * r);
-    const Eigen::VectorXd next = residuals_px(with(frame, candidate), rays);
+    const Eigen::VectorXd next = residuals_px(with_parameters(frame, candidate), rays);
     const double gained = r.squaredNorm() - next.squaredNorm();
     if (!(gained > 0)) {
       lambda *= 10;
@@ -87,7 +87,7 @@ NearestCamera nearest_camera(const CameraModel& of, DistortionModel model, int c
     r = next;
     if (settled) break;
   }
-  NearestCamera out{with(frame, x), 0};
+  NearestCamera out{with_parameters(frame, x), 0};
   for (Eigen::Index i = 0; i + 1 < r.size(); i += 2) out.miss_px = std::max(out.miss_px, r.segment<2>(i).norm());
   if (rays.empty() || !r.allFinite()) out.miss_px = std::numeric_limits<double>::infinity();
   return out;

@@ -35,9 +35,9 @@ Findings read_config(const std::string& file, AgentOptions& settings) {
     }
     return {{Grade::kOk, subject, file + ": all its keys are known to " + (server ? "the server" : "agents")}};
   } catch (const UserError& error) {
-    const bool there = std::filesystem::is_regular_file(file);
+    const bool exists = std::filesystem::is_regular_file(file);
     return {{Grade::kFail, subject, error.what(),
-             there ? "coslam-agent --print-config, or coslam-server, shows all keys" : "--config FILE with its path"}};
+             exists ? "coslam-agent --print-config, or coslam-server, shows all keys" : "--config FILE with its path"}};
   }
 }
 
@@ -45,8 +45,8 @@ KeyFacts look_at_key(const WireConfig& wire) {
   KeyFacts facts{.file = wire.key_file};
   if (facts.file.empty()) return facts;
   struct stat status {};
-  facts.there = stat(facts.file.c_str(), &status) == 0;
-  facts.open_to_others = facts.there && (status.st_mode & 077) != 0;
+  facts.exists = stat(facts.file.c_str(), &status) == 0;
+  facts.open_to_others = facts.exists && (status.st_mode & 077) != 0;
   try {
     load_fleet_key(facts.file, wire.domain);
   } catch (const UserError& error) {
@@ -62,7 +62,7 @@ Findings judge(const KeyFacts& facts) {
   if (facts.problem.empty()) return {{Grade::kOk, subject, facts.file + ": fit, and for its owner's eyes only"}};
   const std::string make = "head -c 32 /dev/urandom | base64 > " + facts.file + "; chmod 600 " + facts.file;
   const std::string mend = facts.open_to_others ? "chmod 600 " + facts.file
-                           : facts.there        ? make + " (the same file on all machines)"
+                           : facts.exists       ? make + " (the same file on all machines)"
                                                 : "scp it from another machine of the fleet, or make one: " + make;
   return {{Grade::kFail, subject, facts.problem, mend}};
 }

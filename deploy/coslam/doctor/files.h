@@ -18,7 +18,7 @@ Findings read_config(const std::string& file, AgentOptions& settings);
 struct KeyFacts {
   std::string file;     // empty: none is given
   std::string problem;  // error of reading the key; empty: it is fit
-  bool there = false, open_to_others = false;
+  bool exists = false, open_to_others = false;
 };
 KeyFacts look_at_key(const WireConfig& wire);
 Findings judge(const KeyFacts& facts);

@@ -49,16 +49,16 @@ std::string let_in(int domain) {
 // Who does not answer at all.
 Finding judge_deaf(const Voice& voice, const FleetFacts& facts) {
   const Road* road = best_of(voice);
-  const std::string where =
+  const std::string destination =
       road == nullptr ? at(voice) : text_of(road->to.address) + " on UDP " + std::to_string(road->to.port);
   if (voice.heard_ours) {
     return {Grade::kFail, who_is(voice.name),
-            at(voice) + ": it answers what is sent to all, but nothing that is sent to " + where +
+            at(voice) + ": it answers what is sent to all, but nothing that is sent to " + destination +
                 ": a firewall there, or a route",
             "on " + at(voice) + ": " + let_in(facts.domain)};
   }
   return {Grade::kFail, who_is(voice.name),
-          at(voice) + ": it announces itself but does not answer at " + where +
+          at(voice) + ": it announces itself but does not answer at " + destination +
               ": a firewall, a way that is open in one direction only, or an older version",
           "on " + at(voice) + ": " + let_in(facts.domain)};
 }
@@ -75,10 +75,10 @@ std::string measured(const Voice& voice, const Road& road) {
 Finding judge_answering(const Voice& voice, const Road& road, const FleetFacts& facts) {
   constexpr double kSlow_ms = 200, kClock_s = 0.25, kMostLost = 0.1;
   Finding out{Grade::kOk, who_is(voice.name), measured(voice, road)};
-  const auto say = [&](Grade grade, const std::string& what, const std::string& mend) {
+  const auto say = [&](Grade grade, const std::string& problem, const std::string& mend) {
     if (grade <= out.grade) return;
     out.grade = grade;
-    out.found = what + " (" + measured(voice, road) + ")";
+    out.found = problem + " (" + measured(voice, road) + ")";
     out.mend = mend;
   };
   if (voice.protocol != kProtocolVersion) {
@@ -183,10 +183,10 @@ Findings judge_multicast(const FleetFacts& facts) {
 Findings judge_neighbours(const FleetFacts& facts, bool somebody) {
   Findings out;
   for (const Neighbour& n : facts.next_door) {
-    const bool ours = is_ours(n.name);
+    const bool in_fleet = is_ours(n.name);
     const std::string number = std::to_string(n.domain), where = " in domain " + number + " at " + text_of(n.address);
     const std::string found = (n.name.empty() ? "somebody who cannot be read" : who_is(n.name)) + where;
-    if (ours && !somebody) {
+    if (in_fleet && !somebody) {
       out.push_back({Grade::kFail, "domain " + number, found + ", and nobody in domain " + std::to_string(facts.domain),
                      "--domain " + number});
     } else {
@@ -242,8 +242,8 @@ Findings judge(const FleetFacts& facts) {
   }
   for (const Voice& voice : facts.voices) out.push_back(judge(voice, facts));
   add(judge_names(facts));
-  const bool told = std::ranges::any_of(out, [](const Finding& f) { return f.grade == Grade::kFail; });
-  if (!somebody && !told) add(judge_silence(facts));
+  const bool has_failure = std::ranges::any_of(out, [](const Finding& f) { return f.grade == Grade::kFail; });
+  if (!somebody && !has_failure) add(judge_silence(facts));
   return out;
 }
 

@@ -104,11 +104,11 @@ class Ear {
 
   // Whoever of the domain may be there; the doctor itself is nobody.
   void call(std::uint32_t address) {
-    const std::vector<std::string> own = local_addresses();
-    const bool here = std::ranges::find(own, text_of(address)) != own.end();
+    const std::vector<std::string> local = local_addresses();
+    const bool is_local = std::ranges::find(local, text_of(address)) != local.end();
     for (int i = 0; i < wire_.peer_range; ++i) {
       const auto port = static_cast<std::uint16_t>(unicast_port(wire_.domain, i));
-      if (!here || port != facts_.own_port) hearing_.call({address, port});
+      if (!is_local || port != facts_.own_port) hearing_.call({address, port});
     }
   }
 

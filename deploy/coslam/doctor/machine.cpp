@@ -63,11 +63,11 @@ Findings judge(const EnvironmentFacts& facts) {
 
 Findings judge(const SharedMemoryFacts& facts) {
   const std::string subject = "/dev/shm", fine = "; the fleet does not use it";
-  if (!facts.there || !facts.writable) {
+  if (!facts.exists || !facts.writable) {
     return {{Grade::kWarn, subject,
-             std::string(facts.there ? "cannot be written to" : "is not there") +
+             std::string(facts.exists ? "cannot be written to" : "is not there") +
                  ": the fleet does not need it, ROS 2 nodes beside it do",
-             facts.there ? "sudo chmod 1777 /dev/shm" : "sudo mount -t tmpfs -o mode=1777 tmpfs /dev/shm"}};
+             facts.exists ? "sudo chmod 1777 /dev/shm" : "sudo mount -t tmpfs -o mode=1777 tmpfs /dev/shm"}};
   }
   Finding out{Grade::kOk, subject, in_mebibytes(facts.free_bytes) + " free" + fine};
   const bool full = facts.free_bytes < 16 * kMebibyte;

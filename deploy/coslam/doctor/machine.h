@@ -32,7 +32,7 @@ EnvironmentFacts look_at_environment(int domain);
 Findings judge(const EnvironmentFacts& facts);
 
 struct SharedMemoryFacts {
-  bool there = false, writable = false;
+  bool exists = false, writable = false;
   std::uint64_t free_bytes = 0;
   int segments = 0, stale = 0;  // segments of DDS processes; stale: of processes that have ended
 };

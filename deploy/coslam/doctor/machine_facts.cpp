@@ -54,8 +54,8 @@ std::string why_not_writable(const std::string& folder) {
   const int file = mkstemp(name.data());
   if (file < 0) return std::generic_category().message(errno);
   std::string why;
-  const std::string some(4096, 'x');
-  if (write(file, some.data(), some.size()) < 0) why = std::generic_category().message(errno);
+  const std::string block(4096, 'x');
+  if (write(file, block.data(), block.size()) < 0) why = std::generic_category().message(errno);
   close(file);
   unlink(name.c_str());
   return why;
@@ -100,8 +100,8 @@ EnvironmentFacts look_at_environment(int domain) {
 
 SharedMemoryFacts look_at_shared_memory(const std::string& folder) {
   SharedMemoryFacts facts;
-  facts.there = std::filesystem::is_directory(folder);
-  if (!facts.there) return facts;
+  facts.exists = std::filesystem::is_directory(folder);
+  if (!facts.exists) return facts;
   facts.writable = access(folder.c_str(), W_OK) == 0;
   facts.free_bytes = free_bytes(folder);
   std::error_code ignored;
@@ -120,8 +120,8 @@ BufferFacts look_at_buffers(std::uint64_t wanted_receive, std::uint64_t wanted_s
 }
 
 DiskFacts look_at_disk(const std::string& folder) {
-  const std::string there = nearest_folder(folder).string();
-  return {folder, why_not_writable(there), free_bytes(there)};
+  const std::string existing_folder = nearest_folder(folder).string();
+  return {folder, why_not_writable(existing_folder), free_bytes(existing_folder)};
 }
 
 }  // namespace coslam::doctor

@@ -27,8 +27,8 @@ std::string padded(std::string text, std::size_t width) {
 
 std::string with_mend(const Finding& f) { return f.mend.empty() ? f.found : f.found + " -> " + f.mend; }
 
-std::string counted(std::ptrdiff_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+std::string counted(std::ptrdiff_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ struct Message {
   }
 
   template <class Value>
-  std::optional<Value> told(int type) {
+  std::optional<Value> control_data(int type) {
     for (cmsghdr* c = CMSG_FIRSTHDR(&head); c != nullptr; c = CMSG_NXTHDR(&head, c)) {
       if (c->cmsg_level != IPPROTO_IP || c->cmsg_type != type) continue;
       Value value{};
@@ -94,8 +94,8 @@ Udp& Udp::operator=(Udp&& other) noexcept {
 bool Udp::bind(int port, Share share) {
   const int yes = 1;
   if (share == Share::kYes) setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  const sockaddr_in here = in_system({0, static_cast<std::uint16_t>(port)});
-  return ::bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof here) == 0;
+  const sockaddr_in address = in_system({0, static_cast<std::uint16_t>(port)});
+  return ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
 bool Udp::join(const std::string& group, unsigned interface) {
@@ -112,10 +112,10 @@ bool Udp::send_by(unsigned interface) {
 }
 
 bool Udp::send(std::span<const std::uint8_t> datagram, const Ipv4Endpoint& to) const {
-  const sockaddr_in there = in_system(to);
+  const sockaddr_in address = in_system(to);
   const auto try_it = [&] {
-    return sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&there),
-                  sizeof there) >= 0;
+    return sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&address),
+                  sizeof address) >= 0;
   };
   if (try_it()) return true;
   return try_it();  // the first error may be that of an earlier datagram
@@ -132,7 +132,8 @@ std::optional<Udp::Received> Udp::receive() const {
   if (size < 0) return std::nullopt;
   out.octets.resize(static_cast<std::size_t>(size));
   out.from = from_system(message.peer);
-  if (const auto info = message.told<in_pktinfo>(IP_PKTINFO)) out.interface = static_cast<unsigned>(info->ipi_ifindex);
+  if (const auto info = message.control_data<in_pktinfo>(IP_PKTINFO))
+    out.interface = static_cast<unsigned>(info->ipi_ifindex);
   return out;
 }
 
@@ -140,7 +141,7 @@ std::optional<Udp::Undelivered> Udp::undelivered() const {
   std::vector<std::uint8_t> octets(kMostOctets);
   Message message(octets);
   if (recvmsg(socket_, &message.head, MSG_ERRQUEUE) < 0) return std::nullopt;
-  const auto error = message.told<sock_extended_err>(IP_RECVERR);
+  const auto error = message.control_data<sock_extended_err>(IP_RECVERR);
   return Undelivered{from_system(message.peer), error ? static_cast<int>(error->ee_errno) : 0};
 }
 

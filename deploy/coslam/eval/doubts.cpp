@@ -84,12 +84,12 @@ std::string doubt_of_times(const AgentPaths& agent, TimeNs gap_ns) {
   constexpr std::size_t kEnough = 1000;  // poses
   constexpr TimeNs kCoarse_ns = 50'000'000, kFine_ns = 10'000'000, kLeast_ns = 30'000'000;
   constexpr int kCoarse = 20, kFine = 5;  // steps: within a second
-  Trajectory some;
+  Trajectory sample;
   const std::size_t every = agent.estimate.size() / kEnough + 1;
-  for (std::size_t i = 0; i < agent.estimate.size(); i += every) some.push_back(agent.estimate[i]);
-  TimeFit best = best_fit(some, agent.truth, gap_ns, 0, kCoarse_ns, kCoarse);
+  for (std::size_t i = 0; i < agent.estimate.size(); i += every) sample.push_back(agent.estimate[i]);
+  TimeFit best = best_fit(sample, agent.truth, gap_ns, 0, kCoarse_ns, kCoarse);
   if (std::abs(best.later_ns) >= kCoarse * kCoarse_ns) return {};
-  best = best_fit(some, agent.truth, gap_ns, best.later_ns, kFine_ns, kFine);
+  best = best_fit(sample, agent.truth, gap_ns, best.later_ns, kFine_ns, kFine);
   Trajectory same;
   for (const PosePair& p : best.pairs) same.push_back({p.t_ns + best.later_ns, p.estimate});
   const Alignment as_said = align_centers({pair_poses(same, agent.truth, gap_ns)});

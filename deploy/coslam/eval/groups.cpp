@@ -22,9 +22,9 @@ AgentNames agents_of(const Partition& partition) {
 }
 
 Partition with_missing(Partition partition, const AgentNames& all) {
-  const AgentNames there = agents_of(partition);
+  const AgentNames present = agents_of(partition);
   for (const std::string& agent : all) {
-    if (!there.contains(agent)) partition.insert({agent});
+    if (!present.contains(agent)) partition.insert({agent});
   }
   return partition;
 }

@@ -55,10 +55,10 @@ AgentEvaluation evaluate_alone(const AgentPaths& agent, const PosePairs& pairs, 
   for (const auto& [map, poses] : agent.apart) e.poses_apart += static_cast<int>(poses.size());
   if (e.frames > 0) e.tracked_percent = 100.0 * e.poses / e.frames;
   if (!agent.truth.empty()) e.path_m = path_length(agent.truth);
-  const Alignment own = align_centers({pairs});
-  if (own.target_from_source) {
-    e.ate_own_m = own.rmse;
-    e.own_scale = own.target_from_source->scale;
+  const Alignment own_alignment = align_centers({pairs});
+  if (own_alignment.target_from_source) {
+    e.ate_own_m = own_alignment.rmse;
+    e.own_scale = own_alignment.target_from_source->scale;
     const std::string doubt = doubt_of_times(agent, gap_ns);
     if (!doubt.empty()) e.doubts.push_back(doubt);
   }
@@ -182,9 +182,9 @@ std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& s
     // A run may leave agents out; one that took part and never found its place counts.
     if (contents.reported && !holds(contents.agents, agent.name)) continue;
     any = any || std::filesystem::exists(result.trajectory(agent.name));
-    const nlohmann::json said = agent_in(reported, agent.name);
+    const nlohmann::json agent_report = agent_in(reported, agent.name);
     agents.push_back({agent.name, load_if_there(result.trajectory(agent.name)), load_if_there(result.live(agent.name)),
-                      load_truth(agent, sequence.rate_hz), frames_of(said), images_of(said)});
+                      load_truth(agent, sequence.rate_hz), frames_of(agent_report), images_of(agent_report)});
     agents.back().doubt = doubt_of_turns(agents.back(), agent, sequence.rate_hz);
     for (std::size_t i = 1; i < contents.maps.size(); ++i) {
       const ResultMap& map = contents.maps[i];

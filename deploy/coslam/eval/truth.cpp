@@ -23,7 +23,7 @@ namespace {
 enum class Form : std::uint8_t { kTum, kEuroc, kKitti };
 
 struct Line {
-  std::string where;
+  std::string place;
   std::vector<std::string> fields;
   bool commas = false;  // between them
 };
@@ -57,7 +57,7 @@ Form form_of(const Line& line) {
   if (count == 12 || (!line.commas && (count == 13 || count == 16))) return Form::kKitti;
   if (count >= 8 && parse_integer(line.fields.front()) && (line.commas || count > 8)) return Form::kEuroc;
   if (count == 8) return Form::kTum;
-  throw UserError(line.where + std::to_string(count) + " fields; poses are lines `t_s tx ty tz qx qy qz qw` (TUM), " +
+  throw UserError(line.place + std::to_string(count) + " fields; poses are lines `t_s tx ty tz qx qy qz qw` (TUM), " +
                   "`t_ns,x,y,z,qw,qx,qy,qz,...` (EuRoC), or the 12 numbers of [R t] for each image (KITTI)");
 }
 
@@ -65,10 +65,10 @@ std::vector<double> numbers_of(const Line& line, std::size_t first, std::size_t 
   std::vector<double> out;
   for (std::size_t i = first; i < first + count && i < line.fields.size(); ++i) {
     const auto number = parse_double(line.fields[i]);
-    if (!number) throw UserError(line.where + "'" + line.fields[i] + "' is not a number");
+    if (!number) throw UserError(line.place + "'" + line.fields[i] + "' is not a number");
     out.push_back(*number);
   }
-  if (out.size() != count) throw UserError(line.where + "too few numbers");
+  if (out.size() != count) throw UserError(line.place + "too few numbers");
   return out;
 }
 
@@ -78,7 +78,7 @@ Rigid3 pose_of(const Line& line, bool w_first) {
   const Eigen::Quaterniond q =
       w_first ? Eigen::Quaterniond(v[3], v[4], v[5], v[6]) : Eigen::Quaterniond(v[6], v[3], v[4], v[5]);
   if (std::abs(q.norm() - 1) > 0.01)
-    throw UserError(line.where +
+    throw UserError(line.place +
                     "not a unit quaternion; poses in another form, as Vicon's or COLMAP's, are written as "
                     "lines `t_s tx ty tz qx qy qz qw` (TUM), camera to world");  // with few decimals
   return {q.normalized(), {v[0], v[1], v[2]}};
@@ -99,7 +99,7 @@ Trajectory read_tum(const std::vector<Line>& lines, bool w_first) {
   for (const Line& line : lines) {
     const std::string& t = line.fields.front();
     const auto t_ns = in_ns ? parse_integer(t) : parse_seconds(t);
-    if (!t_ns) throw UserError(line.where + "'" + t + "' is no time in " + (in_ns ? "nanoseconds" : "seconds"));
+    if (!t_ns) throw UserError(line.place + "'" + t + "' is no time in " + (in_ns ? "nanoseconds" : "seconds"));
     out.push_back({*t_ns, pose_of(line, w_first).inverse()});
   }
   return out;
@@ -128,7 +128,7 @@ Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent
   Trajectory out;
   for (const Line& line : lines) {
     const auto t_ns = parse_integer(line.fields.front());
-    if (!t_ns) throw UserError(line.where + "'" + line.fields.front() + "' is no time in nanoseconds");
+    if (!t_ns) throw UserError(line.place + "'" + line.fields.front() + "' is no time in nanoseconds");
     const Rigid3 world_from_body = pose_of(line, w_first);
     out.push_back({*t_ns, (body ? world_from_body * *body : world_from_body).inverse()});
   }
@@ -137,7 +137,7 @@ Trajectory read_euroc(const std::vector<Line>& lines, const SequenceAgent& agent
 
 std::size_t number_of_image(const Line& line) {
   const auto number = parse_integer(line.fields.front());
-  if (!number || *number < 0) throw UserError(line.where + "'" + line.fields.front() + "' is no number of an image");
+  if (!number || *number < 0) throw UserError(line.place + "'" + line.fields.front() + "' is no number of an image");
   return static_cast<std::size_t>(*number);
 }
 
@@ -199,7 +199,7 @@ std::vector<Line> known_of(const std::filesystem::path& file, const std::vector<
 void leave_out_repeated(const std::filesystem::path& file, const std::vector<Line>& lines, Trajectory* truth) {
   for (std::size_t i = 1; i < truth->size(); ++i) {
     if ((*truth)[i].t_ns < (*truth)[i - 1].t_ns)
-      throw UserError(lines[i].where + "the time is earlier than that of the line before");
+      throw UserError(lines[i].place + "the time is earlier than that of the line before");
   }
   const auto same_time = [](const StampedPose& a, const StampedPose& b) { return a.t_ns == b.t_ns; };
   const auto repeated = std::unique(truth->begin(), truth->end(), same_time);

@@ -80,10 +80,10 @@ void read_agent(const ResultFolder& result, const SequenceAgent& agent, double r
 // Of the points, how many each image shows.
 bool drop_empty_images(ColmapModel* model) {
   constexpr std::ptrdiff_t kLeastPoints = 8;
-  const auto gone = std::erase_if(model->images, [&](const ColmapModel::Image& image) {
+  const auto removed = std::erase_if(model->images, [&](const ColmapModel::Image& image) {
     return std::ranges::count_if(image.observations, [](const auto& o) { return o.point != PointId(); }) < kLeastPoints;
   });
-  return gone > 0;
+  return removed > 0;
 }
 
 void collect_tracks(ColmapModel* model) {

@@ -48,6 +48,6 @@ Files export_mcap(const ResultContents& contents, const std::filesystem::path& f
 void write_mcap(const ResultContents& contents, const std::function<void(std::string_view)>& out);
 
 // Each map by itself: the common one into `folder`, others into maps/<ID> of it.
-Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as);
+Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& export_map);
 
 }  // namespace coslam::exporting

@@ -69,8 +69,8 @@ void add_of_map(const Event& e, std::vector<PublicEvent>* out) {
 using Groups = std::set<Names>;
 
 // All of a group were together in one of the others.
-bool was_one(const Names& group, const Groups& others) {
-  return std::ranges::any_of(others, [&](const Names& o) { return std::ranges::includes(o, group); });
+bool was_one(const Names& group, const Groups& groups) {
+  return std::ranges::any_of(groups, [&](const Names& o) { return std::ranges::includes(o, group); });
 }
 
 void add_changes(TimeNs t_ns, const Groups& before, const Groups& now, std::vector<PublicEvent>* out) {

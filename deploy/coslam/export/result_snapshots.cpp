@@ -88,20 +88,21 @@ ResultSnapshots::Agent* ResultSnapshots::find(const std::string& name) {
 void ResultSnapshots::read_report(const ResultFolder& result) {
   const nlohmann::json report = read_json(result.report());
   const nlohmann::json none = nlohmann::json::object();
-  const auto part = [&](const nlohmann::json& of, const char* name) {
-    return of.is_object() && of.contains(name) ? of[name] : none;
+  const auto part = [&](const nlohmann::json& section, const char* name) {
+    return section.is_object() && section.contains(name) ? section[name] : none;
   };
-  const auto number = [](const nlohmann::json& of, const char* name) {
-    return of.is_object() && of.contains(name) && of[name].is_number() ? of[name].get<double>() : 0.0;
+  const auto number = [](const nlohmann::json& section, const char* name) {
+    return section.is_object() && section.contains(name) && section[name].is_number() ? section[name].get<double>()
+                                                                                      : 0.0;
   };
   const nlohmann::json server = part(report, "server");
   scale_known_ = server.value("scale_known", false);
   ms_per_set_ = number(part(part(server, "ms"), "frame_set"), "mean");
   for (Agent& agent : agents_) {
-    const nlohmann::json said = part(part(report, "agents"), agent.name.c_str());
-    agent.frame_ms = number(said, "ms_per_frame");
-    agent.path = path_of(part(said, "path"));
-    const nlohmann::json camera = part(said, "camera");
+    const nlohmann::json agent_report = part(part(report, "agents"), agent.name.c_str());
+    agent.frame_ms = number(agent_report, "ms_per_frame");
+    agent.path = path_of(part(agent_report, "path"));
+    const nlohmann::json camera = part(agent_report, "camera");
     agent.camera.width_px = static_cast<int>(number(camera, "width_px"));
     agent.camera.height_px = static_cast<int>(number(camera, "height_px"));
     agent.camera.fx = number(camera, "fx");

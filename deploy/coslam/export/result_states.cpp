@@ -73,9 +73,9 @@ std::shared_ptr<const PublicState> ResultSnapshots::state_at(TimeNs t_ns) {
     out->groups.push_back(row.agents);
   }
   for (const Agent& agent : agents_) {
-    PublicAgent& told = out->agents.emplace_back(agent_at(agent, t_ns));
+    PublicAgent& public_agent = out->agents.emplace_back(agent_at(agent, t_ns));
     for (std::size_t g = 0; g < out->groups.size(); ++g) {
-      if (std::ranges::count(out->groups[g], agent.name) > 0) told.group = static_cast<int>(g);
+      if (std::ranges::count(out->groups[g], agent.name) > 0) public_agent.group = static_cast<int>(g);
     }
   }
   out->points = told_points_;

@@ -106,11 +106,11 @@ std::string gaps_of(const ResultMap& map) {
   return out;
 }
 
-Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& as) {
+Files export_maps(const ResultContents& contents, const std::filesystem::path& folder, const MapExport& export_map) {
   Files files;
   for (std::size_t i = 0; i < contents.maps.size(); ++i) {
     const ResultMap& map = contents.maps[i];
-    const Files more = as(map, i == 0 ? folder : folder / "maps" / std::to_string(map.id.value));
+    const Files more = export_map(map, i == 0 ? folder : folder / "maps" / std::to_string(map.id.value));
     files.insert(files.end(), more.begin(), more.end());
   }
   return files;

@@ -31,12 +31,12 @@ Positions without_outliers(const Positions& points) {
     high[axis] = quantile(coordinates(points, axis), 0.98);
   }
   const Eigen::Vector3d margin = 0.5 * (high - low);
-  Positions kept;
+  Positions inside_points;
   for (const Eigen::Vector3d& p : points) {
     const bool inside = ((p - low + margin).array() >= 0).all() && ((high + margin - p).array() >= 0).all();
-    if (inside) kept.push_back(p);
+    if (inside) inside_points.push_back(p);
   }
-  return kept;
+  return inside_points;
 }
 
 Positions all_paths(const TopView& view) {

@@ -80,7 +80,7 @@ RunEnd run_inline(const RunOptions& options) {
     recording.emplace(link.server(), options.record, recording_head(server_run, recorded));
   }
   ServerLoop server(recording ? *recording : link.server(), server_run, server_config);
-  const RunTold told(config.view, server);
+  const RunTold observers(config.view, server);
   std::vector<InlineAgent> agents;
   RunId run = first_run(server.map_server().map());
   for (const SequenceAgent& a : options.sequence.agents) {

@@ -43,12 +43,12 @@ void print_maps(const std::filesystem::path& out, const nlohmann::json& report) 
   std::printf("%zu maps, which could not be brought together; `tracked` and the files in %s are of the common one\n",
               maps->size(), out.c_str());
   for (const nlohmann::json& map : *maps) {
-    std::string who;
+    std::string agents_text;
     for (const auto& [agent, frames] : map["agents"].items()) {
-      who += (who.empty() ? "" : ", ") + agent + " (" + frames.dump() + " frames)";
+      agents_text += (agents_text.empty() ? "" : ", ") + agent + " (" + frames.dump() + " frames)";
     }
-    const std::string where = &map == &maps->front() ? "common map" : "maps/" + map["map"].dump();
-    std::printf("  %s: %s\n", where.c_str(), who.c_str());
+    const std::string map_name = &map == &maps->front() ? "common map" : "maps/" + map["map"].dump();
+    std::printf("  %s: %s\n", map_name.c_str(), agents_text.c_str());
   }
 }
 
@@ -69,14 +69,14 @@ void print_warnings(const nlohmann::json& report) {
     for (const Warning& w : warnings_of(agent)) add({"agent " + name + ": " + w.text, w.count});
     // Found when the run was over.
     const auto lag = agent.find("misdated_s");
-    const auto said = [start = name + "'s images seem to be taken"](const Warning& w) {
+    const auto tells_lag = [start = name + "'s images seem to be taken"](const Warning& w) {
       return w.text.starts_with(start);
     };
-    if (lag != agent.end() && lag->is_number() && std::ranges::none_of(all, said)) {
+    if (lag != agent.end() && lag->is_number() && std::ranges::none_of(all, tells_lag)) {
       add({misdated_sentence(name, agent["lag"]["against"].get<std::string>(), lag->get<double>()), 1});
     }
   }
-  for (const Warning& own : warnings_given()) add(own);
+  for (const Warning& warning : warnings_given()) add(warning);
   if (!all.empty()) std::printf("warnings:\n");
   for (const Warning& w : all) {
     const std::string times = w.count > 1 ? " (" + std::to_string(w.count) + " times)" : "";

@@ -35,10 +35,10 @@ bool OwnBodies::improve(const std::filesystem::path& result) {
   if (!std::filesystem::exists(folder.report())) return false;
   const nlohmann::json report = read_json(folder.report());
   for (const SequenceAgent& agent : sequence_.agents) {
-    const nlohmann::json& own = report["agents"].value(agent.name, nlohmann::json::object());
-    if (!own.contains("own_body")) continue;
-    const nlohmann::json& camera = own["camera"];
-    cv::Mat mask = mask_of(own["own_body"], {camera["width_px"].get<int>(), camera["height_px"].get<int>()});
+    const nlohmann::json& agent_report = report["agents"].value(agent.name, nlohmann::json::object());
+    if (!agent_report.contains("own_body")) continue;
+    const nlohmann::json& camera = agent_report["camera"];
+    cv::Mat mask = mask_of(agent_report["own_body"], {camera["width_px"].get<int>(), camera["height_px"].get<int>()});
     if (mask.empty()) continue;
     if (agent.mask) {
       const cv::Mat given = read_mask(agent.mask->string());

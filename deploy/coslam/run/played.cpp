@@ -29,8 +29,8 @@ void note_played(const Sequence& sequence, const std::vector<std::string>& sets,
   if (!report.is_object()) return;
   RunConfig config;
   for (const std::string& s : sets) config::apply_set(config, s);
-  auto& of = report["sequence"] = {{"name", sequence.name}, {"file", sequence.file.string()}};
-  for (const SequenceAgent& agent : sequence.agents) of["agents"][agent.name] = json_of(agent);
+  auto& played = report["sequence"] = {{"name", sequence.name}, {"file", sequence.file.string()}};
+  for (const SequenceAgent& agent : sequence.agents) played["agents"][agent.name] = json_of(agent);
   report["configuration"]["agent"] = config::dump_json(config.agent);
   write_json(result.report(), report);
 }
@@ -38,13 +38,13 @@ void note_played(const Sequence& sequence, const std::vector<std::string>& sets,
 std::string of_another_sequence(const Sequence& sequence, const ResultFolder& result) {
   if (!std::filesystem::exists(result.report())) return "";
   const nlohmann::json report = read_json(result.report());
-  const auto of = report.find("sequence");
-  if (of == report.end()) return "";
-  const std::string name = of->value("name", "");
+  const auto played = report.find("sequence");
+  if (played == report.end()) return "";
+  const std::string name = played->value("name", "");
   if (name == sequence.name) return "";  // it may lie elsewhere by now
   for (const SequenceAgent& agent : sequence.agents) {
     const std::string source =
-        of->value(nlohmann::json::json_pointer("/agents/" + agent.name + "/source"), std::string());
+        played->value(nlohmann::json::json_pointer("/agents/" + agent.name + "/source"), std::string());
     if (source.empty() || source == shown_source(agent.source)) continue;
     return printed("the result is of the sequence %s, whose %s is %s, not ", name.c_str(), agent.name.c_str(),
                    source.c_str()) +

@@ -33,17 +33,17 @@ std::string distinctive_part(const std::string& source) {
 }
 
 // Two of one name are told apart by a number, for which there is room.
-std::string agent_name(const std::string& source, const std::vector<SequenceAgent>& others) {
+std::string agent_name(const std::string& source, const std::vector<SequenceAgent>& agents) {
   constexpr std::size_t kMost = 28;
   const std::string part = distinctive_part(source);
   const std::size_t begin = std::min(part.find_first_not_of('/'), part.size());
   const std::string name = agent_name_like(part.substr(begin, kMost));
   const auto taken = [&](const std::string& n) {
-    return std::ranges::any_of(others, [&](const SequenceAgent& a) { return a.name == n; });
+    return std::ranges::any_of(agents, [&](const SequenceAgent& a) { return a.name == n; });
   };
-  std::string own = name;
-  for (int i = 2; taken(own); ++i) own = name + "-" + std::to_string(i);
-  return own;
+  std::string free_name = name;
+  for (int i = 2; taken(free_name); ++i) free_name = name + "-" + std::to_string(i);
+  return free_name;
 }
 
 std::string existing_source(const std::string& text) {

@@ -82,8 +82,8 @@ std::string sequence_text(const Sequence& sequence, const ResultFolder& result, 
 
 }  // namespace
 
-std::string_view words_of(StartBy by) {
-  switch (by) {
+std::string_view words_of(StartBy start_by) {
+  switch (start_by) {
     case StartBy::kGiven:
       return "given";
     case StartBy::kReference:
@@ -121,30 +121,31 @@ Starts::Starts(Sequence* sequence) : sequence_(*sequence), asked_(sequence->agen
 }
 
 void Starts::link(const Link& link) {
-  std::erase_if(links_,
-                [&](const Link& l) { return l.first == link.first && l.second == link.second && l.by == link.by; });
+  std::erase_if(links_, [&](const Link& l) {
+    return l.first == link.first && l.second == link.second && l.start_by == link.start_by;
+  });
   links_.push_back(link);
 }
 
 // From the agents whose start is known to the others, by the best link each time. Of those that no link reaches, the
 // first plays as if it had been started together with the first of all, and others may be linked to it. True when a
 // source begins at another time than before by what is worth a run.
-bool Starts::settle(Change which) {
+bool Starts::settle(Change change) {
   std::vector<SequenceAgent> agents = asked_;
   known_.clear();
   for (std::size_t i = 0; i < agents.size(); ++i) {
     if (reference_ && i == 0)
-      known_[agents[i].name].by = StartBy::kReference;
+      known_[agents[i].name].start_by = StartBy::kReference;
     else if (!agents[i].start_is_open)
-      known_[agents[i].name].by = StartBy::kGiven;
+      known_[agents[i].name].start_by = StartBy::kGiven;
   }
-  std::ranges::stable_sort(links_, {}, &Link::by);
+  std::ranges::stable_sort(links_, {}, &Link::start_by);
   while (known_.size() < agents.size()) {
     const auto next = std::ranges::find_if(
         links_, [&](const Link& l) { return known_.contains(l.first) != known_.contains(l.second); });
     if (next == links_.end()) {
       const auto left = std::ranges::find_if(agents, [&](const SequenceAgent& a) { return !known_.contains(a.name); });
-      known_[left->name].by = StartBy::kNothing;
+      known_[left->name].start_by = StartBy::kNothing;
       continue;
     }
     const bool ahead = known_.contains(next->first);
@@ -152,7 +153,7 @@ bool Starts::settle(Change which) {
     constexpr double kPerSecond = 1000;  // steps that are worth writing down
     const double start_s = named(agents, from).start_s + (ahead ? -next->later_s : next->later_s);
     named(agents, to).start_s = std::round(kPerSecond * start_s) / kPerSecond;
-    known_[to] = {next->by, from};
+    known_[to] = {next->start_by, from};
   }
   if (reference_) {
     const double last_s = std::ranges::max(agents, {}, &SequenceAgent::start_s).start_s;
@@ -164,7 +165,7 @@ bool Starts::settle(Change which) {
     const double moved_s = (agents[i].start_s - agents.front().start_s) - (was.start_s - first.start_s);
     changed |= std::abs(moved_s) > kWorthARun_s;
   }
-  if (which == Change::kWorthARun && !changed) return false;
+  if (change == Change::kWorthARun && !changed) return false;
   for (std::size_t i = 0; i < agents.size(); ++i) sequence_.agents[i].begin_at(agents[i].start_s);
   return changed;
 }
@@ -184,7 +185,7 @@ void Starts::link_by_result(const fs::path& result) {
       const double later_s = named(agents, against).start_s - agents[i].start_s + lag["lag_s"].get<double>();
       std::erase_if(links_, [&](const Link& l) {
         const bool same = l.first == against && l.second == name, turned = l.first == name && l.second == against;
-        return (same || turned) && l.by == StartBy::kSound &&
+        return (same || turned) && l.start_by == StartBy::kSound &&
                std::abs((same ? l.later_s : -l.later_s) - later_s) > kContradiction_s;
       });
       link({against, name, later_s, StartBy::kWhatMoves});
@@ -205,13 +206,13 @@ bool Starts::improve(const fs::path& result) {
 void Starts::say() const {
   for (const SequenceAgent& a : sequence_.agents) {
     const Known& known = known_.at(a.name);
-    if (known.by == StartBy::kNothing) {
+    if (known.start_by == StartBy::kNothing) {
       log_warn("nothing tells when " + a.name + " began: it is played as if it had been started together with " +
                sequence_.agents.front().name + "; a start_s in a sequence's YAML file says it");
     } else if (!known.against.empty()) {
       const double later_s = named(sequence_.agents, known.against).start_s - a.start_s;
       log_info(a.name + " began " + seconds(std::abs(later_s)) + (later_s < 0 ? " before " : " after ") +
-               known.against + ", by " + std::string(words_of(known.by)));
+               known.against + ", by " + std::string(words_of(known.start_by)));
     }
   }
 }
@@ -222,12 +223,12 @@ void Starts::write(const fs::path& result) const {
   std::ifstream written(folder.report());
   auto report = nlohmann::ordered_json::parse(written);
   for (const auto& [name, known] : known_) {
-    if (report["agents"].contains(name)) report["agents"][name]["start_by"] = words_of(known.by);
+    if (report["agents"].contains(name)) report["agents"][name]["start_by"] = words_of(known.start_by);
   }
   write_json(folder.report(), report);
   if (!sequence_.file.empty()) return;
   try {
-    const auto tied = [&](const std::string& name) { return known_.at(name).by != StartBy::kNothing; };
+    const auto tied = [&](const std::string& name) { return known_.at(name).start_by != StartBy::kNothing; };
     const std::string text = sequence_text(sequence_, folder, tied);
     auto stream = create_file(folder.sequence());
     stream << text;

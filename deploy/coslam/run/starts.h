@@ -16,7 +16,7 @@ namespace coslam {
 // Source of an agent's start time, most trusted first.
 enum class StartBy : std::uint8_t { kGiven, kReference, kSound, kTurning, kWhatMoves, kNothing };
 
-std::string_view words_of(StartBy by);
+std::string_view words_of(StartBy start_by);
 
 // Aligns recordings that were started separately in time. Sets `start_s` of the sequence's agents whose start is open;
 // one that is given stays. Where none is given the first agent is the reference, and all are moved so that nothing of
@@ -40,16 +40,16 @@ class Starts {
   struct Link {
     std::string first, second;
     double later_s = 0;  // the second source began so much later
-    StartBy by = StartBy::kSound;
+    StartBy start_by = StartBy::kSound;
   };
   struct Known {
-    StartBy by = StartBy::kGiven;
+    StartBy start_by = StartBy::kGiven;
     std::string against;
   };
   void link(const Link& link);
   void link_by_result(const std::filesystem::path& result);
   enum class Change : std::uint8_t { kAny, kWorthARun };
-  bool settle(Change which);
+  bool settle(Change change);
 
   Sequence& sequence_;
   const std::vector<SequenceAgent> asked_;

@@ -98,7 +98,7 @@ bool Census::alive(RunId run) const {
 
 Census::Agent& Census::heard(const std::string& name, RunId run, std::uint64_t bytes, Instant now) {
   const auto [at, is_new] = agents_.try_emplace(run);
-  if (is_new) at->second.since = now;
+  if (is_new) at->second.heard_since = now;
   at->second.name = name;
   at->second.bytes_up += bytes;
   return at->second;
@@ -123,7 +123,7 @@ const char* Census::state_of(RunId run, const ServerStatus& server) const {
 }
 
 Census::Figures Census::figures_of(RunId run, const Agent& agent, Instant now) const {
-  const double played_s = seconds(agent.first_frame, agent.last_frame), heard_s = seconds(agent.since, now);
+  const double played_s = seconds(agent.first_frame, agent.last_frame), heard_s = seconds(agent.heard_since, now);
   const auto kilobytes_per_s = [&](std::uint64_t bytes) {
     return heard_s > 0 ? 1e-3 * static_cast<double>(bytes) / heard_s : 0.0;
   };
@@ -153,7 +153,7 @@ std::vector<Census::Figures> Census::agents(Instant now) const {
   return all;
 }
 
-std::vector<std::string> Census::gone() const {
+std::vector<std::string> Census::gone_agents() const {
   std::vector<std::string> names;
   for (const auto& [run, server] : servers_) {
     for (const std::string& name : server.agents) {
@@ -193,7 +193,7 @@ std::string Census::text(Instant now) const {
                       o.velocity_per_s.norm(), unit, o.extent.x(), o.extent.y(), o.extent.z(), unit);
     }
   }
-  for (const std::string& name : gone()) text += printed("%-16s %-8s\n", name.c_str(), "gone");
+  for (const std::string& name : gone_agents()) text += printed("%-16s %-8s\n", name.c_str(), "gone");
   for (const Figures& f : all) {
     if (!f.refused.empty()) text += "refused: " + f.refused + "\n";
   }
@@ -232,7 +232,7 @@ std::string Census::json(Instant now) const {
                           {"image_fault", words_of(f.status.image_fault).name},
                           {"refused", f.refused.empty() ? Json() : Json(f.refused)}});
   }
-  for (const std::string& name : gone()) agents_now.push_back({{"name", name}, {"state", "gone"}});
+  for (const std::string& name : gone_agents()) agents_now.push_back({{"name", name}, {"state", "gone"}});
   for (const auto& [key, state] : moving_) {
     for (const MovingObjectState& o : state.objects) {
       objects.push_back({{"object", o.object.value},

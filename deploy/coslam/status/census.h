@@ -43,7 +43,7 @@ class Census {
  private:
   struct Agent {
     std::string name;
-    Instant since;
+    Instant heard_since;
     std::optional<AgentStatus> status;
     std::optional<ImageAccount> images;  // counts of the server
     bool complete = false;               // the server says that the agent has ended
@@ -76,7 +76,7 @@ class Census {
   const char* state_of(RunId run, const ServerStatus& server) const;
   Figures figures_of(RunId run, const Agent& agent, Instant now) const;
   std::vector<Figures> agents(Instant now) const;  // sorted by name
-  std::vector<std::string> gone() const;           // agents that the server remembers
+  std::vector<std::string> gone_agents() const;    // agents that the server remembers
   bool alive(RunId run) const;
 
   std::map<RunId, ServerStatus> servers_;

@@ -40,18 +40,18 @@ bool FrameJoiner::complete(const TrackFrame& frame) const {
 
 bool FrameJoiner::waited_enough(const Held& held, Instant now) const {
   if (now == Instant::max()) return true;
-  return pacing_ == Pacing::kLive && (now - held.since >= kPatience || held_.size() == kMaxFrames);
+  return pacing_ == Pacing::kLive && (now - held.held_since >= kPatience || held_.size() == kMaxFrames);
 }
 
 bool FrameJoiner::may_be_overtaken(const Held& held, Instant now) const {
   const bool gap = last_ && held.frame.frame.value > last_->value + 1;
-  return pacing_ == Pacing::kLive && gap && now - held.since < patience_ && now != Instant::max();
+  return pacing_ == Pacing::kLive && gap && now - held.held_since < patience_ && now != Instant::max();
 }
 
 void FrameJoiner::note_overtaken(FrameId frame, Instant now) {
-  const auto by = std::ranges::find_if(popped_, [&](const auto& p) { return p.first >= frame; });
-  if (by == popped_.end() || by->first == frame) return;  // of long ago, or a second time
-  const std::chrono::duration<double> late = 1.2 * (now - by->second);
+  const auto overtaker = std::ranges::find_if(popped_, [&](const auto& p) { return p.first >= frame; });
+  if (overtaker == popped_.end() || overtaker->first == frame) return;  // of long ago, or a second time
+  const std::chrono::duration<double> late = 1.2 * (now - overtaker->second);
   patience_ = std::min(std::max(patience_, late), kLongestWait);
 }
 
@@ -70,9 +70,9 @@ std::optional<JoinedFrame> FrameJoiner::pop(Instant now) {
   if (!complete(held_.front().frame) && !waited_enough(held_.front(), now)) return std::nullopt;
   if (may_be_overtaken(held_.front(), now)) return std::nullopt;
   JoinedFrame joined{std::move(held_.front().frame), {}, {}};
-  const bool time_passes = held_.front().since != Instant{};
-  if (pacing_ == Pacing::kLive && time_passes) joined.arrived = held_.front().since;
-  popped_.emplace_back(joined.frame.frame, held_.front().since);
+  const bool time_passes = held_.front().held_since != Instant{};
+  if (pacing_ == Pacing::kLive && time_passes) joined.arrived = held_.front().held_since;
+  popped_.emplace_back(joined.frame.frame, held_.front().held_since);
   if (popped_.size() > kMaxFrames) popped_.pop_front();
   held_.pop_front();
   last_ = joined.frame.frame;

@@ -40,7 +40,7 @@ class FrameJoiner {
  private:
   struct Held {
     TrackFrame frame;
-    Instant since;
+    Instant held_since;
   };
 
   bool passed(FrameId frame) const { return last_ && frame <= *last_; }

@@ -12,13 +12,13 @@ std::uint64_t less(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : 0;
 
 }  // namespace
 
-ImageTally::Said ImageTally::said() const {
+ImageTally::Said ImageTally::total() const {
   return {before_.sent + less(newest_.sent, base_.sent), before_.not_sent + less(newest_.not_sent, base_.not_sent),
           before_.left_out + less(newest_.left_out, base_.left_out)};
 }
 
 void ImageTally::begin(bool heard_of) {
-  before_ = said();
+  before_ = total();
   newest_ = base_ = {};
   base_open_ = heard_of;
 }
@@ -34,7 +34,7 @@ std::uint64_t ImageTally::undecided() const {
 }
 
 ImageAccount ImageTally::without_used(std::uint64_t arrived) const {
-  const Said all = said();
+  const Said all = total();
   ImageAccount out;
   out[ImageFate::kLeftOut] = all.left_out;
   out[ImageFate::kNotSent] = all.not_sent;

@@ -39,7 +39,7 @@ class ImageTally {
   struct Said {
     std::uint64_t sent = 0, not_sent = 0, left_out = 0;
   };
-  Said said() const;
+  Said total() const;
   ImageAccount without_used(std::uint64_t arrived) const;
   std::uint64_t undecided() const;
 

@@ -105,7 +105,7 @@ bool StampWatch::correct(Agent& agent, std::optional<double> others_s, double la
   const auto [least, most] = std::ranges::minmax(lags_s);
   if (most - least > kSteady_s) {
     if (least > expected_s && !agent.trusted) return true;  // a slow link, and nobody else is hurt by late frames
-    if (held_s > 0.9 * kNoTimes_s && !std::exchange(agent.said, true)) {
+    if (held_s > 0.9 * kNoTimes_s && !std::exchange(agent.warned, true)) {
       warnings_.push_back("the stamps of agent " + agent.name +
                           " do not run with time: its frames are not used until they do");
     }
@@ -114,7 +114,7 @@ bool StampWatch::correct(Agent& agent, std::optional<double> others_s, double la
   const double by_s = least - expected_s;
   agent.correction_ns += to_ns(by_s);
   agent.held.clear();
-  agent.said = false;
+  agent.warned = false;
   say_corrected(agent, by_s);
   return true;
 }
@@ -153,7 +153,7 @@ std::optional<TimeNs> StampWatch::place(CameraId camera, TimeNs capture_ns, Time
     return std::nullopt;
   };
   if (capture_ns < -kFarthest_ns || capture_ns > kFarthest_ns) {
-    if (!std::exchange(agent.said, true)) {
+    if (!std::exchange(agent.warned, true)) {
       warnings_.push_back("the stamps of agent " + agent.name + " are no times: its frames are not used");
     }
     return refuse();

@@ -67,7 +67,7 @@ class StampWatch {
     Floor alone, beside_others;       // recent minimum of the lag, and of its difference to that of the others
     Floor ever;                       // minimum of the lag over the whole run: it changes no more than clocks drift
     std::deque<Held> held;            // lags of the frames that were held back in succession
-    bool said = false;                // a warning was given that its stamps are no times
+    bool warned = false;              // a warning was given that its stamps are no times
     ClockEstimate clock;
   };
 

@@ -13,9 +13,9 @@
 namespace coslam::explain {
 namespace {
 
-std::uint32_t number_of(const std::string& text, const char* what) {
+std::uint32_t number_of(const std::string& text, const char* noun) {
   const auto value = parse_integer(text);
-  if (!value || *value < 1 || *value > 0xffffffff) throw UsageError("`" + text + "` is no number of a " + what);
+  if (!value || *value < 1 || *value > 0xffffffff) throw UsageError("`" + text + "` is no number of a " + noun);
   return static_cast<std::uint32_t>(*value);
 }
 
@@ -109,7 +109,7 @@ Answer answer(const ResultFolder& result, const Question& question) {
     out.text += told_at(log, life, over ? log.end_ns : at_ns);
     return out;
   }
-  out.text = life.subject + ", in seconds of the run\n" + told(log, life);
+  out.text = life.subject + ", in seconds of the run\n" + life_text(log, life);
   if (question.kind != "point") return out;
   for (const ResultMap& map : contents_of(result).maps) {
     out.text += in_points(result, map.folder, log, life.last) + in_dynamic(result, map.folder, log, life.last);

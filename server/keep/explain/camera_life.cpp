@@ -14,13 +14,13 @@ constexpr const char* kPose = "pose";
 class CameraLife {
  public:
   CameraLife(const EventLog& log, CameraId camera) : log_(log) {
-    const std::vector<At>& own = log.of_camera.at(camera);
+    const std::vector<At>& events = log.of_camera.at(camera);
     auto of_map = log.of_maps.begin();
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      for (; of_map != log.of_maps.end() && *of_map < own[i]; ++of_map) take_map(*of_map);
-      const bool rescued = i + 1 < own.size() && take_rescue(own[i], own[i + 1]);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      for (; of_map != log.of_maps.end() && *of_map < events[i]; ++of_map) take_map(*of_map);
+      const bool rescued = i + 1 < events.size() && take_rescue(events[i], events[i + 1]);
       if (rescued) ++i;
-      if (!rescued) take(own[i]);
+      if (!rescued) take(events[i]);
     }
     for (; of_map != log.of_maps.end(); ++of_map) take_map(*of_map);
   }
@@ -64,12 +64,12 @@ class CameraLife {
       case EventKind::kCameraJoined:
         map_ = MapId();
         add(at, "It joined " + reason(e), kPlace, "in no map");
-        add(at, "", kPose).told = false;
+        add(at, "", kPose).in_text = false;
         break;
       case EventKind::kCameraPlaced:
         map_ = e.map;
         add(at, "It was put into " + name(map_) + " " + reason(e), kPlace, "in " + name(map_));
-        add(at, "", kPose).told = false;
+        add(at, "", kPose).in_text = false;
         break;
       case EventKind::kCameraLost:
         add(at, "It lost its pose " + reason(e), kPose, "without a pose");

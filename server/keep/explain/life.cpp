@@ -74,11 +74,11 @@ std::string lines(const EventLog& log, const Aspects& is) {
 
 }  // namespace
 
-std::string told(const EventLog& log, const Life& life) {
+std::string life_text(const EventLog& log, const Life& life) {
   std::string text;
   std::vector<const Entry*> run;
   for (const Entry& e : life.entries) {
-    if (!e.told) continue;
+    if (!e.in_text) continue;
     if (!e.fold.empty()) {
       run.push_back(&e);
       continue;

@@ -21,7 +21,7 @@ struct Entry {
   std::string fold;
   std::optional<double> sigmas;  // distance in standard deviations; of folded entries the largest is printed
   At at = 0;
-  bool told = true;  // otherwise it only says what is so from here on
+  bool in_text = true;  // otherwise it only says what is so from here on
 };
 
 struct Life {
@@ -37,7 +37,7 @@ std::optional<Life> life_of_track(const EventLog& log, const TrackKey& track);
 std::optional<Life> life_of_camera(const EventLog& log, CameraId camera);
 
 // The whole life, a line each, repeated events told as one.
-std::string told(const EventLog& log, const Life& life);
+std::string life_text(const EventLog& log, const Life& life);
 // State of the thing at an instant (of the log's clock, not of the run), and the reason.
 std::string told_at(const EventLog& log, const Life& life, TimeNs t_ns);
 

@@ -18,9 +18,9 @@ constexpr const char* kGone = "no longer in the map";
 class OwnLife {
  public:
   OwnLife(const EventLog& log, PointId point) : log_(log), point_(point) {
-    const std::vector<At>& own = log.of_point.at(point);
+    const std::vector<At>& events = log.of_point.at(point);
     auto of_map = log.of_maps.begin();
-    for (const At at : own) {
+    for (const At at : events) {
       for (; of_map != log.of_maps.end() && *of_map < at; ++of_map) take_map(*of_map);
       take(at);
     }
@@ -54,7 +54,7 @@ class OwnLife {
     return entries.back();
   }
   void add_unsaid(At at, std::string text, std::string aspect, std::string now = {}) {
-    add(at, std::move(text), std::move(aspect), std::move(now)).told = false;
+    add(at, std::move(text), std::move(aspect), std::move(now)).in_text = false;
   }
 
   void take_map(At at) {
@@ -101,9 +101,9 @@ class OwnLife {
 
   void take_in(At at, const Event& e) {
     const OwnLife other(log_, e.other);
-    const std::string who = "Point " + std::to_string(e.other.value);
+    const std::string subject = "Point " + std::to_string(e.other.value);
     const TimeNs made_ns = other.entries.empty() ? 0 : other.entries.front().t_ns;
-    add(at, who + ", made at " + seconds(log_, made_ns) + ", became part of it " + reason(e));
+    add(at, subject + ", made at " + seconds(log_, made_ns) + ", became part of it " + reason(e));
     for (const std::string& track : other.tracks()) add_unsaid(at, track + " came with " + name(e.other), track, track);
   }
 
@@ -116,9 +116,9 @@ class OwnLife {
   void take_track(At at, const Event& e) {
     const std::string track = name(log_, track_of(e));
     if (e.kind == EventKind::kTrackBound) {
-      add(at, track + " was bound to it " + reason(e), track, track).told = e.why != Why::kMadeFromIt;
+      add(at, track + " was bound to it " + reason(e), track, track).in_text = e.why != Why::kMadeFromIt;
     } else if (e.kind == EventKind::kTrackUnbound) {
-      add(at, track + " was unbound " + reason(e), track).told = e.why != Why::kPointGone;
+      add(at, track + " was unbound " + reason(e), track).in_text = e.why != Why::kPointGone;
     } else if (e.kind == EventKind::kTrackEnded) {
       add(at, track + " ended " + reason(e), track);
     } else if (e.kind == EventKind::kTrackMissed) {
@@ -140,7 +140,7 @@ void end_aspects(std::vector<Entry>* entries, At at) {
     if (!e.aspect.empty()) held[e.aspect] = !e.now.empty();
   }
   for (const auto& [aspect, holds] : held) {
-    if (holds) entries->push_back({.aspect = aspect, .at = at, .told = false});
+    if (holds) entries->push_back({.aspect = aspect, .at = at, .in_text = false});
   }
 }
 
@@ -151,19 +151,19 @@ std::optional<Life> life_of_point(const EventLog& log, PointId point) {
   Life life{.subject = name(point), .last = point};
   At begin = 0;
   for (;;) {
-    OwnLife own(log, life.last);
-    for (Entry& e : own.entries) {
+    OwnLife own_life(log, life.last);
+    for (Entry& e : own_life.entries) {
       if (e.at <= begin && begin > 0) {  // before the other became part of it: nothing of this life yet
         e.at = begin;
-        e.told = false;
+        e.in_text = false;
       }
       life.entries.push_back(std::move(e));
     }
-    life.alive = own.alive;
-    if (!own.into) return life;
-    begin = own.into->second;
+    life.alive = own_life.alive;
+    if (!own_life.into) return life;
+    begin = own_life.into->second;
     end_aspects(&life.entries, begin);
-    life.last = own.into->first;
+    life.last = own_life.into->first;
   }
 }
 

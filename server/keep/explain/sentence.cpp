@@ -48,9 +48,9 @@ std::string map_sentence(const Event& e) {
   return "Its " + name(e.map) + (e.why == Why::kAdjusted ? " was changed " : " was moved ") + reason(e);
 }
 
-std::string miss_sentence(const std::string& who, const Event& e) {
-  if (e.why == Why::kBehindCamera) return who + " missed the gate: behind its camera";
-  return who + " missed the gate by " + number(e.figures[1]) + " sigma";
+std::string miss_sentence(const std::string& subject, const Event& e) {
+  if (e.why == Why::kBehindCamera) return subject + " missed the gate: behind its camera";
+  return subject + " missed the gate by " + number(e.figures[1]) + " sigma";
 }
 
 }  // namespace coslam::explain

@@ -24,6 +24,6 @@ inline TrackKey track_of(const Event& e) { return {e.camera.value_or(CameraId())
 std::string words(PointPhase phase);
 // Describes an event of a whole map: it moved or became part of another.
 std::string map_sentence(const Event& event);
-std::string miss_sentence(const std::string& who, const Event& event);
+std::string miss_sentence(const std::string& subject, const Event& event);
 
 }  // namespace coslam::explain

@@ -110,13 +110,13 @@ void ResultPast::add_objects(const std::vector<SeenObject>& objects) {
   objects_.push_back(file_.put(octets.take()));
 }
 
-Trajectory ResultPast::trajectory(const Map& map, CameraId camera, MapId of, SetId since) const {
+Trajectory ResultPast::trajectory(const Map& map, CameraId camera, MapId map_id, SetId from_set) const {
   Trajectory out;
   const auto blocks = frames_.find(camera);
   if (blocks == frames_.end()) return out;
   for (const FrameBlock& block : blocks->second) {
     for (const FramePose& f : frames_now(map, past_frames_of(file_.get(block.ticket)))) {
-      if (f.map == of && f.valid() && f.set >= since) out.push_back({f.capture_ns, f.cam_from_world});
+      if (f.map == map_id && f.valid() && f.set >= from_set) out.push_back({f.capture_ns, f.cam_from_world});
     }
   }
   return out;
@@ -132,7 +132,7 @@ Trajectory ResultPast::live(CameraId camera, MapId map) const {
   return out;
 }
 
-void ResultPast::for_each_place(const Map& map, MapId of,
+void ResultPast::for_each_place(const Map& map, MapId map_id,
                                 const std::function<void(const ResultDynamicRow&)>& visit) const {
   Poses poses(*this, map);
   for (const SpillFile::Ticket ticket : places_) {
@@ -141,9 +141,9 @@ void ResultPast::for_each_place(const Map& map, MapId of,
     for (const PastPlace& place : block.places) {
       const auto [at, added] = moved.try_emplace(place.map);
       if (added) at->second = since(map, block.put, place.map);
-      if (at->second.map != of) continue;
+      if (at->second.map != map_id) continue;
       const FramePose* frame = poses.at(place.camera, place.set);
-      if (frame == nullptr || frame->map != of) continue;
+      if (frame == nullptr || frame->map != map_id) continue;
       const double scale = at->second.now_from_then.scale;
       const Rigid3 world_from_cam = frame->cam_from_world.inverse();
       const Eigen::Matrix3d m = scale * world_from_cam.rotation.toRotationMatrix();

@@ -39,10 +39,10 @@ class ResultPast {
 
   bool empty() const { return frames_.empty() && live_.empty() && places_.empty() && objects_.empty(); }
   // The camera's poses in that map, from the set `since` on.
-  Trajectory trajectory(const Map& map, CameraId camera, MapId of, SetId since) const;
+  Trajectory trajectory(const Map& map, CameraId camera, MapId map_id, SetId from_set) const;
   Trajectory live(CameraId camera, MapId map) const;
   // Places of points that move, in that map; ascending time.
-  void for_each_place(const Map& map, MapId of, const std::function<void(const ResultDynamicRow&)>& visit) const;
+  void for_each_place(const Map& map, MapId map_id, const std::function<void(const ResultDynamicRow&)>& visit) const;
   // In blocks as they were added.
   std::size_t object_blocks() const { return objects_.size(); }
   std::vector<SeenObject> objects(std::size_t block) const;

@@ -24,10 +24,10 @@ std::array<std::uint8_t, 3> rgb_of(const MapPoint& p) {
   return {grey, grey, grey};
 }
 
-std::vector<ResultPoint> result_points(const Map& map, MapId of) {
+std::vector<ResultPoint> result_points(const Map& map, MapId map_id) {
   std::vector<ResultPoint> out;
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of) continue;
+    if (p.map != map_id) continue;
     out.push_back({id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views),
                    rgb_of(p)});
   }
@@ -35,11 +35,11 @@ std::vector<ResultPoint> result_points(const Map& map, MapId of) {
 }
 
 // Of moving points, by the poses that cameras have now; ascending time.
-std::vector<ResultDynamicRow> moving_rows(const Map& map, MapId of) {
+std::vector<ResultDynamicRow> moving_rows(const Map& map, MapId map_id) {
   std::vector<ResultDynamicRow> rows;
   for (const auto& [id, path] : map.motions()) {
     for (const MotionSample& sample : path) {
-      const auto seen = position_of(map, of, sample);
+      const auto seen = position_of(map, map_id, sample);
       if (seen) rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
     }
   }
@@ -107,11 +107,11 @@ class ObjectRows {
   TimeNs newest_ns_ = kLongAgo_ns, thinned_ns_ = kLongAgo_ns, known_until_ns_ = kLongAgo_ns;
 };
 
-Trajectory final_trajectory(const MapServer& server, const ResultPast& past, const MapCamera& camera, MapId of,
-                            SetId since) {
-  Trajectory t = past.trajectory(server.map(), camera.id, of, since);
+Trajectory final_trajectory(const MapServer& server, const ResultPast& past, const MapCamera& camera, MapId map_id,
+                            SetId from_set) {
+  Trajectory t = past.trajectory(server.map(), camera.id, map_id, from_set);
   for (const FramePose& f : camera.present_frames()) {
-    if (f.valid() && f.map == of && f.set >= since) t.push_back({f.capture_ns, f.cam_from_world});
+    if (f.valid() && f.map == map_id && f.set >= from_set) t.push_back({f.capture_ns, f.cam_from_world});
   }
   return t;
 }
@@ -190,11 +190,11 @@ void ResultStore::say_problems() {
 // In the frame of the map that the agent had been told of when it took the pose: it hears of a merge later.
 void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
   const TrackFrame& f = cf.frame;
-  auto& told = told_[cf.camera];
+  auto& announced = announced_[cf.camera];
   if (f.pose_state == PoseState::kTracked && f.server_run == server.run()) {
     const auto last =
-        std::find_if(told.rbegin(), told.rend(), [&](const auto& entry) { return entry.first <= f.epoch; });
-    if (last != told.rend() && last->second != MapId()) {
+        std::find_if(announced.rbegin(), announced.rend(), [&](const auto& entry) { return entry.first <= f.epoch; });
+    if (last != announced.rend() && last->second != MapId()) {
       Trajectory& live = live_[cf.camera][last->second];
       live.push_back({f.capture_ns, f.cam_from_world});
       if (live.size() >= kMostLive) {
@@ -204,7 +204,7 @@ void ResultStore::record_live(const CameraFrame& cf, const MapServer& server) {
     }
   }
   const MapId now = server.map().camera(cf.camera).map;
-  if (told.empty() || told.back().second != now) told.emplace_back(server.map().epoch(), now);
+  if (announced.empty() || announced.back().second != now) announced.emplace_back(server.map().epoch(), now);
 }
 
 TrackStore* ResultStore::tracks_of(const std::string& agent) {
@@ -241,9 +241,9 @@ void ResultStore::record_objects(const FrameSet& set, const MapServer& server) {
 
 Trajectory ResultStore::live_of(CameraId camera, MapId map) const {
   Trajectory all = past_.live(camera, map);
-  const auto of = live_.find(camera);
-  if (of == live_.end() || !of->second.contains(map)) return all;
-  const Trajectory& newest = of->second.at(map);
+  const auto live_maps = live_.find(camera);
+  if (live_maps == live_.end() || !live_maps->second.contains(map)) return all;
+  const Trajectory& newest = live_maps->second.at(map);
   all.insert(all.end(), newest.begin(), newest.end());
   return all;
 }
@@ -254,10 +254,10 @@ void ResultStore::write_paths(const MapServer& server, Attempts& attempts) {
   const MapId common = server.largest_map();
   const auto unit = [&](MapId map) { return unit_of(server.scale_known(map)); };
   for (const MapCamera& c : server.map().cameras()) {
-    const auto since = server.met_since(c.id);
-    if (!since) continue;  // of another day
+    const auto met_since = server.met_since(c.id);
+    if (!met_since) continue;  // of another day
     const auto& live = live_[c.id];
-    const auto final_path = [&](MapId m) { return final_trajectory(server, past_, c, m, *since); };
+    const auto final_path = [&](MapId m) { return final_trajectory(server, past_, c, m, *met_since); };
     attempts([&] { save_tum(folder_.trajectory(c.name), final_path(common), unit(common)); });
     attempts([&] { save_tum(folder_.live(c.name), live_of(c.id, common), unit(common)); });
     std::set<MapId> apart;

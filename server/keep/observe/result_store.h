@@ -56,7 +56,7 @@ class ResultStore {
   // Poses as the agents published them, by camera and the map whose frame they are in.
   std::map<CameraId, std::map<MapId, Trajectory>> live_;
   std::map<CameraId, std::vector<std::pair<MapEpoch, MapId>>>
-      told_;  // map that an agent was told to be in, from each epoch on
+      announced_;  // map that an agent was told to be in, from each epoch on
   std::map<std::string, std::unique_ptr<TrackStore>> tracks_;
   std::vector<std::string> not_made_;  // problems with the track files that could not be made
   GroupWriter groups_;

@@ -14,11 +14,11 @@ void TrackStore::record(const TrackFrame& frame, const MapCamera& camera, const 
     if (!track.bound() && track.moves()) row.state = PointState::kDynamic;
     file_.write(row);
     if (!track.went_along_since) continue;
-    const FramePose* since = camera.frame_at(*track.went_along_since);
-    if (since == nullptr) continue;
+    const FramePose* first_frame = camera.frame_at(*track.went_along_since);
+    if (first_frame == nullptr) continue;
     auto& spans = moved_[id];
-    if (spans.empty() || spans.back().from_ns != since->capture_ns) {
-      spans.push_back({since->capture_ns, frame.capture_ns});
+    if (spans.empty() || spans.back().from_ns != first_frame->capture_ns) {
+      spans.push_back({first_frame->capture_ns, frame.capture_ns});
     }
   }
 }

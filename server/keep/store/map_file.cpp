@@ -52,10 +52,10 @@ std::string access_cause(const std::filesystem::path& file) {
   const std::filesystem::path folder = folder_of(file);
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) return "cannot be there: there is no folder " + folder.string();
-  const bool there = std::filesystem::exists(file, error);
-  if (there && access(file.c_str(), R_OK) != 0) return "may not be read by this user";
+  const bool exists = std::filesystem::exists(file, error);
+  if (exists && access(file.c_str(), R_OK) != 0) return "may not be read by this user";
   for (const auto& path : {file, folder}) {
-    if ((path == file && !there) || access(path.c_str(), W_OK) == 0) continue;
+    if ((path == file && !exists) || access(path.c_str(), W_OK) == 0) continue;
     if (errno == EROFS) return "cannot be written: its disk is read-only";
     return path == file ? "may not be written by this user"
                         : "cannot be written: this user may not write in the folder " + folder.string();
@@ -201,8 +201,8 @@ bool is_marked(SQLite::Database& db) {
 }
 
 // Nothing is written to a file that is there already.
-void open_for_writing(SQLite::Database& db, bool there) {
-  if (!there) {
+void open_for_writing(SQLite::Database& db, bool exists) {
+  if (!exists) {
     db.exec("BEGIN; PRAGMA application_id=" + std::to_string(kApplication) +
             "; PRAGMA user_version=" + std::to_string(kVersion) + "; " + kTables + " COMMIT");
     db.exec("PRAGMA journal_mode=WAL");
@@ -214,8 +214,8 @@ void open_for_writing(SQLite::Database& db, bool there) {
 }  // namespace
 
 MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file) {
-  const bool there = holds_something(file);
-  if (!there && access == Access::kRead) {
+  const bool exists = holds_something(file);
+  if (!exists && access == Access::kRead) {
     std::error_code error;
     const bool empty = std::filesystem::exists(file, error);
     throw UserError(empty ? "map file " + file.string() + " is empty" : "there is no map file " + file.string());
@@ -224,7 +224,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
   in_words(path_, [&] {
     impl_ = std::make_unique<Impl>(file, access == Access::kWrite);
     SQLite::Database& db = impl_->db;
-    if (there) {
+    if (exists) {
       const int application = db.execAndGet("PRAGMA application_id").getInt();
       const int version = db.execAndGet("PRAGMA user_version").getInt();
       if (application != kApplication)
@@ -245,7 +245,7 @@ MapFile::MapFile(const std::filesystem::path& file, Access access) : path_(file)
     if (sqlite3_db_readonly(db.getHandle(), "main") != 0) {
       throw UserError("map file " + path_.string() + " " + access_cause(path_));
     }
-    open_for_writing(db, there);
+    open_for_writing(db, exists);
     impl_->marked = is_marked(db);  // by a process that was killed
     impl_->put = std::make_unique<SQLite::Statement>(
         db,
@@ -284,13 +284,13 @@ Tables MapFile::read() const {
 void MapFile::for_each_row(const std::string& table, std::int64_t first, std::int64_t last,
                            const std::function<void(const std::string&)>& visit) const {
   in_words(path_, [&] {
-    SQLite::Statement some(impl_->db,
-                           "SELECT name, number, octets, crc32 FROM rows WHERE name = ? AND number BETWEEN ? AND ? "
-                           "ORDER BY number");
-    some.bind(1, table);
-    some.bind(2, first);
-    some.bind(3, last);
-    while (some.executeStep()) visit(checked(path_, some));
+    SQLite::Statement range(impl_->db,
+                            "SELECT name, number, octets, crc32 FROM rows WHERE name = ? AND number BETWEEN ? AND ? "
+                            "ORDER BY number");
+    range.bind(1, table);
+    range.bind(2, first);
+    range.bind(3, last);
+    while (range.executeStep()) visit(checked(path_, range));
   });
 }
 
@@ -330,8 +330,8 @@ std::optional<TimeNs> MapFile::saved_ns() const {
 
 void MapFile::check() const {
   in_words(path_, [&] {
-    const std::string said = impl_->db.execAndGet("PRAGMA integrity_check").getString();
-    if (said != "ok") throw UserError("map file " + path_.string() + " is damaged: " + said);
+    const std::string verdict = impl_->db.execAndGet("PRAGMA integrity_check").getString();
+    if (verdict != "ok") throw UserError("map file " + path_.string() + " is damaged: " + verdict);
     SQLite::Statement all(impl_->db, "SELECT name, number, octets, crc32 FROM rows");
     while (all.executeStep()) checked(path_, all);
   });

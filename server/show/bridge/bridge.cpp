@@ -72,8 +72,8 @@ PublicSample upright_map(const MapLevel& level) {
 class Px4Log {
  public:
   void say(const std::string& agent, std::optional<Px4Refusal> refused) {
-    if (said_ && *said_ == refused) return;
-    said_ = refused;
+    if (reported_ && *reported_ == refused) return;
+    reported_ = refused;
     if (refused) {
       log_warn("PX4 gets no pose of " + agent + ": " + sentence_of(*refused));
     } else {
@@ -82,7 +82,7 @@ class Px4Log {
   }
 
  private:
-  std::optional<std::optional<Px4Refusal>> said_;
+  std::optional<std::optional<Px4Refusal>> reported_;
 };
 
 }  // namespace
@@ -126,9 +126,10 @@ struct Bridge::Impl {
   }
 
   void note(Presence presence) {
-    const bool here = presence == Presence::kAlive;
-    if (here != server_here) log_info(here ? "the map server is there" : "the map server is silent; waiting for it");
-    server_here = here;
+    const bool is_alive = presence == Presence::kAlive;
+    if (is_alive != server_here)
+      log_info(is_alive ? "the map server is there" : "the map server is silent; waiting for it");
+    server_here = is_alive;
   }
 
   void tick() {
@@ -139,7 +140,7 @@ struct Bridge::Impl {
 
   const int fleet_domain;
   bool server_here = false;
-  std::chrono::steady_clock::time_point told = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_report = std::chrono::steady_clock::now();
   Participant ros;
   RosTopics topics;
   std::optional<Px4Odometry> px4;

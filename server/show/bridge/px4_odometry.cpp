@@ -85,18 +85,18 @@ Px4Odometry::Px4Odometry(const Px4Config& config, const MapLevel& level)
     : config_(config), body_from_cam_(body_from_camera(config)), frd_from_map_(frd_from_map(level)) {}
 
 void Px4Odometry::see(const AgentPose& pose) {
-  if (pose.agent == config_.agent) told_ = pose;
+  if (pose.agent == config_.agent) agent_pose_ = pose;
 }
 
 // The server says what an epoch is before or when the agent takes it over.
 std::optional<Px4Refusal> Px4Odometry::refusal_of(const TrackFrame& frame, TimeNs now_ns) const {
   if (frame.pose_state != PoseState::kTracked) return Px4Refusal::kLost;
   if (frame.images_doubted) return Px4Refusal::kDoubted;
-  const bool told = told_ && told_->agent_run == frame.agent_run && told_->server_run == frame.server_run &&
-                    told_->epoch >= frame.epoch;
-  if (!told) return Px4Refusal::kNotTold;
-  if (told_->state != PoseState::kTracked) return Px4Refusal::kLost;
-  if (!told_->scale_known) return Px4Refusal::kScaleUnknown;
+  const bool is_current = agent_pose_ && agent_pose_->agent_run == frame.agent_run &&
+                          agent_pose_->server_run == frame.server_run && agent_pose_->epoch >= frame.epoch;
+  if (!is_current) return Px4Refusal::kNotTold;
+  if (agent_pose_->state != PoseState::kTracked) return Px4Refusal::kLost;
+  if (!agent_pose_->scale_known) return Px4Refusal::kScaleUnknown;
   const double age_s = to_seconds(now_ns - taken_ns(frame));
   if (age_s > kOldest_s) return Px4Refusal::kTooOld;
   if (age_s < -kOldest_s) return Px4Refusal::kAhead;
@@ -112,7 +112,8 @@ Px4Odometry::Answer Px4Odometry::on_frame(const TrackFrame& frame, TimeNs now_ns
   const Vehicle now{frame.capture_ns,  // without jumps
                     {(frd_from_map_ * map_from_body.rotation).normalized(), frd_from_map_ * map_from_body.translation}};
   const Variances variances = variances_of(frame, now.frd_from_body, body_from_cam_, frd_from_map_);
-  count_jump(now, {frame.agent_run, frame.server_run, told_->map}, std::sqrt(std::max(0.0, variances.place.sum())));
+  count_jump(now, {frame.agent_run, frame.server_run, agent_pose_->map},
+             std::sqrt(std::max(0.0, variances.place.sum())));
 
   ros::VehicleOdometry out;
   out.timestamp = static_cast<std::uint64_t>(std::max<TimeNs>(now_ns, 0) / 1000);

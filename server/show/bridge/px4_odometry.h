@@ -82,7 +82,7 @@ class Px4Odometry {
   const Px4Config config_;
   const Rigid3 body_from_cam_;
   const Eigen::Quaterniond frd_from_map_;
-  std::optional<AgentPose> told_;
+  std::optional<AgentPose> agent_pose_;
   std::optional<Origin> origin_;
   std::optional<Vehicle> last_, before_last_;
   bool lost_ = false;  // since the last pose

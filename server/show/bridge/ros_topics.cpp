@@ -21,7 +21,7 @@ struct Delivery {
 
 Delivery delivery_of(const std::string& topic, std::string_view type) {
   constexpr int kKeptEvents = 256, kTransforms = 100;
-  const auto ends = [&](std::string_view with) { return topic.ends_with(with); };
+  const auto ends = [&](std::string_view suffix) { return topic.ends_with(suffix); };
   if (type == ros::type_text<ros::VehicleOdometry>().name) return {.reliable = false, .depth = 1};
   if (topic == "/tf_static") return {.late_joiners = true, .depth = kTransforms};
   if (topic == "/tf") return {.depth = kTransforms};

@@ -78,8 +78,8 @@ std::string misdated_sentence(const std::string& agent, const std::string& again
 
 std::vector<PublicEvent> Happenings::comings(const Map& map) {
   std::vector<PublicEvent> out;
-  const auto say = [&](const MapCamera& c, const char* kind, const std::string& what) {
-    out.push_back({map.now_ns(), kind, c.name + what, {c.name}});
+  const auto say = [&](const MapCamera& c, const char* kind, const std::string& text) {
+    out.push_back({map.now_ns(), kind, c.name + text, {c.name}});
   };
   for (const MapCamera& c : map.cameras()) {
     const auto [at, is_new] = known_.try_emplace(c.id);
@@ -113,9 +113,9 @@ std::vector<PublicEvent> Happenings::after_set(const Map& map, const Journal& jo
 }
 
 void Happenings::of_camera(const Map& map, const Event& e, std::vector<PublicEvent>* out) {
-  const auto say = [&](const char* kind, const std::string& what) {
+  const auto say = [&](const char* kind, const std::string& text) {
     const std::string& name = map.camera(*e.camera).name;
-    out->push_back({e.t_ns, kind, name + " " + what + " " + explain::reason(e), {name}});
+    out->push_back({e.t_ns, kind, name + " " + text + " " + explain::reason(e), {name}});
   };
   const std::string in_map = explain::name(e.map);
   switch (e.kind) {
@@ -158,8 +158,8 @@ void Happenings::of_map(const Map& map, const Event& e, std::vector<PublicEvent>
 
 void Happenings::of_groups(const Map& map, const ViewGraph& graph, std::vector<PublicEvent>* out) {
   if (graph.groups == groups_) return;
-  const auto say = [&](const char* kind, const std::vector<CameraId>& whom, const std::string& text) {
-    out->push_back({map.now_ns(), kind, text, names_of(map, whom)});
+  const auto say = [&](const char* kind, const std::vector<CameraId>& cameras, const std::string& text) {
+    out->push_back({map.now_ns(), kind, text, names_of(map, cameras)});
   };
   for (const auto& group : graph.groups) {
     const auto parts = parted(group, groups_);

@@ -47,12 +47,12 @@ Json pose_of(const std::optional<Rigid3>& cam_from_map) {
 }
 
 Json agent_of(const PublicState& state, const PublicAgent& a, const Rates& rates, RosNames& names) {
-  const Rates::Agent rate = rates.of(a.facts.name);
+  const Rates::Agent rate = rates.rate_of(a.facts.name);
   const AgentStatus& status = a.facts.status;
   const CameraModel& c = a.camera;
   Json out;
   out["name"] = a.facts.name;
-  out["topic"] = "/coslam/" + names.of(a.facts.name);
+  out["topic"] = "/coslam/" + names.ros_name(a.facts.name);
   out["alive"] = a.alive;
   out["camera"] = a.facts.camera.value;
   out["map"] = a.map.value;

@@ -69,9 +69,9 @@ void put_losses(const PublicState& state, MetricsText* text) {
 }
 
 void put_agents(const PublicState& state, MetricsText* text) {
-  const auto each = [&](std::string_view name, Kind kind, std::string_view help, auto&& of) {
+  const auto each = [&](std::string_view name, Kind kind, std::string_view help, auto&& value_of) {
     text->begin(name, kind, help);
-    for (const PublicAgent& a : state.agents) text->value(of(a), {{"agent", a.facts.name}});
+    for (const PublicAgent& a : state.agents) text->value(value_of(a), {{"agent", a.facts.name}});
   };
   each("coslam_agent_alive", Kind::kGauge, "1: it takes part", [](const auto& a) { return a.alive ? 1.0 : 0.0; });
   each("coslam_agent_has_pose", Kind::kGauge, "1: it has a place in a map",

@@ -21,9 +21,9 @@ class MetricsText {
   void begin(std::string_view name, Kind kind, std::string_view help);
   void value(double value, std::initializer_list<Label> labels = {}, std::string_view suffix = {});
   // Writes a metric with a single value.
-  void one(std::string_view name, Kind kind, std::string_view help, double of) {
+  void one(std::string_view name, Kind kind, std::string_view help, double number) {
     begin(name, kind, help);
-    value(of);
+    value(number);
   }
   std::string take() { return std::move(text_); }
 

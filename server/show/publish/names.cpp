@@ -16,7 +16,7 @@ std::string ros_name(const std::string& agent) {
 
 }  // namespace
 
-const std::string& RosNames::of(const std::string& agent) {
+const std::string& RosNames::ros_name(const std::string& agent) {
   const auto [at, is_new] = names_.try_emplace(agent);
   if (is_new) {
     const std::string name = ros_name(agent);

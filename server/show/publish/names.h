@@ -13,7 +13,7 @@ namespace coslam {
 // Agents' names as ROS has names: letters, digits and '_', the first no digit. Two agents never have one.
 class RosNames {
  public:
-  const std::string& of(const std::string& agent);
+  const std::string& ros_name(const std::string& agent);
 
  private:
   std::map<std::string, std::string> names_;

@@ -45,7 +45,7 @@ ChannelPtr Publisher::add(Channel channel) {
 const Publisher::OfAgent& Publisher::of_agent(const std::string& agent, const Announce& announce) {
   const auto [at, is_new] = agents_.try_emplace(agent);
   if (is_new) {
-    const std::string prefix = "/coslam/" + names_.of(agent);
+    const std::string prefix = "/coslam/" + names_.ros_name(agent);
     at->second = {add(ros_channel<ros::PoseWithCovarianceStamped>(prefix + "/pose", Part::kPoses)),
                   add(ros_channel<ros::Odometry>(prefix + "/odom", Part::kPoses)),
                   add(ros_channel<ros::Path>(prefix + "/path", Part::kPaths, 1)),

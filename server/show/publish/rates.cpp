@@ -37,7 +37,7 @@ void Rates::see(const PublicState& state) {
   }
 }
 
-Rates::Agent Rates::of(const std::string& agent) const {
+Rates::Agent Rates::rate_of(const std::string& agent) const {
   const auto at = agents_.find(agent);
   if (at == agents_.end() || at->second.size() < 2) return {};
   const auto& sums = at->second;

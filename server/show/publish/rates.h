@@ -21,7 +21,7 @@ class Rates {
   void see(const PublicState& state);
 
   double ms_per_set() const { return ms_per_set_; }
-  Agent of(const std::string& agent) const;
+  Agent rate_of(const std::string& agent) const;
 
  private:
   struct Sums {

@@ -72,7 +72,7 @@ ros::TFMessage tf_message(const PublicPoses& poses, RosNames& names) {
   const Rigid3 base_from_cam = ros::base_from_optical();
   ros::TFMessage out;
   for (const PublicPose& c : poses.cameras) {
-    const std::string& name = names.of(c.agent);
+    const std::string& name = names.ros_name(c.agent);
     const auto say = [&](std::string frame, std::string child, const Rigid3& frame_from_child) {
       out.transforms.push_back(
           {ros::header_of(c.capture_ns, std::move(frame)), std::move(child), ros::transform_of(frame_from_child)});
@@ -90,7 +90,7 @@ ros::PoseWithCovarianceStamped pose_in_map(const PublicPose& pose, MapId main) {
 }
 
 ros::Odometry odometry(const PublicPose& pose, RosNames& names) {
-  const std::string& name = names.of(pose.agent);
+  const std::string& name = names.ros_name(pose.agent);
   return {ros::header_of(pose.capture_ns, odom_frame(name)), base_frame(name),
           estimate_of_base(pose.cam_from_odom, pose.covariance), twist_of(pose)};
 }

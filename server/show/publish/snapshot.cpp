@@ -8,8 +8,8 @@ namespace coslam {
 
 void Snapshot::update(Snapshot newer) {
   constexpr std::size_t kMostEvents = 1000;  // when nobody takes them
-  const auto take = [](auto& mine, auto& theirs) {
-    if (theirs) mine = std::move(theirs);
+  const auto take = [](auto& target, auto& source) {
+    if (source) target = std::move(source);
   };
   take(poses, newer.poses);
   take(moving, newer.moving);

@@ -29,7 +29,7 @@ struct PartSet {
   std::uint32_t bits = 0;
   constexpr PartSet() = default;
   constexpr PartSet(Part p) : bits(1U << static_cast<std::uint32_t>(p)) {}  // NOLINT: a part is a set of one
-  constexpr explicit PartSet(std::uint32_t of) : bits(of) {}
+  constexpr explicit PartSet(std::uint32_t mask) : bits(mask) {}
   constexpr bool has(Part p) const { return (bits & PartSet(p).bits) != 0; }
   constexpr PartSet& operator|=(PartSet o) {
     bits |= o.bits;

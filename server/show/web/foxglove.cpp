@@ -67,8 +67,8 @@ bool read_unsubscribe(const Json& json, Request* out) {
 
 std::string_view chosen_protocol(std::string_view offered) {
   const auto words = split_fields(offered, ", \t");
-  for (const std::string_view ours : kProtocols) {
-    if (std::ranges::find(words, ours) != words.end()) return ours;
+  for (const std::string_view supported : kProtocols) {
+    if (std::ranges::find(words, supported) != words.end()) return supported;
   }
   return {};
 }

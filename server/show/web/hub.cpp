@@ -22,8 +22,8 @@ void Hub::put(const MessagePtr& message) {
     }
   }
   for (const auto& [client, id] : known.readers) client->send_message(id, message);
-  known.kept.push_back(message);
-  while (known.kept.size() > known.channel->keep) known.kept.pop_front();
+  known.newest.push_back(message);
+  while (known.newest.size() > known.channel->keep) known.newest.pop_front();
 }
 
 void Hub::join(HubClient& client) {
@@ -54,26 +54,26 @@ bool Hub::hear(HubClient& client, std::string_view text) {
 }
 
 void Hub::subscribe(HubClient& client, foxglove::SubscriptionId id, foxglove::ChannelId channel) {
-  auto& mine = clients_[&client];
+  auto& subscriptions = clients_[&client];
   const auto refuse = [&](const std::string& why) {
     client.send_text(foxglove::status(foxglove::Level::kError, "subscription " + std::to_string(id) + ": " + why));
   };
   if (channel == 0 || channel > channels_.size()) return refuse("there is no channel " + std::to_string(channel));
-  if (mine.contains(id)) return refuse("it is there already");
-  if (mine.size() >= kMostSubscriptions) return refuse("there are too many");
+  if (subscriptions.contains(id)) return refuse("it is there already");
+  if (subscriptions.size() >= kMostSubscriptions) return refuse("there are too many");
   Known& known = channels_[channel - 1];
   if (!known.readers.try_emplace(&client, id).second)
     return refuse("channel " + std::to_string(channel) + " has another one of this client");
-  mine[id] = channel - 1;
-  for (const MessagePtr& message : known.kept) client.send_message(id, message);
+  subscriptions[id] = channel - 1;
+  for (const MessagePtr& message : known.newest) client.send_message(id, message);
 }
 
 void Hub::unsubscribe(HubClient& client, foxglove::SubscriptionId id) {
-  auto& mine = clients_[&client];
-  const auto at = mine.find(id);
-  if (at == mine.end()) return;
+  auto& subscriptions = clients_[&client];
+  const auto at = subscriptions.find(id);
+  if (at == subscriptions.end()) return;
   channels_[at->second].readers.erase(&client);
-  mine.erase(at);
+  subscriptions.erase(at);
 }
 
 Hub::Wanted Hub::wanted() const {

@@ -55,7 +55,7 @@ class Hub {
  private:
   struct Known {
     ChannelPtr channel;
-    std::deque<MessagePtr> kept;
+    std::deque<MessagePtr> newest;
     std::map<HubClient*, foxglove::SubscriptionId> readers;
   };
   void subscribe(HubClient& client, foxglove::SubscriptionId id, foxglove::ChannelId channel);

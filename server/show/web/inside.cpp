@@ -30,8 +30,8 @@ Connection::~Connection() {
   inside_.end_if_done();
 }
 
-WebInside::WebInside(const ViewConfig& of, const std::string& session, WebApi answers, const WebLimits& bounds)
-    : config(of), limits(bounds), api(std::move(answers)), access(of.token, of.origins), hub(session) {}
+WebInside::WebInside(const ViewConfig& view, const std::string& session, WebApi answers, const WebLimits& bounds)
+    : config(view), limits(bounds), api(std::move(answers)), access(view.token, view.origins), hub(session) {}
 
 void WebInside::listen() {
   boost::system::error_code error;

@@ -43,7 +43,7 @@ class HttpSession;
 
 // State of the web thread.
 struct WebInside : std::enable_shared_from_this<WebInside> {
-  WebInside(const ViewConfig& of, const std::string& session, WebApi answers, const WebLimits& bounds);
+  WebInside(const ViewConfig& view, const std::string& session, WebApi answers, const WebLimits& bounds);
 
   void listen();
   void run();

@@ -158,13 +158,13 @@ void LiveApi::see(const Snapshot& snapshot) {
       state_ = snapshot.state;
       state_at_ = Clock::now();
       rates_.see(*state_);
-      for (const PublicAgent& a : state_->agents) names_.of(a.facts.name);
+      for (const PublicAgent& a : state_->agents) names_.ros_name(a.facts.name);
     }
     if (snapshot.cloud) {
       cloud_ = snapshot.cloud;
       cloud_at_ = Clock::now();
     }
-    const bool too_long = !waiting_.empty() && Clock::now() - waiting_.front().since > kLongestWait;
+    const bool too_long = !waiting_.empty() && Clock::now() - waiting_.front().received > kLongestWait;
     if (snapshot.cloud || too_long) answered = std::exchange(waiting_, {});
     wants_cloud_ = !waiting_.empty();
     cloud = cloud_;

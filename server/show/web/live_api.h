@@ -44,7 +44,7 @@ class LiveApi final : public PublicSink {
   using Clock = std::chrono::steady_clock;
   struct Waiting {
     WebReply reply;
-    Clock::time_point since;
+    Clock::time_point received;
   };
 
   WebAnswer health() const;

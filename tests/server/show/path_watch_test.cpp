@@ -25,11 +25,11 @@ class PathWatchTest : public testing::Test {
   // Looks until what was begun is found.
   std::optional<PathError> found(Clock::time_point now) {
     watch_.look(run_.server(), now);
-    while (!watch_.of(cam(0))) {
+    while (!watch_.path_error(cam(0))) {
       std::this_thread::yield();
       watch_.look(run_.server(), now);
     }
-    return watch_.of(cam(0));
+    return watch_.path_error(cam(0));
   }
   const test::SimWorld world_{{}};
   test::SimRun run_;
@@ -47,14 +47,14 @@ TEST_F(PathWatchTest, AMapThatGrowsTellsHowGoodItsPathsAre) {
   const double expected_m = *path->sigma / map_from_truth;
   EXPECT_GT(expected_m, 0.2 * truth.ate);
   EXPECT_LT(expected_m, 5 * truth.ate);
-  EXPECT_TRUE(watch_.of(cam(1)));
-  EXPECT_FALSE(watch_.of(cam(7)));
+  EXPECT_TRUE(watch_.path_error(cam(1)));
+  EXPECT_FALSE(watch_.path_error(cam(7)));
 }
 
 TEST_F(PathWatchTest, NothingIsSaidOfAMapThatHasJustBegun) {
   run_.step(20);
   for (int i = 0; i < 10; ++i) watch_.look(run_.server(), begin_ + seconds(10 * i));
-  EXPECT_FALSE(watch_.of(cam(0)));
+  EXPECT_FALSE(watch_.path_error(cam(0)));
 }
 
 TEST_F(PathWatchTest, LooksSeldom) {
@@ -62,9 +62,9 @@ TEST_F(PathWatchTest, LooksSeldom) {
   const double length = found(begin_)->length;
   run_.step(60);
   for (int i = 0; i < 100; ++i) watch_.look(run_.server(), begin_ + seconds(1));
-  EXPECT_EQ(watch_.of(cam(0))->length, length) << "it is not due yet";
-  while (watch_.of(cam(0))->length == length) watch_.look(run_.server(), begin_ + seconds(1000));
-  EXPECT_GT(watch_.of(cam(0))->length, length);
+  EXPECT_EQ(watch_.path_error(cam(0))->length, length) << "it is not due yet";
+  while (watch_.path_error(cam(0))->length == length) watch_.look(run_.server(), begin_ + seconds(1000));
+  EXPECT_GT(watch_.path_error(cam(0))->length, length);
 }
 
 }  // namespace

@@ -28,16 +28,17 @@ TEST(DoctorMachine, Environment) {
 }
 
 TEST(DoctorMachine, SharedMemory) {
-  SharedMemoryFacts facts{.there = true, .writable = true, .free_bytes = 500 * kMebibyte};
+  SharedMemoryFacts facts{.exists = true, .writable = true, .free_bytes = 500 * kMebibyte};
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kOk, "500 MiB free", ""));
   facts.segments = 5;
   facts.stale = 3;
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kOk, "3 of 5 segments", "fastdds shm clean"));
   facts.stale = 50;
   EXPECT_EQ(first_of(judge(facts)).grade, Grade::kWarn);
-  facts = {.there = true, .writable = true, .free_bytes = kMebibyte};
+  facts = {.exists = true, .writable = true, .free_bytes = kMebibyte};
   EXPECT_THAT(first_of(judge(facts)), Says(Grade::kWarn, "1 MiB", "ls"));
-  EXPECT_THAT(first_of(judge(SharedMemoryFacts{.there = true})), Says(Grade::kWarn, "cannot be written", "chmod 1777"));
+  EXPECT_THAT(first_of(judge(SharedMemoryFacts{.exists = true})),
+              Says(Grade::kWarn, "cannot be written", "chmod 1777"));
   EXPECT_THAT(first_of(judge(SharedMemoryFacts{})), Says(Grade::kWarn, "is not there", "mount"));
 }
 
@@ -46,11 +47,11 @@ TEST(DoctorMachine, SharedMemoryOfThisTest) {
   folder.write("fastrtps_0123_el", "");  // nobody holds its lock
   folder.write("fastrtps_0123", "");
   const SharedMemoryFacts facts = look_at_shared_memory(folder.path().string());
-  EXPECT_TRUE(facts.there);
+  EXPECT_TRUE(facts.exists);
   EXPECT_TRUE(facts.writable);
   EXPECT_EQ(facts.segments, 1);
   EXPECT_EQ(facts.stale, 1);
-  EXPECT_FALSE(look_at_shared_memory((folder / "none").string()).there);
+  EXPECT_FALSE(look_at_shared_memory((folder / "none").string()).exists);
 }
 
 TEST(DoctorMachine, Buffers) {

@@ -92,7 +92,7 @@ TEST_F(ExplainedRun, EveryLifeEndsAsTheMapHasIt) {
     if (p == nullptr) {
       ++removed;
       EXPECT_THAT(is, HasSubstr("no longer in the map"));
-      EXPECT_THAT(told(*log_, *life), ContainsRegex("It was removed because .*\n$")) << id.value;
+      EXPECT_THAT(life_text(*log_, *life), ContainsRegex("It was removed because .*\n$")) << id.value;
       continue;
     }
     alive.insert(life->last);
@@ -136,7 +136,7 @@ TEST_F(ExplainedRun, EveryCameraIsWhereTheMapHasIt) {
     EXPECT_THAT(first_line_at_the_end(*life), HasSubstr(" was in map " + std::to_string(c.map.value)));
   }
   const auto again = life_of_camera(*log_, log_->camera_named(run_->map().camera(CameraId(2)).name));
-  EXPECT_THAT(told(*log_, *again), HasSubstr("It joined because its agent was started anew"));
+  EXPECT_THAT(life_text(*log_, *again), HasSubstr("It joined because its agent was started anew"));
 }
 
 }  // namespace

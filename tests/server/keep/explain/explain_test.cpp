@@ -70,12 +70,12 @@ class Story : public ::testing::Test {
     return e;
   }
 
-  std::string point(int point) { return told(log(), *life_of_point(log(), id<PointId>(point))); }
+  std::string point(int point) { return life_text(log(), *life_of_point(log(), id<PointId>(point))); }
   std::string point_at(int point, double t_s) {
     return told_at(log(), *life_of_point(log(), id<PointId>(point)), to_ns(t_s));
   }
   std::string track_of(CameraId camera, int track) {
-    return told(log(), *life_of_track(log(), {camera, id<TrackId>(track)}));
+    return life_text(log(), *life_of_track(log(), {camera, id<TrackId>(track)}));
   }
   std::string track_at(CameraId camera, int track, double t_s) {
     return told_at(log(), *life_of_track(log(), {camera, id<TrackId>(track)}), to_ns(t_s));
@@ -272,7 +272,7 @@ TEST_F(CameraStory, ItsPlaceAndPose) {
   const auto life = life_of_camera(log(), cam0_);
   ASSERT_TRUE(life);
   EXPECT_EQ(
-      told(log(), *life),
+      life_text(log(), *life),
       "     0.000 s  It joined because its agent said hello.\n"
       "     1.000 s  It was put into map 2 from its own motion over 34 frame sets.\n"
       "     2.000 s  Its map 2 was changed by a bundle adjustment of 10 poses and 800 points, the first of 3 times "

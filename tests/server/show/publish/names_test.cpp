@@ -9,17 +9,17 @@ namespace {
 
 TEST(RosNames, KeepsWhatIsGoodAndReplacesTheRest) {
   RosNames names;
-  EXPECT_EQ(names.of("cam0"), "cam0");
-  EXPECT_EQ(names.of("drone-1.left"), "drone_1_left");
-  EXPECT_EQ(names.of("7up"), "agent_7up");
+  EXPECT_EQ(names.ros_name("cam0"), "cam0");
+  EXPECT_EQ(names.ros_name("drone-1.left"), "drone_1_left");
+  EXPECT_EQ(names.ros_name("7up"), "agent_7up");
 }
 
 TEST(RosNames, NoTwoAgentsShareOne) {
   RosNames names;
-  EXPECT_EQ(names.of("a-b"), "a_b");
-  EXPECT_EQ(names.of("a.b"), "a_b_2");
-  EXPECT_EQ(names.of("a_b"), "a_b_3");
-  EXPECT_EQ(names.of("a-b"), "a_b") << "and it keeps the one it has";
+  EXPECT_EQ(names.ros_name("a-b"), "a_b");
+  EXPECT_EQ(names.ros_name("a.b"), "a_b_2");
+  EXPECT_EQ(names.ros_name("a_b"), "a_b_3");
+  EXPECT_EQ(names.ros_name("a-b"), "a_b") << "and it keeps the one it has";
 }
 
 TEST(Frames, MapsThatHaveNotMetHaveRootsOfTheirOwn) {

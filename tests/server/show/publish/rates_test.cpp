@@ -13,16 +13,16 @@ struct Sums {
   std::uint32_t due = 0, used = 0, dropped = 0;
 };
 
-PublicState state(const Sums& of, RunId run = RunId(1)) {
+PublicState state(const Sums& rate_of, RunId run = RunId(1)) {
   PublicState out;
-  out.wall_ns = to_ns(of.t_s);
+  out.wall_ns = to_ns(rate_of.t_s);
   PublicAgent agent;
   agent.facts.name = "cam0";
   agent.run = run;
-  agent.facts.bytes_up = of.up;
-  agent.facts.status.dropped = of.dropped;
-  agent.frames_due = of.due;
-  agent.frames_used = of.used;
+  agent.facts.bytes_up = rate_of.up;
+  agent.facts.status.dropped = rate_of.dropped;
+  agent.frames_due = rate_of.due;
+  agent.frames_used = rate_of.used;
   out.agents.push_back(agent);
   return out;
 }
@@ -33,16 +33,16 @@ TEST(Rates, AreOfTheLastSeconds) {
     const auto up = static_cast<std::uint64_t>(t < 10 ? 1000 * t : 10000 + 5000 * (t - 10));
     rates.see(state({.t_s = 1.0 * t, .up = up}));
   }
-  EXPECT_NEAR(rates.of("cam0").bytes_up_per_s, 5000, 1);
-  EXPECT_EQ(rates.of("cam0").bytes_down_per_s, 0);
-  EXPECT_EQ(rates.of("nobody").bytes_up_per_s, 0);
+  EXPECT_NEAR(rates.rate_of("cam0").bytes_up_per_s, 5000, 1);
+  EXPECT_EQ(rates.rate_of("cam0").bytes_down_per_s, 0);
+  EXPECT_EQ(rates.rate_of("nobody").bytes_up_per_s, 0);
 }
 
 TEST(Rates, ImagesThatAnAgentHadNoTimeForAreNotLost) {
   Rates rates;
   rates.see(state({.t_s = 0, .due = 10, .used = 10}));
   rates.see(state({.t_s = 5, .due = 110, .used = 80, .dropped = 20}));
-  EXPECT_NEAR(rates.of("cam0").lost_percent, 100.0 * 10 / 80, 1e-9) << "100 taken, 20 dropped, 70 came";
+  EXPECT_NEAR(rates.rate_of("cam0").lost_percent, 100.0 * 10 / 80, 1e-9) << "100 taken, 20 dropped, 70 came";
 }
 
 TEST(Rates, BeginAnewWithARestart) {
@@ -50,7 +50,7 @@ TEST(Rates, BeginAnewWithARestart) {
   rates.see(state({.t_s = 0, .due = 1000, .used = 900}));
   rates.see(state({.t_s = 1, .due = 5, .used = 5}, RunId(2)));
   rates.see(state({.t_s = 2, .due = 35, .used = 35}, RunId(2)));
-  EXPECT_EQ(rates.of("cam0").lost_percent, 0);
+  EXPECT_EQ(rates.rate_of("cam0").lost_percent, 0);
 }
 
 TEST(Rates, TheTimeOfAFrameSetIsThatOfTheNewestOnes) {
