@@ -21,7 +21,7 @@ struct Entry {
   std::string fold;
   std::optional<double> sigmas;  // distance in standard deviations; of folded entries the largest is printed
   At at = 0;
-  bool in_text = true;  // otherwise it only says what is so from here on
+  bool in_text = true;  // false: it only sets the state from here on
 };
 
 struct Life {

@@ -13,16 +13,16 @@ struct Sums {
   std::uint32_t due = 0, used = 0, dropped = 0;
 };
 
-PublicState state(const Sums& rate_of, RunId run = RunId(1)) {
+PublicState state(const Sums& sums, RunId run = RunId(1)) {
   PublicState out;
-  out.wall_ns = to_ns(rate_of.t_s);
+  out.wall_ns = to_ns(sums.t_s);
   PublicAgent agent;
   agent.facts.name = "cam0";
   agent.run = run;
-  agent.facts.bytes_up = rate_of.up;
-  agent.facts.status.dropped = rate_of.dropped;
-  agent.frames_due = rate_of.due;
-  agent.frames_used = rate_of.used;
+  agent.facts.bytes_up = sums.up;
+  agent.facts.status.dropped = sums.dropped;
+  agent.frames_due = sums.due;
+  agent.frames_used = sums.used;
   out.agents.push_back(agent);
   return out;
 }
