@@ -8,8 +8,8 @@
 Two figures per folder, over agent, common, deploy and the wings of server:
   subject   header comments that begin without a subject ("Of the newest.", "The same, later."), in percent; such a
             comment cannot be read alone, in a tooltip or a search hit
-  pronoun   variables, parameters, fields and functions whose name is a pronoun, preposition or participle ("of", "own"),
-            per 1000 lines; such a name cannot be searched for and does not say what it holds
+  pronoun   variables, parameters, fields and functions named by a pronoun, preposition or participle ("of", "own"), per
+            1000 lines; such a name cannot be searched for and does not say what it holds
 MOST holds the largest figures that are allowed: whoever brings one down lowers it there. --list names the places.
 Prints `file:1: rule: what is wrong` for each breach. Exit code 0: none; 1: some; 2: wrong usage.
 """
@@ -21,32 +21,32 @@ import sys
 
 # For each folder the most percent of comments without a subject and the most pronouns per 1000 lines.
 MOST = {
-    "agent": (100.0, 100.0),
-    "common": (100.0, 100.0),
-    "deploy": (100.0, 100.0),
-    "server/app": (100.0, 100.0),
-    "server/estimator": (100.0, 100.0),
-    "server/fleet": (100.0, 100.0),
-    "server/keep": (100.0, 100.0),
-    "server/show": (100.0, 100.0),
+    "agent": (1.0, 1.0),
+    "common": (1.0, 1.0),
+    "deploy": (1.0, 1.0),
+    "server/app": (23.0, 2.5),
+    "server/estimator": (40.0, 14.0),
+    "server/fleet": (1.0, 1.0),
+    "server/keep": (1.0, 1.0),
+    "server/show": (1.0, 1.0),
 }
-SLACK = 0.5  # a figure that is further below its maximum than this is reported
+SLACK = 1.0  # a figure that is further below its maximum than this is told
 
 # First words that leave out the subject or refer to another comment.
 BEGINNING = re.compile(
-    r"(its?|those|same|of|what|who|whose|whom|that|nothing|not|now|only|as|by|from|where|they|them|th[ie]s|these|such|so|"
-    r"also|another|else|then|there|here|the (same|ones?|others?)|which)\b(?!-)"
+    r"(its?|those|same|of|what|who|whose|whom|which|that|nothing|not|now|only|as|by|from|where|they|them|this|these|"
+    r"such|so|also|another|else|then|there|here|the (same|ones?|others?))\b(?!-)"
     # "All agents that ..." names a subject, "All that ..." does not.
-    r"|(one|all|some|most|none|both|each)\b(?= *(?:[,.:;(]|$|(?:that|of|who|which|in|on|at|with|after|before|is|are|was|has|have|by|"
-    r"and|or|but|to|from|for|it|they)\b))"
+    r"|(one|all|some|most|none|both|each)\b(?= *(?:[,.:;(]|$|(?:that|of|who|which|in|on|at|with|after|before|is|are|was|"
+    r"has|have|by|and|or|but|to|from|for|it|they)\b))"
     # "How many frames ..." is followed by its noun, "How it ..." is not.
     r"|how\b(?! (?:many|much) (?!(?:of|it|they|is|are|was|at|to|there|the|a|an)\b)\w)",
     re.IGNORECASE,
 )
 PRONOUN = re.compile(
     r"(?:(?<!\w)(?!(?:return|else|throw|case|new|delete|not|sizeof)\b)\w+|(?<=\S)>)[&*]*\s+"
-    r"(of|own|gone|as|here|kept|then|there|mine|ours|said|it|its|by|since|told|went|from_there|who|whom|which|what|where|"
-    r"some|others|with|without)_?(?=\s*[;,=(){[:])"
+    r"(of|own|gone|as|here|kept|then|there|mine|ours|said|it|its|by|since|told|went|from_there|who|whom|which|what|"
+    r"where|some|others|with|without)_?(?=\s*[;,=(){[:])"
 )
 NO_CODE = re.compile(r"""R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+'|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 
@@ -125,7 +125,7 @@ def main() -> int:
             if round(figure, 1) > most:
                 print(f"{folder}:1: {rule}: {figure:.1f}, and {most} is the most: --list names the places")
                 found += 1
-            elif figure < most - SLACK:
+            elif count["lines"] and figure < most - SLACK:
                 print(f"{folder}: {rule}: {figure:.1f}: the maximum, {most}, can be lowered in MOST")
     print(f"check_words.py: {len(files)} files, {found} figures above their maximum")
     return 1 if found else 0

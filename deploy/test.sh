@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # deploy/test.sh [--werror] [--lint [--base REF] | --full]
 #
-# From a fresh checkout to the test result: installs what is missing, builds everything, checks format and layers, runs
-# all tests. All parts run even when one fails; the exit code is 0 when all passed. At the end stands how each part ended
-# and how long it took.
+# From a fresh checkout to the test result: installs what is missing, builds everything, checks format, layers and
+# words, runs all tests. All parts run even when one fails; the exit code is 0 when all passed. At the end stands how
+# each part ended and how long it took.
 #   --werror     compiler warnings are errors
 #   --lint       also clang-tidy on the files changed since REF (see deploy/lint.sh)
 #   --base REF   what --lint compares with
@@ -69,6 +69,7 @@ rm -f -- "$log"
 "$root/deploy/setup.sh" --lint --test --browser || exit
 check format "$root/deploy/lint.sh" --format
 check layers python3 "$root/deploy/check_layers.py"
+check words python3 "$root/deploy/check_words.py"
 [[ $lint == no ]] || check lint "$root/deploy/lint.sh" --tidy "${lint_options[@]}"
 check build "$root/deploy/build.sh" --preset "$preset"
 # Without a build there are no tests, or those of another day.

@@ -52,7 +52,8 @@ without() { grep -v -- "$1"; }
 
 checks='setup.sh --lint --test --browser
 lint.sh --format
-python3 TREE/deploy/check_layers.py'
+python3 TREE/deploy/check_layers.py
+python3 TREE/deploy/check_words.py'
 run='build.sh --preset release
 ctest --test-dir TREE/build --parallel 2 --output-on-failure --no-tests=error'
 more='build.sh --preset asan --target unit_tests
@@ -67,7 +68,7 @@ calls_of none --werror --lint --base HEAD
 expect 0 "$checks"$'\nlint.sh --tidy --base HEAD\n'"${run/release/ci}" '--werror --lint --base HEAD'
 calls_of none --full
 expect 0 "$full" --full
-for part in format layers build tests asan tsan tidy; do
+for part in format layers words build tests asan tsan tidy; do
   grep -qE "^$part +passed +[0-9]+ s$" <<<"$output" || fail "test.sh --full says nothing of the part $part: $output"
 done
 # Whatever fails, the other parts run, and the exit code says it; only what was not built is not tested.

@@ -338,7 +338,7 @@ class Section:
             if program == "systemctl":
                 expect((SOURCE / f"deploy/systemd/{words[-1]}.service").exists(), f"there is no service {words[-1]}")
             return f"of others: {OF_OTHERS[program]}"
-        if program == "deploy/check_layers.py" or words == ["deploy/test-field.sh", "--list"]:
+        if program in ("deploy/check_layers.py", "deploy/check_words.py") or words == ["deploy/test-field.sh", "--list"]:
             expect(self.ran(words) or program.endswith(".py"), "it prints nothing")
             return "run"
         if program in CHECKED:
