@@ -25,7 +25,7 @@ MOST = {
     "common": (1.0, 1.0),
     "deploy": (1.0, 1.0),
     "server/app": (23.0, 2.5),
-    "server/estimator": (40.0, 14.0),
+    "server/estimator": (40.0, 15.0),
     "server/fleet": (1.0, 1.0),
     "server/keep": (1.0, 1.0),
     "server/show": (1.0, 1.0),
@@ -43,10 +43,15 @@ BEGINNING = re.compile(
     r"|how\b(?! (?:many|much) (?!(?:of|it|they|is|are|was|at|to|there|the|a|an)\b)\w)",
     re.IGNORECASE,
 )
-PRONOUN = re.compile(
-    r"(?:(?<!\w)(?!(?:return|else|throw|case|new|delete|not|sizeof)\b)\w+|(?<=\S)>)[&*]*\s+"
+PRONOUNS = (
     r"(of|own|gone|as|here|kept|then|there|mine|ours|said|it|its|by|since|told|went|from_there|who|whom|which|what|"
-    r"where|some|others|with|without)_?(?=\s*[;,=(){[:])"
+    r"where|some|others|with|without)_?"
+)
+# Behind its type, behind the comma in `int number = 0, of = 1`, or in a structured binding.
+PRONOUN = re.compile(
+    r"(?:(?:(?<!\w)(?!(?:return|else|throw|case|new|delete|not|sizeof)\b)\w+|(?<=\S)>)[&*]*\s+"
+    rf"|,\s+(?={PRONOUNS}(?: = |;|\{{))|\bauto&{{0,2}} \[(?:\w+, )*)"
+    rf"{PRONOUNS}(?=\s*[;,=(){{\[\]:])"
 )
 NO_CODE = re.compile(r"""R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+'|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 
@@ -78,7 +83,7 @@ def pronouns_of(text: str):
     """(line number, name) of each declaration of a name from the list."""
     code = NO_CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]) if m[0].startswith("/") else '""', text)
     for match in PRONOUN.finditer(code):
-        yield code.count("\n", 0, match.start(1)) + 1, match[1]
+        yield code.count("\n", 0, match.start(2)) + 1, match[2]
 
 
 def folder_of(path: str) -> str:

@@ -51,9 +51,9 @@ Words sections_in(const Words& known) {
 
 // How far the sections of a path are among those of another, wherever they stand there: 2 for each, 1 if nearly so.
 int shared_sections(const std::string& path, const std::string& other) {
-  const Words steps = sections_in({path}), others = sections_in({other});
+  const Words steps = sections_in({path}), other_steps = sections_in({other});
   Words names;
-  for (const std::string& section : others) names.push_back(last_step(section));
+  for (const std::string& section : other_steps) names.push_back(last_step(section));
   int shared = 0;
   for (const std::string& section : steps) {
     const std::string name = last_step(section);

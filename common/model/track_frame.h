@@ -100,7 +100,7 @@ PatchGrey quantised_patch(const PatchGrey& grey);
 
 // Position of a part in a reply: the wire carries replies in parts, see common/wire/reply_parts.h.
 struct ReplyPart {
-  std::uint16_t number = 0, of = 1;
+  std::uint16_t number = 0, count = 1;
 };
 
 struct PatchReply {  // answer to MapPatch::patch_requests, cut from the image of `frame`

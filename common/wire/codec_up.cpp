@@ -229,7 +229,7 @@ idl::PatchReply encode(const PatchReply& r) {
   COSLAM_CHECK(r.patches.size() <= idl::MAX_PART, "more patches than a part may carry");
   idl::PatchReply m;
   m.part(r.part.number);
-  m.parts(r.part.of);
+  m.parts(r.part.count);
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
   m.agent(r.agent);
@@ -262,7 +262,7 @@ idl::DescriptorReply encode(const DescriptorReply& r) {
   COSLAM_CHECK(r.descriptors.size() == r.tracks.size() * kDescriptorBytes, "one descriptor a track");
   idl::DescriptorReply m;
   m.part(r.part.number);
-  m.parts(r.part.of);
+  m.parts(r.part.count);
   m.agent_run(r.agent_run.value);
   m.frame(r.frame.value);
   m.agent(r.agent);

@@ -71,10 +71,10 @@ std::optional<Rejection> PartJoiner<Reply>::add(Reply part) {
       gathered_.pop_front();
       reason = Rejection::kOverflow;
     }
-    gathered_.push_back({part.frame, std::vector<std::optional<Reply>>(part.part.of), part.part.of});
+    gathered_.push_back({part.frame, std::vector<std::optional<Reply>>(part.part.count), part.part.count});
     found = std::prev(gathered_.end());
   }
-  if (found->parts.size() != part.part.of) return Rejection::kSizeMismatch;
+  if (found->parts.size() != part.part.count) return Rejection::kSizeMismatch;
   std::optional<Reply>& place = found->parts[part.part.number];
   if (place) return Rejection::kDuplicate;
   place = std::move(part);

@@ -34,15 +34,15 @@ struct Descriptor : ChainedDescriptor {
 std::uint32_t source_towards(std::uint32_t address) {
   const int s = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (s < 0) return 0;
-  sockaddr_in peer{}, own{};
+  sockaddr_in peer{}, local{};
   peer.sin_family = AF_INET;
   peer.sin_port = htons(9);
   peer.sin_addr.s_addr = htonl(address);
-  socklen_t size = sizeof own;
+  socklen_t size = sizeof local;
   const bool found = connect(s, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) == 0 &&
-                     getsockname(s, reinterpret_cast<sockaddr*>(&own), &size) == 0;
+                     getsockname(s, reinterpret_cast<sockaddr*>(&local), &size) == 0;
   ::close(s);
-  return found ? ntohl(own.sin_addr.s_addr) : 0;
+  return found ? ntohl(local.sin_addr.s_addr) : 0;
 }
 
 // Of the sockets on this host's chosen interfaces, the one by which a peer is written to. The middleware opens them in

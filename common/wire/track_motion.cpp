@@ -124,7 +124,7 @@ void TrackPredictor::observe(Units to) {
 Units TrackPredictor::deviation_near(Units at) const {
   struct Neighbour {
     std::int64_t distance = INT64_MAX;
-    Units deviation;
+    Units offset;
   };
   std::array<Neighbour, kNeighbours> nearest;  // ascending
   for (const Deviation& d : seen_) {
@@ -132,7 +132,7 @@ Units TrackPredictor::deviation_near(Units at) const {
     if (distance >= nearest.back().distance) continue;
     std::size_t place = kNeighbours - 1;
     for (; place > 0 && nearest[place - 1].distance > distance; --place) nearest[place] = nearest[place - 1];
-    nearest[place] = {distance, d.by};
+    nearest[place] = {distance, d.offset};
   }
   constexpr std::int64_t kOne = 1LL << 40;
   std::int64_t sum = kOne / (kFar * kFar), x = 0, y = 0;
@@ -140,8 +140,8 @@ Units TrackPredictor::deviation_near(Units at) const {
     if (n.distance == INT64_MAX) break;
     const std::int64_t weight = kOne / (n.distance + kNear * kNear);
     sum += weight;
-    x += weight * n.by.x;
-    y += weight * n.by.y;
+    x += weight * n.offset.x;
+    y += weight * n.offset.y;
   }
   return {static_cast<std::int32_t>(x / sum), static_cast<std::int32_t>(y / sum)};
 }

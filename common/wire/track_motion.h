@@ -48,7 +48,7 @@ class TrackPredictor {
 
  private:
   struct Deviation {
-    Units from, by;
+    Units from, offset;
   };
 
   Units deviation_near(Units at) const;

@@ -58,10 +58,10 @@ int list(const MapArguments& arguments) {
   const double mib = static_cast<double>(std::filesystem::file_size(file.path())) / (1U << 20U);
   std::printf("%s: %.1f MiB, saved %s\n", file.path().c_str(), mib,
               file.saved_ns() ? format_utc(*file.saved_ns(), "%Y-%m-%d %H:%M:%S UTC").c_str() : "never");
-  for (const auto& [id, of] : census(map)) {
+  for (const auto& [id, counts] : census(map)) {
     std::printf("map %u%s: %d points, %d of them moving; key frames of all maps: %zu\n", id.value,
-                map.is_metric(id) ? " (metres)" : "", of.points, of.moving, map.key_frames().size());
-    for (const auto& [camera, frames] : of.frames)
+                map.is_metric(id) ? " (metres)" : "", counts.points, counts.moving, map.key_frames().size());
+    for (const auto& [camera, frames] : counts.frames)
       std::printf("  %s: %d frames\n", map.camera(camera).name.c_str(), frames);
   }
   return 0;

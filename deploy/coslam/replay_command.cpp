@@ -73,7 +73,7 @@ class Costs {
     }
     const DurationHistogram sets = stage_histogram(server, "frame_set");
     double map_mib = 0;
-    for (const auto& [what, bytes] : server.memory()) map_mib += static_cast<double>(bytes) / (1U << 20U);
+    for (const auto& [part, bytes] : server.memory()) map_mib += static_cast<double>(bytes) / (1U << 20U);
     std::size_t frames = 0;
     for (const MapCamera& c : server.map().cameras()) frames += c.frames.size();
     const double sum_ms = 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;

@@ -174,7 +174,7 @@ Json maps_report(const MapServer& server) {
 Json memory_report(const MemoryUse& use) {
   constexpr double kMib = 1 << 20;
   Json out = Json::object();
-  for (const auto& [what, bytes] : use) out[what] = static_cast<double>(bytes) / kMib;
+  for (const auto& [part, bytes] : use) out[part] = static_cast<double>(bytes) / kMib;
   return out;
 }
 

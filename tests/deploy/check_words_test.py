@@ -69,8 +69,11 @@ class CheckWords(unittest.TestCase):
                 "void f(MapId of, const Map& as, std::vector<int>* told);\n"
                 "struct S { std::array<int, 3> gone{}; bool told_ = false; };\n"
                 "std::string said() const;\n"
-                "for (const auto& there : all) g(there);\n")
-        expected = [f"pronoun: {name}" for name in ("own", "of", "as", "told", "gone", "told", "said", "there")]
+                "for (const auto& there : all) g(there);\n"
+                "int number = 0, some = 1;\n"
+                "for (const auto& [id, which] : all) g(which, id);\n")
+        expected = [f"pronoun: {name}" for name in (
+            "own", "of", "as", "told", "gone", "told", "said", "there", "some", "which")]
         self.assertEqual(self.places_in(text, "agent/a.cpp"), expected)
 
     def test_uses_and_other_names(self) -> None:

@@ -184,8 +184,9 @@ Findings judge_neighbours(const FleetFacts& facts, bool somebody) {
   Findings out;
   for (const Neighbour& n : facts.next_door) {
     const bool in_fleet = is_ours(n.name);
-    const std::string number = std::to_string(n.domain), where = " in domain " + number + " at " + text_of(n.address);
-    const std::string found = (n.name.empty() ? "somebody who cannot be read" : who_is(n.name)) + where;
+    const std::string number = std::to_string(n.domain),
+                      at_address = " in domain " + number + " at " + text_of(n.address);
+    const std::string found = (n.name.empty() ? "somebody who cannot be read" : who_is(n.name)) + at_address;
     if (in_fleet && !somebody) {
       out.push_back({Grade::kFail, "domain " + number, found + ", and nobody in domain " + std::to_string(facts.domain),
                      "--domain " + number});

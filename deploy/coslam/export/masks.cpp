@@ -36,8 +36,8 @@ class MovingThings {
         bodies_[row.t_ns].push_back({row.position});
       }
     });
-    for (auto& [t_ns, of] : objects) {
-      for (auto& [id, points] : of) bodies_[t_ns].push_back(std::move(points));
+    for (auto& [t_ns, objects_at_t] : objects) {
+      for (auto& [id, points] : objects_at_t) bodies_[t_ns].push_back(std::move(points));
     }
   }
 

@@ -58,7 +58,7 @@ void Admission::alive(RunId run) {
 }
 
 void Admission::silent(RunId run) { fell_silent(run, Life::kSilent); }
-void Admission::gone(RunId run) { fell_silent(run, Life::kGone); }
+void Admission::note_gone(RunId run) { fell_silent(run, Life::kGone); }
 
 void Admission::fell_silent(RunId run, Life life) {
   Seat* holder = seat_of(run);

@@ -25,7 +25,7 @@ class Admission {
   void hello(const Hello& hello, Instant now);
   void alive(RunId run);
   void silent(RunId run);
-  void gone(RunId run);
+  void note_gone(RunId run);
   void tick(Instant now);
   void refuse(const std::string& agent, RunId run, const std::string& reason);
 

@@ -257,7 +257,7 @@ class DdsServerLink : public ServerLink {
     const auto run = speakers_.run_of(writer);  // of hellos, whose writers are the agents' signs of life
     if (!run) return;
     sessions_.presence(*run, presence);
-    if (presence == Presence::kGone) speakers_.gone(writer);
+    if (presence == Presence::kGone) speakers_.note_gone(writer);
     after_change(ends);
   }
 

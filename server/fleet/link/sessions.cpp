@@ -131,7 +131,7 @@ void Sessions::presence(RunId run, Presence presence) {
   }
   if (presence == Presence::kGone) {
     if (found != sessions_.end()) end(run, found->second);
-    admission_.gone(run);
+    admission_.note_gone(run);
     early_.erase(run);
   }
   settle();

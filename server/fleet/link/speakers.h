@@ -20,7 +20,7 @@ class Speakers {
   // its Hello are judged elsewhere.
   bool may_say(RunId run, const WriterId& writer, bool is_hello);
   std::optional<RunId> run_of(const WriterId& writer) const;
-  void gone(const WriterId& writer) { run_of_.erase(process_of(writer)); }
+  void note_gone(const WriterId& writer) { run_of_.erase(process_of(writer)); }
 
  private:
   using Process = std::array<std::uint8_t, 12>;  // the part that all writers of a participant share

@@ -63,7 +63,7 @@ void put_map(const PublicState& state, MetricsText* text) {
 void put_losses(const PublicState& state, MetricsText* text) {
   text->begin("coslam_lost_total", Kind::kCounter,
               "Frames, frame sets and replies that were not used, by what became of them");
-  for (const auto& [what, n] : state.loop.lost) text->value(static_cast<double>(n), {{"what", what}});
+  for (const auto& [cause, n] : state.loop.lost) text->value(static_cast<double>(n), {{"what", cause}});
   text->begin("coslam_rejected_total", Kind::kCounter, "Samples and datagrams that were not used, by reason");
   for (const auto& [reason, n] : state.loop.rejected) text->value(static_cast<double>(n), {{"reason", reason}});
 }
@@ -124,8 +124,8 @@ void MetricsText::value(double value, std::initializer_list<Label> labels, std::
   text_ += name_;
   text_ += suffix;
   const char* before = "{";
-  for (const auto& [label, of] : labels) {
-    text_ += before + std::string(label) + "=\"" + escaped(of) + '"';
+  for (const auto& [label, content] : labels) {
+    text_ += before + std::string(label) + "=\"" + escaped(content) + '"';
     before = ",";
   }
   if (labels.size() > 0) text_ += '}';

@@ -19,7 +19,7 @@ Subscriber::Subscriber(WebInside& inside, beast::tcp_stream stream) : Connection
 }
 
 Subscriber::~Subscriber() {
-  gone();
+  note_closed();
   --inside_.counts.subscribers;
 }
 
@@ -58,7 +58,7 @@ void Subscriber::on_text(beast::error_code error) {
         error.category() == make_error_code(websocket::error::closed).category()) {
       ++inside_.counts.refused;  // a broken frame; the stream has said so
     }
-    return gone();
+    return note_closed();
   }
   const auto data = buffer_.cdata();
   const bool good = stream_.got_text() && state_ == State::kOpen &&
@@ -113,7 +113,7 @@ void Subscriber::pump() {
 }
 
 void Subscriber::on_sent(beast::error_code error) {
-  if (error) return gone();
+  if (error) return note_closed();
   if (going_->body) ++inside_.counts.sent;
   going_.reset();
   pump();
@@ -124,7 +124,7 @@ void Subscriber::check(Clock::time_point now) {
 }
 
 void Subscriber::end() {
-  if (!joined_) return gone();
+  if (!joined_) return note_closed();
   leave(websocket::close_code::going_away, "the map server ends");
 }
 
@@ -139,16 +139,16 @@ void Subscriber::leave(websocket::close_code code, const std::string& why) {
 void Subscriber::close_now() {
   state_ = State::kClosed;
   inside_.hub.leave(*this);
-  stream_.async_close(reason_, [self = shared_from_this()](beast::error_code) { self->gone(); });
+  stream_.async_close(reason_, [self = shared_from_this()](beast::error_code) { self->note_closed(); });
 }
 
 void Subscriber::cut_off() {
   if (state_ == State::kClosed) return;
   ++inside_.counts.cut_off;
-  gone();
+  note_closed();
 }
 
-void Subscriber::gone() {
+void Subscriber::note_closed() {
   state_ = State::kClosed;
   beast::get_lowest_layer(stream_).close();
   outbox_.drop_all();

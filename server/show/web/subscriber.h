@@ -48,7 +48,7 @@ class Subscriber final : public Connection, public HubClient, public std::enable
   void close_now();
   // Without a word.
   void cut_off();
-  void gone();
+  void note_closed();
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
   Request request_;

@@ -65,7 +65,7 @@ TEST_F(ReplyPartsTest, WhatDoesNotFitIsTurnedDown) {
   auto parts = in_parts(reply(5, 40));
   EXPECT_EQ(joiner_.add(parts[0]), std::nullopt);
   EXPECT_EQ(joiner_.add(parts[0]), Rejection::kDuplicate);
-  parts[1].part.of = 4;
+  parts[1].part.count = 4;
   EXPECT_EQ(joiner_.add(parts[1]), Rejection::kSizeMismatch);
 }
 

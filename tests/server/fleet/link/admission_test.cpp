@@ -106,7 +106,7 @@ TEST_F(AdmissionTest, SilenceAloneCostsNoSeat) {
 TEST_F(AdmissionTest, ARunThatWasGoneIsAdmittedAgain) {
   admission_.hello(hello("a", 1), now_);
   EXPECT_THAT(admitted(), ElementsAre(1));
-  admission_.gone(RunId(1));
+  admission_.note_gone(RunId(1));
   EXPECT_FALSE(admission_.present(RunId(1)));
   EXPECT_EQ(admission_.check("a", RunId(1)), std::nullopt);
   EXPECT_THAT(admitted(), ElementsAre(1));
@@ -136,7 +136,7 @@ TEST_F(AdmissionTest, RoomIsBoundedAndThatOfGoneAgentsIsReused) {
   EXPECT_EQ(admitted().size(), 64u);
   admission_.hello(hello("more", 1), now_);
   EXPECT_THAT(refusal_of(1), HasSubstr("no room"));
-  admission_.gone(RunId(110));
+  admission_.note_gone(RunId(110));
   admission_.hello(hello("more", 2), now_);
   EXPECT_THAT(admitted(), ElementsAre(2));
 }

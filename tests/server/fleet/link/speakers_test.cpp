@@ -36,7 +36,7 @@ TEST(SpeakersTest, OneRunAProcess) {
 TEST(SpeakersTest, WhoIsGoneMayComeBack) {
   Speakers speakers;
   EXPECT_TRUE(speakers.may_say(RunId(1), writer(1, 1), true));
-  speakers.gone(writer(1, 1));
+  speakers.note_gone(writer(1, 1));
   EXPECT_TRUE(speakers.may_say(RunId(1), writer(1, 1), true));
 }
 
