@@ -73,10 +73,10 @@ class Agent {
         std::unique_ptr<FeatureTracker> tracker);
 
   void track(const Image& image);
-  // Between the two: what is described. Its reply goes with this frame.
+  // Finishes a description between track() and finish(); its reply goes with this frame.
   DescriptorReply take(const DescribeEnd& end);
   AgentOutput finish(std::span<const MapPatch> patches, Answers answers = {});
-  // At the end: what the newest image shows at its tracks. Empty without one.
+  // Describes the features of the newest image at its tracks, when the run ends. Empty without an image.
   std::optional<DescriptorReply> describe_last();
   std::optional<FrameId> described() const { return described_; }  // the newest image that was
 

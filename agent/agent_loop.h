@@ -49,8 +49,8 @@ class AgentLoop {
   // Sets the position in the source where it begins, for the report.
   void plays_from(double start_s) { start_s_ = start_s; }
 
-  // One image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting. Throws
-  // UserError when the server is gone in lock-step or turned this agent away.
+  // Processes one image; false at the end of the feed, and in lock-step when the server stops. stop: give up waiting.
+  // Throws UserError when the server is gone in lock-step or turned this agent away.
   bool step(const std::atomic<bool>& stop);
   // Tells the server that this agent has ended, with its report and what its last image shows.
   void finish(const std::atomic<bool>& stop);
@@ -87,7 +87,7 @@ class AgentLoop {
   SendRate send_rate_;
   ReplyRate reply_rate_;
   double delivered_bytes_ = 0;  // size of the delivered replies
-  // When replies last waited for a link that carries little.
+  // Time when replies last waited for a link that carries little.
   std::optional<std::chrono::steady_clock::time_point> full_;
   std::optional<FrameId> last_sent_;
   std::optional<TrackFrame> not_sent_;  // the newest, on a link that does not carry all

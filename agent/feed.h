@@ -24,8 +24,9 @@ class Feed {
 std::unique_ptr<Feed> direct_feed(std::unique_ptr<ImageSource> source);
 // Gives images as fast as they are taken, read ahead in a thread.
 std::unique_ptr<Feed> prefetching_feed(std::unique_ptr<ImageSource> source);
-// In real time: played time 0 is at start_utc_ns, and time runs `rate` times as fast. Images that the taker has no time
-// for, beyond a short queue, are dropped, oldest first, and counted. Live sources set the pace themselves.
+// Gives images in real time: played time 0 is at start_utc_ns, and time runs `rate` times as fast. Images that the
+// taker has no time for, beyond a short queue, are dropped, oldest first, and counted. Live sources set the pace
+// themselves.
 std::unique_ptr<Feed> real_time_feed(std::unique_ptr<ImageSource> source, double rate, TimeNs start_utc_ns);
 
 }  // namespace coslam

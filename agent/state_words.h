@@ -16,7 +16,7 @@ namespace coslam {
 // a second. Pure: time is an argument. Thread-compatible.
 class StateWords {
  public:
-  // Once a frame.
+  // Sentence on the server, to be asked once a frame.
   std::optional<std::string> server(bool alive, Instant now) { return server_.note(alive, now); }
   std::optional<std::string> pose(PoseState state, Instant now) {
     return pose_.note(state == PoseState::kTracked, now);

@@ -28,7 +28,7 @@ class DeepLevels {
   struct Limits {
     double low = 0, high = 0;
   };
-  // Empty while there was no such image.
+  // Limits of the newest such image; empty while there was none.
   const std::optional<Limits>& limits() const { return limits_; }
 
  private:
@@ -38,7 +38,7 @@ class DeepLevels {
 // The images of one source, as CV_8UC1.
 class GreyReader {
  public:
-  // Empty when the file is missing, truncated or no image.
+  // Reads an image file; empty when it is missing, truncated or no image.
   cv::Mat read(const std::filesystem::path& file);
   // Decodes the content of such a file.
   cv::Mat decode(const std::vector<unsigned char>& octets);

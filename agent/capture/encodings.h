@@ -41,7 +41,7 @@ class OctetOrder {
 std::string why_not_grey(const RawImage& image);
 
 bool is_known_encoding(std::string_view encoding);
-// For the user.
+// List of the known encodings, for the user.
 std::string known_encodings();
 
 }  // namespace coslam

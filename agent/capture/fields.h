@@ -32,7 +32,7 @@ class FieldOrder {
   int measured_ = 0;  // pairs of images
 };
 
-// Every second row anew, halfway between those above and below: what is left is of one time.
+// Replaces every second row by the mean of those above and below: what is left is of one time.
 void keep_first_field(cv::Mat& image, Fields order);
 
 }  // namespace coslam

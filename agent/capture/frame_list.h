@@ -36,7 +36,7 @@ FrameList list_images(const std::filesystem::path& folder, double rate_hz);
 // recordings the drive, image_NN or its data), else images.
 FrameList list_folder(const std::filesystem::path& folder, double rate_hz);
 
-// One time a line, see source_times(): one for each image, none where it is to be left out.
+// Reads a file with one time a line, see source_times(): one for each image, none where it is to be left out.
 SourceTimes read_times(const std::filesystem::path& file);
 
 }  // namespace coslam

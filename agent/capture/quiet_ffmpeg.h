@@ -8,7 +8,7 @@ extern "C" {
 
 namespace coslam {
 
-// While one lives, FFmpeg does not print what it thinks of a file that is only asked whether it is a video.
+// Silences FFmpeg while an object of this class lives: a file is only asked whether it is a video.
 class QuietFfmpeg {
  public:
   QuietFfmpeg() : level_(av_log_get_level()) { av_log_set_level(AV_LOG_QUIET); }

@@ -27,7 +27,7 @@ class ImageSource {
   // The file that the next image is, of sources that are lists of them; empty: it is part of one, or of none. By
   // next() images are read ahead, and it is not known any more.
   virtual std::filesystem::path peek_file() const { return {}; }
-  // About how many images are left, where that is known without going through them.
+  // Estimated number of images left, where that is known without going through them.
   virtual std::optional<int> about_left() const { return std::nullopt; }
   virtual bool live() const { return false; }
   // Images passed over so far, as they have no time of their own: no stamp, or one that is not later.

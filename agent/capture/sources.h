@@ -28,7 +28,7 @@ std::string without_times(const std::string& name, double rate_hz);
 // Turns interlaced images into images of one field; `name` as the user called the source.
 std::unique_ptr<ImageSource> of_one_field(std::unique_ptr<ImageSource> source, std::string name);
 std::unique_ptr<ImageSource> covered_at_times(std::unique_ptr<ImageSource> source, std::vector<TimeSpan> covered);
-// Any kind that plays from now on.
+// Whether the source plays from now on, of any kind.
 bool is_live_uri(const std::string& uri);
 
 // Whether a source time is played, and as what.

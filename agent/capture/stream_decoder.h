@@ -26,7 +26,7 @@ class StreamDecoder {
   virtual bool grab() = 0;
   // Pixels of the frame that was grabbed last, CV_8UC3 as BGR. Empty: it could not be decoded.
   virtual cv::Mat bgr() = 0;
-  // When it is to be shown, from the start of the stream on; empty: the container does not say.
+  // Time when the frame is to be shown, from the start of the stream on; empty: the container does not say.
   virtual std::optional<double> time_s() const = 0;
   // Parts of it did not arrive, or of one that it was made from: they are made up.
   virtual bool concealed() const = 0;

@@ -15,7 +15,7 @@ namespace coslam {
 class KeptCode {
  public:
   explicit KeptCode(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  // In $COSLAM_CACHE/gpu or ~/.cache/coslam/gpu; without either nothing is kept.
+  // The store in $COSLAM_CACHE/gpu or ~/.cache/coslam/gpu; without either nothing is kept.
   static KeptCode of_user();
 
   std::optional<std::vector<char>> find(const std::string& key) const;

@@ -17,7 +17,7 @@ std::vector<std::string> tracker_devices();
 // The matcher that config.device asks for. Throws UserError for a device that is named and cannot be used.
 std::unique_ptr<Matcher> matcher_for(const TrackerConfig& config);
 
-// Goes on with the CPU, after a warning, from the call on where the device fails.
+// Matches on the device, and on the CPU, after a warning, from the call on where the device fails.
 std::unique_ptr<Matcher> with_fallback(DeviceMatcher device, const TrackerConfig& config);
 
 }  // namespace coslam

@@ -62,7 +62,8 @@ class AgentLink {
   virtual std::optional<ServerStatus> server_status() const = 0;
   // Waits for a status that arrived after the last call of this function; empty at the timeout.
   virtual std::optional<ServerStatus> wait_server_status(std::chrono::milliseconds timeout) = 0;
-  // False before the first status and while the server is silent (killed, or the network is cut).
+  // Whether the server gives signs of life; false before the first status and while it is silent (killed, or the
+  // network is cut).
   virtual bool server_alive() const = 0;
 
   // The server's newest account of this run's images; empty before the first.

@@ -37,7 +37,7 @@ class Inbox {
   std::optional<MapPatch> pop();
   // Newest frame that the present server has answered, whether the answer was popped or not.
   std::optional<FrameId> acknowledged() const { return acknowledged_; }
-  // True when the patch that answers this frame, or a later one, was popped.
+  // Whether the patch that answers this frame, or a later one, was popped.
   bool answered(FrameId frame) const { return credit_ && *credit_ >= frame; }
 
   const std::optional<ServerStatus>& status() const { return status_; }

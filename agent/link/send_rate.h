@@ -25,10 +25,10 @@ class SendRate {
   // A message of the server. uplink_wait_s: how much longer than at best the newest frame took, as the server says;
   // downlink_s: how long the message took, give or take what the clocks differ by. full: no room is left over.
   void heard(double uplink_wait_s, double downlink_s, bool full, Instant now);
-  // Once a frame, while the server lives: hearing nothing is as bad as hearing late.
+  // Tells the time once a frame, while the server lives: hearing nothing is as bad as hearing late.
   void tick(Instant now);
 
-  // One frame in so many.
+  // Number of frames of which one is sent.
   int one_in() const { return one_in_; }
   // The link carries less than everything, as far as is known: what is not urgent waits.
   bool narrow() const { return one_in_ > 1; }

@@ -28,7 +28,7 @@ class OwnMap {
 
   // A frame with a good pose, and all its tracks, ascending; others are forgotten.
   void observe(const Rigid3& cam_from_world, const std::vector<TrackObservation>& tracks);
-  // Empty while its views do not tell where it is, or contradict each other.
+  // Position of a track's point; empty while its views do not tell it, or contradict each other.
   std::optional<Point> find(TrackId track) const;
 
   // The frame of the poses changed.

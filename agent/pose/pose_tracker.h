@@ -46,7 +46,7 @@ class PoseTracker {
   double inlier_hull_fraction() const { return hull_; }
 
  private:
-  // Since the newest pose; nothing after a gap.
+  // Time since the newest pose; empty after a gap.
   std::optional<double> steady_s(TimeNs capture_ns) const;
   void follow(TimeNs capture_ns);
   struct KnownPoints {

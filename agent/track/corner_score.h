@@ -21,7 +21,8 @@ constexpr float kScoreScale = (1 << kProductShift) / (kSobelGain * kSobelGain * 
 // call.
 class CornerScore {
  public:
-  // For the pixels [x0, x0 + cols) x [y0, y0 + rows), which may hang a little over the image into its margin.
+  // Computes the scores of the pixels [x0, x0 + cols) x [y0, y0 + rows), which may hang a little over the image into
+  // its margin.
   void compute(const PyramidLevel& image, int x0, int y0, int cols, int rows);
 
   int cols() const { return cols_; }

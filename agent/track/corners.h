@@ -30,15 +30,15 @@ class CornerFinder {
   // The grid, pixels of the level.
   std::vector<CornerCell> cells() const;
 
-  // At most `wanted` corners, none closer than min_distance_px to another or to a live track. Where something moves
-  // (moving_px: tracks that do) first, and denser. All places are pixels of level 0. look_in gives what is in the cell
-  // of an index of cells().
+  // Finds at most `wanted` corners, none closer than min_distance_px to another or to a live track. Where something
+  // moves (moving_px: tracks that do) first, and denser. All places are pixels of level 0. look_in gives what is in the
+  // cell of an index of cells().
   using LookIn = std::function<CellCorners(std::size_t cell)>;
   const std::vector<Eigen::Vector2f>& find(const LookIn& look_in, const std::vector<Eigen::Vector2f>& live_px,
                                            const std::vector<Eigen::Vector2f>& moving_px, int wanted);
 
  private:
-  // Below, all pixels are those of the level looked at.
+  // A cell of the grid; all pixels here are those of the level looked at.
   struct Cell {
     std::vector<Eigen::Vector2f> tracks;  // in it, new ones included
     int rest_images = 0;                  // left before another look: nothing was found here

@@ -40,7 +40,7 @@ int pyramid_levels(int cols, int rows, int most);
 // Image pyramid by Gaussian halving. Buffers are kept from image to image. Thread-compatible.
 class Pyramid {
  public:
-  // Fewer levels where the image is too small for them. `grey` is CV_8UC1.
+  // Builds the pyramid, with fewer levels where the image is too small for them. `grey` is CV_8UC1.
   void build(const cv::Mat& grey, int levels);
   int levels() const { return static_cast<int>(levels_.size()); }
   const PyramidLevel& level(int i) const { return levels_[static_cast<std::size_t>(i)]; }

@@ -43,7 +43,7 @@ class WorkingScale {
   double now() const { return coarse_is_enough_ ? coarse_ : finest_; }
   double finest() const { return finest_; }
 
-  // Once for each image after the first: whether it is to be compared with its half.
+  // Whether this image is to be compared with its half; to be asked once for each image after the first.
   bool due();
   // Takes the result of loss_by_halving() at the finest scale.
   void compared(double loss);

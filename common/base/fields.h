@@ -46,7 +46,7 @@ template <class T>
 Field<T, FieldKind::kInstant> instant(const char* name, T& value) {
   return {name, value};
 }
-// Means nothing to another server, or lies elsewhere in the file.
+// A field that means nothing to another server, or lies elsewhere in the file.
 template <class T>
 Field<T, FieldKind::kNotKept> not_kept(const char* name, T& value) {
   return {name, value};

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-// For the errors of those who expected another file than the one they got.
+// Hints for errors about a file of another kind than the expected one.
 namespace coslam {
 
 // Says what a file or folder is to CoSLAM and which command takes it, as the end of a sentence: "; it is a map file,

@@ -20,7 +20,7 @@ class Workers {
 
   // Parts that are done at the same time, at most.
   virtual std::size_t at_once() const { return 1; }
-  // Does the parts 0 to n - 1, each once. What a part throws is thrown when none is at work any more.
+  // Executes the parts 0 to n - 1, each once. An exception of a part is thrown when none is at work any more.
   virtual void each(std::size_t n, const Part& part) {
     for (std::size_t i = 0; i < n; ++i) part(i);
   }

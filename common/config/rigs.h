@@ -11,7 +11,7 @@ namespace coslam {
 
 class YamlValue;
 
-// One rig as YAML: the cameras behind the first one of
+// Reads one rig from YAML: the cameras behind the first one of
 //   {cameras: [cam0, cam1, ...], cam_from_first: {cam1: [x, y, z, qx, qy, qz, qw], ...}}
 //   {cameras: [cam0, cam1, ...], kalibr: camchain.yaml}      the i-th camera is cam<i> of the file (T_cn_cnm1)
 // Paths are relative to the file that the rig stands in. Throws UserError with file, line and reason.

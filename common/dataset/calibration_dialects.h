@@ -44,7 +44,7 @@ SensorCamera read_info(const ros::CameraInfo& info, const std::string& name);
 // A side of the image; what is far out of range stays so.
 int pixels(const YamlValue& value);
 
-// For a file from which nobody said which camera is meant.
+// Sentence for a file with several cameras of which none was named.
 std::string several_cameras(const std::string& names);
 
 // Sets model and coefficients from a model name of any dialect. Refuses unknown models and counts.

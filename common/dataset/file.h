@@ -43,9 +43,9 @@ class OutputFile {
   void cut(std::uintmax_t bytes);
   std::uintmax_t bytes() const { return written_ + buffer_.size(); }
 
-  // Once, when something cannot be written, and once more when it is given up: a sentence with file and cause.
+  // Sentence with file and cause, once when something cannot be written, and once more when the file is given up.
   std::optional<std::string> take_problem();
-  // Given up: nothing more is written.
+  // Whether the file was given up: nothing more is written.
   bool ended() const { return ended_; }
   // Flushes. Throws UserError when something is not written by then.
   void check();

@@ -29,7 +29,7 @@ struct FittedLens {
 // over angles up to where the farthest corner is seen. camera: size, principal point and focal lengths of that lens.
 FittedLens fit_equidistant(const CameraModel& camera, const RadiusOfAngle& radius);
 
-// For the log.
+// Sentence on a fit for the log.
 std::string fit_said(const std::string& model, const FittedLens& fit);
 
 }  // namespace coslam

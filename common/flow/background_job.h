@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-// One job at a time in a thread beside the caller's, which gives way to it. Of the thread that starts and takes.
+// Runs one job at a time in a thread beside the caller's, which gives way to it. To be used by one thread.
 template <class Result>
 class BackgroundJob {
  public:

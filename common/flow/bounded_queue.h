@@ -31,7 +31,7 @@ struct QueueCounts {
   std::uint64_t refused = 0;  // items refused: with kRefuse, when nothing could be dropped, or after close()
 };
 
-// First in, first out, between any number of threads. Thread-safe.
+// Queue between any number of threads, first in, first out. Thread-safe.
 template <class T>
 class BoundedQueue {
  public:
@@ -46,7 +46,7 @@ class BoundedQueue {
   BoundedQueue& operator=(const BoundedQueue&) = delete;
   ~BoundedQueue() = default;
 
-  // False when the item was not taken: refused, or the queue is closed (also while waiting).
+  // Adds an item; false when it was not taken: refused, or the queue is closed (also while waiting).
   bool push(T item) {
     {
       std::unique_lock lock(mutex_);

@@ -38,7 +38,7 @@ struct LensCorrection {
   };
   Eigen::Vector2d raw_from_normalized(const CameraModel& camera, const Eigen::Vector2d& n,
                                       Jacobians* jacobians = nullptr) const;
-  // Empty where it cannot be inverted.
+  // Direction of a raw pixel; empty where the model cannot be inverted.
   std::optional<Eigen::Vector2d> normalized_from_raw(const CameraModel& camera, const Eigen::Vector2d& raw_px) const;
 
   Eigen::Vector2d raw_from_undistorted(const CameraModel& camera, const Eigen::Vector2d& undistorted_px) const;
@@ -59,7 +59,7 @@ class CorrectedLens {
 
   const LensCorrection& lens() const { return lens_; }
   Eigen::Vector2d raw_from_normalized(const Eigen::Vector2d& n, LensCorrection::Jacobians* jacobians = nullptr) const;
-  // Found from a place near it, to 1e-4 px; empty where it cannot be inverted.
+  // Direction of a raw pixel, found from a place near it, to 1e-4 px; empty where the model cannot be inverted.
   std::optional<Eigen::Vector2d> normalized_from_raw(const Eigen::Vector2d& raw_px, const Eigen::Vector2d& near) const;
   std::optional<Eigen::Vector2d> undistorted_from_calibrated(const Eigen::Vector2d& calibrated_px) const;
 
@@ -70,7 +70,7 @@ class CorrectedLens {
   double per_corner2_;
 };
 
-// Every pixel of the image that the calibration has a place for has one with the correction, too.
+// Whether every pixel of the image that the calibration has a place for has one with the correction, too.
 bool is_invertible(const CameraModel& camera, const LensCorrection& lens);
 // Whether is_invertible() holds and all values are in the range that the wire carries.
 bool may_be(const CameraModel& camera, const LensCorrection& lens);

@@ -32,7 +32,7 @@ struct Rigid3 {
     return {r, -(r * translation)};
   }
   Eigen::Matrix<double, 3, 4> matrix() const;
-  // For a cam_from_world transform: the camera's centre in the world.
+  // Camera centre in the world, for a cam_from_world transform.
   Eigen::Vector3d center() const { return -(rotation.conjugate() * translation); }
 };
 

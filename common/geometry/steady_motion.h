@@ -30,7 +30,7 @@ PriorTerm prior_term(const PosePrior& prior, const Rigid3& cam_from_world);
 // the camera's own axes, so that it stays true when the world is moved under the camera.
 class SteadyMotion {
  public:
-  // Between images: after longer it may have done anything.
+  // Longest time between images that the model covers: after longer the camera may have done anything.
   static constexpr double kLongestGap_s = 0.3;
 
   // Predicts the pose dt_s after that of the image before; the same pose when the velocity is not known.
@@ -41,8 +41,8 @@ class SteadyMotion {
   // learn: the pose is valid without the prediction, so it tells how strongly the camera accelerates.
   void follow(const Rigid3& last_from_world, const Rigid3& cam_from_world, const Matrix6d& covariance, double dt_s,
               bool learn);
-  // Somebody who knows for sure says where it was since_s ago: so its newest pose is `off` (order of retract()) from
-  // where it was thought to be.
+  // Takes in exact knowledge of the pose since_s ago: the newest pose is `off` (order of retract()) from where it was
+  // thought to be.
   void correct(const Vector6d& off, double since_s);
   // The unit of length became shorter by that.
   void rescale(double factor);

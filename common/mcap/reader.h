@@ -44,7 +44,8 @@ class Reader {
 
   // Continues with the messages of these channels (none: of all) noted at from_ns or later, ordered by that time.
   void seek(std::set<std::uint16_t> channels = {}, TimeNs from_ns = 0);
-  // Empty at the end. Throws UserError: a chunk is damaged, or compressed in a way that is not known here.
+  // Next message; empty at the end. Throws UserError: a chunk is damaged, or compressed in a way that is not known
+  // here.
   std::optional<Message> next();
 
  private:

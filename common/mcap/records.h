@@ -110,7 +110,7 @@ class OctetWriter {
   std::string octets_;
 };
 
-// After the first thing that is not there everything reads as empty and ok() is false.
+// Reads values from octets. After the first one that is not there everything reads as empty and ok() is false.
 class OctetReader {
  public:
   explicit OctetReader(std::string_view octets) : octets_(octets) {}

@@ -36,8 +36,8 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  // At any time; a schema or channel that was added before gets the number that it has. encoding: "ros2msg",
-  // "jsonschema".
+  // Adds a schema at any time; a schema or channel that was added before gets the number that it has. encoding:
+  // "ros2msg", "jsonschema".
   std::uint16_t add_schema(const std::string& name, const std::string& encoding, const std::string& text);
   // schema: 0 for none. encoding: "cdr", "json".
   std::uint16_t add_channel(const std::string& topic, const std::string& encoding, std::uint16_t schema);

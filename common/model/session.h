@@ -57,7 +57,7 @@ struct AgentStatus {
   float frame_ms = 0;       // mean time of one step
   ClockExchange exchange;   // set when the stamps of the agent's images are of its own clock
   std::string report_json;  // when finished: stage times and byte counts, see docs/wire.md
-  // When finished: what the last image shows, since nobody can ask for it any more.
+  // Features of the last image, when the agent has finished: nobody can ask for them any more.
   std::optional<DescriptorReply> last_image;
 };
 

@@ -14,7 +14,7 @@ namespace coslam {
 
 inline constexpr std::size_t kMostThumbnailBytes = 5120;
 
-// Somebody at the live page wants to see what a camera sees.
+// Request for an agent's image, because somebody at the live page wants to see it.
 struct ThumbnailRequest {
   std::string agent;
   RunId agent_run, server_run;

@@ -29,12 +29,12 @@ enum class BagOp : std::uint8_t {
 // The fields of a header by their names; views of the octets that they were read from.
 class BagFields {
  public:
-  // Empty: the octets are no header.
+  // Reads a header; empty: the octets are none.
   static std::optional<BagFields> read(std::string_view header);
 
   BagOp op() const;
   std::string_view text(std::string_view name) const;  // empty where there is no such field
-  // Empty where there is no such field, or one of another size.
+  // Value of a field; empty where there is no such field, or one of another size.
   std::optional<std::uint32_t> number(std::string_view name) const;
   std::optional<std::uint64_t> long_number(std::string_view name) const;
   std::optional<TimeNs> time_ns(std::string_view name) const;

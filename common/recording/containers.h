@@ -17,7 +17,7 @@ namespace coslam::recording {
 std::unique_ptr<Recording> open_mcap(const std::filesystem::path& file, const std::string& name);
 std::unique_ptr<Recording> open_db3(const std::filesystem::path& file, const std::string& name);
 std::unique_ptr<Recording> open_bag(const std::filesystem::path& file, const std::string& name);
-// Any of these, compressed as a whole or not.
+// Opens a file of any of these formats, compressed as a whole or not.
 std::unique_ptr<Recording> open_file(const std::filesystem::path& file);
 // Several files as one recording, by time. `warning`: what is known to be missing.
 std::unique_ptr<Recording> open_parts(const std::vector<std::filesystem::path>& files, const std::string& warning);

@@ -18,7 +18,7 @@
 // Messages of Foxglove's schemas in JSON: octets are text in base64.
 namespace coslam::recording {
 
-// Empty: something else than base64.
+// Decodes base64; empty: something else.
 std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 // Discarded where it is none, or nested deeper than such messages are.
 nlohmann::json parsed_json(std::string_view text);
@@ -76,7 +76,7 @@ class JsonReader {
   bool ok_ = true;
 };
 
-// Empty: no JSON, or not of this type.
+// Reads a message from JSON; empty: no JSON, or not of this type.
 template <ros::Struct T>
 std::optional<T> from_json(std::string_view text) {
   const nlohmann::json object = parsed_json(text);

@@ -17,13 +17,13 @@ enum class MessageKind : std::uint8_t { kImage, kCompressedImage, kCameraInfo };
 // (sensor_msgs, Foxglove), as messages of sensor_msgs. What is not as it should be comes back empty.
 class MessageReader {
  public:
-  // Empty: the topic's messages are of no kind or in no form that is read.
+  // Creates a reader; empty: the topic's messages are of no kind or in no form that is read.
   static std::optional<MessageReader> for_topic(const Topic& topic);
 
   MessageKind kind() const { return kind_; }
   // A message without the compression by which rosbag2 packs each on its own; empty where that is damaged.
   std::string unpacked(std::string octets) const;
-  // When the camera took it, of its own clock. Of a message that is unpacked, as all below.
+  // Time when the camera took the image, of its own clock. The message has to be unpacked, as for all functions below.
   std::optional<TimeNs> stamp_ns(const std::string& octets) const;
   std::optional<ros::Image> image(const std::string& octets) const;
   // A frame of a video is one too; `format` then names its codec: "h264", "h265", "hevc", "vp9", "av1".

@@ -84,7 +84,7 @@ class ProtobufReader {
   bool ok_ = true;
 };
 
-// Empty: damaged, or not of this type.
+// Reads a message from Protobuf; empty: damaged, or not of this type.
 template <ros::Struct T>
 std::optional<T> from_protobuf(std::string_view octets) {
   const auto fields = protobuf_fields(octets);

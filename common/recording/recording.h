@@ -26,7 +26,7 @@ struct Message {
   std::string octets;
 };
 
-// One recording, to be read from its start. All functions may throw UserError, one sentence that names the file. Not
+// A recording, to be read from its start. All functions may throw UserError, one sentence that names the file. Not
 // thread-safe.
 class Recording {
  public:
@@ -34,7 +34,7 @@ class Recording {
 
   // Each name, type and encoding once.
   virtual const std::vector<Topic>& topics() const = 0;
-  // When the first message of all topics was noted; 0: there is none.
+  // Time when the first message of all topics was noted; 0: there is none.
   virtual TimeNs first_ns() const = 0;
   // A sentence when the recording was cut off or something of it is missing; the rest is read all the same.
   virtual const std::string& warning() const = 0;
@@ -42,7 +42,7 @@ class Recording {
   // Starts playing the messages of one of topics() from the beginning, in the order of the times at which they were
   // noted.
   virtual void play(std::size_t topic) = 0;
-  // Empty at the end. Throws UserError where the recording is damaged.
+  // Next message; empty at the end. Throws UserError where the recording is damaged.
   virtual std::optional<Message> next() = 0;
 };
 

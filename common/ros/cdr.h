@@ -175,7 +175,8 @@ std::vector<std::uint8_t> to_cdr(const T& message) {
   return writer.take();
 }
 
-// Empty: no little-endian CDR, cut off, or not of this type. Octets behind the message are ignored, as DDS pads it.
+// Reads a message; empty: no little-endian CDR, cut off, or not of this type. Octets behind the message are ignored, as
+// DDS pads it.
 template <Struct T>
 std::optional<T> from_cdr(std::span<const std::uint8_t> octets) {
   T message;

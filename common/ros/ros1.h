@@ -90,7 +90,7 @@ class Ros1Reader {
   bool ok_ = true;
 };
 
-// Empty: cut off, or not of this type.
+// Reads a message; empty: cut off, or not of this type.
 template <Struct T>
 std::optional<T> from_ros1(std::span<const std::uint8_t> octets) {
   T message;

@@ -12,10 +12,10 @@
 #include "common/wire/counters.h"
 #include "common/wire/messages.h"
 
-// Between the values of common/model and those of idl/coslam.idl. Pure functions. decode(encode(x)) == x bit for bit
-// when x is what the model says it is (coordinates on the grid, ids ascending, sizes within the bounds of the IDL;
-// anything else is a bug and stops the program). Decoders trust nothing: each returns a value that is safe to compute
-// with, or the reason why there is none.
+// Converts between the values of common/model and those of idl/coslam.idl. Pure functions. decode(encode(x)) == x bit
+// for bit when x is what the model says it is (coordinates on the grid, ids ascending, sizes within the bounds of the
+// IDL; anything else is a bug and stops the program). Decoders trust nothing: each returns a value that is safe to
+// compute with, or the reason why there is none.
 namespace coslam {
 
 template <class T>

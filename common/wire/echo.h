@@ -36,7 +36,7 @@ struct EchoAnswer {
 
 EchoOctets encode(const EchoRequest& request);
 EchoOctets encode(const EchoAnswer& answer);
-// Empty for anything else.
+// Decodes a request; empty for anything else.
 std::optional<EchoRequest> decode_echo_request(std::span<const std::uint8_t> datagram);
 std::optional<EchoAnswer> decode_echo_answer(std::span<const std::uint8_t> datagram);
 

@@ -47,7 +47,7 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  // Before start(). The topics of one loop are read in this order.
+  // Adds a topic, before start(). The topics of one loop are read in this order.
   template <class Message>
   void read(OnSample<Message> on_sample, const OnPresence& on_presence = {}, const std::string& partition = {}) {
     read_topic(topic_index<Message>(), std::make_unique<TypedInlet<Message>>(std::move(on_sample)), on_presence,

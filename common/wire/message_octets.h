@@ -14,7 +14,8 @@ namespace coslam {
 template <class Message>
 std::vector<std::uint8_t> octets_of(const Message& message);
 
-// False when the octets are not those of one such message. What was read still has to be decoded (codec.h).
+// Reads a message of the IDL; false when the octets are not those of one. The message still has to be decoded
+// (codec.h).
 template <class Message>
 bool read_octets(std::span<const std::uint8_t> octets, Message& message);
 

@@ -28,7 +28,7 @@ class OctetInbox {
   // Returns when it had come, UTC; empty: there is none.
   using OnOctets = std::function<void(std::span<const std::uint8_t> octets)>;
   std::optional<TimeNs> take(OnOctets read);
-  // Until a sample comes, at most so long.
+  // Waits until a sample comes, at most so long.
   void wait(std::chrono::milliseconds most);
 
   int writers() const;  // matched now

@@ -34,7 +34,7 @@ class Packer {
   std::vector<std::uint8_t>& out_;
 };
 
-// Every read may fail: empty at the end of the octets.
+// Reads values from octets; every read may fail, and is empty at their end.
 class Unpacker {
  public:
   explicit Unpacker(std::span<const std::uint8_t> in) : in_(in) {}

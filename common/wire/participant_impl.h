@@ -56,7 +56,7 @@ struct Participant::Impl : dds::DomainParticipantListener {
   std::map<eprosima::fastrtps::rtps::GUID_t, Other> others;
   std::map<eprosima::fastrtps::rtps::GUID_t, OfferedTopic> offered;  // keyed by writer
 
-  // Both take note, on threads of the middleware.
+  // Callbacks on threads of the middleware that note who and what is there.
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;

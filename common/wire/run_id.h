@@ -6,7 +6,7 @@
 
 namespace coslam {
 
-// For a process that begins: no other has it.
+// Draws the id of a process that begins: no other has it.
 RunId draw_run_id();
 
 }  // namespace coslam

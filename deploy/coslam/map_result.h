@@ -11,7 +11,7 @@
 
 namespace coslam {
 
-// For MapFile::for_each_row(): to the end.
+// Row number for MapFile::for_each_row() that stands for the end.
 inline constexpr std::int64_t kLastRow = std::numeric_limits<std::int64_t>::max();
 
 // The map of a file.

@@ -30,7 +30,7 @@ struct WallFront {
   Placement at(double along_m, double z_m, double out_m = 0) const;
 };
 
-// On a wall: `at` is the middle of the lower edge, on the wall.
+// Adds a print on a wall: `at` is the middle of the lower edge, on the wall.
 void add_print(WorldBuilder& b, const Placement& at, double width_m, double height_m, MaterialKind kind);
 // A tag (material kTag) whose black square has that side, with its margin.
 void add_tag(WorldBuilder& b, const Placement& at, double side_m);

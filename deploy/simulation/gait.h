@@ -50,7 +50,7 @@ struct Rest {
   double length_s = 0;
 };
 
-// Somebody who walks at a steady speed and rests now and then.
+// Walk of a person at a steady speed with rests now and then.
 class Walk {
  public:
   // rests: in the order of the way. start_m: where on the path at t = 0.

@@ -50,7 +50,7 @@ struct SurfacePoint {
   float width_m = 0, height_m = 0;
 };
 
-// In [0.02, 0.95].
+// Albedo in [0.02, 0.95].
 float albedo(const Material& material, const SurfacePoint& p);
 
 // One function a kind; surfaces (material_surface.cpp) repeat over any size, prints (material_print.cpp) fill the

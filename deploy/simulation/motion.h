@@ -32,7 +32,7 @@ class LoopPath {
   Eigen::Matrix<double, Eigen::Dynamic, 6> control_;  // uniform cubic B-spline
 };
 
-// Through waypoints that are step_s apart and back the same way, at rest at both ends.
+// Path through waypoints that are step_s apart and back the same way, at rest at both ends.
 LoopPath there_and_back(const std::vector<ViewPose>& waypoints, double step_s);
 
 // A closed path with the view at each place, by the distance gone on it.

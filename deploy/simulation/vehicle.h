@@ -12,7 +12,7 @@
 // Vehicles on a street. Lengths in metres.
 namespace coslam::sim {
 
-// On the ground; the heading is counter-clockwise from +x.
+// Place on the ground; the heading is counter-clockwise from +x.
 struct RoadPlace {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   double heading_rad = 0;

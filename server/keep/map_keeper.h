@@ -33,8 +33,8 @@ class MapKeeper final : public SetObserver {
   // Present date of the frames of agents that have gone on since the map was saved; empty without a map.
   std::optional<TimeNs> date_now_ns() const;
 
-  // Before the first frame of each set is given to the server: times begin anew with a recording that is played again,
-  // but in a map they only grow.
+  // To be called before the first frame of each set is given to the server: times begin anew with a recording that is
+  // played again, but in a map they only grow.
   void before_frame(TimeNs capture_ns);
   // Visits the frames in the file of a camera that left memory before this server began, in the order of time.
   void for_each_past(CameraId camera, const std::function<void(PastFrames)>& visit) const;

@@ -14,7 +14,7 @@ namespace coslam {
 // takes little of the processor. Called from the map's thread.
 class PathWatch {
  public:
-  // After a frame set: begins to look when it is due, and takes what was found.
+  // Begins an estimate when it is due, and takes the result of the last one; to be called after each frame set.
   void look(const MapServer& server, std::chrono::steady_clock::time_point now);
   // Newest estimate for a camera in the largest map; empty: none yet.
   std::optional<PathError> path_error(CameraId camera) const;

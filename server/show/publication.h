@@ -21,7 +21,7 @@ class Publication {
 
   // Parts that some sink wants now.
   PartSet wanted() const;
-  // Never waits. What was not encoded in time is replaced by what is newer.
+  // Queues a snapshot and never waits: a snapshot that was not encoded in time is replaced by a newer one.
   void put(Snapshot snapshot) { slot_.put(std::move(snapshot)); }
 
  private:

@@ -31,7 +31,8 @@ class ChessboardViews {
 
   explicit ChessboardViews(const Chessboard& board) : board_(board) {}
 
-  // True when it keeps the view: the whole board is seen, elsewhere than in the views before. All images have one size.
+  // Adds an image; true when it keeps the view: the whole board is seen, elsewhere than in the views before. All images
+  // have one size.
   bool add(const cv::Mat& grey);
   // The image after that of the newest view, so much later.
   void add_next(const cv::Mat& grey, double after_s);

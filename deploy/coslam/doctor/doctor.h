@@ -20,7 +20,7 @@ struct Patient {
   std::string out = {};                 // folder for results; empty: not examined
 };
 
-// With --config; what cannot be read becomes a finding, and the rest keeps its defaults.
+// Reads the patient's settings from --config; what cannot be read becomes a finding, and the rest keeps its defaults.
 Patient patient_of(const std::string& config_file);
 
 using Check = std::function<Findings(const Patient&)>;

@@ -33,9 +33,9 @@ enum class Seal : std::uint8_t { kNone, kOurs };
 struct Voice {
   std::string name;           // name in its announcement
   std::uint32_t address = 0;  // address that it sends from
-  bool announced = false;     // it was heard without being asked
+  bool announced = false;     // heard without being asked
   bool by_multicast = false;  // other hosts here hear it too
-  bool heard_ours = false;    // it answered the question to all
+  bool heard_ours = false;    // answered the question to all
   Seal seal = Seal::kNone;
   std::optional<std::uint16_t> protocol;  // protocol of those that answered
   std::vector<Road> roads;

@@ -31,7 +31,7 @@ class Udp {
   bool join(const std::string& group, unsigned interface);
   bool send_by(unsigned interface);  // to groups, from then on
 
-  // False: the system would not, and why stands in errno.
+  // Sends a datagram; false: the system refused, with the reason in errno.
   bool send(std::span<const std::uint8_t> datagram, const Ipv4Endpoint& to) const;
 
   struct Received {

@@ -28,7 +28,7 @@ struct AgentPaths {
   Trajectory truth;  // truth in the played part
   int frames = 0;    // frames of the source; 0 = not known
   ImageAccount images;
-  // In maps without a known relation to the common one.
+  // Paths in maps without a known relation to the common one.
   std::map<MapId, Trajectory> apart;
   std::string doubt;  // a sentence: the truth may have been read otherwise than it was meant; empty: none
 };
@@ -93,7 +93,7 @@ struct Evaluation {
 // Reads the paths of the agents that took part. Throws UserError when the result has no trajectory at all.
 std::vector<AgentPaths> load_paths(const ResultFolder& result, const Sequence& sequence);
 
-// Over which truth is interpolated.
+// Longest gap over which truth is interpolated.
 TimeNs max_gap_ns(double rate_hz);
 
 // The trajectory part of the evaluation. rate_hz of the sequence bounds the gaps that truth is interpolated over.

@@ -19,7 +19,7 @@ using AgentNames = std::set<std::string>;
 // Each agent is in exactly one of the sets.
 using Partition = std::set<AgentNames>;
 
-// Two parts become one, or one falls in two.
+// Event of two parts becoming one, or one falling in two.
 struct GroupChange {
   TimeNs t_ns = 0;
   bool merge = false;

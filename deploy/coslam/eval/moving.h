@@ -23,7 +23,8 @@ namespace coslam::eval {
 class Masks {
  public:
   explicit Masks(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  // Empty without a mask for the frame and within two pixels of an outline, where a corner belongs to either side.
+  // Whether a pixel shows a moving thing; empty without a mask for the frame and within two pixels of an outline, where
+  // a corner belongs to either side.
   std::optional<bool> moving_at(const std::string& agent, FrameId frame, const Eigen::Vector2d& raw_px);
 
  private:
@@ -49,7 +50,7 @@ class Classification {
 // Ages of the tracks of one agent, from the rows of its file.
 class TrackAges {
  public:
-  // In frames, since the track's first row; the rows of a track come in order.
+  // Age in frames, since the track's first row; the rows of a track come in order.
   std::uint32_t age(const ResultTrackRow& row) {
     return row.frame.value - first_.try_emplace(row.track, row.frame).first->second.value;
   }

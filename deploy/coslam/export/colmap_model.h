@@ -59,8 +59,8 @@ inline constexpr int kTracksOfEvery = 10;
 // point in all of them but those in which it was seen to move. Throws UserError.
 ColmapModel read_colmap_model(const ResultMap& map, const Sequence& sequence, int every = kTracksOfEvery);
 
-// With the model adjusted, puts in images between those with tracks: one of so many that have a pose, moved as those
-// beside it were. None where `every` is no less than kTracksOfEvery. Throws UserError: the images are not there.
+// Puts images into the adjusted model between those with tracks: one of so many that have a pose, moved as those beside
+// it were. None where `every` is no less than kTracksOfEvery. Throws UserError: the images are not there.
 void add_images_between(const ResultMap& map, int every, ColmapModel* model);
 
 // Names images as the files of their sources: by the path from the deepest folder that has them all, which is returned.

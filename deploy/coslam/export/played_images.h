@@ -28,7 +28,7 @@ class PlayedImages {
   PlayedImages(const SequenceAgent& agent, double rate_hz, const CameraModel& lens)
       : agent_(agent), rate_hz_(rate_hz), lens_(lens) {}
 
-  // In their order. Throws UserError: the source cannot be opened, or it is live.
+  // Images in their order. Throws UserError: the source cannot be opened, or it is live.
   std::vector<PlayedImage> list() const;
   // Visits the images of these frames with their pixels, in colour where the source has it. Throws UserError too where
   // one is not there.

@@ -31,7 +31,8 @@ struct JoinedFrame {
   std::optional<Instant> arrived;  // the frame itself, on a link that takes time
 };
 
-// No sign of life for a while (killed, or the network is cut). Its next frame means that it is back.
+// Event of an agent that gave no sign of life for a while (killed, or the network is cut). Its next frame means that it
+// is back.
 struct AgentSilent {
   std::string agent;
   RunId agent_run;
@@ -64,7 +65,7 @@ class ServerLink {
   // nothing for 0.6 s, and for 2.5 to 3.5 s when it knows of another one that may just be starting too.
   virtual std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) = 0;
 
-  // False at first, while it says nothing, see next_event().
+  // Whether the link takes part; false at first, while it is silent, see next_event().
   virtual bool at_work() const = 0;
 
   // The options with which coslam-agent comes here; empty: agents do not come by themselves.
@@ -72,10 +73,10 @@ class ServerLink {
 
   // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.
   virtual void send(const MapPatch& patch) = 0;
-  // To everybody who reads it; over DDS only. Never waits.
+  // Sends to everybody who reads it; over DDS only. Never waits.
   virtual void send(const MovingState& state) = 0;
   virtual void send(const AgentPose& pose) = 0;
-  // To the run it names.
+  // Sends to the run it names.
   virtual void send(const AgentImages& images) = 0;
   // Public messages, for bridges; from any thread.
   virtual bool public_wanted() const { return false; }

@@ -15,7 +15,7 @@ namespace coslam {
 // nobody asked for are not kept, nor any for longer than 5 s. Pure: time is an argument. Thread-compatible.
 class Thumbnails {
  public:
-  // Somebody looks at this agent's image now. True: one is to be asked for; once a second at most.
+  // Notes that somebody looks at this agent's image now. True: one is to be asked for; once a second at most.
   bool look(const std::string& agent, Instant now);
   void add(Thumbnail thumbnail, Instant now);
   std::optional<Thumbnail> newest(const std::string& agent, Instant now) const;

@@ -27,7 +27,7 @@ Record encode_event(const ServerEvent& event, TimeNs t_ns);
 
 // Sentence for the user when the messages of the head are of another protocol; else empty.
 std::optional<std::string> foreign_protocol(const Record& record);
-// Empty when the record is not one that the functions above make.
+// Decodes a record; empty when it is not one that the functions above make.
 std::optional<RecordingHead> decode_head(const Record& record);
 std::optional<ServerEvent> decode_event(const Record& record);
 

@@ -26,7 +26,7 @@ class Recording {
   explicit Recording(const std::filesystem::path& file);
 
   const RecordingHead& head() const { return head_; }
-  // Empty at the end, or where it was cut off.
+  // Next event; empty at the end, or where the recording was cut off.
   std::optional<TimedEvent> next();
   bool cut_off() const { return over_ && !ended_; }
   // Time of the event that was read last; at the end the duration of the recording.

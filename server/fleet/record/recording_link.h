@@ -30,7 +30,7 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
 
   TimeNs now_ns() const;  // since the recording began
-  // Neither ever waits for the disk.
+  // Adds an event; neither this nor end() ever waits for the disk.
   void add(ServerEvent event, TimeNs t_ns);
   void end();  // ends the recording; events added later are ignored
 

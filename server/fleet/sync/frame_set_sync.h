@@ -44,7 +44,7 @@ class FrameSetSync {
   // Stops waiting for a camera until it sends again.
   void set_silent(CameraId camera);
 
-  // False when the frame is older than the last set made (too late to use).
+  // Adds a frame; false when it is older than the last set made (too late to use).
   bool push(CameraFrame frame, TimeNs now_ns);
   // The next set when everyone who is waited for is there, or the deadline has passed.
   std::optional<FrameSet> pop(TimeNs now_ns);

@@ -23,10 +23,10 @@ class ImageTally {
   void set_left_out() { ++set_left_out_; }
   void used(bool has_pose) { ++(has_pose ? posed_ : unposed_); }
 
-  // While the run goes on: by the poses at the time, of images whose fate is known. One with a pose counts as tracked,
-  // in whichever map.
+  // The account while the run goes on: by the poses at the time, of images whose fate is known. One with a pose counts
+  // as tracked, in whichever map.
   ImageAccount so_far() const;
-  // When it is over: by the poses that are in the map. What still waits was left out.
+  // The account when the run is over: by the poses that are in the map. What still waits was left out.
   ImageAccount at_end(std::uint64_t tracked, std::uint64_t in_other_maps) const;
 
   std::uint64_t frames_posed() const { return posed_; }

@@ -36,7 +36,7 @@ class StampWatch {
   void add(CameraId camera, const std::string& name, double rate_hz);
   // Takes in an exchange with an agent whose stamps are of its own clock.
   void exchange(CameraId camera, const ClockExchange& stamps);
-  // When a frame that arrives now was taken; ascending. Empty: it is not to be used.
+  // Time when a frame that arrives now was taken; ascending. Empty: it is not to be used.
   std::optional<TimeNs> place(CameraId camera, TimeNs capture_ns, TimeNs now_ns);
 
   // How much longer than at best its newest frame was under way.

@@ -11,7 +11,7 @@
 // Lives of points, tracks and cameras, told from the events. Pure.
 namespace coslam::explain {
 
-// One thing that happened.
+// An event in the life of a thing.
 struct Entry {
   TimeNs t_ns = 0;
   std::string text;  // a sentence without its end
@@ -31,7 +31,7 @@ struct Life {
   PointId last;       // the point that a point became part of in the end, or itself
 };
 
-// Empty when no event names it.
+// Life of a point; empty when no event names it.
 std::optional<Life> life_of_point(const EventLog& log, PointId point);
 std::optional<Life> life_of_track(const EventLog& log, const TrackKey& track);
 std::optional<Life> life_of_camera(const EventLog& log, CameraId camera);

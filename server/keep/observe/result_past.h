@@ -43,7 +43,7 @@ class ResultPast {
   Trajectory live(CameraId camera, MapId map) const;
   // Places of points that move, in that map; ascending time.
   void for_each_place(const Map& map, MapId map_id, const std::function<void(const ResultDynamicRow&)>& visit) const;
-  // In blocks as they were added.
+  // Number of blocks of objects, as they were added.
   std::size_t object_blocks() const { return objects_.size(); }
   std::vector<SeenObject> objects(std::size_t block) const;
 

@@ -27,7 +27,7 @@ class ResultStore {
   // Takes what leaves the server's memory, in the order in which it left; to be called before record() of the same
   // step.
   void take(const PastPart& past);
-  // After each step of the server. What cannot be written is said in the log, once for each file.
+  // Records a step of the server, after it. A write error is logged once for each file.
   void record(const FrameSet& set, const MapServer& server);
   // The whole result as it stands: paths, points and the report (see make_report) of all maps. Each file takes the
   // place of the one before in one step. Throws UserError, one sentence, when some could not be written; all others

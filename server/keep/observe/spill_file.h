@@ -26,7 +26,7 @@ class SpillFile {
   Ticket put(std::string octets);
   // Throws UserError when it cannot be read.
   std::string get(Ticket ticket) const;
-  // Once for each time that writing failed: a sentence with the cause.
+  // Sentence with the cause, once for each time that writing failed.
   std::optional<std::string> take_problem();
 
  private:

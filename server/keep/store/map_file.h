@@ -42,7 +42,7 @@ class MapFile {
                     const std::function<void(const std::string& octets)>& visit) const;
   // saved_ns: UTC now.
   void write(std::span<const Row> rows, TimeNs saved_ns);
-  // When it was written last; empty for a new file.
+  // Time of the last write; empty for a new file.
   std::optional<TimeNs> saved_ns() const;
   // Looks at every page and every row.
   void check() const;

@@ -20,7 +20,7 @@ namespace coslam {
 // cannot be written is kept and tried again, so that the file is always the whole map of some instant. Thread-safe.
 class Saver {
  public:
-  // To where rows go; MapFile::write but for tests. May throw UserError.
+  // Destination of the rows; MapFile::write but for tests. May throw UserError.
   using Write = std::function<void(const std::vector<Row>&)>;
   explicit Saver(Write write, std::chrono::milliseconds retry = std::chrono::seconds(1));
   ~Saver();
@@ -32,7 +32,7 @@ class Saver {
   bool idle() const;
   // Queues the rows that changed since the last call; together with the earlier ones they are one state of the map.
   void give(std::vector<Row> rows);
-  // One sentence when writing fails, and one when it goes on; each once.
+  // Sentence when writing fails, and one when it goes on; each once.
   std::optional<std::string> take_word();
   // Waits until all is written, `patience` at most. Throws UserError with the cause when it is not.
   void finish(std::chrono::milliseconds patience);

@@ -133,8 +133,8 @@ struct Bridge::Impl {
   }
 
   void tick() {
-    if (server_here || std::chrono::steady_clock::now() - told < kPatience) return;
-    told = std::chrono::steady_clock::now();
+    if (server_here || std::chrono::steady_clock::now() - last_report < kPatience) return;
+    last_report = std::chrono::steady_clock::now();
     log_info("waiting for a map server in domain " + std::to_string(fleet_domain));
   }
 

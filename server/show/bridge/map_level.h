@@ -20,9 +20,9 @@ void describe(V& v, MapLevel& c) {
   v.field("down_z", c.down_z, {-1, 1}, "the same");
 }
 
-// To axes that point ahead (the map's z, or its -y when that camera looked down), right and down.
+// Rotation to axes that point ahead (the map's z, or its -y when that camera looked down), right and down.
 Eigen::Quaterniond frd_from_map(const MapLevel& level);
-// To axes that point ahead, left and up, as REP 103 has them.
+// Rotation to axes that point ahead, left and up, as REP 103 has them.
 Eigen::Quaterniond flu_from_map(const MapLevel& level);
 
 }  // namespace coslam

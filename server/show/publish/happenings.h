@@ -21,9 +21,9 @@ std::string misdated_sentence(const std::string& agent, const std::string& again
 // points and tracks are only in the journal.
 class Happenings {
  public:
-  // After each frame set.
+  // Events of a frame set.
   std::vector<PublicEvent> after_set(const Map& map, const Journal& journal, const ViewGraph& graph);
-  // At any time: who came and went.
+  // Arrivals and departures; may be called at any time.
   std::vector<PublicEvent> comings(const Map& map);
 
   // Why a camera has no pose; empty when it has one.

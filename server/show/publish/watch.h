@@ -23,9 +23,9 @@ class MapWatch {
 
   explicit MapWatch(const MapServer& server);
 
-  // After a frame set. wanted: by somebody; now_ns: by a clock that only goes on.
+  // Snapshot after a frame set. wanted: parts that somebody wants; now_ns: a clock that only goes on.
   Snapshot after_set(const FrameSet& set, const MapServer& server, PartSet wanted, TimeNs now_ns, const AskLoop& loop);
-  // When none came.
+  // Snapshot while no frame set comes.
   Snapshot in_between(const MapServer& server, PartSet wanted, TimeNs now_ns, const AskLoop& loop);
   // The last word: all that is wanted, whatever it costs.
   Snapshot at_the_end(const MapServer& server, PartSet wanted, TimeNs now_ns, const AskLoop& loop);
@@ -33,7 +33,7 @@ class MapWatch {
  private:
   class Pace {
    public:
-    // Once in that time; a little earlier than late, as frame sets come when they do.
+    // Whether the period has passed; a little earlier rather than late, as frame sets come when they do.
     bool due(TimeNs now_ns, double period_s) {
       if (last_ns_ && to_seconds(now_ns - *last_ns_) < 0.8 * period_s) return false;
       last_ns_ = now_ns;

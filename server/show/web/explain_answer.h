@@ -11,7 +11,7 @@
 // /api/v1/explain: what `coslam explain` says of a result.
 namespace coslam {
 
-// Empty: the request is no question.
+// Parses a request; empty: it is no question.
 std::optional<explain::Question> question_of(const WebRequest& request);
 WebAnswer no_question();
 // Reads the events of the run, which may take a while.

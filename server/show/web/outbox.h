@@ -28,7 +28,7 @@ class Outbox {
     std::size_t bytes() const { return head.size() + (body ? body->octets.size() : 0); }
   };
 
-  // False: the client asks for more answers than it reads.
+  // Queues a text; false: the client asks for more answers than it reads.
   bool put_text(std::string text);
   void put_message(foxglove::SubscriptionId subscription, const MessagePtr& message);
   // The newest time alone matters.

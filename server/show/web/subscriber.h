@@ -43,10 +43,10 @@ class Subscriber final : public Connection, public HubClient, public std::enable
   void on_text(boost::beast::error_code error);
   void pump();
   void on_sent(boost::beast::error_code error);
-  // With a word to the client, once what is going has gone.
+  // Closes the connection with a word to the client, once what is being sent is out.
   void leave(boost::beast::websocket::close_code code, const std::string& why);
   void close_now();
-  // Without a word.
+  // Closes the connection without a word.
   void cut_off();
   void note_closed();
 

@@ -15,8 +15,8 @@ struct WebRequest {
   std::map<std::string, std::string> query;
 };
 
-// Empty: not to be answered. It is no path from the top, climbs out of it, or has escapes or characters that no path
-// of ours has.
+// Parses a target; empty: it must not be answered, because it is no path from the top, climbs out of it, or has escapes
+// or characters that no path of ours has.
 std::optional<WebRequest> parse_target(std::string_view target);
 
 }  // namespace coslam

@@ -50,7 +50,7 @@ class WebServer final : public PublicSink {
   WebServer& operator=(const WebServer&) = delete;
 
   std::uint16_t port() const;
-  // For a browser, with the token.
+  // Address of the page for a browser, with the token.
   std::string url() const;
   // Address of the page with one of the addresses of this machine.
   std::string url(const std::string& address) const;
