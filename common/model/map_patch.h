@@ -58,13 +58,12 @@ struct ContinuedMap {
 struct MapPatch {
   std::string agent;
   RunId server_run;
-  RunId agent_run;  // addressee; another run ignores it
-  std::uint32_t sequence =
-      0;                     // counts from 1 without gaps for a pair of runs; a gap makes the agent ask for a snapshot
-  FrameId after_frame;       // the agent's newest frame that this patch has seen; the credit of lock-step replay
-  bool snapshot = false;     // `updated` is the whole local map: forget all other bindings
-  MapEpoch epoch;            // epoch of every position and pose in here
-  Similarity3 new_from_old;  // maps the epoch before to `epoch`; identity when the epoch did not change
+  RunId agent_run;             // addressee; another run ignores it
+  std::uint32_t sequence = 0;  // 1, 2, ... for a pair of runs; a gap makes the agent ask for a snapshot
+  FrameId after_frame;         // the agent's newest frame that this patch has seen; the credit of lock-step replay
+  bool snapshot = false;       // `updated` is the whole local map: forget all other bindings
+  MapEpoch epoch;              // epoch of every position and pose in here
+  Similarity3 new_from_old;    // maps the epoch before to `epoch`; identity when the epoch did not change
   std::optional<ContinuedMap> continues;  // while the agent speaks of the map of a server before this one
   std::optional<PlacedPose> placed;
   std::optional<LensCorrection> lens;   // float; nothing: as before, in a snapshot: as calibrated

@@ -101,7 +101,7 @@ std::string told_at(const EventLog& log, const Life& life, TimeNs t_ns) {
   const std::string at = "At " + seconds(log, t_ns) + " " + life.subject;
   if (is.empty()) {
     std::string text = at + " was not there yet.\n";
-    const auto first = std::ranges::find(life.entries, true, &Entry::told);
+    const auto first = std::ranges::find(life.entries, true, &Entry::in_text);
     return first == life.entries.end() ? text : text + line(log, first->t_ns, first->text);
   }
   return at + " was " + words(is) + ".\n" + lines(log, is);
