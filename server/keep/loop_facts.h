@@ -15,15 +15,15 @@
 
 namespace coslam {
 
-// What the server's loop knows of an agent, beside the map.
+// Facts about an agent that the server's loop knows, beside the map.
 struct AgentFacts {
   std::string name;
   CameraId camera;
   AgentStatus status;   // the newest, without its report
-  ImageAccount images;  // so far
+  ImageAccount images;  // counts so far
   std::uint64_t bytes_up = 0, bytes_down = 0;
   double wait_s = 0;                // how much longer than at best its newest frame was under way
-  std::optional<PathVerdict> path;  // as last looked at; empty: not yet, or it has no place in the main map
+  std::optional<PathVerdict> path;  // newest verdict; empty: none yet, or the agent is not in the main map
 };
 
 // Durations of one stage over the whole run, ms.
@@ -32,15 +32,15 @@ struct StageTime {
   std::uint64_t count = 0;
 };
 
-// What the server's loop knows beside the map.
+// Facts that the server's loop knows, beside the map.
 struct LoopFacts {
   std::vector<AgentFacts> agents;
   std::string result;                             // RESULT folder of the run; empty: none
   std::string join;                               // options with which coslam-agent comes here; empty: none does
-  double memory_mib = 0;                          // of the process
+  double memory_mib = 0;                          // memory of the process
   bool at_work = false;                           // no longer looking for another server
   bool finishing = false;                         // the run is over, the map is adjusted as a whole
-  StageTime watching;                             // what the map thread spends on showing the map
+  StageTime watching;                             // time that the map thread spends on showing the map
   std::map<std::string, std::uint64_t> lost;      // frames and replies that were not used, by what became of them
   std::map<std::string, std::uint64_t> rejected;  // samples and datagrams, by reason
 };

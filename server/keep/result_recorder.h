@@ -14,7 +14,7 @@
 
 namespace coslam {
 
-// Where the result of a run goes; both empty: nowhere.
+// Destination of a run's result; both empty: none.
 struct ResultPlace {
   std::filesystem::path folder;  // the RESULT folder itself
   std::filesystem::path runs;    // or where to make one for this run, when its first agent has joined

@@ -11,21 +11,21 @@
 
 namespace coslam {
 
-// A server at work, as those see it who watch it.
+// View of a server at work for its observers.
 struct ServerView {
   const MapServer& server;
   bool at_work = false;              // no other server is in its domain
-  std::size_t agents = 0;            // that have joined so far
+  std::size_t agents = 0;            // number that have joined so far
   std::function<LoopFacts()> facts;  // collects them when it is called
 };
 
-// What a frame set led to, beside the new state of the map.
+// Outcome of a frame set, beside the new state of the map.
 struct SetOutcome {
   const FrameSet& set;
-  const PastPart& past;  // what left the map's memory
+  const PastPart& past;  // data that left the map's memory
 };
 
-// Somebody who watches a server at work. Called by the map's thread, which waits meanwhile.
+// Observer of a server at work. Called by the map's thread, which waits meanwhile.
 class SetObserver {
  public:
   SetObserver() = default;

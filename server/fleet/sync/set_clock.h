@@ -16,15 +16,15 @@
 
 namespace coslam {
 
-// Frames of all agents in, frame sets out: their stamps on one time, and in real time without those sets for which the
-// server is too slow. As soon as one agent plays in lock-step, stamps are taken as they are and every set is used.
-// Pure: time is an argument. Thread-compatible.
+// Makes frame sets of the frames of all agents: brings their stamps onto one time, and leaves out, in real time, sets
+// for which the server is too slow. As soon as one agent plays in lock-step, stamps are taken as they are and every set
+// is used. Pure: time is an argument. Thread-compatible.
 class SetClock {
  public:
   // utc_at_zero_ns: what frames of cameras should be dated when they arrive at the server's time 0.
   SetClock(const SyncConfig& config, TimeNs utc_at_zero_ns) : sync_(config), stamps_({utc_at_zero_ns}) {}
 
-  // What else frames should be dated that arrive at the server's time 0; see StampWatch::expect().
+  // Adds another expected stamp of frames that arrive at the server's time 0; see StampWatch::expect().
   void expect(TimeNs at_zero_ns) { stamps_.expect(at_zero_ns); }
   // Sets are numbered on from this one.
   void begin_after(SetId set) { sync_.begin_after(set); }
@@ -39,7 +39,7 @@ class SetClock {
   // Brings a frame's stamp onto the common time; arrived_ns: at this server. False: the frame is not to be used.
   bool date(CameraFrame* frame, TimeNs arrived_ns);
   struct Pushed {
-    bool in_time = false;    // not older than the last set made
+    bool in_time = false;    // false: older than the last set made
     bool displaced = false;  // too many waited, so that an older frame of the camera was thrown away
   };
   Pushed push(CameraFrame frame, TimeNs now_ns);
