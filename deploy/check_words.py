@@ -24,7 +24,7 @@ MOST = {
     "agent": (1.0, 1.0),
     "common": (1.0, 1.0),
     "deploy": (1.0, 1.0),
-    "server/app": (23.0, 3.0),
+    "server/app": (25.0, 4.0),
     "server/estimator": (40.0, 15.0),
     "server/fleet": (1.0, 1.0),
     "server/keep": (1.0, 1.0),
