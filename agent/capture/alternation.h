@@ -17,8 +17,8 @@ namespace coslam {
 // for one thread.
 class Alternation {
  public:
-  // Takes in the next image: the means of its blocks, and the difference of neighbouring pixels, which projected dots
-  // change more than anything else does. True: the image is of a setting that is not used.
+  // Takes in the next image: the means of its blocks, and by how much neighbouring pixels differ, since projected dots
+  // change little else. True: the image is of a setting that is not used.
   bool leaves_out(const cv::Mat& blocks, double step);
 
  private:

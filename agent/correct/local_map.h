@@ -73,7 +73,7 @@ class LocalMap {
   std::uint32_t applied_ = 0;
   bool wants_snapshot_ = false;
   std::map<TrackId, Entry> entries_;
-  std::deque<Move> moves_;  // motions of the map from one epoch to the next; the one before the first is not known
+  std::deque<Move> moves_;  // how the map moved to each epoch; epochs before the first are not known
 };
 
 }  // namespace coslam
