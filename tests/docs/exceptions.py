@@ -6,6 +6,7 @@
 NOT_COMMANDS = {
     ("README.md", "camera ─▶ capture"): "a diagram",
     ("README.md", "idl/"): "the folders",
+    ("docs/tour.md", "AGENT"): "a diagram",
     ("docs/architecture.md", "camera ─▶ agent/capture"): "a diagram",
     ("docs/live.md", '{"t_s"'): "the form of a message",
 }
