@@ -19,9 +19,15 @@ for file in etc/coslam/server.yaml lib/systemd/system/coslam-agent.service share
   share/doc/coslam/README.md share/doc/coslam/docs/field.md share/coslam/idl/coslam.idl; do
   [[ -s $prefix/$file ]] || fail "$file is missing"
 done
+# Links lead to what is installed; those of pages about the code into the source, which is not.
+documents=$prefix/share/doc/coslam source=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd -P)
 while IFS=: read -r document target; do
-  [[ $target == *://* || -e ${document%/*}/${target%%#*} || -z ${target%%#*} ]] || fail "$document leads to $target, which is not there"
-done < <(grep -RHoP --include='*.md' '(?<=[]][(])[^()" ]+(?=[)])' "$prefix/share/doc/coslam")
+  file=${target%%#*}
+  [[ $target != *://* && -n $file && ! -e ${document%/*}/$file ]] || continue
+  of_source=$(realpath --canonicalize-missing --relative-to="$documents" -- "${document%/*}/$file")
+  [[ $of_source =~ ^(agent|common|deploy|idl|server|tests)/ && -e $source/$of_source ]] ||
+    fail "$document leads to $target, which is not there"
+done < <(grep -RHoP --include='*.md' '(?<=[]][(])[^()" ]+(?=[)])' "$documents")
 printf 'changed: true\n' >"$prefix/etc/coslam/server.yaml"
 "$cmake" --install "$build" --prefix "$prefix" --component server >/dev/null
 grep --quiet changed "$prefix/etc/coslam/server.yaml" || fail "the user's configuration was written over"
