@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The documents' links lead to files and headings that exist, and each page is found from README.md."""
 
+import re
 import unittest
 
 import documents
@@ -29,6 +30,12 @@ class Links(unittest.TestCase):
                     if file.suffix == ".md" and file.is_relative_to(SOURCE):
                         reached.add(str(file.relative_to(SOURCE)))
         self.assertEqual(set(documents.documents()) - reached, set())
+
+    def test_the_site_has_each_page(self) -> None:
+        named = re.findall(r"([\w./-]+\.md)$", (SOURCE / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+        pages = {page.removeprefix("docs/") for page in documents.documents(below=True) if page.startswith("docs/")}
+        self.assertEqual(set(named), pages | {"index.md"})  # index.md: README.md, see deploy/mkdocs_links.py
+        self.assertEqual(len(named), len(set(named)))
 
 
 if __name__ == "__main__":
