@@ -22,13 +22,10 @@ FILES = [*MODEL, "common/config", "common/dataset"]
 AGENT_CORE = ["agent/track", "agent/pose", "agent/correct"]
 # The server's five wings, each with what is below it; in the estimator, each room with what is below it.
 ROOMS = "server/estimator"
-SERVER_MAP = [f"{ROOMS}/map", f"{ROOMS}/pipeline"]
-SERVER_COVISIBILITY = [*SERVER_MAP, f"{ROOMS}/covisibility", f"{ROOMS}/solve"]
-SERVER_ASSOCIATE = [*SERVER_COVISIBILITY, f"{ROOMS}/associate"]
-SERVER_PLACES = [*SERVER_ASSOCIATE, f"{ROOMS}/pose", f"{ROOMS}/places"]
-SERVER_ADJUST = [*SERVER_PLACES, f"{ROOMS}/adjust"]
-SERVER_MOTION = [*SERVER_ADJUST, f"{ROOMS}/motion"]
-SERVER_CORE = [*SERVER_MOTION, f"{ROOMS}/create", f"{ROOMS}/correct", f"{ROOMS}/past"]
+SERVER_MAP = [f"{ROOMS}/map", f"{ROOMS}/pipeline", f"{ROOMS}/reports"]
+SERVER_ASSOCIATE = [*SERVER_MAP, f"{ROOMS}/solve", f"{ROOMS}/covisibility", f"{ROOMS}/associate"]
+SERVER_CORE = [*SERVER_ASSOCIATE,
+               *(f"{ROOMS}/{room}" for room in ("pose", "adjust", "motion", "places", "create", "correct", "past"))]
 FLEET = ["server/fleet/link", "server/fleet/sync"]
 KEEP = ["server/keep/store", "server/keep/observe", "server/keep/explain", "server/keep"]
 MAY_INCLUDE = {
@@ -53,15 +50,16 @@ MAY_INCLUDE = {
     "server/estimator/map": MODEL,
     "server/estimator/pipeline": [*MODEL, *SERVER_MAP],
     "server/estimator/solve": MODEL,
-    "server/estimator/covisibility": [*MODEL, *SERVER_COVISIBILITY],
+    "server/estimator/reports": MODEL,
+    "server/estimator/covisibility": [*MODEL, *SERVER_MAP, f"{ROOMS}/solve"],
     "server/estimator/associate": [*MODEL, *SERVER_ASSOCIATE],
     "server/estimator/pose": [*MODEL, *SERVER_ASSOCIATE],
-    "server/estimator/places": [*MODEL, *SERVER_PLACES],
-    "server/estimator/adjust": [*MODEL, *SERVER_ADJUST],
-    "server/estimator/motion": [*MODEL, *SERVER_MOTION],
-    "server/estimator/create": [*MODEL, *SERVER_MOTION],
-    "server/estimator/correct": [*MODEL, *SERVER_CORE],
-    "server/estimator/past": [*MODEL, *SERVER_ADJUST],
+    "server/estimator/adjust": [*MODEL, *SERVER_ASSOCIATE],
+    "server/estimator/motion": [*MODEL, *SERVER_ASSOCIATE],
+    "server/estimator/correct": [*MODEL, *SERVER_ASSOCIATE],
+    "server/estimator/places": [*MODEL, *SERVER_ASSOCIATE, f"{ROOMS}/pose"],
+    "server/estimator/create": [*MODEL, *SERVER_ASSOCIATE, f"{ROOMS}/pose", f"{ROOMS}/adjust", f"{ROOMS}/motion"],
+    "server/estimator/past": [*MODEL, *SERVER_ASSOCIATE, f"{ROOMS}/adjust"],
     "server/estimator": [*MODEL, "common/config", "common/flow", *SERVER_CORE],
     "server/fleet/sync": [*MODEL, "server/estimator/map"],
     "server/fleet/link": [*MODEL, *SERVER_CORE, "common/flow", "common/wire"],

@@ -15,7 +15,7 @@
 #include "deploy/coslam/commands.h"
 #include "deploy/coslam/console.h"
 #include "deploy/coslam/map_result.h"
-#include "server/estimator/map/sound.h"
+#include "server/estimator/map/validate.h"
 #include "server/keep/store/map_file.h"
 
 namespace coslam {
@@ -140,13 +140,13 @@ void take_past(const MapFile& other, const Map& map, const Renumbered& renumbere
   };
   other.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.frames = {past_frames_of(octets)}};
-    require_sound(past.frames.front(), map);
+    validate(past.frames.front(), map);
     renumber(renumbered, &past.frames.front());
     add(past);
   });
   other.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
     PastPart past{.places = past_places_of(octets)};
-    require_sound(*past.places, map);
+    validate(*past.places, map);
     renumber(renumbered, &*past.places);
     add(past);
   });

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/error.h"
-#include "server/estimator/map/sound.h"
+#include "server/estimator/map/validate.h"
 #include "server/keep/observe/result_store.h"
 #include "server/keep/report.h"
 
@@ -25,13 +25,13 @@ void write_map_result(const std::filesystem::path& path, const std::filesystem::
   PastPart past;
   file.for_each_row(kPastFramesTable, 0, kLastRow, [&](const std::string& octets) {
     past.frames = {past_frames_of(octets)};
-    require_sound(past.frames.front(), server.map());
+    validate(past.frames.front(), server.map());
     result.take(past);
   });
   past.frames.clear();
   file.for_each_row(kPastPlacesTable, 0, kLastRow, [&](const std::string& octets) {
     past.places = past_places_of(octets);
-    require_sound(*past.places, server.map());
+    validate(*past.places, server.map());
     result.take(past);
   });
   auto report = make_map_report(server);

@@ -22,9 +22,9 @@
 #include "server/fleet/record/recording_link.h"
 #include "server/show/live_view.h"
 #include "server/show/log_sink.h"
-#include "server/show/map_teller.h"
 #include "server/show/mcap_file.h"
 #include "server/show/public_relay.h"
+#include "server/show/snapshot_observer.h"
 
 namespace coslam {
 namespace {
@@ -140,7 +140,7 @@ void serve(const ServeOptions& options) {
   std::optional<McapFile> mcap;
   if (!options.mcap.empty()) sinks.push_back(&mcap.emplace(options.mcap));
   std::optional<LiveView> view;
-  std::optional<MapTeller> teller;
+  std::optional<SnapshotObserver> teller;
   if (keys.view.on()) {
     const bool on_all = keys.view.address == "0.0.0.0" || keys.view.address == "::";
     view.emplace(keys.view, loop.map_server(), sinks,

@@ -29,11 +29,7 @@ inline RecordingHead recording_head(RunId server_run, const RecordedConfig& conf
   return {.server_run = server_run, .configuration = config::dump_json(config)};
 }
 
-// Throws UserError; file: where the head is from.
-inline RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem::path& file) {
-  RecordedConfig config;
-  config::load_text(config, head.configuration.dump(), file);
-  return config;
-}
+// Throws UserError; file: where the head is from. Sections that a recording has under an earlier name are found.
+RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem::path& file);
 
 }  // namespace coslam

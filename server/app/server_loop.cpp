@@ -257,7 +257,7 @@ void ServerLoop::send_answers(const FrameSet& set, std::vector<MapPatch> patches
     }
     link_.send(patch);
   }
-  for (const MovingState& state : server_.moving()) link_.send(state);
+  for (const MovingState& state : server_.report<MovingStates>().all) link_.send(state);
   const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
   for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
 }
@@ -328,7 +328,7 @@ void ServerLoop::write_last() {
 }
 
 void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_end) {
-  const RefineConfig& refine = config_.server.map.of<RefineConfig>();
+  const BundleAdjustmentConfig& refine = config_.server.map.of<BundleAdjustmentConfig>();
   const bool adjusts = !short_end && refine.enabled && refine.at_end != "nothing";
   while (const auto set = sets_.next_waiting()) run_set(*set);
   stopping_ = true;

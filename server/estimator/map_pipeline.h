@@ -3,46 +3,48 @@
 #pragma once
 
 #include "common/config/rigs.h"
-#include "server/estimator/adjust/adjustment.h"
+#include "server/estimator/adjust/bundle_adjustment.h"
+#include "server/estimator/adjust/key_frames.h"
 #include "server/estimator/adjust/scale.h"
 #include "server/estimator/associate/cull.h"
 #include "server/estimator/associate/fuse.h"
-#include "server/estimator/associate/gate.h"
 #include "server/estimator/associate/register.h"
+#include "server/estimator/associate/verify.h"
+#include "server/estimator/correct/announce_moving.h"
 #include "server/estimator/correct/correct.h"
-#include "server/estimator/correct/moving_writer.h"
-#include "server/estimator/covisibility/group.h"
-#include "server/estimator/create/moving.h"
-#include "server/estimator/create/one_camera.h"
+#include "server/estimator/covisibility/grouping.h"
+#include "server/estimator/create/map_inter.h"
+#include "server/estimator/create/map_intra.h"
+#include "server/estimator/create/map_moving.h"
 #include "server/estimator/create/start.h"
-#include "server/estimator/create/two_cameras.h"
 #include "server/estimator/motion/classify.h"
-#include "server/estimator/motion/clock.h"
-#include "server/estimator/motion/lag_finder.h"
+#include "server/estimator/motion/clock_offsets.h"
 #include "server/estimator/motion/objects.h"
+#include "server/estimator/motion/stamp_lag.h"
 #include "server/estimator/past/forget.h"
 #include "server/estimator/pipeline/pipeline.h"
-#include "server/estimator/places/meet.h"
-#include "server/estimator/pose/find_again.h"
+#include "server/estimator/places/last_images.h"
+#include "server/estimator/places/place_recognition.h"
 #include "server/estimator/pose/inter_pose.h"
 #include "server/estimator/pose/localise.h"
-#include "server/estimator/pose/window.h"
+#include "server/estimator/pose/wide_search.h"
+#include "server/estimator/pose/window_pose.h"
 
 namespace coslam {
 
 // What a frame set goes through, in this order.
 using MapPipeline = Pipeline<  //
-    TakeAdjustment,            // the solution of the last bundle adjustment
+    BundleAdjustment,          // the solution of the last bundle adjustment
     Localise,                  // each camera's pose, on the points bound to its tracks
     WindowPose,                // where known points run out: the newest poses with all that was followed
-    FindAgain,                 // and points that are seen again after a while
+    WideSearch,                // and points that are seen again after a while
     InterPose,                 // where static points run out: the cameras of a group together
     Start,                     // maps, by several cameras at once or by one alone
-    Meetings,                  // places known again: cameras put into maps, maps joined, loops closed
+    PlaceRecognition,          // places known again: cameras put into maps, maps joined, loops closed
     Verify,                    // every observation against its prediction; filter
     Classify,                  // what moves, and where that is now
-    ClockFinder,               // offsets of the agents' clocks, from what moves
-    LagFinder,                 // cameras whose stamps are off by far, the same way
+    ClockOffsets,              // offsets of the agents' clocks, from what moves
+    StampLag,                  // cameras whose stamps are off by far, the same way
     Register,                  // tracks without a point against known points
     MapIntra,                  // new points from one camera's motion
     Grouping,                  // view graph of this set, groups
@@ -51,14 +53,26 @@ using MapPipeline = Pipeline<  //
     Fuse,                      // points that two cameras made of one corner
     Cull,                      // points that turned out to be false
     Scale,                     // metres, where something tells them
-    ObjectFinder,              // which moving points move as one
-    TellMoving,                // what moves, for others
-    PlanAdjustment,            // key frames, and what is to be adjusted
-    Correct>;                  // what each agent is told
+    Objects,                   // which moving points move as one
+    AnnounceMoving,            // what moves, for others
+    KeyFrames,                 // key frames, and what is to be adjusted
+    Correct,                   // what each agent is told
+    LastImages,                // what agents saw that have ended
+    Forget>;                   // what leaves the memory of a long run
+
+// The stages that something comes to between frame sets, and those that have a last word, by what they are asked for.
+struct MapRole {
+  using PlansAdjustment = KeyFrames;
+  using TakesAdjustment = BundleAdjustment;
+  using Answers = Correct;
+  using KnowsPlaces = PlaceRecognition;
+  using RemembersLastImages = LastImages;
+  using FindsMisdated = StampLag;
+  using KnowsScale = Scale;
+};
 
 struct MapServerConfig {
   MapConfig map;
-  PastConfig past;
   MapPipeline::Configs stages;
 
   // Of one stage, e.g. of<LocaliseConfig>().
@@ -91,10 +105,9 @@ void describe(V& v, MapServerConfig& c) {
           "known distance of the first two cameras at the start; 0 = unknown; goes before tag_m");
   v.field("tag_m", c.of<ScaleConfig>().tags.side_m, {0, 10},
           "side of the black square of every printed tag, metres; 0 = unknown; agents look for them, see agent.tags");
-  v.field("lens", c.of<RefineConfig>().lens, {"auto", "given"},
+  v.field("lens", c.of<BundleAdjustmentConfig>().lens, {"auto", "given"},
           "auto: what is wrong about a calibration is found out, as far as the images say it; given: they are right");
   MapPipeline::describe_all(v, c.stages);
-  v.section("past", c.past);
 }
 
 }  // namespace coslam

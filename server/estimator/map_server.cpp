@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/estimator/adjust/settle.h"
+#include "server/estimator/adjust/final_poses.h"
 
 namespace coslam {
 namespace {
@@ -37,7 +37,7 @@ int sum_of(const MapFrames& m) {
 }  // namespace
 
 MapServer::MapServer(RunId run, const MapServerConfig& config)
-    : run_{run}, config_(config), edit_(config.map), pipeline_(config.stages), forgetting_(config.past) {}
+    : run_{run}, config_(config), edit_(config.map), pipeline_(config.stages) {}
 
 CameraId MapServer::admit(const Hello& hello) {
   for (const MapCamera& c : map().cameras()) {
@@ -97,29 +97,13 @@ std::vector<MapPatch> MapServer::step(const FrameSet& seen) {
   const FrameSet& set = as_calibrated ? seen : corrected.emplace(by_lenses(seen));
   edit_.ingest(set);
   pipeline_.step(set, edit_, run_, &report_);
+  past_ = pipeline_.take_report<PastPart>();
+  pipeline_.forget(past_.views);
   take(pipeline_.report<ScaleReport>());
-  if (pipeline_.report<TakenAdjustment>().report.applied) tell_of_lenses();
+  if (pipeline_.report<BundleAdjustmentReport>().report.applied) tell_of_lenses();
   note_adjusted();
-  remember_last_images();
-  forget();
   edit_.journal().end_set();
   return pipeline_.report<Corrections>().patches;
-}
-
-void MapServer::take_last_image(CameraId camera, DescriptorReply reply) {
-  last_images_.insert_or_assign(camera, std::move(reply));
-}
-
-void MapServer::remember_last_images() {
-  std::erase_if(last_images_, [this](const auto& image) {
-    return pipeline_.stage<Meetings>().remember_last(edit_, image.first, image.second);
-  });
-}
-
-void MapServer::forget() {
-  const auto timer = report_.times.measure("past");
-  past_ = forgetting_.run(edit_, pipeline_.held_frames());
-  pipeline_.forget(past_.views);
 }
 
 void MapServer::take(const ScaleReport& scale) {
@@ -128,12 +112,12 @@ void MapServer::take(const ScaleReport& scale) {
 }
 
 MapPatch MapServer::acknowledge(CameraId camera, const TrackFrame& frame) {
-  return pipeline_.stage<Correct>().acknowledge(map(), camera, frame, run_);
+  return pipeline_.stage<MapRole::Answers>().acknowledge(map(), camera, frame, run_);
 }
 
 void MapServer::give_refined(RefineJob job, BundleResult result, std::chrono::steady_clock::duration took) {
   report_.times.add(job.extent == RefineExtent::kOutline ? "bundle_outline" : "bundle", took);
-  pipeline_.stage<TakeAdjustment>().give(std::move(job), std::move(result));
+  pipeline_.stage<MapRole::TakesAdjustment>().give(std::move(job), std::move(result));
 }
 
 // What was adjusted stays so when a newer map becomes part of it; not when loops are closed in it, or when what is not
@@ -148,19 +132,20 @@ void MapServer::note_adjusted() {
     if (!moved && old) adjusted_.erase(into);
     if (moved && !(restored_until_ && into.value < first_new_map_.value)) adjusted_.emplace(into, moved.mapped());
   }
-  const auto& met = pipeline_.report<MeetReport>();
+  const auto& met = pipeline_.report<PlaceRecognitionReport>();
   if (met.closed > 0) adjusted_.erase(met.to_adjust);
 }
 
 // Maps that show one place and loops that were not seen, or not believed, while the run went on.
-void MapServer::look_back() {
-  const auto timer = report_.times.measure("look_back");
+void MapServer::close_loops_offline() {
+  const auto timer = report_.times.measure("close_loops_offline");
   edit_.journal().begin_set();
-  pipeline_.run<TakeAdjustment>({map().now(), map().now_ns(), {}}, edit_, run_, &report_);
-  remember_last_images();
-  auto& meetings = pipeline_.stage<Meetings>();
-  const auto joined = static_cast<long>(meetings.join_all(edit_).size());
-  const LookBackReport back = meetings.look_back(edit_, largest_map());
+  const FrameSet none{map().now(), map().now_ns(), {}};
+  pipeline_.run<MapRole::TakesAdjustment>(none, edit_, run_, &report_);
+  pipeline_.run<MapRole::RemembersLastImages>(none, edit_, run_, &report_);
+  auto& places = pipeline_.stage<MapRole::KnowsPlaces>();
+  const auto joined = static_cast<long>(places.join_all(edit_).size());
+  const OfflineLoopsReport back = places.close_loops_offline(edit_, largest_map());
   report_.counts["merges"] += joined;
   report_.counts["loops_closed"] += back.closed;
   report_.counts["places_linked"] += back.linked;
@@ -168,34 +153,34 @@ void MapServer::look_back() {
 }
 
 void MapServer::finish(const TellProgress& tell) {
-  pipeline_.stage<LagFinder>().finish(edit_);
-  const RefineConfig& refine = config_.of<RefineConfig>();
+  pipeline_.stage<MapRole::FindsMisdated>().finish(edit_);
+  const BundleAdjustmentConfig& refine = config_.of<BundleAdjustmentConfig>();
   if (refine.at_end == "nothing") return;
-  look_back();
+  close_loops_offline();
   const auto adjusted = adjusted_.find(largest_map());
   const bool all = refine.at_end == "whole" || adjusted == adjusted_.end();
   adjust(all ? std::nullopt : std::optional(adjusted->second), tell);
 }
 
 void MapServer::finish_whole(const TellProgress& tell) {
-  pipeline_.stage<LagFinder>().finish(edit_);
-  look_back();
+  pipeline_.stage<MapRole::FindsMisdated>().finish(edit_);
+  close_loops_offline();
   adjust(std::nullopt, tell);
 }
 
 void MapServer::adjust(std::optional<SetId> since, const TellProgress& tell) {
   const auto timer = report_.times.measure("finish");
-  const RefineConfig& refine = config_.of<RefineConfig>();
+  const BundleAdjustmentConfig& refine = config_.of<BundleAdjustmentConfig>();
   if (!refine.enabled) return;
   for (const MapCamera& c : map().cameras()) path_errors_[c.id] = {};
   for (const auto& [camera, path] : adjust_whole(edit_, largest_map(), refine, since, tell))
     path_errors_[camera] = path;
   tell_of_lenses();
   adjusted_[largest_map()] = map().now();
-  const SettleReport settled = settle_frames(edit_, largest_map());
+  const FinalPosesReport settled = refine_final_poses(edit_, largest_map());
   report_.counts["frames_settled"] += settled.changed;
   report_.counts["frames_placed_late"] += settled.placed;
-  take(pipeline_.stage<Scale>().finish(edit_));
+  take(pipeline_.stage<MapRole::KnowsScale>().finish(edit_));
 }
 
 std::optional<PathError> MapServer::path_error(CameraId camera) const {

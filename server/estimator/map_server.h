@@ -48,12 +48,12 @@ class MapServer {
 
   std::vector<MapPatch> step(const FrameSet& seen);
   // What the last image of an agent's run shows; its frame may come later.
-  void take_last_image(CameraId camera, DescriptorReply reply);
+  void take_last_image(CameraId camera, const DescriptorReply& reply) { pipeline_.take_last_image(camera, reply); }
   // The answer to a frame that is older than the last set and cannot be used any more.
   MapPatch acknowledge(CameraId camera, const TrackFrame& frame);
 
   // The job that the last step planned, at most one in flight; its solution is taken in at the next step.
-  std::optional<RefineJob> take_refine_job() { return pipeline_.stage<PlanAdjustment>().take_job(); }
+  std::optional<RefineJob> take_refine_job() { return pipeline_.stage<MapRole::PlansAdjustment>().take_job(); }
   // took: to solve, for the report.
   void give_refined(RefineJob job, BundleResult result, std::chrono::steady_clock::duration took = {});
 
@@ -90,15 +90,15 @@ class MapServer {
   // What the last step changed, with what happened since the one before; after finish(), what came after the last step.
   const Journal& journal() const { return edit_.journal(); }
   void keep_journal(bool on) { edit_.journal().enable(on); }
-  const ViewGraph& graph() const { return pipeline_.report<ViewGraph>(); }
-  // What moves as one, at the last frame set.
-  const std::vector<MovingObject>& objects() const { return pipeline_.report<ObjectsReport>().list; }
-  // The same and the moving points, for others.
-  const std::vector<MovingState>& moving() const { return pipeline_.report<MovingStates>().all; }
-  // Offset of the camera's clock from that of the first one it shares moving points with.
-  ClockOffset clock_offset(CameraId camera) const { return pipeline_.stage<ClockFinder>().offset(camera); }
-  // Its images were taken so much later than they are dated, by how things move.
-  std::optional<LagFinder::Lag> lag(CameraId camera) const { return pipeline_.stage<LagFinder>().lag(camera); }
+  // What a stage knows beyond its report, and the report of the last set that it ran in; see map_pipeline.h.
+  template <class Stage>
+  const Stage& stage() const {
+    return pipeline_.stage<Stage>();
+  }
+  template <class Report>
+  const Report& report() const {
+    return pipeline_.report<Report>();
+  }
   // How uncertain a camera's path is, once its map was adjusted as a whole.
   std::optional<PathError> path_error(CameraId camera) const;
   MapServerCounts counts() const;
@@ -112,8 +112,6 @@ class MapServer {
   // Whether the lengths of a map are metres.
   bool scale_known(MapId map) const { return in_metres_.contains(map); }
   bool scale_known() const { return scale_known(largest_map()); }
-  // Printed tags in that map, as last measured.
-  std::vector<MeasuredTag> tags() const { return pipeline_.stage<Scale>().tags().tags(largest_map()); }
   // What the user should know of, each once: sentences since the last call.
   std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
   RunId run() const { return run_.id; }
@@ -122,10 +120,8 @@ class MapServer {
   void take(const ScaleReport& scale);
   FrameSet by_lenses(const FrameSet& set) const;
   void tell_of_lenses();
-  void forget();
   void note_adjusted();
-  void look_back();
-  void remember_last_images();
+  void close_loops_offline();
   void adjust(std::optional<SetId> since, const TellProgress& tell);
 
   ServerRun run_;
@@ -133,9 +129,7 @@ class MapServer {
   MapEdit edit_;
   MapPipeline pipeline_;
   PipelineReport report_;
-  Forgetting forgetting_;
   PastPart past_;
-  std::map<CameraId, DescriptorReply> last_images_;  // that are not remembered yet
   int frame_sets_ = 0;
   std::set<MapId> in_metres_;
   PathErrors path_errors_;

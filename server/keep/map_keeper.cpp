@@ -9,7 +9,7 @@
 
 #include "common/base/log.h"
 #include "common/flow/clock.h"
-#include "server/estimator/map/sound.h"
+#include "server/estimator/map/validate.h"
 
 namespace coslam {
 
@@ -57,7 +57,7 @@ void MapKeeper::for_each_past(CameraId camera, const std::function<void(PastFram
   const auto [first, last] = past_frames_rows_of(camera);
   file_.for_each_row(kPastFramesTable, first, last, [&](const std::string& octets) {
     PastFrames block = past_frames_of(octets);
-    require_sound(block, server_.map());
+    validate(block, server_.map());
     visit(std::move(block));
   });
 }
@@ -70,7 +70,7 @@ void MapKeeper::save() {
 }
 
 void MapKeeper::pass_words() {
-  while (const auto word = saver_.take_word()) log_warn(*word);
+  while (const auto word = saver_.accept_agent_pose()) log_warn(*word);
 }
 
 void MapKeeper::ending(const ServerView& /*view*/, const nlohmann::ordered_json& /*report*/) {

@@ -92,8 +92,8 @@ Json camera_report(const MapServer& server, CameraId id) {
   const MapId common = server.largest_map();
   const int tracked = common == MapId() ? 0 : camera.frames_in_map(common);
   const double n = static_cast<double>(std::max<std::size_t>(1, camera.frames_ever()));
-  const ClockOffset clock = server.clock_offset(id);
-  const auto lag = server.lag(id);
+  const ClockOffset clock = server.stage<ClockOffsets>().offset(id);
+  const auto lag = server.stage<StampLag>().lag(id);
   return {{"frames", camera.frames_ever()},
           {"frames_received", camera.frames_ever()},
           {"tracked_percent", 100.0 * static_cast<double>(tracked) / n},
@@ -188,7 +188,8 @@ Json server_report(const MapServer& server) {
   out["inter_pose_calls"] = server.counts().inter_pose_calls;
   out["refinements"] = server.counts().refinements;
   out["scale_known"] = server.scale_known();
-  if (const auto tags = server.tags(); !tags.empty()) out["tags"] = tags_report(tags);
+  if (const auto tags = server.stage<Scale>().tags().tags(server.largest_map()); !tags.empty())
+    out["tags"] = tags_report(tags);
   out["events"] = server.counts().events;
   out["memory_mib"] = memory_report(server.memory());
   out["peak_memory_mib"] = peak_memory_mib();

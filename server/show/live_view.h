@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/model/thumbnail.h"
-#include "server/show/map_teller.h"
+#include "server/show/snapshot_observer.h"
 #include "server/show/web/live_api.h"
 #include "server/show/web/view_config.h"
 #include "server/show/web/web_server.h"
@@ -34,7 +34,7 @@ class LiveView {
  private:
   LiveApi api_;
   WebServer web_;
-  MapTeller teller_;  // last: it tells the others
+  SnapshotObserver teller_;  // last: it tells the others
 };
 
 }  // namespace coslam

@@ -11,7 +11,7 @@
 
 #include "server/estimator/map/edit.h"
 #include "server/estimator/map/past.h"
-#include "server/estimator/map/sound.h"
+#include "server/estimator/map/validate.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/sim_map.h"
 
@@ -95,10 +95,10 @@ void fuzz::try_octets(Octets octets) {
   edit.restore(tables);
   past(kPastFramesTable, [&](const std::string& row) {
     const PastFrames block = past_frames_of(row);
-    require_sound(block, edit.map());
+    validate(block, edit.map());
     frames_now(edit.map(), block);
   });
-  past(kPastPlacesTable, [&](const std::string& row) { require_sound(past_places_of(row), edit.map()); });
+  past(kPastPlacesTable, [&](const std::string& row) { validate(past_places_of(row), edit.map()); });
   look_at(edit.map());
   MapRows().changes(edit.map());
 }

@@ -46,8 +46,8 @@ class Difference {
     note("motions", a.motions(), b.motions());
     note("key_frames", a.key_frames(), b.key_frames());
     note("key_images", a.key_images(), b.key_images());
-    note("spared_images", a.spared_images(), b.spared_images());
-    note("loose_points", a.loose_points(), b.loose_points());
+    note("skipped_key_images", a.skipped_key_images(), b.skipped_key_images());
+    note("untracked_points", a.untracked_points(), b.untracked_points());
     note("moves", a.moves(), b.moves());
     note("shifted_ns", a.shifted_ns(), b.shifted_ns());
     note("epoch", a.epoch(), b.epoch());

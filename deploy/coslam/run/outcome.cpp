@@ -15,7 +15,7 @@
 #include "common/base/log.h"
 #include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
-#include "server/show/publish/happenings.h"
+#include "server/show/publish/event_feed.h"
 
 namespace coslam {
 namespace {

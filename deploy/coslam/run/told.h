@@ -7,7 +7,7 @@
 #include "server/app/server_loop.h"
 #include "server/show/live_view.h"
 #include "server/show/log_sink.h"
-#include "server/show/map_teller.h"
+#include "server/show/snapshot_observer.h"
 
 namespace coslam {
 
@@ -20,7 +20,7 @@ class RunTold {
  private:
   LogSink log_;
   std::optional<LiveView> view_;
-  std::optional<MapTeller> teller_;
+  std::optional<SnapshotObserver> teller_;
 };
 
 }  // namespace coslam

@@ -27,7 +27,8 @@ struct PoseHash {
 using PoseIndex = std::unordered_map<ImageKey, int, PoseHash>;
 
 // Ascending.
-std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config) {
+std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent,
+                                        const BundleAdjustmentConfig& config) {
   const auto& keys = map.key_frames();
   if (keys.size() < 2) return {};
   std::vector<SetId> out;
@@ -323,8 +324,8 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
 
 }  // namespace
 
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config,
-                                     Workers& workers) {
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent,
+                                     const BundleAdjustmentConfig& config, Workers& workers) {
   const bool window = extent == RefineExtent::kWindow;
   auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
                       window ? 3 * static_cast<std::size_t>(config.window) : 0, extent,
@@ -334,7 +335,7 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   return job;
 }
 
-std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config,
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const BundleAdjustmentConfig& config,
                                             Workers& workers) {
   const int most_poses = kMostApart * config.outline_poses;
   const KeyPoses all = key_poses(map, of);
@@ -348,7 +349,8 @@ std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId sinc
   return job;
 }
 
-std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config) {
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since,
+                                           const BundleAdjustmentConfig& config) {
   std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, config);
   const std::size_t all = keys.size();
   std::erase_if(keys, [&](SetId key) { return key <= since; });

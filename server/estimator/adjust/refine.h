@@ -17,7 +17,7 @@ namespace coslam {
 // other and takes seconds where all take minutes; or all.
 enum class RefineExtent : std::uint8_t { kWindow, kOutline, kWhole };
 
-struct RefineConfig {
+struct BundleAdjustmentConfig {
   bool enabled = true;
   int window = 8;           // K: newest key frames whose poses are free
   int outline_poses = 400;  // of an outline; of all that is known more where every third key frame has more
@@ -32,7 +32,7 @@ struct RefineConfig {
 };
 
 template <class V>
-void describe(V& v, RefineConfig& c) {
+void describe(V& v, BundleAdjustmentConfig& c) {
   v.field("enabled", c.enabled, "bundle adjustment");
   v.field("window", c.window, {2, 200}, "K: newest key frames whose poses are free");
   v.field(
@@ -73,14 +73,14 @@ struct RefineReport {
 };
 
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent, const RefineConfig& config,
-                                     Workers& workers = Workers::alone());
+std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent,
+                                     const BundleAdjustmentConfig& config, Workers& workers = Workers::alone());
 // The outline of a map that changed since a set: of all of it where that takes no more than it may; else of its key
 // frames since then, of the newest that may be; those before hold them and stay.
-std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const RefineConfig& config,
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const BundleAdjustmentConfig& config,
                                             Workers& workers = Workers::alone());
 // For all key frames after a set; those before it hold them and stay.
-std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const RefineConfig& config);
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since, const BundleAdjustmentConfig& config);
 // The newest key frames of a map with so many poses together, none held; not to be adjusted, but to be judged.
 std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses);
 BundleResult solve_refine(const RefineJob& job);

@@ -33,7 +33,7 @@ ScaleReport Scale::by_rigs(const Map& map) {
   return {.in_metres = metric_, .doubts = rig_doubts_.take(map)};
 }
 
-ScaleReport Scale::run(ScaleEdit& edit, const FrameSet& set, const MeetReport& met) {
+ScaleReport Scale::run(ScaleEdit& edit, const FrameSet& set, const PlaceRecognitionReport& met) {
   if (!edit.map().config().rigs.empty()) {
     scale_by_rigs(edit);
     return by_rigs(edit.map());

@@ -10,7 +10,8 @@
 #include "server/estimator/adjust/rig_doubts.h"
 #include "server/estimator/adjust/tag_scale.h"
 #include "server/estimator/map/keys.h"
-#include "server/estimator/places/meet.h"
+#include "server/estimator/reports/place_recognition_report.h"
+#include "server/estimator/reports/scale_report.h"
 
 namespace coslam {
 
@@ -24,27 +25,16 @@ void describe(V& v, ScaleConfig& c) {
   describe(v, c.tags);
 }
 
-struct ScaleReport {
-  std::set<MapId> in_metres;        // maps whose lengths are metres
-  int measured = 0, scaled = 0;     // tags, and maps by them
-  std::vector<std::string> doubts;  // what the user should know of, a sentence each, each once
-
-  void count(auto&& add) const {
-    add("tags_measured", measured);
-    add("scaled_by_tags", scaled);
-  }
-};
-
 // Images alone tell no length. Metres come from rigs that the images do not contradict, or else from a known baseline,
 // or else from printed tags.
 class Scale {
  public:
-  static constexpr std::string_view kName = "tags";
+  static constexpr std::string_view kName = "scale";
   using Config = ScaleConfig;
   explicit Scale(const ScaleConfig& of) : config(of), tags_(of.tags) {}
   ScaleConfig config;
 
-  ScaleReport run(ScaleEdit& edit, const FrameSet& set, const MeetReport& met);
+  ScaleReport run(ScaleEdit& edit, const FrameSet& set, const PlaceRecognitionReport& met);
   // By the final poses.
   ScaleReport finish(ScaleEdit& edit);
   const TagScale& tags() const { return tags_; }

@@ -10,7 +10,7 @@ CullReport cull(CullEdit& edit, const FrameSet& set, const CullConfig& config) {
   const std::uint32_t probation = edit.map().sets_in(config.probation_s);
   // Of few images what is not seen again says little: it may have left the view.
   const double least_views = probation < kLeastFrames ? 0 : config.min_seen * probation;
-  const std::set<PointId> loose = edit.map().loose_points();
+  const std::set<PointId> loose = edit.map().untracked_points();
   for (const PointId id : loose) {
     const MapPoint& p = *edit.map().find(id);
     if (p.created.value + probation > set.id.value) continue;
@@ -19,7 +19,7 @@ CullReport cull(CullEdit& edit, const FrameSet& set, const CullConfig& config) {
                         {static_cast<double>(p.views), static_cast<double>(set.id.value - p.created.value)});
       ++report.removed;
     } else {
-      edit.is_not_loose(id);
+      edit.keep_untracked(id);
     }
   }
   return report;

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimator/associate/gate.h"
 #include "server/estimator/associate/patch_match.h"
 #include "server/estimator/associate/points_by_place.h"
 #include "server/estimator/associate/recall.h"
 #include "server/estimator/associate/track_grid.h"
 #include "server/estimator/associate/turns.h"
+#include "server/estimator/associate/verify.h"
 
 namespace coslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/estimator/covisibility/group.h"
+#include "server/estimator/covisibility/grouping.h"
 
 // Tracks of two cameras that may be of one thing: for the stages that make points from two cameras at one instant.
 namespace coslam {

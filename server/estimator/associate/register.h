@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/base/workers.h"
-#include "server/estimator/associate/gate.h"
+#include "server/estimator/associate/verify.h"
 #include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 

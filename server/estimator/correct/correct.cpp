@@ -11,8 +11,9 @@ PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
   return writers_.try_emplace(camera, server, config).first->second;
 }
 
-Corrections Correct::run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
-                         const ScaleReport& scale, const ViewGraph& graph, Workers& workers) {
+Corrections Correct::run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server,
+                         const PlaceRecognitionReport& met, const ScaleReport& scale, const ViewGraph& graph,
+                         Workers& workers) {
   Corrections out;
   const auto is_narrow = [](const CameraFrame& cf) { return cf.frame.narrow_link; };
   std::optional<PatchWorths> worths;

@@ -5,11 +5,12 @@
 #include <map>
 #include <vector>
 
-#include "server/estimator/adjust/scale.h"
+#include "common/base/workers.h"
 #include "server/estimator/correct/patch_writer.h"
-#include "server/estimator/covisibility/group.h"
+#include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/pipeline/stage.h"
-#include "server/estimator/places/meet.h"
+#include "server/estimator/reports/place_recognition_report.h"
+#include "server/estimator/reports/scale_report.h"
 
 namespace coslam {
 
@@ -20,12 +21,12 @@ struct Corrections {
 // Tells each agent of the set what changed for it.
 class Correct {
  public:
-  static constexpr std::string_view kName = "patches";
-  using Config = PatchWriterConfig;
-  explicit Correct(const PatchWriterConfig& of) : config(of) {}
-  PatchWriterConfig config;
+  static constexpr std::string_view kName = "correct";
+  using Config = CorrectConfig;
+  explicit Correct(const CorrectConfig& of) : config(of) {}
+  CorrectConfig config;
 
-  Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const MeetReport& met,
+  Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const PlaceRecognitionReport& met,
                   const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
   // The answer to a frame that came too late to be used.
   MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);

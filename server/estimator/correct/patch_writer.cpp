@@ -214,7 +214,7 @@ MapPatch PatchWriter::begin(CorrectEdit& edit, const MapCamera& camera, const Tr
     patch.continues = server_.continues;
     if (patch.sequence == 1) patch.new_from_old = camera.moved;
   }
-  edit.agent_was_told(camera);
+  edit.mark_announced(camera);
   epoch_ = map.epoch();
   map_ = camera.map;
 

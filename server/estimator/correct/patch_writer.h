@@ -13,7 +13,7 @@
 
 namespace coslam {
 
-struct PatchWriterConfig {
+struct CorrectConfig {
   double moved_px = 0.3;                 // a point is sent again when it moved so far in this camera's image
   double covariance_ratio = 2.0;         // or its covariance changed by this factor
   double patch_period_s = 0.1;           // between requests for image patches: together they share a datagram
@@ -24,7 +24,7 @@ struct PatchWriterConfig {
 };
 
 template <class V>
-void describe(V& v, PatchWriterConfig& c) {
+void describe(V& v, CorrectConfig& c) {
   v.field("moved_px", c.moved_px, {0, 100}, "a point is sent again when it moved so far in the agent's image");
   v.field("covariance_ratio", c.covariance_ratio, {1, 1000}, "or its covariance changed by this factor");
   v.field("patch_period_s", c.patch_period_s, {0.01, 100}, "between requests for image patches");
@@ -37,7 +37,7 @@ void describe(V& v, PatchWriterConfig& c) {
 // Tells one agent what changed for it: keeps what it was told, and writes the difference.
 class PatchWriter {
  public:
-  PatchWriter(const ServerRun& server, const PatchWriterConfig& config) : server_(server), config_(config) {}
+  PatchWriter(const ServerRun& server, const CorrectConfig& config) : server_(server), config_(config) {}
 
   // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
   MapPatch begin(CorrectEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
@@ -70,7 +70,7 @@ class PatchWriter {
   void write_requests(const Map& map, const MapCamera& camera, const PatchWorths* worths, MapPatch* patch);
 
   ServerRun server_;
-  PatchWriterConfig config_;
+  CorrectConfig config_;
   RunId agent_run_;
   std::uint32_t sequence_ = 0;
   MapEpoch epoch_;

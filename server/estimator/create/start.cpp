@@ -62,14 +62,14 @@ void add_points(StartEdit& edit, MapId id, const std::vector<CameraId>& cameras,
 }
 
 // Two views leave depth and direction weakly known; the ones from the first of them to the last settle it.
-void settle_between(StartEdit& edit, MapId id, SetId first, SetId last, const RefineConfig& refine) {
+void settle_between(StartEdit& edit, MapId id, SetId first, SetId last, const BundleAdjustmentConfig& refine) {
   constexpr std::uint32_t kSteps = 6;
   if (first == last) return;
   const std::uint32_t steps = std::min(kSteps, last.value - first.value);
   for (std::uint32_t i = 0; i <= steps; ++i) {
     edit.add_key_frame(SetId(first.value + i * (last.value - first.value) / steps));
   }
-  RefineConfig by_known_lenses = refine;
+  BundleAdjustmentConfig by_known_lenses = refine;
   by_known_lenses.lens = "given";
   if (const auto job = plan_refine(edit.map(), id, RefineExtent::kWhole, by_known_lenses)) {
     apply_refine(edit, *job, solve_refine(*job));
@@ -89,7 +89,8 @@ double way_since(const MapCamera& camera, SetId then) {
 // These cameras, none of which has a map, at once.
 void start_together(StartEdit& edit, const FrameSet& set, const std::vector<CameraId>& cameras,
                     const std::vector<TrackFeatures>& features, const StartStageConfig& config,
-                    const LocaliseConfig& localise, const RefineConfig& refine, Workers& workers, StartReport* report) {
+                    const LocaliseConfig& localise, const BundleAdjustmentConfig& refine, Workers& workers,
+                    StartReport* report) {
   const Map& map = edit.map();
   std::vector<FeatureImage> images;
   images.reserve(features.size());
@@ -177,7 +178,7 @@ bool without_map_for(const MapCamera& camera, double wait_s) {
 
 // Two views of one camera at different times.
 void start_alone(StartEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
-                 const LocaliseConfig& localise, const RefineConfig& refine, StartReport* report) {
+                 const LocaliseConfig& localise, const BundleAdjustmentConfig& refine, StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
   if (!common || common->median_flow_px < camera.model.px_from_640(config.min_flow_px)) return;
   const StartResult result = start_from_matches(common->then, common->now, common->matches, config.pair);
@@ -236,8 +237,8 @@ bool Start::together_now(const Map& map, const Unplaced& cameras) {
   return cameras.described.size() >= 2;
 }
 
-StartReport Start::run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
-                       Workers& workers) {
+StartReport Start::run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise,
+                       const BundleAdjustmentConfig& refine, Workers& workers) {
   constexpr double kTry_s = 0.1;
   constexpr double kTogetherFirst = 8;  // times as long
   StartReport report;

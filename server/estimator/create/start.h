@@ -49,8 +49,8 @@ class Start {
   explicit Start(const Config& of) : config(of) {}
   Config config;
 
-  StartReport run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise, const RefineConfig& refine,
-                  Workers& workers = Workers::alone());
+  StartReport run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise,
+                  const BundleAdjustmentConfig& refine, Workers& workers = Workers::alone());
 
  private:
   void remember(const Map& map, const FrameSet& set);

@@ -64,11 +64,11 @@ auto fields(Like<PastFramesCount> auto& p) {
 }
 
 // An epoch that an agent was told of, and how its world was moved since.
-struct ToldEpoch {
+struct AnnouncedEpoch {
   MapEpoch epoch;
   Similarity3 moved;
 };
-auto fields(Like<ToldEpoch> auto& t) { return std::tuple(kept("epoch", t.epoch), kept("moved", t.moved)); }
+auto fields(Like<AnnouncedEpoch> auto& t) { return std::tuple(kept("epoch", t.epoch), kept("moved", t.moved)); }
 
 struct MapCamera {
   CameraId id;
@@ -78,18 +78,18 @@ struct MapCamera {
   LensCorrection lens;   // what is wrong about that; all that was observed is undistorted with it
   double breathing = 0;  // by how much its focal length was found to change from image to image, most; 0: not known to
   LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // of its values; 0: as calibrated
-  double sigma_px = 1.0;       // measured standard deviation of its observations
-  int sigma_frames = 0;        // that it was measured in
-  std::string rig;             // name of the first camera of the rig that it is fixed to; empty: it is free
-  Rigid3 cam_from_rig;         // metres
-  MapId map;                   // that it is being localised in; 0 = not placed
-  bool corrected = false;      // its pose in this set rests on more than its agent has: the agent is to take it
-  double scene_depth = 0;      // median of what it saw with its newest good pose; 0: not known yet
-  bool sparse = false;         // it sees so few proven points for long that it has to use the others too
-  int lost_sets = 0;           // frame sets in succession without a pose, while it has a map
-  Similarity3 moved;           // how its world was moved since the last patch to its agent
-  std::deque<ToldEpoch> told;  // of its present map, the newest ones
-  MapId merged_from;           // the map that it was in then and that became part of its present one; 0 = no merge
+  double sigma_px = 1.0;   // measured standard deviation of its observations
+  int sigma_frames = 0;    // that it was measured in
+  std::string rig;         // name of the first camera of the rig that it is fixed to; empty: it is free
+  Rigid3 cam_from_rig;     // metres
+  MapId map;               // that it is being localised in; 0 = not placed
+  bool corrected = false;  // its pose in this set rests on more than its agent has: the agent is to take it
+  double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
+  bool sparse = false;     // it sees so few proven points for long that it has to use the others too
+  int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
+  Similarity3 moved;       // how its world was moved since the last patch to its agent
+  std::deque<AnnouncedEpoch> announced;  // of its present map, the newest ones
+  MapId merged_from;  // the map that it was in then and that became part of its present one; 0 = no merge
   bool alive = true;
   SetId run_since;                             // of the frames of this run of its agent
   TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
@@ -133,7 +133,7 @@ auto fields(Like<MapCamera> auto& c) {
       kept("lens", c.lens, 3), kept("breathing", c.breathing, 3), kept("lens_sigma", c.lens_sigma, 3),
       kept("past", c.past, 3), not_kept("frames", c.frames),  // rows of their own
       not_kept("corrected", c.corrected),                     // of the newest set
-      not_kept("told", c.told),                               // its agent has to be told anew
+      not_kept("announced", c.announced),                     // its agent has to be told anew
       not_kept("alive", c.alive));                            // until it is heard
 }
 

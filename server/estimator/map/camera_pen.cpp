@@ -15,7 +15,7 @@ void CameraPen::place(const MapCamera& camera, SetId set, MapId map, const Rigid
                       Figures figures) {
   MapCamera& c = own(camera);
   const bool anew = c.map != map || c.lost_sets > 0;
-  if (c.map != map) c.told.clear();
+  if (c.map != map) c.announced.clear();
   c.map = map;
   c.lost_sets = 0;
   set_pose(camera, set, cam_from_world);
@@ -40,7 +40,7 @@ void CameraPen::set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_w
   c.corrected = true;
 }
 
-void CameraPen::take_word(const MapCamera& camera, const Rigid3& cam_from_world) {
+void CameraPen::accept_agent_pose(const MapCamera& camera, const Rigid3& cam_from_world) {
   set_pose(camera, camera.frames.back().set, cam_from_world);
   own(camera).frames.back().joint = true;
 }
@@ -60,7 +60,7 @@ void CameraPen::leave_map(const MapCamera& camera) {
   note_camera(EventKind::kCameraLeft, c, Why::kLostTooLong, {static_cast<double>(c.lost_sets), 0});
   c.map = MapId();
   c.lost_sets = 0;
-  c.told.clear();
+  c.announced.clear();
 }
 
 void CameraPen::adjust_pose(const MapCamera& camera, const FramePose& frame, const Rigid3& cam_from_world) {
@@ -75,17 +75,18 @@ void CameraPen::place_past(const MapCamera& camera, const FramePose& frame, MapI
 void CameraPen::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
   MapCamera& c = own(camera);
   c.moved = new_from_old * c.moved;
-  for (ToldEpoch& t : c.told) t.moved = new_from_old * t.moved;
+  for (AnnouncedEpoch& t : c.announced) t.moved = new_from_old * t.moved;
   c.scene_depth *= new_from_old.scale;
 }
 
-void CameraPen::agent_was_told(const MapCamera& camera) {
+void CameraPen::mark_announced(const MapCamera& camera) {
   constexpr std::size_t kMost = 64;
   MapCamera& c = own(camera);
   c.moved = Similarity3();
   c.merged_from = MapId();
-  if (c.told.empty() || c.told.back().epoch != map_.epoch_) c.told.push_back({map_.epoch_, Similarity3()});
-  if (c.told.size() > kMost) c.told.pop_front();
+  if (c.announced.empty() || c.announced.back().epoch != map_.epoch_)
+    c.announced.push_back({map_.epoch_, Similarity3()});
+  if (c.announced.size() > kMost) c.announced.pop_front();
 }
 
 }  // namespace coslam

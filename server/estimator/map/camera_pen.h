@@ -31,9 +31,9 @@ class CameraPen : public PointPen {
   // The camera's pose at a set, in the map that it is in.
   void set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_from_world);
   // The camera's newest pose, as its agent says, which has points that the map has not.
-  void take_word(const MapCamera& camera, const Rigid3& cam_from_world);
+  void accept_agent_pose(const MapCamera& camera, const Rigid3& cam_from_world);
   // The newest pose rests on more than its agent has: the agent is to take it.
-  void tell_pose(const MapCamera& camera) { own(camera).corrected = true; }
+  void push_pose_to_agent(const MapCamera& camera) { own(camera).corrected = true; }
   // The camera's newest pose, found together with the other cameras of its group; rests_on_moving: the static points
   // alone would not hold it.
   void set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_world, bool rests_on_moving);
@@ -48,7 +48,7 @@ class CameraPen : public PointPen {
   // The camera's world moved, and its agent is to move along.
   void carry_agent(const MapCamera& camera, const Similarity3& new_from_old);
   // The camera's agent was told how its world moved and of which map it is part.
-  void agent_was_told(const MapCamera& camera);
+  void mark_announced(const MapCamera& camera);
 };
 
 }  // namespace coslam

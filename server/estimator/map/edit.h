@@ -36,15 +36,16 @@ class MapEdit : public LocaliseEdit,
   Journal& journal() { return journal_; }
   const Journal& journal() const { return journal_; }
 
-  COSLAM_MAY(add_camera, add_key_frame, add_key_image, adjust_pose, agent_was_told, bind, bind_moving, carry_agent,
+  COSLAM_MAY(add_camera, add_key_frame, add_key_image, adjust_pose, mark_announced, bind, bind_moving, carry_agent,
              correct_lens, create_point, distrust_before, drop_observation, follow, forget_frame, forget_past,
-             forget_patches, forget_seen, forget_view, fuse, give_patch, ingest, is_not_loose, keep_newest_patches,
+             forget_patches, forget_seen, forget_view, fuse, give_patch, ingest, keep_untracked, keep_newest_patches,
              keep_recent, leave_map, leave_zoom_out, lose_pose, map_not_before, measure_sigma, merge, miss_gate,
              move_point, new_map, note_breathing, note_misdated, note_moved, note_ray, pass_gate, pass_sets, place,
              place_past, prove, put_on_trial, raise_epoch, record_motion, remove_point, reposition_point,
              restart_camera, restore, see, set_alive, set_clock_offset, set_joint_pose, set_metric, set_motion,
              set_pose, set_scene_depth, set_sparse, shift_times, start_moving, stop_moving, take_frames, take_in,
-             take_motions, take_word, tell_pose, thin_patches, transform, transform_point, unbind, went_along);
+             take_motions, accept_agent_pose, push_pose_to_agent, thin_patches, transform, transform_point, unbind,
+             mark_co_moving);
 };
 
 }  // namespace coslam

@@ -88,7 +88,8 @@ Renumbered ImportPen::take_in(const Map& other) {
   take_all(other.key_frames_, &map_.key_frames_);
   take_all(other.moves_, &map_.moves_);
   for (const auto& [set, camera] : other.key_images_) map_.key_images_.emplace(as.of(set), as.of(camera));
-  for (const auto& [set, camera] : other.spared_images_) map_.spared_images_.emplace(as.of(set), as.of(camera));
+  for (const auto& [set, camera] : other.skipped_key_images_)
+    map_.skipped_key_images_.emplace(as.of(set), as.of(camera));
   take_in_points(other, as);
   raise_epoch();
   return as;

@@ -61,19 +61,19 @@ class BundleEdit : public virtual PointPositionEdit {
 // See pose/localise.h.
 class LocaliseEdit : public virtual FramePoseEdit {
  public:
-  COSLAM_MAY(leave_map, lose_pose, measure_sigma, place, set_pose, set_scene_depth, set_sparse, take_word);
+  COSLAM_MAY(leave_map, lose_pose, measure_sigma, place, set_pose, set_scene_depth, set_sparse, accept_agent_pose);
 };
 
 // See pose/window.h.
 class WindowPoseEdit : public virtual SessionPen {
  public:
-  COSLAM_MAY(adjust_pose, tell_pose);
+  COSLAM_MAY(adjust_pose, push_pose_to_agent);
 };
 
 // See pose/find_again.h.
 class WideSearchEdit : public virtual SessionPen {
  public:
-  COSLAM_MAY(bind, keep_recent, set_pose, tell_pose);
+  COSLAM_MAY(bind, keep_recent, set_pose, push_pose_to_agent);
 };
 
 // See pose/inter_pose.h.
@@ -107,7 +107,7 @@ class VerifyEdit : public virtual SessionPen {
 class ClassifyEdit : public virtual MovingPathEdit {
  public:
   COSLAM_MAY(bind_moving, distrust_before, follow, forget_past, give_patch, keep_newest_patches, move_point, pass_gate,
-             record_motion, remove_point, set_motion, start_moving, stop_moving, unbind, went_along);
+             record_motion, remove_point, set_motion, start_moving, stop_moving, unbind, mark_co_moving);
 };
 
 // See motion/clock.h.
@@ -155,7 +155,7 @@ class FuseEdit : public virtual SessionPen {
 // See associate/cull.h.
 class CullEdit : public virtual SessionPen {
  public:
-  COSLAM_MAY(is_not_loose, remove_point, thin_patches);
+  COSLAM_MAY(keep_untracked, remove_point, thin_patches);
 };
 
 // See adjust/scale.h.
@@ -173,7 +173,7 @@ class KeyFramesEdit : public virtual SessionPen {
 // See correct/correct.h.
 class CorrectEdit : public virtual SessionPen {
  public:
-  COSLAM_MAY(agent_was_told);
+  COSLAM_MAY(mark_announced);
 };
 
 // See past/forget.h.

@@ -116,8 +116,8 @@ const FramePose* MapCamera::frame_at(SetId set) const {
 }
 
 std::optional<Similarity3> MapCamera::moved_since(MapEpoch epoch) const {
-  const auto at = std::ranges::find(told, epoch, &ToldEpoch::epoch);
-  return at == told.end() ? std::nullopt : std::optional(at->moved);
+  const auto at = std::ranges::find(announced, epoch, &AnnouncedEpoch::epoch);
+  return at == announced.end() ? std::nullopt : std::optional(at->moved);
 }
 
 std::span<const FramePose> MapCamera::present_frames() const {
@@ -198,7 +198,7 @@ bool Map::is_key_frame(SetId set) const {
 
 bool Map::keeps_observations_of(SetId set, CameraId camera) const {
   if (key_images_.contains({set, camera})) return true;
-  return is_key_frame(set) && !spared_images_.contains({set, camera});
+  return is_key_frame(set) && !skipped_key_images_.contains({set, camera});
 }
 
 namespace {

@@ -78,7 +78,7 @@ class Map {
   const std::vector<KeyFrame>& key_frames() const { return key_frames_; }
   bool is_key_frame(SetId set) const;
   // Cameras that took no part in a key frame, as they saw nothing new.
-  const std::set<ImageKey>& spared_images() const { return spared_images_; }
+  const std::set<ImageKey>& skipped_key_images() const { return skipped_key_images_; }
 
   // Those that move now, ascending.
   std::vector<const MapPoint*> moving_points() const;
@@ -94,7 +94,7 @@ class Map {
   std::vector<const MapPoint*> points_observed_at(const std::vector<SetId>& sets) const;
   std::vector<const MapPoint*> points_observed_since(SetId set) const;
   // That no track follows, since their last binding ended; cull() looks at these.
-  const std::set<PointId>& loose_points() const { return loose_; }
+  const std::set<PointId>& untracked_points() const { return untracked_; }
 
   // Standard deviation behind the gates: generous against the measured one, never above sigma_px of the configuration.
   double gate_sigma_px(const MapCamera& camera) const;
@@ -170,8 +170,8 @@ class Map {
   PointTable points_;
   std::map<PointId, std::vector<MotionSample>> motions_;
   std::vector<KeyFrame> key_frames_;
-  std::set<ImageKey> key_images_, spared_images_;
-  std::set<PointId> loose_;
+  std::set<ImageKey> key_images_, skipped_key_images_;
+  std::set<PointId> untracked_;
   std::map<ImageKey, std::vector<PointId>>
       observed_in_;                 // and some whose observation is gone; in any order, some twice
   std::vector<PointId> repatched_;  // that were given a patch since they were thinned

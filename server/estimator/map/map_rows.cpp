@@ -8,7 +8,7 @@
 
 #include "server/estimator/map/fingerprint.h"
 #include "server/estimator/map/serialise.h"
-#include "server/estimator/map/sound.h"
+#include "server/estimator/map/validate.h"
 
 namespace coslam {
 
@@ -83,11 +83,12 @@ std::vector<Row> MapRows::changes(const Map& map) {
   keep("point", map.points(), &points_, &rows);
   keep("motion", map.motions(), &motions_, &rows);
   for (const MapCamera& c : map.cameras()) rows.push_back({"camera", c.id.value, octets_of(c)});
-  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kMap),
-                  octets_of(map.metric_, map.key_frames_, map.key_images_, map.loose_, map.repatched_, map.next_point_,
-                            map.next_map_, map.epoch_, map.now_, map.now_ns_, map.set_interval_s_, map.set_times_ns_)});
+  rows.push_back(
+      {"state", static_cast<std::int64_t>(StateRow::kMap),
+       octets_of(map.metric_, map.key_frames_, map.key_images_, map.untracked_, map.repatched_, map.next_point_,
+                 map.next_map_, map.epoch_, map.now_, map.now_ns_, map.set_interval_s_, map.set_times_ns_)});
   rows.push_back({"state", static_cast<std::int64_t>(StateRow::kPast), octets_of(map.moves_, map.shifted_ns_)});
-  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kSpared), octets_of(map.spared_images_)});
+  rows.push_back({"state", static_cast<std::int64_t>(StateRow::kSpared), octets_of(map.skipped_key_images_)});
   return rows;
 }
 
@@ -114,7 +115,7 @@ void MapRows::restore_cameras_apart(const Tables& tables, Map* map) {
 }
 
 void MapRows::restore(const Tables& tables, int version, Map* map) {
-  read_state(tables, StateRow::kMap, map->metric_, map->key_frames_, map->key_images_, map->loose_, map->repatched_,
+  read_state(tables, StateRow::kMap, map->metric_, map->key_frames_, map->key_images_, map->untracked_, map->repatched_,
              map->next_point_, map->next_map_, map->epoch_, map->now_, map->now_ns_, map->set_interval_s_,
              map->set_times_ns_);
   constexpr double kShortest_s = 1e-5, kLongest_s = 1e5;
@@ -125,7 +126,7 @@ void MapRows::restore(const Tables& tables, int version, Map* map) {
     camera.alive = false;
     map->cameras_.push_back(std::move(camera));
   });
-  read_state(tables, StateRow::kSpared, map->spared_images_);  // none in older files
+  read_state(tables, StateRow::kSpared, map->skipped_key_images_);  // none in older files
   if (version < 3) {
     restore_cameras_apart(tables, map);
   } else {
@@ -144,7 +145,7 @@ void MapRows::restore(const Tables& tables, int version, Map* map) {
   for_each_row<MapPoint>(tables, version, "point", [&](MapPoint point, std::int64_t) { map->put(std::move(point)); });
   if (!map->points().empty() && map->points().rbegin()->first.value >= map->next_point_)
     throw UserError("the map file has a point of no number");
-  require_sound(*map);
+  validate(*map);
 }
 
 }  // namespace coslam

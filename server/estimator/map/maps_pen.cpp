@@ -24,7 +24,7 @@ void MapsPen::add_key_frame(SetId set, const std::vector<CameraId>& spared) {
   const auto at = std::upper_bound(map_.key_frames_.begin(), map_.key_frames_.end(), KeyFrame{set},
                                    [](const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; });
   map_.key_frames_.insert(at, {set});
-  for (const CameraId camera : spared) map_.spared_images_.emplace(set, camera);
+  for (const CameraId camera : spared) map_.skipped_key_images_.emplace(set, camera);
   for (const MapCamera& c : map_.cameras_) {
     if (!map_.keeps_observations_of(set, c.id)) continue;
     for (const auto& [id, t] : c.tracks) {

@@ -27,7 +27,7 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
   return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
 }
 
-void renumber(const Renumbered& as, PutDown* put) {
+void renumber(const Renumbered& as, ArchivedPlace* put) {
   put->moves += as.moves;
   put->shifted_ns += as.shifted_ns;
 }
@@ -53,7 +53,7 @@ void renumber(const Renumbered& as, PastPlaces* block) {
   Renumber(numbers).apply(block->places);
 }
 
-Since since(const Map& map, const PutDown& put, MapId then) {
+Since since(const Map& map, const ArchivedPlace& put, MapId then) {
   Since out{then, {}};
   const auto& moves = map.moves();
   for (std::size_t i = put.moves; i < moves.size(); ++i) {

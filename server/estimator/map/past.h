@@ -15,15 +15,17 @@
 namespace coslam {
 
 // What was known of the map as a whole when something was put down.
-struct PutDown {
+struct ArchivedPlace {
   std::uint64_t moves = 0;  // of Map::moves() that it had been through
   TimeNs shifted_ns = 0;    // Map::shifted_ns()
 };
-auto fields(Like<PutDown> auto& p) { return std::tuple(kept("moves", p.moves), kept("shifted_ns", p.shifted_ns)); }
+auto fields(Like<ArchivedPlace> auto& p) {
+  return std::tuple(kept("moves", p.moves), kept("shifted_ns", p.shifted_ns));
+}
 
 // Successive frames of one camera, without what they held.
 struct PastFrames {
-  PutDown put;
+  ArchivedPlace put;
   CameraId camera;
   std::vector<FramePose> frames;
 };
@@ -46,7 +48,7 @@ auto fields(Like<PastPlace> auto& p) {
 }
 
 struct PastPlaces {
-  PutDown put;
+  ArchivedPlace put;
   std::vector<PastPlace> places;  // ascending time
 };
 auto fields(Like<PastPlaces> auto& p) { return std::tuple(kept("put", p.put), kept("places", p.places)); }
@@ -58,14 +60,14 @@ struct PastPart {
   std::vector<ImageKey> views;  // images of which nothing is kept any more
 };
 
-inline PutDown put_down_now(const Map& map) { return {map.moves().size(), map.shifted_ns()}; }
+inline ArchivedPlace put_down_now(const Map& map) { return {map.moves().size(), map.shifted_ns()}; }
 
 // The map that a map of then is now, or is part of, and how it came there.
 struct Since {
   MapId map;
   Similarity3 now_from_then;
 };
-Since since(const Map& map, const PutDown& put, MapId then);
+Since since(const Map& map, const ArchivedPlace& put, MapId then);
 
 // The frames as they are now. What was corrected where memory holds their neighbours is shared out evenly between
 // these, as bundle adjustments do it between key frames.

@@ -31,7 +31,7 @@ void count(const std::vector<FramePose>& block, PastFramesCount* past) {
 void PastPen::forget_view(SetId set, CameraId camera) {
   COSLAM_CHECK(set < map_.now_, "what is seen now is no past");
   map_.key_images_.erase({set, camera});
-  map_.spared_images_.erase({set, camera});
+  map_.skipped_key_images_.erase({set, camera});
   if (const auto at = map_.observed_in_.find({set, camera}); at != map_.observed_in_.end()) {
     for (const PointId id : at->second) {
       MapPoint* p = own(id);

@@ -21,14 +21,14 @@ const MapPoint& PointPen::create_point(MapId map, const Eigen::Vector3d& positio
   p.created = map_.now_;
   p.first_ns = p.last_ns = map_.now_ns_;
   touch(p);
-  map_.loose_.insert(id);
+  map_.untracked_.insert(id);
   map_.points_.index(p, true);
   note_point(EventKind::kPointMade, p, why, figures);
   return p;
 }
 
 void PointPen::erase_point(PointId id) {
-  map_.loose_.erase(id);
+  map_.untracked_.erase(id);
   map_.points_.erase(id);
 }
 
@@ -155,7 +155,7 @@ void PointPen::fuse(PointId kept, PointId gone, Why why, Figures figures) {
     own(b).point = kept;
     into->bound.push_back(b);
   }
-  if (!into->bound.empty()) map_.loose_.erase(kept);
+  if (!into->bound.empty()) map_.untracked_.erase(kept);
   for (const KeyObservation& o : from->key_observations) observe(*into, o);
   into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
   map_.repatched_.push_back(kept);

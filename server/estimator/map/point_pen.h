@@ -46,7 +46,7 @@ class PointPen : public TrackPen {
   // Of all points that were given a patch: the first and the newest stay, which come from the most different places.
   void thin_patches(std::size_t most);
   // The point was followed again, or is worth keeping without.
-  void is_not_loose(PointId point) { map_.loose_.erase(point); }
+  void keep_untracked(PointId point) { map_.untracked_.erase(point); }
   void drop_observation(const MapPoint& point, SetId set, CameraId camera, TrackId track);
   // `gone` is the same thing as `kept`: its tracks and observations move over.
   void fuse(PointId kept, PointId gone, Why why, Figures figures = {});

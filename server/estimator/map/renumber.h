@@ -20,7 +20,7 @@ struct Renumbered {
   std::uint32_t points = 0, maps = 0, sets = 0;
   TimeNs later_ns = 0;
   std::uint64_t moves = 0;  // of Map::moves(), before those of the other map
-  TimeNs shifted_ns = 0;    // to be added to the other's PutDown::shifted_ns
+  TimeNs shifted_ns = 0;    // to be added to the other's ArchivedPlace::shifted_ns
 
   CameraId of(CameraId id) const { return CameraId(static_cast<std::uint16_t>(id.value + cameras)); }
   PointId of(PointId id) const { return id == PointId() ? id : PointId(id.value + points); }

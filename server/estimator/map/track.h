@@ -34,7 +34,7 @@ struct ServerTrack {
   int gate_failures = 0;                // in succession
   std::uint32_t distrusted_before = 0;  // observations of earlier sets are not used (it slid or was mismatched)
   TrackMotion motion = TrackMotion::kResting;
-  std::optional<SetId> went_along_since;  // it was found to move, and went along with its camera before, from then on
+  std::optional<SetId> co_moving_since;  // it was found to move, and went along with its camera before, from then on
   // From the track to the point, while that moves: two cameras find different corners of one small structure.
   Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
 
@@ -50,7 +50,7 @@ auto fields(Like<ServerTrack> auto& t) {
                     kept("patch_set", t.patch_set), kept("mapping_after", t.mapping_after),
                     kept("gate_failures", t.gate_failures), kept("distrusted_before", t.distrusted_before),
                     kept("motion", t.motion), kept("offset_px", t.offset_px),
-                    kept("went_along_since", t.went_along_since, 3));
+                    kept("co_moving_since", t.co_moving_since, 3));
 }
 
 // Where a camera saw a track in one image.

@@ -14,7 +14,7 @@ void TrackPen::let_go(CameraId camera, ServerTrack& track) {
   MapPoint* p = own(track.point);
   if (p == nullptr) return;
   std::erase(p->bound, BoundTrack{camera, track.id});
-  if (p->bound.empty()) map_.loose_.insert(p->id);
+  if (p->bound.empty()) map_.untracked_.insert(p->id);
 }
 
 void TrackPen::end_track(CameraId camera, ServerTrack& track, Why why) {
@@ -30,7 +30,7 @@ void TrackPen::bind(const MapPoint& to, CameraId camera, const ServerTrack& of, 
   track.point = point.id;
   track.gate_failures = 0;
   point.bound.push_back({camera, track.id});
-  map_.loose_.erase(point.id);
+  map_.untracked_.erase(point.id);
   for (const TrackPoint& s : track.seen) {
     if (s.set.value < track.distrusted_before || !map_.keeps_observations_of(s.set, camera)) continue;
     observe(point, {s.set, camera, track.id, s.undistorted_px});

@@ -28,7 +28,7 @@ class TrackPen : public MapPen {
   // figures: of the tracks around it, how many move and how many rest.
   void set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion, Figures figures = {});
   // A track that moves now went along with its camera before, since that set.
-  void went_along(const ServerTrack& track, SetId since) { own(track).went_along_since = since; }
+  void mark_co_moving(const ServerTrack& track, SetId since) { own(track).co_moving_since = since; }
   // Mapping the track is not tried before that set.
   void map_not_before(const ServerTrack& track, SetId set) { own(track).mapping_after = set.value; }
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "server/estimator/associate/gate.h"
+#include "server/estimator/associate/verify.h"
 #include "server/estimator/map/sighting.h"
 #include "server/estimator/motion/follow.h"
 
@@ -120,7 +120,7 @@ void judge_free_tracks(ClassifyEdit& edit, const FrameSet& set, const EvidenceCo
       if (j.motion != j.track->motion) {
         edit.set_motion(camera.id, *j.track, j.motion,
                         {static_cast<double>(j.moving_neighbours), static_cast<double>(j.resting_neighbours)});
-        if (j.went_along_since) edit.went_along(*j.track, *j.went_along_since);
+        if (j.co_moving_since) edit.mark_co_moving(*j.track, *j.co_moving_since);
       }
       report->moving_tracks += j.track->moves();
     }

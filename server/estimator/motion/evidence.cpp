@@ -8,7 +8,7 @@
 #include <span>
 
 #include "common/geometry/robust.h"
-#include "server/estimator/associate/gate.h"
+#include "server/estimator/associate/verify.h"
 #include "server/estimator/map/sighting.h"
 
 namespace coslam {
@@ -137,8 +137,8 @@ bool goes_on_with_camera(const ServerTrack& track, std::span<const View> views, 
 }
 
 // What moves now kept its distance before, time after time without a break: since then.
-std::optional<SetId> went_along_since(const MapCamera& camera, const ServerTrack& track, double median_depth,
-                                      const EvidenceConfig& config) {
+std::optional<SetId> co_moving_since(const MapCamera& camera, const ServerTrack& track, double median_depth,
+                                     const EvidenceConfig& config) {
   std::vector<View> views;  // newest first
   std::vector<const FramePose*> frames;
   for (auto seen = track.seen.rbegin(); seen != track.seen.rend(); ++seen) {
@@ -342,7 +342,7 @@ std::vector<TrackJudgement> judge_tracks(const Map& map, const MapCamera& camera
       t.moving_neighbours = neighbours_of(moving, j, radius_px, radius_px).close;
       t.resting_neighbours = neighbours_of(resting, j, radius_px, radius_px).close;
       if (t.motion == TrackMotion::kMoving) {
-        t.went_along_since = went_along_since(camera, *j.track, median_depth, config);
+        t.co_moving_since = co_moving_since(camera, *j.track, median_depth, config);
       }
     }
     out.push_back(t);

@@ -59,7 +59,7 @@ struct TrackJudgement {
   int moving_neighbours = 0, resting_neighbours = 0;  // counted where it is another motion than before
   // What began to show that it moves, and went along with the camera before, as the car ahead does: since then. On a
   // straight way nothing tells such a thing from one infinitely far, until it turns.
-  std::optional<SetId> went_along_since;
+  std::optional<SetId> co_moving_since;
 };
 std::vector<TrackJudgement> judge_tracks(const Map& map, const MapCamera& camera, const EvidenceConfig& config);
 

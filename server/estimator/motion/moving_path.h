@@ -9,6 +9,7 @@
 
 #include "common/base/time.h"
 #include "server/estimator/map/sighting.h"
+#include "server/estimator/reports/objects_report.h"
 
 // Where a moving point was, and how fast it and what it is part of move.
 namespace coslam {
@@ -32,13 +33,7 @@ struct PointMotion {
 std::optional<PointMotion> motion_at(const MovingPath& path, TimeNs at_ns, TimeNs from_ns, TimeNs to_ns,
                                      double min_span_s);
 
-// A body: the mean of its points but for stray ones, their median velocity, and the sides of a box with the axes of the
-// map around that centre.
-struct BodyMotion {
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  Eigen::Vector3d extent = Eigen::Vector3d::Zero();
-};
-BodyMotion body_of(std::span<const PointMotion> points);  // at least one
+// At least one point.
+BodyMotion body_of(std::span<const PointMotion> points);
 
 }  // namespace coslam

@@ -76,14 +76,14 @@ Eigen::Vector3d drift_of(const MovingPath& path) {
 
 }  // namespace
 
-struct ObjectFinder::Candidate {
+struct Objects::Candidate {
   const MovingPoint* point;
   PointMotion now;
   Eigen::Vector3d drift = Eigen::Vector3d::Zero();  // mean velocity over the whole path
   ObjectId object;                                  // that it was part of
 };
 
-struct ObjectFinder::Part {
+struct Objects::Part {
   std::vector<const Candidate*> points;
   ObjectId object;  // 0 = none yet
   BodyMotion motion;
@@ -101,7 +101,7 @@ struct ObjectFinder::Part {
   }
 };
 
-ObjectsReport ObjectFinder::run(const Map& map, const FrameSet& set, const ScaleReport& scale) {
+ObjectsReport Objects::run(const Map& map, const FrameSet& set, const ScaleReport& scale) {
   paths_.update(map, set.t_ns - to_ns(config.path_s));
   std::vector<MovingPoint> points;
   for (const auto& [id, path] : paths_.all()) {
@@ -112,7 +112,7 @@ ObjectsReport ObjectFinder::run(const Map& map, const FrameSet& set, const Scale
   return step(points, set.t_ns);
 }
 
-ObjectsReport ObjectFinder::step(const std::vector<MovingPoint>& points, TimeNs now_ns) {
+ObjectsReport Objects::step(const std::vector<MovingPoint>& points, TimeNs now_ns) {
   const std::vector<Candidate> all = candidates(points, now_ns);
   std::vector<Part> found = parts(all, now_ns);
   name_by_members(found);
@@ -147,8 +147,7 @@ ObjectsReport ObjectFinder::step(const std::vector<MovingPoint>& points, TimeNs 
   return report;
 }
 
-std::vector<ObjectFinder::Candidate> ObjectFinder::candidates(const std::vector<MovingPoint>& points,
-                                                              TimeNs now_ns) const {
+std::vector<Objects::Candidate> Objects::candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const {
   std::vector<Candidate> out;
   for (const MovingPoint& p : points) {
     if (p.reach <= 0 || p.sigma > config.max_sigma * p.reach) continue;
@@ -158,20 +157,20 @@ std::vector<ObjectFinder::Candidate> ObjectFinder::candidates(const std::vector<
   return out;
 }
 
-ObjectId ObjectFinder::object_of(PointId point) const {
+ObjectId Objects::object_of(PointId point) const {
   const auto at = members_.find(point);
   return at == members_.end() ? ObjectId() : at->second.object;
 }
 
-bool ObjectFinder::lasts(ObjectId object, TimeNs now_ns) const {
+bool Objects::lasts(ObjectId object, TimeNs now_ns) const {
   const auto at = known_.find(object);
   return at != known_.end() && to_seconds(now_ns - at->second.first_ns) > config.path_s;
 }
 
 // Points joined to parts of bodies, nearest first.
-class ObjectFinder::Joining {
+class Objects::Joining {
  public:
-  Joining(const ObjectFinder& finder, const std::vector<Candidate>& all, TimeNs now_ns)
+  Joining(const Objects& finder, const std::vector<Candidate>& all, TimeNs now_ns)
       : finder_(finder), all_(all), now_ns_(now_ns), part_of_(all.size()), members_(all.size()) {
     std::iota(part_of_.begin(), part_of_.end(), 0U);
     for (std::size_t i = 0; i < all.size(); ++i) members_[i] = {i};
@@ -271,18 +270,18 @@ class ObjectFinder::Joining {
     members_[from].clear();
   }
 
-  const ObjectFinder& finder_;
+  const Objects& finder_;
   const std::vector<Candidate>& all_;
   TimeNs now_ns_;
   std::vector<std::size_t> part_of_;
   std::vector<Members> members_;
 };
 
-std::vector<ObjectFinder::Part> ObjectFinder::parts(const std::vector<Candidate>& all, TimeNs now_ns) const {
+std::vector<Objects::Part> Objects::parts(const std::vector<Candidate>& all, TimeNs now_ns) const {
   return Joining(*this, all, now_ns).parts();
 }
 
-void ObjectFinder::name_by_members(std::vector<Part>& parts) const {
+void Objects::name_by_members(std::vector<Part>& parts) const {
   std::vector<std::tuple<int, ObjectId, Part*>> shared;  // minus members in common: the most come first
   for (Part& part : parts) {
     std::map<ObjectId, int> votes;
@@ -302,7 +301,7 @@ void ObjectFinder::name_by_members(std::vector<Part>& parts) const {
   }
 }
 
-void ObjectFinder::name_by_place(std::vector<Part>& parts, TimeNs now_ns) const {
+void Objects::name_by_place(std::vector<Part>& parts, TimeNs now_ns) const {
   for (const auto& [object, known] : known_) {
     const ObjectId id = object;
     if (std::any_of(parts.begin(), parts.end(), [&](const Part& p) { return p.object == id; })) continue;
@@ -321,7 +320,7 @@ void ObjectFinder::name_by_place(std::vector<Part>& parts, TimeNs now_ns) const 
   }
 }
 
-void ObjectFinder::forget(TimeNs now_ns) {
+void Objects::forget(TimeNs now_ns) {
   const TimeNs since_ns = now_ns - to_ns(config.path_s);
   std::erase_if(members_, [&](const auto& entry) { return entry.second.last_ns < since_ns; });
   std::erase_if(known_, [&](const auto& entry) { return entry.second.last_ns < since_ns; });

@@ -7,11 +7,12 @@
 #include <set>
 #include <vector>
 
-#include "server/estimator/adjust/scale.h"
 #include "server/estimator/map/map.h"
 #include "server/estimator/map/rows.h"
 #include "server/estimator/motion/followed_paths.h"
 #include "server/estimator/motion/moving_path.h"
+#include "server/estimator/reports/objects_report.h"
+#include "server/estimator/reports/scale_report.h"
 
 namespace coslam {
 
@@ -49,34 +50,15 @@ struct MovingPoint {
   double reach = 0;
 };
 
-struct MovingObject {
-  ObjectId id;
-  MapId map;
-  BodyMotion motion;
-  std::vector<PointId> members;  // ascending
-};
-
-struct ObjectsReport {
-  int points = 0;   // that could be in an object
-  int objects = 0;  // now
-  int started = 0;  // with a new id
-  std::vector<MovingObject> list;
-
-  void count(auto&& add) const {
-    add("objects_started", started);
-    add("object_sets", objects);
-  }
-};
-
 // Which moving points move together, every frame set. Points are linked, nearest first, when they are near each other
 // and their distance has hardly changed over their common path: so limbs hang on a body although they swing, and what
 // passes by does not. Parts of several points are joined only when they go the same way. An object keeps its id by its
 // members, and when all of them were replaced by where it would be by now.
-class ObjectFinder {
+class Objects {
  public:
   static constexpr std::string_view kName = "objects";
   using Config = ObjectsConfig;
-  explicit ObjectFinder(const ObjectsConfig& of) : config(of) {}
+  explicit Objects(const ObjectsConfig& of) : config(of) {}
   ObjectsConfig config;
 
   // in_metres: the maps whose scale is known.
@@ -86,8 +68,7 @@ class ObjectFinder {
 
   // Of the last step, ascending id.
   const std::vector<MovingObject>& objects() const { return objects_; }
-  // The id of the next new one.
-  // Of another server's, numbers go on.
+  // Keeps the number of the next new object, so that ids go on in another server.
   void save(std::vector<Row>* rows) const;
   void restore(const Tables& tables);
 

@@ -7,10 +7,10 @@
 
 namespace coslam {
 
-void ObjectFinder::save(std::vector<Row>* rows) const {
+void Objects::save(std::vector<Row>* rows) const {
   rows->push_back({"state", static_cast<std::int64_t>(StateRow::kObjects), octets_of(next_object_)});
 }
 
-void ObjectFinder::restore(const Tables& tables) { read_state(tables, StateRow::kObjects, next_object_); }
+void Objects::restore(const Tables& tables) { read_state(tables, StateRow::kObjects, next_object_); }
 
 }  // namespace coslam

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/geometry/robust.h"
-#include "server/estimator/adjust/settle.h"
+#include "server/estimator/adjust/final_poses.h"
 #include "server/estimator/map/sighting.h"
 
 namespace coslam {
@@ -49,14 +49,14 @@ std::set<SetId> ends_of_pieces(std::span<const FramePose> frames) {
 
 }  // namespace
 
-PastPart Forgetting::run(ForgetEdit& edit, const std::vector<ImageKey>& held) {
+PastPart Forget::run(ForgetEdit& edit, HeldFrames held) {
   const Map& map = edit.map();
   PastPart past;
-  const std::uint32_t whole = map.sets_in(config_.whole_s);
+  const std::uint32_t whole = map.sets_in(config.whole_s);
   if (map.now().value <= whole) return past;
   cutoff_ = std::max(cutoff_, SetId(map.now().value - whole));
   for (std::size_t c = since_.size(); c < map.cameras().size(); ++c) since_.push_back(map.cameras()[c].past.until);
-  const std::set<ImageKey> holds(held.begin(), held.end());
+  const std::set<ImageKey> holds(held.frames.begin(), held.frames.end());
   judge_images(edit, holds, &past.views);
   take_places(edit, &past);
   take_frames(edit, holds, &past);
@@ -65,7 +65,7 @@ PastPart Forgetting::run(ForgetEdit& edit, const std::vector<ImageKey>& held) {
 }
 
 // No more at once than a few instants have: a map that was loaded may be all past.
-void Forgetting::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone) {
+void Forget::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone) {
   constexpr std::size_t kMostAtOnce = 64;
   const Map& map = edit.map();
   if (judged_ == cutoff_) return;
@@ -82,7 +82,7 @@ void Forgetting::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, 
   judged_ = until;
 }
 
-std::vector<ImageKey> Forgetting::alike(const Map& map, const ImageKey& image, double depth) const {
+std::vector<ImageKey> Forget::alike(const Map& map, const ImageKey& image, double depth) const {
   const FramePose& frame = *frame_of(map, image);
   std::vector<ImageKey> out;
   for (const ImageKey& other : kept_) {
@@ -90,13 +90,13 @@ std::vector<ImageKey> Forgetting::alike(const Map& map, const ImageKey& image, d
     if (f == nullptr || f->map != frame.map || other.first == image.first) continue;
     const double apart = (f->cam_from_world.center() - frame.cam_from_world.center()).norm();
     const double turn_rad = f->cam_from_world.rotation.angularDistance(frame.cam_from_world.rotation);
-    if (apart < config_.near_share * depth && turn_rad < config_.near_rad) out.push_back(other);
+    if (apart < config.near_share * depth && turn_rad < config.near_rad) out.push_back(other);
   }
   return out;
 }
 
-void Forgetting::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
-                             std::vector<ImageKey>* gone) {
+void Forget::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
+                         std::vector<ImageKey>* gone) {
   const Map& map = edit.map();
   const FramePose* frame = frame_of(map, image);
   std::vector<double> depths =
@@ -126,8 +126,8 @@ void Forgetting::judge_image(ForgetEdit& edit, const ImageKey& image, const std:
   kept_.push_back(image);
 }
 
-void Forgetting::drop_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
-                            std::vector<ImageKey>* gone) {
+void Forget::drop_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
+                        std::vector<ImageKey>* gone) {
   edit.forget_view(image.first, image.second);
   std::erase(kept_, image);
   gone->push_back(image);
@@ -137,11 +137,11 @@ void Forgetting::drop_image(ForgetEdit& edit, const ImageKey& image, const std::
 }
 
 // One camera at a time, the one that is farthest behind: the work is spread over the frame sets.
-void Forgetting::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, PastPart* past) {
+void Forget::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, PastPart* past) {
   const Map& map = edit.map();
   const auto& cameras = map.cameras();
   const auto behind = std::ranges::min_element(cameras, {}, [](const MapCamera& c) { return c.past.until; });
-  const std::uint32_t block = map.sets_in(config_.block_s);
+  const std::uint32_t block = map.sets_in(config.block_s);
   const SetId limit = judged_;  // what is not judged may have to stay
   if (behind == cameras.end() || behind->past.until.value + block > limit.value) return;
   const MapCamera& camera = *behind;
@@ -152,7 +152,7 @@ void Forgetting::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, P
   if (end - begin > 2 * static_cast<std::ptrdiff_t>(block)) end = begin + 2 * static_cast<std::ptrdiff_t>(block);
   const SetId from = camera.past.until;
   const SetId before = end == present.end() || end->set > limit ? limit : end->set;
-  settle_frames(edit, camera, from, before);
+  refine_final_poses(edit, camera, from, before);
   std::set<SetId> stays = ends_of_pieces({begin, end});
   for (const SetId set : stays) own_anchors_.emplace(set, camera.id);
   for (const auto& [set, of] : kept_) {
@@ -161,16 +161,16 @@ void Forgetting::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, P
   for (const auto& [set, of] : held) {
     if (of == camera.id) stays.insert(set);
   }
-  const PutDown put = put_down_now(map);
+  const ArchivedPlace put = put_down_now(map);
   std::vector<FramePose> frames = edit.take_frames(camera, before, stays);
   if (!frames.empty()) past->frames.push_back({put, camera.id, std::move(frames)});
 }
 
 // While the frames that saw them are in memory.
-void Forgetting::take_places(ForgetEdit& edit, PastPart* past) {
+void Forget::take_places(ForgetEdit& edit, PastPart* past) {
   constexpr double kPeriod_s = 1;
   const Map& map = edit.map();
-  const SetId before(cutoff_.value + map.sets_in(2 * config_.block_s));
+  const SetId before(cutoff_.value + map.sets_in(2 * config.block_s));
   if (before.value < placed_.value + map.sets_in(kPeriod_s)) return;
   placed_ = before;
   edit.forget_seen(cutoff_);
@@ -194,10 +194,10 @@ void Forgetting::take_places(ForgetEdit& edit, PastPart* past) {
   if (!out.places.empty()) past->places = std::move(out);
 }
 
-void Forgetting::remove_points(ForgetEdit& edit) {
+void Forget::remove_points(ForgetEdit& edit) {
   const Map& map = edit.map();
-  if (cutoff_.value < swept_.value + map.sets_in(config_.block_s)) return;
-  const std::uint32_t later = map.sets_in(4 * config_.block_s);  // until its frames have gone
+  if (cutoff_.value < swept_.value + map.sets_in(config.block_s)) return;
+  const std::uint32_t later = map.sets_in(4 * config.block_s);  // until its frames have gone
   std::vector<const MapPoint*> useless;
   for (const auto& [id, p] : map.points()) {
     if (!p.bound.empty() || p.last_seen >= cutoff_) continue;

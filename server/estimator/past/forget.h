@@ -8,10 +8,11 @@
 
 #include "server/estimator/map/keys.h"
 #include "server/estimator/map/past.h"
+#include "server/estimator/pipeline/stage.h"
 
 namespace coslam {
 
-struct PastConfig {
+struct ForgetConfig {
   double whole_s = 600;     // the newest part of a run that is kept whole
   double block_s = 5;       // of a camera's frames that leave memory together
   double near_share = 0.1;  // of the distance of what is seen, and
@@ -19,7 +20,7 @@ struct PastConfig {
 };
 
 template <class V>
-void describe(V& v, PastConfig& c) {
+void describe(V& v, ForgetConfig& c) {
   v.field("whole_s", c.whole_s, {60, 1e6},
           "the newest part of a run that is kept whole; what is older goes to disk, and is thinned where other images "
           "show the same");
@@ -35,12 +36,15 @@ void describe(V& v, PastConfig& c) {
 //   on moving with the map, and the others hang on them. Each is solved once more before it goes;
 // - paths of moving points are given out.
 // Does nothing in a run that is shorter. Thread-compatible.
-class Forgetting {
+class Forget {
  public:
-  explicit Forgetting(const PastConfig& config) : config_(config) {}
+  static constexpr std::string_view kName = "forget";
+  using Config = ForgetConfig;
+  explicit Forget(const ForgetConfig& of) : config(of) {}
+  ForgetConfig config;
 
-  // After each frame set. held: frames that others will look at again.
-  PastPart run(ForgetEdit& edit, const std::vector<ImageKey>& held);
+  // Gives out what left the map's memory.
+  PastPart run(ForgetEdit& edit, HeldFrames held);
 
  private:
   void judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone);
@@ -52,7 +56,6 @@ class Forgetting {
   void take_places(ForgetEdit& edit, PastPart* past);
   void remove_points(ForgetEdit& edit);
 
-  PastConfig config_;
   SetId cutoff_;  // what is before is past
   SetId judged_, placed_, swept_;
   std::vector<ImageKey> kept_;      // images that are past and keep what they saw; ascending

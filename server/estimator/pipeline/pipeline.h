@@ -50,6 +50,11 @@ class Pipeline {
   const Report& report() const {
     return std::get<index<Report>()>(reports_);
   }
+  // The same, given away.
+  template <class Report>
+  Report take_report() {
+    return std::exchange(std::get<index<Report>()>(reports_), {});
+  }
   // For a stage that is run outside the order, too.
   template <class Stage>
   const stage::ReportOf<Stage>& run(const FrameSet& set, MapEdit& edit, const ServerRun& server,
@@ -97,6 +102,13 @@ class Pipeline {
   void add_memory(MemoryUse* use) const {
     each([&](const auto& stage) {
       if constexpr (requires { stage.add_memory(use); }) stage.add_memory(use);
+    });
+  }
+
+  // What comes to a stage between sets, see stage.h.
+  void take_last_image(CameraId camera, const DescriptorReply& reply) {
+    each([&](auto& stage) {
+      if constexpr (requires { stage.take_last_image(camera, reply); }) stage.take_last_image(camera, reply);
     });
   }
 
@@ -154,6 +166,10 @@ class Pipeline {
       return given.server;
     } else if constexpr (std::same_as<T, Workers>) {
       return given.workers;
+    } else if constexpr (std::same_as<T, HeldFrames>) {
+      return HeldFrames{held_frames()};
+    } else if constexpr (stage::index_of<T, Stages...>() < sizeof...(Stages)) {
+      return std::get<T>(stages_);
     } else if constexpr (stage::is_last<T>) {
       return {std::get<index<std::remove_cvref_t<decltype(std::declval<T>().of)>>()>(reports_)};
     } else if constexpr (stage::index_of<T, typename Stages::Config...>() < sizeof...(Stages)) {

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "common/model/map_patch.h"
 #include "server/estimator/map/edit.h"
@@ -20,15 +21,17 @@
 //     using Config = ExampleConfig;                         // with describe() beside it
 //     Config config;
 //     bool due(const Map& map) const;                       // optional: runs at some sets only
-//     ExampleReport run(MapEdit& edit, const FrameSet& set, const ViewGraph& graph);
+//     ExampleReport run(ExampleEdit& edit, const FrameSet& set, const ViewGraph& graph);
 //   };
 //
 // What it may read and write stands in the signature of run(): it is given, by type,
-//   const FrameSet&, MapEdit& or const Map&, const ServerRun&;
+//   const FrameSet&, const Map& or its key to the map (server/estimator/map/keys.h), const ServerRun&;
 //   Workers&, who share in what it does camera by camera;
 //   the report of a stage before it in the same set, `const ViewGraph&`, or that of any stage from the set before,
 //   `Last<ViewGraph>`;
-//   the configuration of another stage, `const LocaliseConfig&`.
+//   the configuration of another stage, `const LocaliseConfig&`;
+//   another stage itself, `PlaceRecognition&`, whose state it changes;
+//   HeldFrames, what all stages together want kept.
 // What it keeps beyond a set it tells by some of these, which a pipeline asks of all stages that have them:
 //   save(std::vector<Row>*), restore(const Tables&), take_in(const Example&, const Renumbered&): what outlives the
 //   server,
@@ -36,6 +39,10 @@
 //   forget(CameraId): the agent behind a camera is another;
 //   held_frames(), forget(const std::vector<ImageKey>&): images that have to stay in memory, and those that left it;
 //   add_memory(MemoryUse*): bytes, by what they are for.
+// What comes to it between sets:
+//   take_last_image(CameraId, DescriptorReply): what an agent saw when its run ended;
+//   take_job(), give(RefineJob, BundleResult): a bundle adjustment to be solved beside, and its solution;
+//   acknowledge(...): the answer to a frame that is too late to be used.
 // Its report is what others may read of it; what count() of a report names is summed over the run. State that outlives
 // a set is a member of the stage, so that a copy of the stage is its state saved.
 namespace coslam {
@@ -51,6 +58,11 @@ struct ServerRun {
 template <class Report>
 struct Last {
   const Report& of;
+};
+
+// Frames that stages will look at again, so that they have to stay in memory.
+struct HeldFrames {
+  std::vector<ImageKey> frames;
 };
 
 // For a stage that cannot be configured.

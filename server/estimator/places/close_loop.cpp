@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/estimator/associate/register.h"
-#include "server/estimator/solve/path_graph.h"
+#include "server/estimator/solve/pose_graph.h"
 
 namespace coslam {
 namespace {
@@ -69,7 +69,7 @@ class SharedByNodes {
   std::unordered_map<std::uint64_t, int> n_;
 };
 
-void add_nodes(const Map& map, const Nodes& nodes, PathGraph* graph) {
+void add_nodes(const Map& map, const Nodes& nodes, PoseGraph* graph) {
   SetId first = nodes.keys.front().second;
   for (const auto& [camera, set] : nodes.keys) first = std::min(first, set);
   for (const auto& [camera, set] : nodes.keys) {
@@ -87,7 +87,7 @@ double step_weight(const Map& map, const MapCamera& camera, SetId before, SetId 
   return 1.0 / (drift * sets);
 }
 
-void link_successive_frames(const Map& map, const Nodes& nodes, PathGraph* graph) {
+void link_successive_frames(const Map& map, const Nodes& nodes, PoseGraph* graph) {
   for (std::size_t i = 1; i < nodes.keys.size(); ++i) {
     const auto& [camera, set] = nodes.keys[i];
     const auto& [camera_before, set_before] = nodes.keys[i - 1];
@@ -98,7 +98,7 @@ void link_successive_frames(const Map& map, const Nodes& nodes, PathGraph* graph
 }
 
 // Cameras that saw the same points at a key frame.
-void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
+void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PoseGraph* graph) {
   SharedByNodes shared;
   std::vector<int> together;  // of one set
   for (const auto& [id, p] : map.points()) {
@@ -124,7 +124,7 @@ void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PathGraph* gr
 
 // Who comes back to a place and finds its points again is held to those who were there before: each frame to the one of
 // the visit before that shares most points with it. Without that a loop closed elsewhere would tear the two apart.
-void link_visits(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph) {
+void link_visits(const Map& map, MapId of, const Nodes& nodes, PoseGraph* graph) {
   const std::uint32_t gap = map.sets_in(map.config().recent_s);
   SharedByNodes shared;  // node, node of the visit before
   for (const auto& [id, p] : map.points()) {
@@ -149,14 +149,14 @@ void link_visits(const Map& map, MapId of, const Nodes& nodes, PathGraph* graph)
   }
 }
 
-void link_loops(const std::vector<LoopConstraint>& earlier, const Nodes& nodes, PathGraph* graph) {
+void link_loops(const std::vector<LoopConstraint>& earlier, const Nodes& nodes, PoseGraph* graph) {
   for (const LoopConstraint& r : earlier) {
     const auto a = nodes.find(r.camera, r.set), b = nodes.find(r.to_camera, r.to_set);
     if (a && b) graph->links.push_back({*a, *b, kLoopWeight});
   }
 }
 
-bool tie(const Nodes& nodes, const LoopConstraint& loop, const std::vector<CameraId>& together, PathGraph* graph) {
+bool tie(const Nodes& nodes, const LoopConstraint& loop, const std::vector<CameraId>& together, PoseGraph* graph) {
   const auto here = nodes.find(loop.camera, loop.set), there = nodes.find(loop.to_camera, loop.to_set);
   if (!here || !there || graph->nodes[static_cast<std::size_t>(*here)].fixed) return false;
   graph->ties.push_back({*here, *there, loop.camera_from_to, loop.scale});
@@ -181,7 +181,7 @@ std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& 
   return std::nullopt;
 }
 
-void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PathSolution& solution) {
+void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PoseGraphSolution& solution) {
   const Map& map = edit.map();
   std::map<CameraId, Similarity3> last;
   for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
@@ -211,7 +211,7 @@ bool close_loop(PlaceRecognitionEdit& edit, MapId of, const LoopConstraint& loop
                 const std::vector<LoopConstraint>& earlier, const std::vector<CameraId>& together) {
   const Map& map = edit.map();
   const Nodes nodes(map, of);
-  PathGraph graph;
+  PoseGraph graph;
   if (nodes.keys.empty()) return false;
   add_nodes(map, nodes, &graph);
   if (!tie(nodes, loop, together, &graph)) return false;
@@ -219,7 +219,7 @@ bool close_loop(PlaceRecognitionEdit& edit, MapId of, const LoopConstraint& loop
   link_neighbours(map, of, nodes, &graph);
   link_visits(map, of, nodes, &graph);
   link_loops(earlier, nodes, &graph);
-  const PathSolution solution = solve_path_graph(graph);
+  const PoseGraphSolution solution = solve_path_graph(graph);
   if (!solution.ok) return false;
   apply(edit, of, nodes, solution);
   edit.note_moved(of, Why::kLoopClosed, {loop.scale, 0});

@@ -26,7 +26,7 @@ std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<
 
 // Whether the camera is where this says that it is. Beyond doubt: in so many points that it is the same place, and one
 // of the maps may be as bent as young ones are; the adjustment of both together straightens it.
-bool agree(const DescribedImage& image, const Recognition& seen, const Similarity3& said, const Similarity3& now,
+bool agree(const DescribedImage& image, const PlaceMatch& seen, const Similarity3& said, const Similarity3& now,
            bool beyond_doubt) {
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15, kBent = 3;
   const double slack = beyond_doubt ? kBent : 1;
@@ -38,7 +38,7 @@ bool agree(const DescribedImage& image, const Recognition& seen, const Similarit
 
 // Farther from where the camera's pose says than young maps drift. One that has drifted so far only loses that flat
 // ground joins it.
-bool is_far(const DescribedImage& image, const Recognition& seen) {
+bool is_far(const DescribedImage& image, const PlaceMatch& seen) {
   constexpr double kFar = 0.3;
   return (image.frame().cam_from_world.center() - seen.cam_from_world.center()).norm() > kFar * seen.median_depth;
 }
@@ -47,14 +47,14 @@ bool is_far(const DescribedImage& image, const Recognition& seen) {
 
 // The camera's, and that of the place.
 std::pair<Verification::Part, Verification::Part> Verification::parts(const Map& map, const MapCamera& camera,
-                                                                      const Recognition& seen, const ViewGraph& graph) {
+                                                                      const PlaceMatch& seen, const ViewGraph& graph) {
   if (camera.map != seen.map) return {{camera.map, std::nullopt}, {seen.map, std::nullopt}};
   const CameraId own = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
   const bool past = own == other || !map.is_recent(seen.key_set);
   return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
-bool Verification::confirmed(const Map& map, const DescribedImage& image, const Recognition& seen,
+bool Verification::confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen,
                              const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
   const MapCamera& camera = image.camera;
   const auto [own, other] = parts(map, camera, seen, graph);

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimator/covisibility/group.h"
+#include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/map/map.h"
-#include "server/estimator/places/recognise.h"
+#include "server/estimator/places/key_image_database.h"
 
 namespace coslam {
 
@@ -23,7 +23,7 @@ class Verification {
  public:
   // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
   // enough: in so many points that it may confirm; one of the two has to. True once, when it is confirmed.
-  bool confirmed(const Map& map, const DescribedImage& image, const Recognition& seen, const Similarity3& in_from_own,
+  bool confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen, const Similarity3& in_from_own,
                  const ViewGraph& graph, bool enough);
   // Whether the camera saw, or was seen by, what waits to be confirmed: by more of the same ground, which another view
   // has to show; by a second image; by one of what was not expected there.
@@ -58,7 +58,7 @@ class Verification {
   void repeats(const Map& map, MapId id);
   bool flat_is_enough(const Map& map, const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,
                       double farthest_depth) const;
-  static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const Recognition& seen,
+  static std::pair<Part, Part> parts(const Map& map, const MapCamera& camera, const PlaceMatch& seen,
                                      const ViewGraph& graph);
 
   std::map<Hypothesis, Pending> pending_;

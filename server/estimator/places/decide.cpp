@@ -12,7 +12,7 @@
 namespace coslam {
 namespace {
 
-std::vector<const MapPoint*> points_of(const Map& map, const Recognition& seen) {
+std::vector<const MapPoint*> points_of(const Map& map, const PlaceMatch& seen) {
   std::vector<const MapPoint*> out;
   for (const auto& [track, point] : seen.matches) out.push_back(map.find(point));
   return out;
@@ -40,7 +40,7 @@ std::optional<double> own_depth(const Map& map, const DescribedImage& image, Tra
 }
 
 // Lengths in the place's map over those in the camera's own, from depths in both; empty when they do not agree.
-std::optional<double> scale_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
+std::optional<double> scale_of(const Map& map, const DescribedImage& image, const PlaceMatch& seen) {
   std::vector<double> ratios;
   for (const bool exact : {true, false}) {
     ratios.clear();
@@ -55,7 +55,7 @@ std::optional<double> scale_of(const Map& map, const DescribedImage& image, cons
 }
 
 // From the camera's pose in both.
-std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const Recognition& seen) {
+std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const PlaceMatch& seen) {
   const auto scale = scale_of(map, image, seen);
   if (!scale) return std::nullopt;
   const Rigid3& own = image.frame().cam_from_world;
@@ -67,7 +67,7 @@ std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& i
 }
 
 // It had a pose in that map not long ago, and not far from there.
-bool where_it_was_lost(const Map& map, const MapCamera& camera, const Recognition& seen) {
+bool where_it_was_lost(const Map& map, const MapCamera& camera, const PlaceMatch& seen) {
   constexpr double kNear = 1.0;  // of the distance of what it sees
   for (std::size_t i = camera.frames.size(); i-- > 0;) {
     const FramePose& f = camera.frames[i];
@@ -79,12 +79,12 @@ bool where_it_was_lost(const Map& map, const MapCamera& camera, const Recognitio
   return false;
 }
 
-bool may_be_placed(const Map& map, const MapCamera& camera, const Recognition& seen) {
+bool may_be_placed(const Map& map, const MapCamera& camera, const PlaceMatch& seen) {
   return has_relief(points_of(map, seen), seen.median_depth) || where_it_was_lost(map, camera, seen);
 }
 
 // The known points lie where the camera's own pose expects them.
-bool as_expected(const Map& map, const DescribedImage& image, const Recognition& seen, double most_px) {
+bool as_expected(const Map& map, const DescribedImage& image, const PlaceMatch& seen, double most_px) {
   std::vector<double> errors;
   for (const auto& [track, point] : seen.matches) {
     Eigen::Vector2d px;
@@ -97,7 +97,7 @@ bool as_expected(const Map& map, const DescribedImage& image, const Recognition&
 
 }  // namespace
 
-PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, std::optional<Recognition> seen,
+PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, std::optional<PlaceMatch> seen,
                                  ExpectedPlace expected, const ViewGraph& graph) {
   const MapCamera& camera = image.camera;
   if (!expected.there.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.there)}};

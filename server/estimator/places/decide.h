@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "server/estimator/covisibility/group.h"
+#include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/map/map.h"
 #include "server/estimator/places/confirm.h"
-#include "server/estimator/places/recognise.h"
+#include "server/estimator/places/key_image_database.h"
 
 namespace coslam {
 
@@ -31,7 +31,7 @@ struct PlaceDecision {
   };
   using enum What;
   What what = kUnknown;
-  Recognition seen;         // of kSeenAsExpected the matches alone
+  PlaceMatch seen;          // of kSeenAsExpected the matches alone
   Similarity3 in_from_own;  // of kJoin and kClose: from the camera's map as it is now
 };
 
@@ -41,7 +41,7 @@ class PlaceJudge {
  public:
   explicit PlaceJudge(const DecideConfig& config) : config_(config) {}
   // seen: by appearance; expected: by the camera's pose.
-  PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<Recognition> seen,
+  PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<PlaceMatch> seen,
                        ExpectedPlace expected, const ViewGraph& graph);
   // See Verification.
   void drawn_together(MapId map) { verification_.drawn_together(map); }

@@ -78,7 +78,7 @@ std::optional<Similarity3> fitted(const Map& map, const Similarity3& start, doub
 }
 
 // What images of one map, of as many as it takes time for, say of places in others that may be asked.
-std::vector<Witness> witnesses_in(const Map& map, const PlaceMemory& places, MapId of,
+std::vector<Witness> witnesses_in(const Map& map, const KeyImageDatabase& places, MapId of,
                                   const std::function<bool(MapId)>& may_ask) {
   constexpr std::size_t kMostImages = 200;
   const std::vector<const KeyImage*> images = places.images_of(map, of);
@@ -93,7 +93,7 @@ std::vector<Witness> witnesses_in(const Map& map, const PlaceMemory& places, Map
 }
 
 // Its images about older maps, and theirs about it.
-std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, MapId of, MapId first) {
+std::vector<Witness> all_witnesses(const Map& map, const KeyImageDatabase& places, MapId of, MapId first) {
   std::vector<Witness> out = witnesses_in(map, places, of, [&](MapId in) { return in != of && in < first; });
   for (MapId in(1); in < first; ++in.value) {
     if (in == of) continue;
@@ -104,7 +104,7 @@ std::vector<Witness> all_witnesses(const Map& map, const PlaceMemory& places, Ma
   return out;
 }
 
-std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId of, MapId first) {
+std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId of, MapId first) {
   constexpr std::size_t kLeastImages = 2;
   constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
   const Map& map = edit.map();
@@ -141,7 +141,7 @@ std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const PlaceMemory& pl
 
 }  // namespace
 
-std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places) {
+std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places) {
   std::vector<JoinedMaps> out;
   for (MapId of(2); of < edit.map().next_map(); ++of.value) {
     if (const auto joined = join(edit, places, of, of)) out.push_back(*joined);
@@ -149,7 +149,7 @@ std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const PlaceMem
   return out;
 }
 
-std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId first) {
+std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId first) {
   std::vector<JoinedMaps> out;
   for (MapId of = first; of < edit.map().next_map(); ++of.value) {
     if (const auto joined = join(edit, places, of, first)) out.push_back(*joined);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/estimator/map/keys.h"
-#include "server/estimator/places/recognise.h"
+#include "server/estimator/places/key_image_database.h"
 
 namespace coslam {
 
@@ -19,8 +19,8 @@ struct JoinedMaps {
 // Without any camera at work: maps from `first` on whose remembered images show a place of an older map become part of
 // that one, by the points behind what looks alike. Two images of different instants have to agree, and what they show
 // must not be flat, or ground that covers more than any print, if nearly all of them agree.
-std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places, MapId first);
+std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId first);
 // The same of each map with those that are older than it.
-std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const PlaceMemory& places);
+std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places);
 
 }  // namespace coslam

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/estimator/map/serialise.h"
-#include "server/estimator/places/meet.h"
+#include "server/estimator/places/place_recognition.h"
 
 namespace coslam {
 namespace {
@@ -14,7 +14,7 @@ constexpr int kMostSkipped = 1 << 24;  // images that were forgotten in successi
 
 }  // namespace
 
-void PlaceMemory::save(std::vector<Row>* rows) {
+void KeyImageDatabase::save(std::vector<Row>* rows) {
   for (const int number : std::exchange(gone_, {})) rows->push_back({"place", number, {}});
   for (auto at = images_.lower_bound(saved_); at != images_.end(); ++at) {
     rows->push_back({"place", at->first, octets_of(at->second)});
@@ -22,7 +22,7 @@ void PlaceMemory::save(std::vector<Row>* rows) {
   saved_ = index_.size();
 }
 
-void PlaceMemory::restore(const Tables& tables) {
+void KeyImageDatabase::restore(const Tables& tables) {
   const auto table = tables.find("place");
   if (table == tables.end()) return;
   for (const auto& [key, octets] : table->second) {
@@ -36,12 +36,12 @@ void PlaceMemory::restore(const Tables& tables) {
   }
 }
 
-void Meetings::save(std::vector<Row>* rows) {
+void PlaceRecognition::save(std::vector<Row>* rows) {
   places_.save(rows);
   rows->push_back({"state", static_cast<std::int64_t>(StateRow::kMeetings), octets_of(loops_)});
 }
 
-void Meetings::restore(const Tables& tables) {
+void PlaceRecognition::restore(const Tables& tables) {
   places_.restore(tables);
   read_state(tables, StateRow::kMeetings, loops_);
 }

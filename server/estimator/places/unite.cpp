@@ -51,7 +51,7 @@ void bind_matches(PlaceRecognitionEdit& edit, const DescribedImage& image,
   }
 }
 
-void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const Recognition& seen,
+void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const PlaceMatch& seen,
            const LocaliseConfig& config) {
   const MapCamera& camera = newest.camera;
   edit.place(camera, camera.frames.back().set, seen.map, seen.cam_from_world, Why::kPlaceRecognised,
@@ -61,7 +61,7 @@ void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const Recog
   edit.raise_epoch();
 }
 
-SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const PlaceMatch& seen,
            const Similarity3& in_from_own) {
   const Map& map = edit.map();
   const MapId own = image.camera.map, in = seen.map;
@@ -78,7 +78,7 @@ SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recogn
   return since;
 }
 
-bool close(PlaceRecognitionEdit& edit, const DescribedImage& image, const Recognition& seen,
+bool close(PlaceRecognitionEdit& edit, const DescribedImage& image, const PlaceMatch& seen,
            const Similarity3& in_from_own, const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
   const MapCamera& camera = image.camera;
   const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);

@@ -10,7 +10,7 @@
 
 namespace coslam {
 
-std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen) {
+std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen) {
   const FramePose& own = *map.camera(seen.image->camera).frame_at(seen.image->set);
   Witness out{
       .set = seen.image->set, .camera = seen.image->camera, .into = seen.place.map, .depth = seen.place.median_depth};

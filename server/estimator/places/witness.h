@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimator/places/recognise.h"
+#include "server/estimator/places/key_image_database.h"
 
 namespace coslam {
 
@@ -22,7 +22,7 @@ struct Witness {
 };
 
 // Nothing when its points and the place's do not tell one scale.
-std::optional<Witness> witness_of(const Map& map, const SeenAgain& seen);
+std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen);
 // The same of how the place's map lies to that of the image, `own`.
 Witness reversed(const Witness& w, MapId own);
 // Whether two say the same, of different instants or of different cameras.

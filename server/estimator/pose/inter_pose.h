@@ -5,7 +5,7 @@
 #include <map>
 
 #include "common/geometry/steady_motion.h"
-#include "server/estimator/covisibility/group.h"
+#include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/map/keys.h"
 #include "server/estimator/pipeline/stage.h"
 #include "server/estimator/pose/localise.h"

@@ -190,7 +190,7 @@ void place(LocaliseEdit& edit, const FrameSet& set, const Body& body, const Solv
     const MapCamera& camera = map.camera(body.frames[i]->camera);
     const auto said = firm ? std::nullopt : own_word(map, camera, body.frames[i]->frame);
     if (said) {
-      edit.take_word(camera, *said);
+      edit.accept_agent_pose(camera, *said);
       ++report->on_own_word;
     } else if (good(r, config) && (firm || !speaks_soon(body.frames[i]->frame))) {
       edit.set_pose(camera, set.id, body.views[i].cam_from_rig * r.cam_from_world);

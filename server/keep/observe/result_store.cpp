@@ -225,7 +225,7 @@ void ResultStore::record_tracks(const CameraFrame& cf, const MapServer& server) 
 }
 
 void ResultStore::record_groups(const FrameSet& set, const MapServer& server) {
-  const auto& groups = server.graph().groups;
+  const auto& groups = server.report<ViewGraph>().groups;
   if (groups == last_groups_) return;
   last_groups_ = groups;
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -236,7 +236,7 @@ void ResultStore::record_groups(const FrameSet& set, const MapServer& server) {
 }
 
 void ResultStore::record_objects(const FrameSet& set, const MapServer& server) {
-  for (const MovingObject& o : server.objects()) objects_.push_back({set.t_ns, o.id, o.members});
+  for (const MovingObject& o : server.report<ObjectsReport>().list) objects_.push_back({set.t_ns, o.id, o.members});
 }
 
 Trajectory ResultStore::live_of(CameraId camera, MapId map) const {

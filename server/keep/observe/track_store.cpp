@@ -13,8 +13,8 @@ void TrackStore::record(const TrackFrame& frame, const MapCamera& camera, const 
     if (const MapPoint* p = map.find(track.point)) row.state = told_state(p->phase);
     if (!track.bound() && track.moves()) row.state = PointState::kDynamic;
     file_.write(row);
-    if (!track.went_along_since) continue;
-    const FramePose* first_frame = camera.frame_at(*track.went_along_since);
+    if (!track.co_moving_since) continue;
+    const FramePose* first_frame = camera.frame_at(*track.co_moving_since);
     if (first_frame == nullptr) continue;
     auto& spans = moved_[id];
     if (spans.empty() || spans.back().from_ns != first_frame->capture_ns) {

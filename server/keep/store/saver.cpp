@@ -28,7 +28,7 @@ void Saver::give(std::vector<Row> rows) {
   changed_.notify_all();
 }
 
-std::optional<std::string> Saver::take_word() {
+std::optional<std::string> Saver::accept_agent_pose() {
   const std::lock_guard lock(mutex_);
   if (words_.empty()) return std::nullopt;
   std::optional<std::string> word(std::move(words_.front()));

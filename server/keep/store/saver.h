@@ -33,7 +33,7 @@ class Saver {
   // Queues the rows that changed since the last call; together with the earlier ones they are one state of the map.
   void give(std::vector<Row> rows);
   // Sentence when writing fails, and one when it goes on; each once.
-  std::optional<std::string> take_word();
+  std::optional<std::string> accept_agent_pose();
   // Waits until all is written, `patience` at most. Throws UserError with the cause when it is not.
   void finish(std::chrono::milliseconds patience);
 

@@ -70,12 +70,12 @@ Snapshot MapWatch::after_set(const FrameSet& set, const MapServer& server, PartS
   main_.after_set(map, set, server.journal());
   count_frames(set);
   Snapshot out;
-  out.events = happenings_.after_set(map, server.journal(), server.graph());
+  out.events = happenings_.after_set(map, server.journal(), server.report<ViewGraph>());
   if (cloud_.under_way() && moved_whole(server.journal())) cloud_.give_up();
   if (wanted.has(Part::kPoses) && poses_pace_.due(now_ns, kPoses_s))
     out.poses = dated(map, copy_poses(map, set, server.run(), &odom_));
   if (wanted.has(Part::kMoving) && moving_pace_.due(now_ns, kMoving_s))
-    out.moving = dated(map, copy_moving(map, server.objects()));
+    out.moving = dated(map, copy_moving(map, server.report<ObjectsReport>().list));
   if (wanted.has(Part::kTracks) && tracks_pace_.due(now_ns, kTracks_s)) out.tracks = dated(map, copy_tracks(map, set));
   slow_parts(server, wanted, now_ns, loop, &out);
   return out;
@@ -141,7 +141,7 @@ PublicAgent MapWatch::agent(const MapServer& server, const AgentFacts& facts) co
   out.run = c.run;
   out.alive = c.alive;
   out.map = c.map;
-  out.group = server.graph().group_of(c.id);
+  out.group = server.report<ViewGraph>().group_of(c.id);
   out.standing = standing_of(c);
   out.why = happenings_.why_lost(c);
   if (facts.status.image_fault != ImageFault::kNone) {
@@ -156,7 +156,7 @@ PublicAgent MapWatch::agent(const MapServer& server, const AgentFacts& facts) co
   }
   out.tracks = c.tracks.size();
   out.bound = static_cast<std::size_t>(std::ranges::count_if(c.tracks, [](const auto& t) { return t.second.bound(); }));
-  out.clock_offset_s = clock_offset_s(server.clock_offset(c.id));
+  out.clock_offset_s = clock_offset_s(server.stage<ClockOffsets>().offset(c.id));
   const bool placed = out.standing == PublicStanding::kTracking || out.standing == PublicStanding::kRelative;
   if (placed) out.cam_from_map = c.frames.back().cam_from_world;
   out.scale_known = c.map != MapId() && server.scale_known(c.map);
@@ -172,10 +172,10 @@ PublicState MapWatch::state(const MapServer& server, TimeNs now_ns, LoopFacts lo
   out.scale_known = server.scale_known(main_.id());
   for (const AgentFacts& facts : std::exchange(loop.agents, {})) out.agents.push_back(agent(server, facts));
   out.loop = std::move(loop);
-  put_groups(map, server.graph(), &out);
+  put_groups(map, server.report<ViewGraph>(), &out);
   out.points = map.points().size();
   out.moving_points = map.moving_points().size();
-  out.objects = server.objects().size();
+  out.objects = server.report<ObjectsReport>().list.size();
   out.maps = main_.maps();
   out.key_frames = map.key_frames().size();
   const MapServerCounts counts = server.counts();

@@ -8,7 +8,7 @@
 
 #include "server/estimator/map_server.h"
 #include "server/show/publish/copies.h"
-#include "server/show/publish/happenings.h"
+#include "server/show/publish/event_feed.h"
 #include "server/show/publish/main_map.h"
 #include "server/show/publish/odom_frames.h"
 #include "server/show/publish/snapshot.h"
@@ -60,7 +60,7 @@ class MapWatch {
   std::shared_ptr<const T> dated(const Map& map, T part) const;
 
   MainMap main_;
-  Happenings happenings_;
+  EventFeed happenings_;
   OdomFrames odom_;
   std::map<CameraId, Frames> frames_;
   CloudCopy cloud_;

@@ -99,7 +99,7 @@ TEST_P(MovingWorld, AClockThatIsHalfAFrameBehindIsFoundOut) {
   for (std::size_t i = 0; i < paths.size(); ++i) run.add_agent(paths[i], i == 1 ? behind_ns : 0);
   run.step(360);
   for (std::uint16_t i = 0; i < 3; ++i) {
-    const ClockOffset found = run.server().clock_offset(CameraId(i));
+    const ClockOffset found = run.server().stage<ClockOffsets>().offset(CameraId(i));
     EXPECT_NEAR(found.offset_s, i == 1 ? to_seconds(behind_ns) : 0, 0.004);
     EXPECT_LT(found.sigma_s, 0.004);
   }
@@ -157,7 +157,7 @@ TEST_P(MovingWorld, BodiesAreObjects) {
       if (!p.moves() || run.world_point(p) < 0) continue;
       if (p.last_seen == run.map().now()) ++points[body_of(run.world_point(p))];
     }
-    for (const MovingObject& o : run.server().objects()) {
+    for (const MovingObject& o : run.server().report<ObjectsReport>().list) {
       std::map<int, std::size_t> votes;
       for (const PointId id : o.members) ++votes[body_of(run.world_point(*run.map().find(id)))];
       const auto most = std::max_element(votes.begin(), votes.end(),

@@ -45,7 +45,7 @@ TEST(MapServer, FindsThePathOfEveryCamera) {
   }
   EXPECT_EQ(run.server().counts().frame_sets, 180);
   EXPECT_GT(run.server().counts().refinements, 3);
-  EXPECT_EQ(run.server().graph().groups.size(), 1U);
+  EXPECT_EQ(run.server().report<ViewGraph>().groups.size(), 1U);
   run.server().finish();
   EXPECT_LT(run.path_error().ate, 1.2 * all.ate + 1e-3) << "the last adjustment makes nothing worse";
 }
@@ -310,8 +310,9 @@ TEST(MapServer, ATagGivesMetresToASingleCamera) {
   run.server().finish();
   EXPECT_TRUE(run.server().scale_known());
   EXPECT_NEAR(run.path_error().scale, 1, 0.01);
-  ASSERT_EQ(run.server().tags().size(), 1U);
-  EXPECT_NEAR(run.server().tags()[0].size.side, 0.4, 1e-6);
+  const auto tags = run.server().stage<Scale>().tags().tags(run.server().largest_map());
+  ASSERT_EQ(tags.size(), 1U);
+  EXPECT_NEAR(tags[0].size.side, 0.4, 1e-6);
   EXPECT_TRUE(run.server().take_warnings().empty());
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/geometry/alignment.h"
-#include "server/estimator/adjust/adjustment.h"
+#include "server/estimator/adjust/bundle_adjustment.h"
 #include "tests/server/estimator/adjust/drifted_map.h"
 #include "tests/support/sim_map.h"
 

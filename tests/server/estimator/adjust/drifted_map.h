@@ -76,7 +76,7 @@ class RefineTest : public testing::Test {
   }
   static CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
 
-  RefineConfig config_;
+  BundleAdjustmentConfig config_;
   const test::SimWorld world_{{}};
   test::SimMap sim_;
   std::map<PointId, KeyObservation> spoilt_;

@@ -30,7 +30,7 @@ TEST(HoldingPoses, EachCameraIsHeldByPosesThatSeeWhatItSees) {
     sim.edit.add_key_frame(sim.set.id);
     sim.advance(3);
   }
-  RefineConfig config;
+  BundleAdjustmentConfig config;
   config.window = 2;
   const auto job = plan_refine(sim.map, sim.id, RefineExtent::kWindow, config);
   ASSERT_TRUE(job);

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "server/estimator/adjust/adjustment.h"
+#include "server/estimator/adjust/bundle_adjustment.h"
 #include "tests/server/estimator/adjust/drifted_map.h"
 
 namespace coslam {

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "common/geometry/alignment.h"
-#include "server/estimator/adjust/adjustment.h"
+#include "server/estimator/adjust/bundle_adjustment.h"
 #include "tests/server/estimator/adjust/drifted_map.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"

@@ -117,9 +117,9 @@ class PatchPair {
   }
   void restart_server() {
     // Every change passes the image's and the covariance's bounds, so that both sides must agree exactly.
-    const PatchWriterConfig config{.moved_px = 0, .covariance_ratio = 1};
+    const CorrectConfig config{.moved_px = 0, .covariance_ratio = 1};
     writer_ = std::make_unique<PatchWriter>(ServerRun{RunId(2000 + ++runs_), std::nullopt}, config);
-    sim_.edit.agent_was_told(sim_.map.camera(kCam));
+    sim_.edit.mark_announced(sim_.map.camera(kCam));
   }
 
   Bindings expected() {

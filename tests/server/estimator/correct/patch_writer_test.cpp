@@ -24,11 +24,11 @@ using testing::Not;
 constexpr CameraId kCam(0);
 
 // Round numbers to test against, whatever the defaults are.
-constexpr PatchWriterConfig kConfig{.moved_px = 0.15,
-                                    .covariance_ratio = 1.5,
-                                    .patch_period_s = 1.0 / 30,
-                                    .patches_per_request = 10,
-                                    .patch_refresh_s = 40.0 / 30};
+constexpr CorrectConfig kConfig{.moved_px = 0.15,
+                                .covariance_ratio = 1.5,
+                                .patch_period_s = 1.0 / 30,
+                                .patches_per_request = 10,
+                                .patch_refresh_s = 40.0 / 30};
 
 class PatchWriterTest : public testing::Test {
  protected:

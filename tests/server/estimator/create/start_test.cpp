@@ -145,7 +145,7 @@ TEST_F(StartTest, SaysWhyNot) {
 class StartSideBySide : public StartTest {
  protected:
   static constexpr double kApart_m = 0.25;
-  void start_going(double speed_m_s, const RefineConfig& refine = {}) {
+  void start_going(double speed_m_s, const BundleAdjustmentConfig& refine = {}) {
     const auto goes = [=](double right_m) {
       return [=](double t_s) { return test::looking({right_m, 0, speed_m_s * t_s - 1}); };
     };
@@ -204,7 +204,7 @@ TEST_F(StartAlone, FromItsOwnMotion) {
 }
 
 TEST_F(StartAlone, IsAdjustedAsConfigured) {
-  const auto path_with = [&](const RefineConfig& refine) {
+  const auto path_with = [&](const BundleAdjustmentConfig& refine) {
     test::SimMap sim(world_, {test::paths_side_by_side(1)[0]});
     bool started = false;
     for (int i = 0; i < 40 && !started; ++i) {

@@ -143,7 +143,7 @@ TEST_F(EditLensTest, OutlivesTheServer) {
   sim_.edit.note_breathing(camera(0), 0.03);
   const std::vector<FrameZoom> zooms{{SetId(0), 0.1}};
   sim_.edit.leave_zoom_out(camera(0), zooms);
-  sim_.edit.went_along(camera(0).tracks.begin()->second, SetId(0));
+  sim_.edit.mark_co_moving(camera(0).tracks.begin()->second, SetId(0));
   Tables tables;
   MapRows rows;
   for (Row& row : rows.changes(sim_.map)) tables[row.table][row.key] = std::move(row.bytes);
@@ -154,7 +154,7 @@ TEST_F(EditLensTest, OutlivesTheServer) {
   EXPECT_EQ(restored.map().cameras()[0].lens_sigma[0], 0.5);
   EXPECT_EQ(restored.map().cameras()[0].breathing, 0.03);
   EXPECT_NE(restored.map().cameras()[0].frames.front().zoom_taken_out, 0);
-  EXPECT_EQ(restored.map().cameras()[0].tracks.begin()->second.went_along_since, SetId(0));
+  EXPECT_EQ(restored.map().cameras()[0].tracks.begin()->second.co_moving_since, SetId(0));
   EXPECT_TRUE(restored.map().cameras()[1].lens.none());
   const std::size_t all = sim_.map.points().size();
   EXPECT_LT(rows.changes(sim_.map).size(), all);

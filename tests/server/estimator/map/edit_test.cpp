@@ -158,7 +158,7 @@ TEST_F(EditTest, WhatTheAgentIsToBeToldAddsUp) {
   edit_.carry_agent(camera(kCam0), twice);
   EXPECT_DOUBLE_EQ(camera(kCam0).moved.scale, 4);
   EXPECT_DOUBLE_EQ(camera(kCam1).moved.scale, 1);
-  edit_.agent_was_told(camera(kCam0));
+  edit_.mark_announced(camera(kCam0));
   EXPECT_DOUBLE_EQ(camera(kCam0).moved.scale, 1);
 }
 
@@ -175,7 +175,7 @@ TEST_F(EditTest, AMergeIsToldByTheFirstMapThatIsGone) {
   EXPECT_EQ(camera(kCam0).map, sim_.id);
   EXPECT_EQ(camera(kCam0).merged_from, third) << "which is what its agent knows";
   EXPECT_EQ(camera(kCam1).merged_from, MapId());
-  edit_.agent_was_told(camera(kCam0));
+  edit_.mark_announced(camera(kCam0));
   EXPECT_EQ(camera(kCam0).merged_from, MapId());
 }
 

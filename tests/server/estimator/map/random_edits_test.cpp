@@ -47,7 +47,7 @@ class RandomEdits {
       expect_observed(map.points_observed_at({since, SetId(3)}), [&](SetId s) { return s == since || s == SetId(3); });
     }
     const auto loose = test::scan(map, [&](const MapPoint& p) { return p.bound.empty() && !kept_.contains(p.id); });
-    EXPECT_EQ(std::vector<PointId>(map.loose_points().begin(), map.loose_points().end()), ids_of(loose));
+    EXPECT_EQ(std::vector<PointId>(map.untracked_points().begin(), map.untracked_points().end()), ids_of(loose));
   }
   const test::SimMap& sim() const { return sim_; }
   int edits() const { return edits_; }
@@ -140,7 +140,7 @@ class RandomEdits {
       case 5:
         if (!p.bound.empty()) return;
         kept_.insert(p.id);
-        return edit.is_not_loose(p.id);
+        return edit.keep_untracked(p.id);
       case 6:
         return edit.record_motion(p.id, {sim_.set.id, sim_.set.t_ns, {}});
       case 7:

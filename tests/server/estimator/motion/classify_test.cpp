@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "server/estimator/associate/gate.h"
+#include "server/estimator/associate/verify.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {

@@ -197,9 +197,9 @@ TEST_F(AfterMotion, WhatTurnsOffTellsThatItWentAlong) {
     const bool is_one = std::ranges::any_of(tracks_, [&](int i) { return j.track == sim_.track_of(kCam0, i); });
     if (!is_one) continue;
     EXPECT_EQ(j.motion, TrackMotion::kMoving);
-    ASSERT_TRUE(j.went_along_since);
-    EXPECT_GE(*j.went_along_since, began) << "when it moved otherwise";
-    EXPECT_LT(j.went_along_since->value, (began.value + turned.value) / 2);
+    ASSERT_TRUE(j.co_moving_since);
+    EXPECT_GE(*j.co_moving_since, began) << "when it moved otherwise";
+    EXPECT_LT(j.co_moving_since->value, (began.value + turned.value) / 2);
     ++told;
   }
   EXPECT_EQ(told, static_cast<int>(kTracks));
@@ -212,7 +212,7 @@ TEST_F(AfterMotion, WhatStoodSomewhereDidNotGoAlong) {
   for (const TrackJudgement& j : judge_tracks(sim_.map, sim_.map.camera(kCam0), config_)) {
     if (std::ranges::none_of(tracks_, [&](int i) { return j.track == sim_.track_of(kCam0, i); })) continue;
     EXPECT_EQ(j.motion, TrackMotion::kMoving);
-    EXPECT_FALSE(j.went_along_since);
+    EXPECT_FALSE(j.co_moving_since);
   }
 }
 

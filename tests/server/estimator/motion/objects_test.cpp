@@ -97,7 +97,7 @@ class Street {
 
   std::vector<Followed> run(double seconds, const ObjectsConfig& config = {}) {
     reach_m_ = config.reach_m;
-    ObjectFinder finder(config);
+    Objects finder(config);
     std::vector<Followed> out(bodies_.size());
     for (int frame = 0; frame < seconds * kRate_hz; ++frame) {
       observe(frame);
@@ -275,7 +275,7 @@ TEST(Objects, UncertainPointsAndThoseOfOtherMapsStayOut) {
   points.push_back(steady(6, {0, 0.1, 0}, 0.5));
   points.push_back(steady(7, {0, 0.1, 0}, 0.1));
   points.back().map = MapId(2);
-  ObjectFinder finder(ObjectsConfig{});
+  Objects finder(ObjectsConfig{});
   EXPECT_EQ(finder.step(points, points[0].path.back().t_ns).objects, 1);
   EXPECT_THAT(finder.objects().at(0).members,
               testing::ElementsAre(PointId(1), PointId(2), PointId(3), PointId(4), PointId(5)));
@@ -308,7 +308,7 @@ class ObjectsOfAMap : public testing::Test {
 
   const test::SimWorld world_{{.points = 300, .moving_points = 25}};
   test::SimMap sim_;
-  ObjectFinder finder_{ObjectsConfig{}};
+  Objects finder_{ObjectsConfig{}};
 };
 
 TEST_F(ObjectsOfAMap, NewPointsThatHaveAPathMakeAnObject) {

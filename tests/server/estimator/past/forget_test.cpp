@@ -25,8 +25,8 @@ constexpr int kWhole = 90;  // frame sets
 
 MapServerConfig forgetful() {
   MapServerConfig config;
-  config.past.whole_s = kWhole_s;
-  config.past.block_s = 0.5;
+  config.of<ForgetConfig>().whole_s = kWhole_s;
+  config.of<ForgetConfig>().block_s = 0.5;
   return config;
 }
 
@@ -166,7 +166,7 @@ TEST(PastFrames, AreWhereTheMapHasThemNow) {
   sim.advance(20);
   const MapCamera& camera = sim.map.camera(CameraId(0));
   const std::vector<FramePose> before = camera.frames;
-  const PutDown put = put_down_now(sim.map);
+  const ArchivedPlace put = put_down_now(sim.map);
   const PastFrames block{put, camera.id, sim.edit.take_frames(camera, SetId(11), {SetId(0), SetId(10)})};
   ASSERT_EQ(block.frames.size(), 11U);
   EXPECT_EQ(camera.frames.size(), 2U + 9U);

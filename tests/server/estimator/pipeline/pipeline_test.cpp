@@ -135,7 +135,7 @@ TEST(PipelineConfiguration, IsASectionForEachStage) {
 TEST(MapServerIsAValue, ACopyGoesOnLikeTheOriginal) {
   const test::SimWorld world({.points = 300, .moving_points = 40});
   MapServerConfig config;
-  config.of<RefineConfig>().enabled = false;  // whose solutions come from outside
+  config.of<BundleAdjustmentConfig>().enabled = false;  // whose solutions come from outside
   test::SimRun run(world, config);
   for (const auto& path : test::paths_side_by_side(3)) run.add_agent(path);
   run.step(60);

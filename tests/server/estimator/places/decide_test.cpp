@@ -49,8 +49,8 @@ class DecideTest : public testing::Test {
   }
   const MapCamera& second() const { return sim_.map.camera(cam(1)); }
   // In so many features, at most; off: of the pose that they tell.
-  Recognition seen(std::size_t most = 1000, const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero()) const {
-    Recognition out{.map = sim_.id, .key_camera = cam(0), .key_set = sim_.set.id, .median_depth = 5};
+  PlaceMatch seen(std::size_t most = 1000, const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero()) const {
+    PlaceMatch out{.map = sim_.id, .key_camera = cam(0), .key_set = sim_.set.id, .median_depth = 5};
     out.cam_from_world = sim_.truth(cam(1), sim_.set.id) * Rigid3{Eigen::Quaterniond::Identity(), off_m};
     for (const MapPoint* p : sim_.map.recent_points()) {
       if (p->map != sim_.id || out.matches.size() >= most) continue;
@@ -59,7 +59,7 @@ class DecideTest : public testing::Test {
     }
     return out;
   }
-  PlaceDecision decide(std::optional<Recognition> by_looks, ExpectedPlace expected = {}) {
+  PlaceDecision decide(std::optional<PlaceMatch> by_looks, ExpectedPlace expected = {}) {
     return judge_.decide(sim_.map, newest_image(second()), std::move(by_looks), std::move(expected), ViewGraph());
   }
 
@@ -243,7 +243,7 @@ class DecideOverAPlane : public DecideTest {
  protected:
   DecideOverAPlane() : DecideTest({.layout = test::Layout::kPlane}) { put_second_elsewhere(); }
   PlaceDecision::What look(double from_m, double off_m = 0) {
-    Recognition r = seen(1000, {off_m, 0, 0});
+    PlaceMatch r = seen(1000, {off_m, 0, 0});
     r.median_depth = from_m;
     const PlaceDecision::What what = decide(r).what;
     step();

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "server/estimator/places/meet.h"
+#include "server/estimator/places/place_recognition.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -116,8 +116,8 @@ TEST_F(DescribedImageTest, OneThatNeverSendsWhatItAnnouncesCostsLittle) {
 TEST(MeetLateTest, MapsMeetThoughDescriptorsComeLate) {
   const test::SimWorld world{{}};
   test::SimMap sim(world, test::paths_side_by_side(2), {.ends = 0.03});
-  const MeetConfig config;
-  Meetings meetings(config);
+  const PlaceRecognitionConfig config;
+  PlaceRecognition meetings(config);
   const MapId own = sim.edit.new_map(Why::kStartedAlone, 1);
   const Similarity3 own_from_world{2, so3_exp({0.1, 0.4, 0}), {1, 2, 3}};
   std::map<std::uint32_t, std::vector<CameraFrame>> under_way;  // by the set that they come with

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "server/estimator/places/meet.h"
+#include "server/estimator/places/place_recognition.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {
@@ -31,7 +31,7 @@ class LastImageTest : public testing::Test {
 
   const test::SimWorld world_{{}};
   test::SimMap sim_{world_, test::paths_side_by_side(1)};
-  Meetings meetings_{{}};
+  PlaceRecognition meetings_{{}};
   DescriptorReply last_;
 };
 

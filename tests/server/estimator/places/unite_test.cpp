@@ -82,7 +82,7 @@ TEST_F(UniteTest, ACameraIsPlacedBackToItsLastPose) {
     sim_.place(cam(1), other, Rigid3());
     sim_.edit.leave_map(camera(1));
   }
-  Recognition seen{.map = sim_.id, .cam_from_world = sim_.truth(cam(1), sim_.set.id)};
+  PlaceMatch seen{.map = sim_.id, .cam_from_world = sim_.truth(cam(1), sim_.set.id)};
   for (const int p : common()) seen.matches.emplace_back(track(1, p).id, mapped(0, p));
   const MapEpoch before = sim_.map.epoch();
   place(sim_.edit, newest_image(camera(1)), seen, {});
@@ -111,7 +111,7 @@ class JoinTest : public UniteTest {
     const int p = point_ = common().at(0);
     const PointId kept = mapped(0, p);
     mapped(1, p, own_, own_from_world_ * world_.position(p));
-    const Recognition seen{.map = sim_.id, .matches = {{track(1, p).id, kept}}};
+    const PlaceMatch seen{.map = sim_.id, .matches = {{track(1, p).id, kept}}};
     join(sim_.edit, newest_image(camera(1)), seen, own_from_world_.inverse());
     EXPECT_NE(sim_.map.find(kept), nullptr);
   }
@@ -157,11 +157,11 @@ TEST_F(UniteTest, AClosedLoopHoldsFromThenOn) {
     sim_.place(cam(0), transform_world(sim_.truth(cam(0), sim_.set.id), i < 9 ? Similarity3() : off));
   }
   const int p = common().at(0);
-  const Recognition seen{.map = sim_.id,
-                         .cam_from_world = sim_.truth(cam(0), sim_.set.id),
-                         .matches = {{track(0, p).id, mapped(1, p)}},
-                         .key_camera = cam(1),
-                         .key_set = SetId(2)};
+  const PlaceMatch seen{.map = sim_.id,
+                        .cam_from_world = sim_.truth(cam(0), sim_.set.id),
+                        .matches = {{track(0, p).id, mapped(1, p)}},
+                        .key_camera = cam(1),
+                        .key_set = SetId(2)};
   std::vector<LoopConstraint> loops;
   ASSERT_TRUE(close(sim_.edit, newest_image(camera(0)), seen, off.inverse(), {}, &loops));
   ASSERT_EQ(loops.size(), 1U);
@@ -176,7 +176,7 @@ TEST_F(UniteTest, AClosedLoopHoldsFromThenOn) {
 TEST_F(UniteTest, ALoopThatCannotBeClosedChangesNothing) {
   sim_.advance(1);
   const int p = common().at(0);
-  const Recognition seen{.map = sim_.id, .matches = {{track(0, p).id, mapped(1, p)}}, .key_camera = cam(1)};
+  const PlaceMatch seen{.map = sim_.id, .matches = {{track(0, p).id, mapped(1, p)}}, .key_camera = cam(1)};
   std::vector<LoopConstraint> loops;
   EXPECT_FALSE(close(sim_.edit, newest_image(camera(0)), seen, {}, {}, &loops)) << "the first frame does not move";
   EXPECT_TRUE(loops.empty());

@@ -134,7 +134,7 @@ TEST_F(LocaliseTest, WhereItsPointsDoNotHoldACameraItsAgentsWordDoes) {
   TrackFrame& said = set.frames[0].frame;
   said.pose_state = PoseState::kTracked;
   said.cam_from_world = sim_.truth(kCam0, set.id);
-  sim_.edit.agent_was_told(camera(kCam0));
+  sim_.edit.mark_announced(camera(kCam0));
   said.epoch = sim_.map.epoch();
   said.pose_inliers = 80;
   said.on_own_points = true;

@@ -47,7 +47,7 @@ TEST_F(TrackStoreTest, MarksWhatWentAlongBeforeItWasFoundToMove) {
   const std::uint32_t since_frame = sim_.set.frames.front().frame.frame.value;
   record(store, 5);
   sim_.edit.set_motion(kCam0, oldest(), TrackMotion::kMoving);
-  sim_.edit.went_along(oldest(), since);
+  sim_.edit.mark_co_moving(oldest(), since);
   record(store, 2);
   sim_.edit.set_motion(kCam0, oldest(), TrackMotion::kResting);
   record(store, 1);
@@ -79,7 +79,7 @@ TEST_F(TrackStoreTest, AFullDiskLeavesTheFileAsItWas) {
   TrackStore store(file_);
   record(store, 2);
   sim_.edit.set_motion(kCam0, oldest(), TrackMotion::kMoving);
-  sim_.edit.went_along(oldest(), SetId(0));
+  sim_.edit.mark_co_moving(oldest(), SetId(0));
   record(store, 1);
   store.file().close();
   const auto before = states_of(oldest().id);

@@ -64,7 +64,7 @@ TEST_F(SaverTest, WritesInOrder) {
   EXPECT_THAT(disk_.keys(), testing::SizeIs(20));
   EXPECT_TRUE(std::ranges::is_sorted(disk_.keys()));
   EXPECT_TRUE(saver_.idle());
-  EXPECT_EQ(saver_.take_word(), std::nullopt);
+  EXPECT_EQ(saver_.accept_agent_pose(), std::nullopt);
 }
 
 TEST_F(SaverTest, AStuckDiskHoldsNobodyUp) {
@@ -84,13 +84,13 @@ TEST_F(SaverTest, AFullDiskIsSaidOnceAndLosesNothing) {
   saver_.give(row(1));
   saver_.give(row(2));
   disk_.wait_tries(5);
-  EXPECT_THAT(saver_.take_word().value_or(""), HasSubstr("the disk is full; mapping goes on"));
-  EXPECT_EQ(saver_.take_word(), std::nullopt);
+  EXPECT_THAT(saver_.accept_agent_pose().value_or(""), HasSubstr("the disk is full; mapping goes on"));
+  EXPECT_EQ(saver_.accept_agent_pose(), std::nullopt);
   EXPECT_THAT(test::error_of<UserError>([&] { saver_.finish(1ms); }), HasSubstr("the disk is full"));
   disk_.set(false, false);
   saver_.finish(10s);
   EXPECT_EQ(disk_.keys(), (std::vector<std::int64_t>{1, 2}));
-  EXPECT_THAT(saver_.take_word().value_or(""), HasSubstr("written again"));
+  EXPECT_THAT(saver_.accept_agent_pose().value_or(""), HasSubstr("written again"));
 }
 
 TEST(Saver, EndsThoughTheDiskStaysFull) {

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/base/workers.h"
+#include "server/estimator/covisibility/grouping.h"
+#include "server/estimator/map/keys.h"
+#include "server/estimator/map/memory.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/places/ask.h"
+#include "server/estimator/places/close_loop.h"
+#include "server/estimator/places/decide.h"
+#include "server/estimator/places/join_maps.h"
+#include "server/estimator/places/key_image_database.h"
+#include "server/estimator/places/offline_loops.h"
+#include "server/estimator/pose/localise.h"
+#include "server/estimator/reports/place_recognition_report.h"
+
+namespace coslam {
+
+struct PlaceRecognitionConfig {
+  bool loops = true;  // own old places too, beside those that other cameras saw lately
+  RecogniseConfig recognise;
+  DecideConfig decide;
+  AskConfig ask;
+};
+
+template <class V>
+void describe(V& v, PlaceRecognitionConfig& c) {
+  v.field("loops", c.loops, "recognise places seen long ago and draw the map together");
+  v.field("min_place_inliers", c.decide.min_place_inliers, {8, 1000}, "to place a camera by its descriptors");
+  v.field("min_merge_inliers", c.decide.min_merge_inliers, {8, 1000}, "to join two maps or draw one together");
+  describe(v, c.ask);
+}
+
+// Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
+// brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
+// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that two
+// cameras see the same, but nothing holds them to each other, both are asked at once, and points are looked for where
+// they should appear. Before anything
+// moves, a meeting has to be confirmed by a second image.
+class PlaceRecognition {
+ public:
+  static constexpr std::string_view kName = "place_recognition";
+  using Config = PlaceRecognitionConfig;
+  explicit PlaceRecognition(const PlaceRecognitionConfig& of)
+      : config(of), places_(of.recognise), judge_(of.decide), asking_(of.ask) {}
+  PlaceRecognitionConfig config;
+
+  // After the set's poses are known.
+  PlaceRecognitionReport run(PlaceRecognitionEdit& edit, const FrameSet& set, Last<ViewGraph> last,
+                             const LocaliseConfig& localise, const GroupingConfig& group,
+                             Workers& workers = Workers::alone());
+  // What the last image of a run shows, from now on a known place. False: that image is still to come.
+  bool remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply);
+  // Frames that loops are closed by, of the newest loops: those hold the map together.
+  std::vector<ImageKey> held_frames() const;
+  // Those images are remembered no more.
+  void forget(const std::vector<ImageKey>& views) { places_.forget(views); }
+  // What those of a map that was taken in remember and closed.
+  void take_in(const PlaceRecognition& other, const Renumbered& as);
+  const KeyImageDatabase& places() const { return places_; }
+  // At the end: what the run did not see of places that were known.
+  std::vector<JoinedMaps> join_all(PlaceRecognitionEdit& edit) const { return join_all_maps(edit, places_); }
+  OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, MapId of);
+  void add_memory(MemoryUse* use) const { (*use)["places"] += places_.bytes(); }
+  // What outlives the server, as rows, as far as it was not given out before; and back.
+  void save(std::vector<Row>* rows);
+  void restore(const Tables& tables);
+
+ private:
+  void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupingConfig& group);
+  ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const;
+  bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
+  // What an image shows of places that the map knows, as that is now.
+  struct Look {
+    DescribedImage image;
+    ExpectedPlace expected;
+    std::optional<PlaceMatch> seen;
+  };
+  Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
+  // Whether that changed the map.
+  bool act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
+           PlaceRecognitionReport* report);
+
+  AwaitedDescriptors awaited_;
+  KeyImageDatabase places_;
+  PlaceJudge judge_;
+  Asking asking_;
+  std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
+  std::set<MapId> remembered_;                          // maps that images are remembered of
+  std::vector<LoopConstraint> loops_;
+};
+
+}  // namespace coslam

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/estimator/map/keys.h"
+#include "server/estimator/pipeline/stage.h"
+#include "server/estimator/pose/localise.h"
+
+namespace coslam {
+
+struct WideSearchConfig {
+  double search_rad = 0.03;  // so far from where a point should appear it is looked for
+  double memory_s = 60;      // points that were seen so lately
+};
+
+template <class V>
+void describe(V& v, WideSearchConfig& c) {
+  v.field("search_rad", c.search_rad, {0.001, 0.5}, "so far from where a point should appear it is looked for");
+  v.field("memory_s", c.memory_s, {0.1, 10000}, "points that were seen so lately are looked for");
+}
+
+struct WideSearchReport {
+  int cameras = 0, points = 0;
+
+  void count(auto&& add) const {
+    add("found_again_cameras", cameras);
+    add("found_again", points);
+  }
+};
+
+// A camera that lost sight of nearly all its points, by a turn say, and comes back to them with a pose that drifted
+// meanwhile finds none within the gates. Looks for proven points around where they should appear, by their patches;
+// where enough of what is found agrees on one pose, the camera takes it, and its tracks those points.
+WideSearchReport wide_search(WideSearchEdit& edit, const FrameSet& set, const WideSearchConfig& config, int least);
+
+struct WideSearch {
+  static constexpr std::string_view kName = "wide_search";
+  using Config = WideSearchConfig;
+  Config config;
+  bool due(const Map& map) const { return map.every(map.config().match_period_s); }
+  WideSearchReport run(WideSearchEdit& edit, const FrameSet& set, const LocaliseConfig& localise) const {
+    return wide_search(edit, set, config, localise.min_inliers);
+  }
+};
+
+}  // namespace coslam
