@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
+#include "agent/agent_report.h"
 #include "agent/thumbnail.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
-#include "common/dataset/report_parts.h"
 #include "common/flow/clock.h"
 
 namespace coslam {
@@ -19,7 +18,6 @@ namespace {
 
 constexpr auto kServerPatience = std::chrono::seconds(5);
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
-constexpr std::size_t kSentKept = 128;
 
 }  // namespace
 
@@ -33,9 +31,9 @@ AgentLoop::AgentLoop(AgentLink& link, std::unique_ptr<Feed> feed, const Hello& h
       hello_(hello),
       agent_(hello.agent, hello.agent_run, hello.camera, config, std::move(tracker)),
       now_(std::move(now)),
-      send_rate_(hello.rate_hz),
+      governor_(hello.rate_hz),
       gives_thumbnails_(config.thumbnails) {
-  if (hello.pacing == Pacing::kLive) describer_.emplace("describe");
+  if (hello.pacing == Pacing::kLive) describer_.emplace();
 }
 
 bool AgentLoop::step(const std::atomic<bool>& stop) {
@@ -52,11 +50,11 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
   const std::vector<MapPatch> patches = collect_patches(stop);
   if (hello_.pacing == Pacing::kLockstep && (stop || server_stops())) return false;
   if (stamps_are_utc_ && !patches.empty()) exchange_ = {patches.back().sent_ns, patches.back().received_ns};
-  if (adapts_) watch_link(patches);
-  const bool sends = !adapts_ || send_rate_.due(image->capture_ns);
+  if (adapts_) link_.limit_replies(governor_.heard(patches, link_.waiting().any(), link_.server_alive(), now_()));
+  const bool sends = !adapts_ || governor_.due(image->capture_ns);
   if (sends) take_described();
   AgentOutput out = agent_.finish(patches, sends ? answers() : Answers::none());
-  out.frame.narrow_link = narrow_link_;
+  out.frame.narrow_link = governor_.narrow();
   out.frame.images_doubted = verdict_.verdict() != ImageFault::kNone;
   out.frame.clock_set_ns = clock_set_ns_;
   if (!sends) {
@@ -66,12 +64,11 @@ bool AgentLoop::step(const std::atomic<bool>& stop) {
     last_sent_ = out.frame.frame;
     const double delay_s =
         image->available_since ? std::chrono::duration<double>(now_() - *image->available_since).count() : 0;
-    if (out.describe) describe_beside(std::move(out.describe));
+    if (out.describe) describer_->start(std::move(out.describe));
     if (!out.descriptors) out.descriptors = std::exchange(described_, std::nullopt);
     link_.send(std::move(out.frame), out.patches, out.descriptors);
     ++sent_frames_;
-    sent_.push_back({image->frame, now_(), delay_s, link_.waiting().sent_bytes});
-    if (sent_.size() > kSentKept) sent_.pop_front();
+    governor_.sent(image->frame, now_(), delay_s, link_.waiting().sent_bytes);
   }
   warn_when_slow();
   tell_state();
@@ -96,7 +93,7 @@ void AgentLoop::answer_who_looks(const Image& image) {
   constexpr std::chrono::milliseconds kPeriod{900}, kNarrowPeriod{10'000};
   if (image.grey.empty() || !link_.take_thumbnail_request()) return;
   const auto now = now_();
-  if (last_thumbnail_ && now - *last_thumbnail_ < (narrow_link_ ? kNarrowPeriod : kPeriod)) return;
+  if (last_thumbnail_ && now - *last_thumbnail_ < (governor_.narrow() ? kNarrowPeriod : kPeriod)) return;
   last_thumbnail_ = now;
   Thumbnail thumbnail{hello_.agent, hello_.agent_run, image.capture_ns, {}};
   if (gives_thumbnails_) thumbnail.jpeg = thumbnail_jpeg(image.grey);
@@ -116,84 +113,29 @@ void AgentLoop::tell_state() {
   link_.send_status(status(AgentState::kRunning));
 }
 
-// New ones wait for the old ones. On a link that carries little an image is described in no more features than get
-// through in about a second: later its tracks are others.
+// New answers wait for the old ones.
 Answers AgentLoop::answers() const {
-  constexpr double kSeconds = 1, kBytesAFeature = 80, kBytesAPatch = 80;
-  constexpr int kLeastFeatures = 140, kFewFeatures = 200;
-  constexpr double kFewPatches = 4, kManyPatches = 16;
   Answers out = Answers::all();
   out.later = describer_.has_value();
-  if (describing()) out.described = 0;
-  if (!adapts_) return out;
-  const double a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz;
-  const auto patches = static_cast<std::size_t>(std::clamp(a_frame / kBytesAPatch, kFewPatches, kManyPatches));
-  if (reply_rate_.limited()) {
-    const double most = kSeconds * reply_rate_.bytes_per_s() / kBytesAFeature;
-    out.patches = patches;
-    out.described = std::max(kLeastFeatures, static_cast<int>(std::min(most, 1e6)));
-  } else if (send_rate_.narrow()) {
-    out.patches = patches;
-    out.described = kFewFeatures;
+  if (adapts_) {
+    const LinkGovernor::Room room = governor_.room();
+    out.patches = room.patches.value_or(out.patches);
+    out.described = room.features.value_or(out.described);
+    const RepliesWaiting waiting = link_.waiting();
+    if (waiting.patches) out.patches = 0;
+    if (waiting.descriptors) out.described = 0;
   }
-  const RepliesWaiting waiting = link_.waiting();
-  if (waiting.patches) out.patches = 0;
-  if (waiting.descriptors || describing()) out.described = 0;
+  if (describing()) out.described = 0;
   return out;
 }
 
-void AgentLoop::describe_beside(DescribeWork work) {
-  describer_->start([work = std::move(work)] {
-    const auto begin = std::chrono::steady_clock::now();
-    DescribeEnd end = work();
-    return Described{std::move(end), std::chrono::steady_clock::now() - begin};
-  });
-}
-
 void AgentLoop::take_described() {
-  std::optional<Described> done = describer_ ? describer_->take() : std::nullopt;
+  auto done = describer_ ? describer_->take() : std::optional<Describer::Described>();
   if (!done) return;
   times_.add("describe", done->took);
   described_ = agent_.take(done->end);
 }
 
-// From image to server it takes longer than at best for the link's sake, or the agent's own. Patches that come at once
-// waited for one that was lost: the last of them tells how long the link takes.
-void AgentLoop::watch_link(const std::vector<MapPatch>& patches) {
-  constexpr double kWide_bytes_per_s = 25e3;  // of replies: frames take less
-  constexpr std::chrono::seconds kWideAgain{20};
-  std::optional<double> downlink_s;
-  double wait_s = 0, round_s = 0;
-  for (const MapPatch& p : patches) {
-    if (p.sent_ns == 0) continue;
-    const double took_s = to_seconds(p.received_ns - p.sent_ns);
-    downlink_s = std::min(downlink_s.value_or(took_s), took_s);
-    const Sent sent = sent_with(p.after_frame);
-    wait_s = std::max(0.0, p.uplink_wait_s - sent.delay_s);
-    round_s = std::chrono::duration<double>(now_() - sent.at).count();
-    delivered_bytes_ = std::max(delivered_bytes_, sent.reply_bytes);
-  }
-  if (downlink_s) {
-    const bool replies_wait = link_.waiting().any();
-    // A link that was found to carry little is not taken for wide between two answers.
-    if (replies_wait && reply_rate_.bytes_per_s() < kWide_bytes_per_s) full_ = now_();
-    const bool full = full_ && now_() - *full_ <= (reply_rate_.limited() ? kWideAgain : std::chrono::seconds(0));
-    send_rate_.heard(wait_s, *downlink_s, full, now_());
-    reply_rate_.heard(wait_s, round_s, replies_wait, delivered_bytes_, now_());
-  }
-  narrow_link_ = send_rate_.narrow() || reply_rate_.limited_since(now_() - kWideAgain);
-  link_.limit_replies({.bytes_a_frame = reply_rate_.bytes_per_s() * send_rate_.one_in() / hello_.rate_hz,
-                       .up_to_bytes = delivered_bytes_ + reply_rate_.unanswered_bytes(),
-                       .narrow_link = narrow_link_});
-  if (link_.server_alive()) send_rate_.tick(now_());
-}
-
-AgentLoop::Sent AgentLoop::sent_with(FrameId frame) const {
-  const auto at = std::ranges::find(sent_, frame, &Sent::frame);
-  return at == sent_.end() ? Sent{frame, now_()} : *at;
-}
-
-// Once, when what the images need is known.
 void AgentLoop::say(const std::string& text) const {
   log_info(logs_as_ == LogsAs::kOneOfSeveral ? "agent " + hello_.agent + ": " + text : text);
 }
@@ -205,7 +147,7 @@ void AgentLoop::warn(const std::string& text) const {
 void AgentLoop::warn_when_slow() {
   constexpr std::uint32_t kFramesToTell = 60;
   if (hello_.pacing != Pacing::kLive || frames_ != kFramesToTell) return;
-  const double taken_ms = mean_frame_ms(), period_ms = 1000 / hello_.rate_hz;
+  const double taken_ms = mean_frame_ms(agent_), period_ms = 1000 / hello_.rate_hz;
   if (taken_ms <= period_ms) return;
   warn("a frame of " + std::to_string(hello_.camera.width_px) + "x" + std::to_string(hello_.camera.height_px) +
        " pixels takes " + std::to_string(std::lround(taken_ms)) + " ms, but the next comes after " +
@@ -217,7 +159,7 @@ void AgentLoop::warn_when_slow() {
 
 void AgentLoop::say_state() {
   if (const auto word = words_.server(link_.server_alive(), now_())) say(*word);
-  if (const auto word = words_.link(!adapts_ || !send_rate_.narrow(), now_())) say(*word);
+  if (const auto word = words_.link(!adapts_ || !governor_.thins_frames(), now_())) say(*word);
   if (const auto word = words_.pose(agent_.pose_state(), now_())) say(*word);
   if (const auto word = words_.working_width(agent_.working_width_px())) say(*word);
   if (const auto word = words_.own_body(agent_.own_body_share())) warn(*word);
@@ -232,12 +174,6 @@ void AgentLoop::say_state() {
   if (const auto word = words_.fixed_pattern(pattern_stays_)) warn(*word);
   if (const auto word = words_.clock(clock_set_ns_)) warn(*word);
   if (const auto word = words_.readout(agent_.found_readout_s())) say(*word);
-}
-
-double AgentLoop::mean_frame_ms() const {
-  const auto& stages = agent_.times().stages();
-  const auto frame = stages.find(Agent::kFrame);
-  return frame == stages.end() ? 0 : frame->second.mean_ms();
 }
 
 std::vector<MapPatch> AgentLoop::collect_patches(const std::atomic<bool>& stop) {
@@ -286,52 +222,24 @@ AgentStatus AgentLoop::status(AgentState state) const {
   s.left_out = left_out();
   s.image_fault = verdict_.verdict();
   s.tracks = static_cast<std::uint32_t>(agent_.tracks());
-  s.frame_ms = static_cast<float>(mean_frame_ms());
+  s.frame_ms = static_cast<float>(mean_frame_ms(agent_));
   s.exchange = exchange_;
   s.exchange.replied_ns = utc_now_ns();
   return s;
 }
 
-nlohmann::json AgentLoop::own_body() const {
-  const ImageParts parts = agent_.own_body();
-  std::string cells;
-  for (const bool found : parts.cells) cells += found ? '1' : '0';
-  return {
-      {"percent", 100 * agent_.own_body_share()}, {"columns", parts.columns}, {"rows", parts.rows}, {"cells", cells}};
-}
-
 std::string AgentLoop::report() const {
-  nlohmann::ordered_json ms = nlohmann::ordered_json::object();
-  for (const StageTimes* times : {&agent_.times(), &times_}) {
-    for (const auto& [name, h] : times->stages()) {
-      ms[name] = {{"p50", h.percentile_ms(50)},
-                  {"p95", h.percentile_ms(95)},
-                  {"p99", h.percentile_ms(99)},
-                  {"mean", h.mean_ms()},
-                  {"count", h.count()}};
-    }
-  }
-  nlohmann::ordered_json out;
-  out["start_s"] = start_s_;
-  const std::uint32_t images = sent_frames_ + not_sent() + left_out();
-  out["frames"] = images;
-  out["left_out"] = nlohmann::ordered_json::object();
-  for (std::size_t i = 0; i < left_out_.size(); ++i) {
-    if (left_out_[i] > 0) out["left_out"][std::string(words_of(static_cast<ImageFault>(i)).name)] = left_out_[i];
-  }
-  out["live_tracked_percent"] = 100.0 * agent_.tracked_frames() / std::max(1U, images);
-  out["ms_per_frame"] = mean_frame_ms();
-  out["tracked_width_px"] = agent_.working_width_px();
-  if (agent_.own_body_share() > 0) out["own_body"] = own_body();
-  out["ms"] = ms;
-  out["peak_memory_mib"] = peak_memory_mib();
-  if (logs_as_ == LogsAs::kProcess) out["warnings"] = json_of(warnings_given());
-  return out.dump();
+  return agent_report(agent_, times_,
+                      {.start_s = start_s_,
+                       .images = sent_frames_ + not_sent() + left_out(),
+                       .left_out = left_out_,
+                       .with_warnings = logs_as_ == LogsAs::kProcess});
 }
 
 // Where a run ends, places are often seen again that it began with, and nobody can ask for this image any more.
 std::optional<DescriptorReply> AgentLoop::last_image() {
-  const bool known = !sent_.empty() && agent_.described() == sent_.back().frame;
+  const std::optional<FrameId> newest = governor_.newest_sent();
+  const bool known = newest && agent_.described() == *newest;
   if (known && !describing() && !link_.waiting().descriptors) return std::nullopt;
   return agent_.describe_last();
 }

@@ -5,21 +5,18 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <deque>
 #include <functional>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "agent/agent.h"
 #include "agent/capture/image_check.h"
+#include "agent/describer.h"
 #include "agent/feed.h"
 #include "agent/link/agent_link.h"
-#include "agent/link/reply_rate.h"
-#include "agent/link/send_rate.h"
+#include "agent/link/link_governor.h"
 #include "agent/state_words.h"
-#include "common/flow/background_job.h"
 #include "common/model/session.h"
 
 namespace coslam {
@@ -61,22 +58,18 @@ class AgentLoop {
   std::vector<MapPatch> collect_patches(const std::atomic<bool>& stop);
   bool server_stops() const;
   Answers answers() const;
-  void watch_link(const std::vector<MapPatch>& patches);
   bool describing() const { return described_ || (describer_ && describer_->busy()); }
-  void describe_beside(DescribeWork work);
   void take_described();
   void warn_when_slow();
   void say_state();
   void say(const std::string& text) const;
   void warn(const std::string& text) const;
-  double mean_frame_ms() const;
   void throw_if_refused() const;
   AgentStatus status(AgentState state) const;
   std::uint32_t not_sent() const { return feed_->dropped() + frames_ - sent_frames_; }
   void answer_who_looks(const Image& image);
   std::uint32_t left_out() const;
   std::optional<DescriptorReply> last_image();
-  nlohmann::json own_body() const;
   std::string report() const;
 
   AgentLink& link_;
@@ -84,33 +77,17 @@ class AgentLoop {
   Hello hello_;
   Agent agent_;
   Clock now_;
-  SendRate send_rate_;
-  ReplyRate reply_rate_;
-  double delivered_bytes_ = 0;  // size of the delivered replies
-  // Time when replies last waited for a link that carries little.
-  std::optional<std::chrono::steady_clock::time_point> full_;
+  LinkGovernor governor_;
   std::optional<FrameId> last_sent_;
   std::optional<TrackFrame> not_sent_;  // the newest, on a link that does not carry all
-  struct Sent {
-    FrameId frame;
-    std::chrono::steady_clock::time_point at;
-    double delay_s = 0;      // between image and link: no fault of the link's
-    double reply_bytes = 0;  // size of the replies sent by then
-  };
-  Sent sent_with(FrameId frame) const;
-  std::deque<Sent> sent_;  // the last frames
   double start_s_ = 0;
-  bool stamps_are_utc_ = false, adapts_ = false, narrow_link_ = false;
+  bool stamps_are_utc_ = false, adapts_ = false;
   std::optional<LogsAs> logs_as_;
   StateWords words_;
-  struct Described {
-    DescribeEnd end;
-    std::chrono::steady_clock::duration took{};
-  };
-  std::optional<BackgroundJob<Described>> describer_;  // live
-  std::optional<DescriptorReply> described_;           // to be sent with the next frame
-  StageTimes times_;                                   // beside the agent's own
-  ClockExchange exchange_;                             // begun by the newest patch
+  std::optional<Describer> describer_;        // live
+  std::optional<DescriptorReply> described_;  // to be sent with the next frame
+  StageTimes times_;                          // beside the agent's own
+  ClockExchange exchange_;                    // begun by the newest patch
   std::uint32_t frames_ = 0, sent_frames_ = 0;
   ImageVerdict verdict_;
   std::array<std::uint32_t, kImageFaults> left_out_{};  // images

@@ -6,24 +6,26 @@
 
 namespace coslam {
 
+// A server that restarted numbers its patches from 1; joining in the middle of its life takes a snapshot.
+void LocalMap::change_server(const MapPatch& patch, PatchEffect* effect) {
+  effect->new_server = true;
+  const bool same_map = patch.sequence == 1 && patch.continues && patch.continues->server_run == server_run_;
+  if (const auto moved = same_map ? moved_since(patch.continues->epoch) : std::nullopt) {
+    effect->goes_on = true;
+    effect->rebase = moved->inverse();
+    move_all(*effect->rebase);
+    for (auto& [track, entry] : entries_) entry.former = true;
+    restart_at(patch.continues->epoch);
+  } else {
+    clear();
+  }
+  server_run_ = patch.server_run;
+}
+
 PatchEffect LocalMap::apply(const MapPatch& patch) {
   PatchEffect effect;
   if (patch.agent_run != agent_run_) return effect;
-  if (patch.server_run != server_run_) {
-    // A server that restarted numbers its patches from 1; joining in the middle of its life takes a snapshot.
-    effect.new_server = true;
-    const bool same_map = patch.sequence == 1 && patch.continues && patch.continues->server_run == server_run_;
-    if (const auto moved = same_map ? moved_since(patch.continues->epoch) : std::nullopt) {
-      effect.goes_on = true;
-      effect.rebase = moved->inverse();
-      move_all(*effect.rebase);
-      for (auto& [track, entry] : entries_) entry.former = true;
-      restart_at(patch.continues->epoch);
-    } else {
-      clear();
-    }
-    server_run_ = patch.server_run;
-  }
+  if (patch.server_run != server_run_) change_server(patch, &effect);
   if (patch.sequence <= applied_) return effect;
   const bool gap = patch.sequence != applied_ + 1;
   if (gap && !patch.snapshot) {

@@ -57,6 +57,7 @@ class LocalMap {
   bool wants_snapshot() const { return wants_snapshot_; }
 
  private:
+  void change_server(const MapPatch& patch, PatchEffect* effect);
   struct Move {
     MapEpoch to;
     Similarity3 new_from_old;

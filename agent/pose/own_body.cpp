@@ -22,11 +22,6 @@ constexpr double kLeast_s = 8;                                         // from t
 constexpr double kAlways = 0.9, kMostMixed = 0.1, kLeastScene = 0.15;  // shares of the cells that were looked at
 constexpr double kOneWay = 0.8;  // length of the mean axis of turns that went one way only
 
-struct Pair {
-  Eigen::Vector2d before_px, now_px;  // raw
-  Eigen::Vector3d before, now;        // directions
-};
-
 }  // namespace
 
 OwnBody::OwnBody(const CameraModel& camera)
@@ -55,9 +50,8 @@ bool OwnBody::step(TimeNs capture_ns, const std::vector<Track>& live) {
   return found;
 }
 
-void OwnBody::look(const std::vector<Track>& live) {
-  std::vector<Pair> moved;
-  std::vector<std::pair<Eigen::Vector2f, Eigen::Vector3d>> stood;  // where, and its direction
+OwnBody::Steps OwnBody::steps_of(const std::vector<Track>& live) const {
+  Steps out;
   for (const Track& t : live) {
     const auto was = std::ranges::lower_bound(before_, t.id, {}, &Track::id);
     if (was == before_.end() || was->id != t.id) continue;
@@ -68,11 +62,16 @@ void OwnBody::look(const std::vector<Track>& live) {
       return camera_.normalized_from_pixel(px).homogeneous().normalized();
     };
     if ((now_px - before_px).norm() < kStands_px * px_) {
-      stood.emplace_back(t.raw_px, direction(*before));
+      out.stood.emplace_back(t.raw_px, direction(*before));
     } else {
-      moved.push_back({before_px, now_px, direction(*before), direction(*now)});
+      out.moved.push_back({before_px, now_px, direction(*before), direction(*now)});
     }
   }
+  return out;
+}
+
+void OwnBody::look(const std::vector<Track>& live) {
+  const auto [moved, stood] = steps_of(live);
   if (moved.size() < kFewest || stood.empty()) return;
   DirectionPairs pairs;
   pairs.reserve(moved.size());

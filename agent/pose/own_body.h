@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "agent/track/feature_tracker.h"
@@ -30,6 +31,17 @@ class OwnBody {
     int stood = 0, turned = 0;  // looks
     bool found = false;
   };
+  // A track that moved in the image.
+  struct Pair {
+    Eigen::Vector2d before_px, now_px;  // raw
+    Eigen::Vector3d before, now;        // directions
+  };
+  // What the tracks did since the image before.
+  struct Steps {
+    std::vector<Pair> moved;
+    std::vector<std::pair<Eigen::Vector2f, Eigen::Vector3d>> stood;  // raw pixel, and its direction
+  };
+  Steps steps_of(const std::vector<Track>& live) const;
   void look(const std::vector<Track>& live);
   bool decide(TimeNs now_ns);
   Cell& cell_at(const Eigen::Vector2f& raw_px);

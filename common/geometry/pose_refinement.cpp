@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/pose_refinement.h"
 
+#include "common/geometry/levenberg_marquardt.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
@@ -165,7 +167,6 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
   if (observations.size() < kMinPoints) return result;
 
   std::vector<Residual> residuals;
-  double lambda = 1e-6;
   // The start may be far off (a fast turn): the scale follows the residuals down freely, and the bound holds at the
   // end.
   double cap_px = 1e9;
@@ -174,23 +175,21 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
   const std::vector<Residual> at_start = residuals;
   double sigma = measured_sigma(residuals, config, cap_px);
   System s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
-  for (int i = 0; i < config.max_iterations && s.inliers >= kMinPoints; ++i) {
+  // A start from the frame before is near. Beyond 1e4 nothing helps six unknowns.
+  const Damping damping{.first = 1e-6, .most = std::nextafter(1e4, 1e5), .after_failure = 1e-4};
+  levenberg_marquardt(damping, config.max_iterations, [&](double lambda) {
+    if (s.inliers < kMinPoints) return LmStep::kImpossible;
     ++result.iterations;
     Matrix6d a = s.a;
     a.diagonal() *= 1.0 + lambda;
     const Vector6d step = a.ldlt().solve(s.b);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return LmStep::kImpossible;
     const Rigid3 candidate = retract(result.cam_from_world, step);
     std::vector<Residual> next;
     evaluate(given, candidate, at_start, &next);
     std::vector<bool> next_inlier(observations.size());
     const System t = build(next, sigma, config.prior, candidate, &next_inlier);
-    if (t.cost > s.cost * (1 + 1e-9)) {
-      lambda = std::max(lambda * 10, 1e-4);
-      if (lambda > 1e4) break;
-      continue;
-    }
-    lambda = std::max(lambda * 0.1, 1e-9);
+    if (t.cost > s.cost * (1 + 1e-9)) return LmStep::kFailed;
     result.cam_from_world = candidate;
     residuals.swap(next);
     const double improved = s.cost - t.cost;
@@ -198,9 +197,10 @@ PoseResult refine_rig_pose(std::span<const RigView> rig, std::span<const PointOb
     const bool settled = improved < 1e-4 * s.cost && std::abs(new_sigma - sigma) < 0.02 * sigma;
     sigma = new_sigma;
     s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);
-    if (settled && sigma <= config.sigma_px) break;
+    if (settled && sigma <= config.sigma_px) return LmStep::kConverged;
     if (settled) cap_px = config.sigma_px;
-  }
+    return LmStep::kImproved;
+  });
   if (sigma > config.sigma_px) {
     sigma = config.sigma_px;
     s = build(residuals, sigma, config.prior, result.cam_from_world, &result.is_inlier);

@@ -9,7 +9,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "deploy/coslam/commands.h"
-#include "deploy/coslam/export/export.h"
+#include "deploy/coslam/export/formats.h"
 #include "deploy/coslam/result_argument.h"
 #include "deploy/coslam/run/played.h"
 #include "deploy/coslam/sequence_argument.h"
@@ -32,50 +32,51 @@ int checked(int every) {
   throw UsageError("--every takes 1, 2, 5 or a multiple of 10: tracks are kept of every tenth image");
 }
 
-exporting::MapExport exporter(const ExportArguments& arguments, const ResultFolder& result) {
-  if (arguments.format == "tum") return exporting::export_tum;
-  if (arguments.format == "euroc") return exporting::export_euroc;
-  if (arguments.format == "kitti") return exporting::export_kitti;
-  const bool ply = arguments.format == "ply";
-  if (ply && arguments.sequence.empty()) return exporting::export_ply;
+// What was played, for a format that goes by it.
+std::optional<Sequence> sequence_for(const exporting::Format& format, const ExportArguments& arguments,
+                                     const ResultFolder& result) {
   if (arguments.sequence.empty()) {
-    throw UsageError("the export to colmap needs the cameras: add --sequence SEQUENCE, the one that was played");
+    if (format.sequence != exporting::UsesSequence::kAlways) return std::nullopt;
+    throw UsageError("the export to " + arguments.format +
+                     " needs the cameras: add --sequence SEQUENCE, the one that was played");
   }
-  const exporting::ColmapOptions options{.every = checked(arguments.every.value_or(exporting::kTracksOfEvery))};
   const Sequence played = as_played(sequence_argument(arguments.sequence), result);
   if (const std::string other = of_another_sequence(played, result); !other.empty()) log_warn(other);
-  return [=, undistort = arguments.undistort, sequence = played](const ResultMap& map,
-                                                                 const std::filesystem::path& folder) {
-    if (ply) return exporting::export_ply_in_colour(map, sequence, folder);
-    return undistort ? exporting::export_colmap_undistorted(map, sequence, folder, options)
-                     : exporting::export_colmap(map, sequence, folder, options);
+  return played;
+}
+
+void require_sense(const exporting::Format& format, const ExportArguments& arguments) {
+  const auto only_for = [](const std::string& option, bool (*holds)(const exporting::Format&)) {
+    return UsageError(option + " is for --format " + exporting::formats_where(holds));
   };
+  const auto takes_options = [](const exporting::Format& f) { return f.takes_options; };
+  if (arguments.undistort && !format.takes_options) throw only_for("--undistort", takes_options);
+  if (arguments.every && !format.takes_options) throw only_for("--every", takes_options);
+  if (!arguments.sequence.empty() && format.sequence == exporting::UsesSequence::kNever) {
+    throw only_for("--sequence",
+                   [](const exporting::Format& f) { return f.sequence != exporting::UsesSequence::kNever; });
+  }
 }
 
 int export_result(const ExportArguments& arguments) {
-  if (arguments.undistort && arguments.format != "colmap") throw UsageError("--undistort is for --format colmap");
-  if (arguments.every && arguments.format != "colmap") throw UsageError("--every is for --format colmap");
-  if (!arguments.sequence.empty() && arguments.format != "colmap" && arguments.format != "ply") {
-    throw UsageError("--sequence is for --format colmap and ply");
-  }
-  exporting::MapExport export_map;
-  const bool whole = arguments.format == "mcap";  // all maps in one file
+  const exporting::Format& format = exporting::format_of(arguments.format);
+  require_sense(format, arguments);
   const ResultFolder result = result_argument(arguments.result);
   std::error_code none;
   if (std::filesystem::equivalent(result.path(), arguments.folder, none)) {
     throw UsageError(arguments.folder + " is the result itself: name another folder to export to");
   }
-  if (!whole) export_map = exporter(arguments, result);
+  exporting::FormatOptions options{.undistort = arguments.undistort, .every = arguments.every};
+  if (options.every) options.every = checked(*options.every);
+  const std::optional<Sequence> sequence = sequence_for(format, arguments, result);
   const ResultContents contents = contents_of(result);
-  const exporting::Files files = whole ? exporting::export_mcap(contents, arguments.folder)
-                                       : exporting::export_maps(contents, arguments.folder, export_map);
-  for (const auto& file : files) std::printf("%s\n", file.c_str());
-  if (arguments.format == "kitti") {
+  for (const auto& file : format.write(contents, arguments.folder, sequence ? &*sequence : nullptr, options)) {
+    std::printf("%s\n", file.c_str());
+  }
+  if (format.lacks != nullptr) {
     for (const ResultMap& map : contents.maps) {
-      const std::string gaps = exporting::gaps_of(map);
-      if (!gaps.empty()) {
-        std::fprintf(stderr, "coslam: %s; lines of KITTI have no times: they stand in *.times.txt\n", gaps.c_str());
-      }
+      if (const std::string lacks = format.lacks(map); !lacks.empty())
+        std::fprintf(stderr, "coslam: %s\n", lacks.c_str());
     }
   }
   if (contents.maps.front().unit == LengthUnit::kMapUnits) {
@@ -93,7 +94,7 @@ void add_export_command(CLI::App& app, Command& chosen) {
   command->add_option("RESULT", arguments->result, "folder of a run, or of a server's runs: the latest")->required();
   command->add_option("--format", arguments->format, "form to write")
       ->required()
-      ->check(CLI::IsMember({"colmap", "ply", "tum", "euroc", "kitti", "mcap"}));
+      ->check(CLI::IsMember(exporting::names_of_formats()));
   command
       ->add_option("DIR", arguments->folder,
                    "folder to write; what could not be brought together with the largest map goes to DIR/maps/ID")

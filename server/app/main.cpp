@@ -170,6 +170,20 @@ void require_names(const std::vector<std::string>& agents) {
   }
 }
 
+// Looks at what only makes sense together.
+void require_sense(ServerOptions& keys) {
+  require_names(keys.agents);
+  if (keys.server.map.of<ScaleConfig>().baseline_m > 0 && keys.agents.empty()) {
+    throw UserError(
+        "server.baseline_m is the distance of the first two of `agents`: name them all, as in --set agents=a,b,c");
+  }
+}
+
+int print_stages() {
+  std::printf("%s", markdown_of(stage_access<MapPipeline>()).c_str());
+  return 0;
+}
+
 int main_of(int argc, char** argv) {
   CLI::App app("Map server: builds one map from the tracks of all agents; see docs/configuration.md");
   ServeOptions options;
@@ -194,21 +208,14 @@ int main_of(int argc, char** argv) {
                "for programs: 'view: URL', 'ready', 'started' and 'progress DONE' on standard output");
   app.add_flag("--stages", stages, "print what each stage of the pipeline reads and writes, and end");
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
-  if (stages) {
-    std::printf("%s", markdown_of(stage_access<MapPipeline>()).c_str());
-    return 0;
-  }
+  if (stages) return print_stages();
   init_log("server", common.log_format);
   ServerOptions& o = options.keys;
   if (loopback) o.wire = loopback_config(0);
   common.apply_to(o);
   if (domain) o.wire.domain = *domain;
   if (view_port) o.view.port = *view_port;
-  require_names(o.agents);
-  if (o.server.map.of<ScaleConfig>().baseline_m > 0 && o.agents.empty()) {
-    throw UserError(
-        "server.baseline_m is the distance of the first two of `agents`: name them all, as in --set agents=a,b,c");
-  }
+  require_sense(o);
   if (common.print) {
     print_config("coslam-server", o);
   } else {

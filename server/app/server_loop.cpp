@@ -2,18 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/server_loop.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <exception>
-#include <fstream>
 #include <thread>
 #include <utility>
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "server/app/answers.h"
+#include "server/app/collect_facts.h"
 #include "server/app/stop_signals.h"
-#include "server/estimator/correct/pose_writer.h"
 
 namespace coslam {
 namespace {
@@ -27,22 +24,6 @@ int threads_of(const ServerConfig& config) {
   constexpr unsigned kMost = 8;
   if (config.threads > 0) return config.threads;
   return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1U, kMost));
-}
-
-double resident_memory_mib() {
-  std::ifstream statm("/proc/self/statm");
-  long all = 0, resident = 0;
-  statm >> all >> resident;
-  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
-}
-
-void say_images(const AgentStatus& status) {
-  if (status.image_fault == ImageFault::kNone) {
-    log_info("agent " + status.agent + ": its images are to be believed again");
-  } else {
-    log_warn("agent " + status.agent +
-             ": its images are not to be believed: " + std::string(words_of(status.image_fault).why));
-  }
 }
 
 }  // namespace
@@ -75,7 +56,7 @@ ServerLoop::ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& conf
 }
 
 void ServerLoop::observe(SetObserver& observer) {
-  observers_.push_back(&observer);
+  observers_.add(observer);
   server_.keep_journal(server_.journal().enabled() || observer.wants_journal());
 }
 
@@ -105,17 +86,11 @@ void ServerLoop::take_events(std::chrono::milliseconds timeout) {
     handle(*event);
   }
   for (const std::string& warning : sets_.take_warnings()) log_warn(warning);
-  if (roster_.expected().empty()) order_play();
+  if (roster_.expected().empty() && play_order_.due(config_.clock.monotonic_ns())) order_start();
   const bool starting = started_ && config_.clock.utc_ns() - start_utc_ns_ < kStarting_ns;
   const TimeNs period_ns = starting ? kStartingPeriod_ns : kStatusPeriod_ns;
   if (config_.clock.monotonic_ns() - last_status_ns_ > period_ns) send_status();
-  const ServerView now = view();
-  for (SetObserver* observer : observers_) observer->idle(now);
-}
-
-// By hand, that is without names to wait for.
-void ServerLoop::order_play() {
-  if (play_order_.due(config_.clock.monotonic_ns())) order_start();
+  observers_.idle(view());
 }
 
 // Recordings begin at played time 0.
@@ -204,7 +179,7 @@ void ServerLoop::on_frame(const JoinedFrame& joined) {
 void ServerLoop::on_status(const AgentStatus& status) {
   Roster::Agent* agent = roster_.find(status.agent, status.agent_run);
   if (agent == nullptr) return;
-  if (status.image_fault != agent->last_status.image_fault) say_images(status);
+  if (status.image_fault != agent->last_status.image_fault) log_images(status);
   agent->last_status = status;
   agent->images.heard(status);
   auto last_image = std::exchange(agent->last_status.last_image, std::nullopt);
@@ -239,27 +214,12 @@ void ServerLoop::end(Roster::Agent& agent) {
 
 void ServerLoop::run_set(const FrameSet& set) {
   give_refined(refiner_.take_due(set.id, sets_.lockstep()));
-  send_answers(set, server_.step(set));
+  send_answers(set, server_.step(set), server_, roster_, sets_, config_.clock.monotonic_ns, &link_);
   roster_.count_used(set, server_.map());
   const PastPart past = server_.take_past();
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   if (auto job = server_.take_refine_job()) refiner_.start(std::move(*job), set.id);
-  const ServerView now = view();
-  for (SetObserver* observer : observers_) observer->after_set({set, past}, now);
-}
-
-// What agents and others are told of a set: each agent its patch, everybody what moves and where the agents are.
-void ServerLoop::send_answers(const FrameSet& set, std::vector<MapPatch> patches) {
-  for (MapPatch& patch : patches) {
-    if (!sets_.lockstep()) {
-      patch.sent_ns = config_.clock.monotonic_ns();
-      patch.uplink_wait_s = static_cast<float>(sets_.wait_s(roster_.at(patch.agent).camera));
-    }
-    link_.send(patch);
-  }
-  for (const MovingState& state : server_.report<MovingStates>().all) link_.send(state);
-  const auto in_metres = [&](MapId map) { return server_.scale_known(map); };
-  for (const AgentPose& pose : agent_poses(server_.map(), set, server_.run(), in_metres)) link_.send(pose);
+  observers_.after_set({set, past}, view());
 }
 
 void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
@@ -268,14 +228,10 @@ void ServerLoop::give_refined(std::optional<RefineSolution> solution) {
 
 void ServerLoop::send_status() {
   last_status_ns_ = config_.clock.monotonic_ns();
-  ServerStatus status;
-  status.server_run = server_.run();
+  ServerStatus status = status_of(server_, roster_);
   status.started = started_ && (!roster_.expected().empty() || play_order_.ordered());
   status.stopping = stopping_;
   status.start_utc_ns = start_utc_ns_;
-  status.frame_sets = static_cast<std::uint32_t>(server_.counts().frame_sets);
-  status.points = static_cast<std::uint32_t>(server_.map().points().size());
-  status.agents = roster_.names();
   link_.send_status(status);
   for (const auto& [name, agent] : roster_.agents()) {
     if (!agent.ended) link_.send({name, agent.run, server_.run(), agent.images.so_far(), false, {}});
@@ -299,32 +255,13 @@ void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configu
 
 // False: not all of it. There may be room when it is written again.
 bool ServerLoop::write_first(bool adjusts) {
-  bool written = true;
-  const ServerView now = view();
-  for (SetObserver* observer : observers_) {
-    try {
-      observer->ending(now, report_);
-    } catch (const UserError& e) {
-      log_warn(e.what());
-      written = false;
-    }
-  }
+  const std::vector<std::string> problems = observers_.ending(view(), report_);
+  for (const std::string& problem : problems) log_warn(problem);
   const bool kept = keeper_ || (recorder_ && !recorder_->folder().empty());
-  if (kept && written && adjusts) log_info("the result is written; adjusting the map, which Ctrl-C leaves out");
-  return written;
-}
-
-void ServerLoop::write_last() {
-  std::exception_ptr first;
-  const ServerView now = view();
-  for (SetObserver* observer : observers_) {
-    try {
-      observer->ended(now, report_);
-    } catch (const UserError&) {
-      if (!first) first = std::current_exception();
-    }
+  if (kept && problems.empty() && adjusts) {
+    log_info("the result is written; adjusting the map, which Ctrl-C leaves out");
   }
-  if (first) std::rethrow_exception(first);
+  return problems.empty();
 }
 
 void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_end) {
@@ -345,7 +282,8 @@ void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_
   }
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   report_now(adjusts, configuration);
-  write_last();
+  const std::vector<std::string> problems = observers_.ended(view(), report_);
+  if (!problems.empty()) throw UserError(problems.front());
 }
 
 std::string ServerLoop::problem() const {
@@ -355,37 +293,8 @@ std::string ServerLoop::problem() const {
 }
 
 LoopFacts ServerLoop::facts() const {
-  LoopFacts out;
-  const std::vector<MapFrames> maps = stopping_ ? server_.maps() : std::vector<MapFrames>();
-  for (const auto& [name, agent] : roster_.agents()) {
-    AgentStatus status = agent.last_status;
-    status.report_json.clear();
-    const LinkBytes bytes = link_.bytes(name);
-    AgentFacts& facts = out.agents.emplace_back();
-    facts.name = name;
-    facts.camera = agent.camera;
-    facts.status = std::move(status);
-    facts.images = stopping_ ? Roster::account_of(agent, server_, maps) : agent.images.so_far();
-    facts.bytes_up = bytes.up;
-    facts.bytes_down = bytes.down;
-    facts.wait_s = sets_.wait_s(agent.camera);
-  }
+  LoopFacts out = collect_facts(roster_, sets_, link_, server_, stopping_);
   if (recorder_) out.result = recorder_->folder().string();
-  out.join = link_.join_options();
-  out.memory_mib = resident_memory_mib();
-  out.at_work = link_.at_work();
-  out.finishing = stopping_;
-  const ServerLinkCounts counts = link_.counts();
-  out.lost = {{"late_frames", sets_.late()},
-              {"overflowed_frames", sets_.overflowed()},
-              {"sets_left_out", sets_.sets_left_out()},
-              {"frames_out_of_time", sets_.stamps().refused()},
-              {"dropped_frames", counts.dropped_frames},
-              {"late_replies", counts.late_replies}};
-  for (std::size_t i = 0; i < kRejectionCount; ++i) {
-    const auto reason = static_cast<Rejection>(i);
-    out.rejected[std::string(name_of(reason))] = link_.rejections()[reason];
-  }
   return out;
 }
 

@@ -20,7 +20,7 @@
 #include "server/fleet/sync/set_clock.h"
 #include "server/keep/map_keeper.h"
 #include "server/keep/result_recorder.h"
-#include "server/keep/set_observer.h"
+#include "server/keep/set_observers.h"
 
 namespace coslam {
 
@@ -82,15 +82,12 @@ class ServerLoop {
   void take_events(std::chrono::milliseconds timeout);
   std::optional<FrameSet> next_set();
   void run_set(const FrameSet& set);
-  void send_answers(const FrameSet& set, std::vector<MapPatch> patches);
   void say_images_of(const std::string& name, Roster::Agent& agent);
-  void order_play();
   void end(Roster::Agent& agent);
   void give_refined(std::optional<RefineSolution> solution);
   void send_status();
   void report_now(bool adjusted, const nlohmann::ordered_json& configuration);
   bool write_first(bool adjusts);
-  void write_last();
   ServerView view() const;
 
   ServerLink& link_;
@@ -102,7 +99,7 @@ class ServerLoop {
   LogLimiter left_out_log_;
   std::optional<MapKeeper> keeper_;
   std::optional<ResultRecorder> recorder_;
-  std::vector<SetObserver*> observers_;  // in the order in which they are called
+  SetObservers observers_;
   Refiner refiner_;
   bool started_ = false, stopping_ = false;
   TimeNs last_status_ns_ = 0;

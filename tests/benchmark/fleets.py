@@ -28,7 +28,7 @@ def exponent(rows, of):
 def run(arguments, fleets):
     out = pathlib.Path(arguments.out) / f"fleets-{fleets}"
     command = [f"{arguments.bin}/coslam", "replay", arguments.recording, "--fleets", str(fleets), "--out", str(out), "--force",
-               "--set", "server.refine.at_end=nothing"]
+               "--set", "server.bundle_adjustment.at_end=nothing"]
     with open(f"{out}.log", "w") as log:
         subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=True)
     report = json.loads((out / "report.json").read_text())

@@ -18,7 +18,7 @@ SimMap::SimMap(const SimWorld& w, const std::vector<CameraPath>& paths, const Tr
     const std::size_t i = trackers.size();
     trackers.emplace_back(world, path, tracking, "cam" + std::to_string(i), RunId(100 + i));
     const CameraId c = edit.add_camera(trackers[i].name(), trackers[i].run(), sim_camera());
-    edit.set_sigma(map.camera(c), std::max(0.4, tracking.noise_px));
+    edit.measure_sigma(map.camera(c), std::max(0.4, tracking.noise_px));
   }
   id = edit.new_map(Why::kStartedTogether, static_cast<double>(paths.size()));
 }

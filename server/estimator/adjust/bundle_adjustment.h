@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/workers.h"
+#include "server/estimator/adjust/apply_refine.h"
 #include "server/estimator/adjust/certainty.h"
 #include "server/estimator/adjust/refine.h"
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/estimator/adjust/refine.h"
+#include "server/estimator/map/keys.h"
 
 // What is known of points once they are adjusted.
 namespace coslam {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/estimator/adjust/refine.h"
+#include "server/estimator/map/keys.h"
 
 // Lenses as part of a bundle adjustment: what a calibration gets wrong, once the images say so.
 namespace coslam {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/workers.h"
-#include "server/estimator/map/keys.h"
+#include "server/estimator/map/map.h"
 #include "server/estimator/solve/bundle.h"
 
 namespace coslam {
@@ -65,13 +65,6 @@ struct RefineJob {
   BundleConfig config;
 };
 
-struct RefineReport {
-  bool applied = false;
-  int poses = 0, points = 0, observations = 0, outliers = 0, lenses = 0;
-  double lens_step2 = 0;  // see lens_step2()
-  double sigma_px = 0;
-};
-
 // Cuts a map's key frames out; empty when there is too little. Beyond the window all poses are free.
 std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent,
                                      const BundleAdjustmentConfig& config, Workers& workers = Workers::alone());
@@ -84,9 +77,5 @@ std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since
 // The newest key frames of a map with so many poses together, none held; not to be adjusted, but to be judged.
 std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses);
 BundleResult solve_refine(const RefineJob& job);
-// Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
-// epoch (the map was merged meanwhile) is dropped.
-RefineReport apply_refine(BundleEdit& edit, const RefineJob& job, const BundleResult& result,
-                          Workers& workers = Workers::alone());
 
 }  // namespace coslam

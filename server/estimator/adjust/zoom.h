@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/estimator/adjust/refine.h"
+#include "server/estimator/map/keys.h"
 
 // Cameras whose focal length changes from image to image, as of a lens that keeps focusing.
 namespace coslam {

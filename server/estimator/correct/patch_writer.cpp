@@ -109,29 +109,12 @@ void PatchWriter::write_requests(const Map& map, const MapCamera& camera, const 
   const std::uint32_t patience = map.sets_in(config_.patch_patience_s);
   std::erase_if(asked_, [&](const auto& a) { return a.second.value + patience <= map.now().value; });
   if (patch->sequence % static_cast<std::uint32_t>(camera.frames_in(config_.patch_period_s)) != 0) return;
-  using Rank = std::tuple<PatchWorths::Rank, std::uint32_t, TrackId>;  // then those never cut first, then the stalest
-  std::vector<Rank> still, moving, alone;
-  std::size_t unanswered = 0;
-  for (const auto& [id, t] : camera.tracks) {
-    if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, kLeastFrames))
-      continue;  // many do not live longer
-    const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
-    const bool keeps = t.bound() && !t.moves();
-    if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
-    const auto asked = asked_.find(id);
-    if (asked != asked_.end() && !(t.patch && t.patch_set >= asked->second)) {  // the answer is on its way
-      ++unanswered;
-      continue;
-    }
-    const auto worth = worths != nullptr ? worths->of(camera.id, id) : PatchWorths::Rank();
-    const bool tells = worths == nullptr || worth.first != PatchWorth::kAlone;
-    (t.moves() ? moving : tells ? still : alone).emplace_back(worth, t.patch ? t.patch_set.value + 1 : 0, id);
-  }
-  const auto ask = [&](std::vector<Rank>& due, std::size_t most) {
-    most = std::min(due.size(), most);
-    std::partial_sort(due.begin(), due.begin() + static_cast<std::ptrdiff_t>(most), due.end());
+  PatchesDue due = patches_due(map, camera, worths);
+  const auto ask = [&](std::vector<PatchesDue::Rank>& ranks, std::size_t most) {
+    most = std::min(ranks.size(), most);
+    std::partial_sort(ranks.begin(), ranks.begin() + static_cast<std::ptrdiff_t>(most), ranks.end());
     for (std::size_t i = 0; i < most; ++i) {
-      const TrackId id = std::get<TrackId>(due[i]);
+      const TrackId id = std::get<TrackId>(ranks[i]);
       patch->patch_requests.push_back(id);
       asked_[id] = map.now();
     }
@@ -140,15 +123,39 @@ void PatchWriter::write_requests(const Map& map, const MapCamera& camera, const 
   // What moves soon looks different or is gone: it doesn't wait behind what stays.
   const auto each = static_cast<std::size_t>(config_.patches_per_request);
   if (worths == nullptr) {
-    ask(moving, each);
-    ask(still, each);
+    ask(due.moving, each);
+    ask(due.still, each);
   } else {
-    const std::size_t room = std::min(each, kMostUnanswered - std::min(kMostUnanswered, unanswered));
-    std::size_t left = room - ask(moving, room / 2);
-    left -= ask(still, left);
-    ask(alone, std::min<std::size_t>(left, 1));  // it may tell something when another camera comes by
+    const std::size_t room = std::min(each, kMostUnanswered - std::min(kMostUnanswered, due.unanswered));
+    std::size_t left = room - ask(due.moving, room / 2);
+    left -= ask(due.still, left);
+    ask(due.alone, std::min<std::size_t>(left, 1));  // it may tell something when another camera comes by
   }
   std::sort(patch->patch_requests.begin(), patch->patch_requests.end());
+}
+
+PatchWriter::PatchesDue PatchWriter::patches_due(const Map& map, const MapCamera& camera,
+                                                 const PatchWorths* worths) const {
+  PatchesDue due;
+  for (const auto& [id, t] : camera.tracks) {
+    if (static_cast<int>(t.seen.size()) < camera.frames_in(kSettled_s, kLeastFrames))
+      continue;  // many do not live longer
+    const std::uint32_t refresh = map.sets_in(t.moves() ? config_.moving_patch_refresh_s : config_.patch_refresh_s);
+    const bool keeps = t.bound() && !t.moves();
+    if (t.patch && (keeps || t.patch_set.value + refresh > map.now().value)) continue;
+    const auto asked = asked_.find(id);
+    if (asked != asked_.end() && !(t.patch && t.patch_set >= asked->second)) {  // the answer is on its way
+      ++due.unanswered;
+      continue;
+    }
+    const auto worth = worths != nullptr ? worths->of(camera.id, id) : PatchWorths::Rank();
+    const bool tells = worths == nullptr || worth.first != PatchWorth::kAlone;
+    (t.moves() ? due.moving
+     : tells   ? due.still
+               : due.alone)
+        .emplace_back(worth, t.patch ? t.patch_set.value + 1 : 0, id);
+  }
+  return due;
 }
 
 MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame) {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "common/model/map_patch.h"
@@ -67,6 +68,13 @@ class PatchWriter {
   void consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
                 std::vector<News>& news) const;
   void write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch);
+  // Tracks whose image patches are due, best first: what tells most, then those never cut, then the stalest.
+  struct PatchesDue {
+    using Rank = std::tuple<PatchWorths::Rank, std::uint32_t, TrackId>;
+    std::vector<Rank> still, moving, alone;
+    std::size_t unanswered = 0;  // tracks whose patch was asked for and has not come
+  };
+  PatchesDue patches_due(const Map& map, const MapCamera& camera, const PatchWorths* worths) const;
   void write_requests(const Map& map, const MapCamera& camera, const PatchWorths* worths, MapPatch* patch);
 
   ServerRun server_;

@@ -7,6 +7,7 @@
 
 #include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
+#include "server/estimator/adjust/apply_refine.h"
 #include "server/estimator/adjust/refine.h"
 #include "server/estimator/associate/register.h"
 

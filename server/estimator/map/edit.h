@@ -32,6 +32,14 @@ class MapEdit : public LocaliseEdit,
                 public SessionEdit {
  public:
   explicit MapEdit(const MapConfig& config) : SessionPen(config) {}
+  MapEdit(const MapEdit&) = default;
+  MapEdit(MapEdit&&) = default;
+  ~MapEdit() = default;
+  // The map is copied once, not once for each key.
+  MapEdit& operator=(const MapEdit& other) {
+    if (this != &other) SessionPen::operator=(other);
+    return *this;
+  }
 
   Journal& journal() { return journal_; }
   const Journal& journal() const { return journal_; }

@@ -27,6 +27,12 @@ namespace coslam {
   COSLAM_EACH(COSLAM_USE, __VA_ARGS__) \
   static constexpr std::array kMay { COSLAM_EACH(COSLAM_NAME, __VA_ARGS__) }
 
+// Keys are assigned with the map whose keys they are (MapEdit), never one by one.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wvirtual-move-assign"
+#endif
+
 // Sets poses of frames in the map that their camera is in.
 class FramePoseEdit : public virtual SessionPen {
  public:
@@ -188,5 +194,9 @@ class SessionEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(add_camera, ingest, pass_sets, restart_camera, restore, set_alive, shift_times, take_in);
 };
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 
 }  // namespace coslam

@@ -21,6 +21,11 @@ class MapPen {
   // Keys are virtual bases of MapEdit, which calls the other constructor; C++ wants this one to exist.
   MapPen() : map_({}) {}
   explicit MapPen(const MapConfig& config) : map_(config) {}
+  // Not moved when assigned: keys that were assigned one by one would take it from each other.
+  MapPen(const MapPen&) = default;
+  MapPen(MapPen&&) = default;
+  MapPen& operator=(const MapPen&) = default;
+  ~MapPen() = default;
 
   // Everything given out by Map belongs to it, and is written by the verbs alone.
   MapCamera& own(CameraId id) { return map_.cameras_[id.value]; }

@@ -51,11 +51,15 @@ class AccessTable {
       out->reads.emplace_back("frame set");
     } else if constexpr (std::derived_from<T, MapPen>) {
       out->reads.emplace_back("map");
-      out->writes.assign(T::kMay.begin(), T::kMay.end());
+      out->writes.insert(out->writes.end(), T::kMay.begin(), T::kMay.end());
     } else if constexpr (std::same_as<T, Map>) {
       out->reads.emplace_back("map");
     } else if constexpr (std::same_as<T, ServerRun>) {
       out->reads.emplace_back("run");
+    } else if constexpr (std::same_as<T, HeldFrames>) {
+      out->reads.emplace_back("frames that stages hold");
+    } else if constexpr (index_of<T, Stages...>() < sizeof...(Stages)) {
+      out->writes.push_back("state of " + name_at(index_of<T, Stages...>()));
     } else if constexpr (std::same_as<T, Workers>) {
       // They share in its work; it reads nothing of them.
     } else if constexpr (is_last<T>) {

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/estimator/places/scene_shape.h"
+
 namespace coslam {
 namespace {
 

@@ -8,6 +8,7 @@
 
 #include "common/geometry/robust.h"
 #include "server/estimator/places/depth_ratio.h"
+#include "server/estimator/places/scene_shape.h"
 
 namespace coslam {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "common/geometry/robust.h"
 #include "server/estimator/associate/register.h"
+#include "server/estimator/places/scene_shape.h"
 #include "server/estimator/places/witness.h"
 
 namespace coslam {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/levenberg_marquardt.h"
 #include "common/geometry/robust.h"
 
 namespace coslam {
@@ -88,15 +89,10 @@ Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
   return sigmas;
 }
 
-System build(const InterPoseProblem& problem, const State& state, const Sigmas& sigmas) {
-  const auto n = static_cast<Eigen::Index>(6 * problem.cameras.size());
-  System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
-  s.own.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
-  s.right.assign(problem.moving.size(), Eigen::Vector3d::Zero());
-  s.coupling.resize(problem.moving.size());
-  s.inliers.assign(problem.cameras.size(), 0);
-  std::vector<Eigen::Matrix3d> rotations;
-  for (const Rigid3& p : state.poses) rotations.push_back(p.rotation.toRotationMatrix());
+// Adds what static points and priors say of each camera's pose.
+void add_statics(const InterPoseProblem& problem, const State& state, const std::vector<Eigen::Matrix3d>& rotations,
+                 const Sigmas& sigmas, System* system) {
+  System& s = *system;
   Projected p;
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const auto& camera = problem.cameras[c];
@@ -124,6 +120,13 @@ System build(const InterPoseProblem& problem, const State& state, const Sigmas& 
       s.cost += prior.cost;
     }
   }
+}
+
+// Adds what moving points say, whose positions are unknown like the poses.
+void add_moving(const InterPoseProblem& problem, const State& state, const std::vector<Eigen::Matrix3d>& rotations,
+                const Sigmas& sigmas, System* system) {
+  System& s = *system;
+  Projected p;
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {
       const auto c = static_cast<std::size_t>(camera);
@@ -144,6 +147,19 @@ System build(const InterPoseProblem& problem, const State& state, const Sigmas& 
       s.coupling[m].emplace_back(camera, w * p.by_pose.transpose() * p.by_point);
     }
   }
+}
+
+System build(const InterPoseProblem& problem, const State& state, const Sigmas& sigmas) {
+  const auto n = static_cast<Eigen::Index>(6 * problem.cameras.size());
+  System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
+  s.own.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
+  s.right.assign(problem.moving.size(), Eigen::Vector3d::Zero());
+  s.coupling.resize(problem.moving.size());
+  s.inliers.assign(problem.cameras.size(), 0);
+  std::vector<Eigen::Matrix3d> rotations;
+  for (const Rigid3& pose : state.poses) rotations.push_back(pose.rotation.toRotationMatrix());
+  add_statics(problem, state, rotations, sigmas, &s);
+  add_moving(problem, state, rotations, sigmas, &s);
   return s;
 }
 
@@ -190,28 +206,23 @@ InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterat
   for (const auto& m : problem.moving) state.points.push_back(m.position);
   Sigmas sigmas = measured_sigmas(problem, state);
   System s = build(problem, state, sigmas);
-  double lambda = 1e-4;
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
-  for (; result.iterations < max_iterations && lambda < 1e6; ++result.iterations) {
+  result.iterations = levenberg_marquardt({}, max_iterations, [&](double lambda) {
     eliminate(s, lambda, &a, &b);
     a.diagonal() *= 1 + lambda;
     const Eigen::VectorXd step = a.ldlt().solve(b);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return LmStep::kImpossible;
     const State next = stepped(s, state, step, lambda);
     const double cost = build(problem, next, sigmas).cost;
-    if (cost > s.cost * (1 + 1e-9)) {
-      lambda *= 10;
-      continue;
-    }
+    if (cost > s.cost * (1 + 1e-9)) return LmStep::kFailed;
     const double improved = s.cost - cost;
     const Sigmas before = std::exchange(sigmas, measured_sigmas(problem, next));
     const bool settled = alike(sigmas, before) && improved < 1e-6 * s.cost;
     state = next;
     s = build(problem, state, sigmas);
-    lambda = std::max(1e-9, 0.1 * lambda);
-    if (settled) break;
-  }
+    return settled ? LmStep::kConverged : LmStep::kImproved;
+  });
   eliminate(s, 0, &a, &b);
   // Scaled to a unit diagonal, so that the test does not depend on the units of angle and length.
   const Eigen::VectorXd scale = a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

@@ -5,36 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/core/eigen.hpp>
 #include <set>
 
-#include "common/geometry/pose_refinement.h"
 #include "common/geometry/robust.h"
 #include "common/geometry/triangulation.h"
 #include "server/estimator/solve/bundle.h"
 #include "server/estimator/solve/partners.h"
-#include "server/estimator/solve/root_sift.h"
+#include "server/estimator/solve/pnp.h"
 #include "server/estimator/solve/two_view.h"
 
 namespace coslam {
 namespace {
-
-struct Best {
-  int index = -1;
-  float first = 2, second = 2;  // squared distances
-};
-
-void offer(Best* b, int index, float distance) {
-  if (distance < b->first) {
-    b->second = b->first;
-    b->first = distance;
-    b->index = index;
-  } else {
-    b->second = std::min(b->second, distance);
-  }
-}
 
 // Relative pose of two images from matches; empty when there is none.
 struct Pair {
@@ -55,8 +36,6 @@ std::vector<Eigen::Vector2d> normalized(const FeatureImage& image, const std::ve
   }
   return out;
 }
-
-double width_scale(const CameraModel& c) { return c.width_px / 640.0; }
 
 // What fits a motion that is known.
 TwoViewMotion known_motion(const Rigid3& second_from_first, const std::vector<Eigen::Vector2d>& a,
@@ -191,7 +170,7 @@ bool add_image(const std::vector<FeatureImage>& images, int c, const Partners& p
     pixels.push_back(image.undistorted_px[static_cast<std::size_t>(feature)]);
     feature_point.emplace_back(feature, point);
   }
-  const PlaceResult placed = place_camera(image.camera, points, pixels, config.sigma_px, config.min_matches / 2);
+  const PnpResult placed = solve_pnp(image.camera, points, pixels, config.sigma_px, config.min_matches / 2);
   if (!placed.ok) return false;
   result->cam_from_world[static_cast<std::size_t>(c)] = placed.cam_from_world;
   for (const int i : placed.inliers) {
@@ -253,35 +232,6 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
 std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& second) {
   if (first.rig.empty() || first.rig != second.rig) return std::nullopt;
   return second.cam_from_rig * first.cam_from_rig.inverse();
-}
-
-std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
-                                            const std::vector<std::uint8_t>& second) {
-  if (first.empty() || second.empty()) return {};
-  Descriptors of_first = root_sift(first), of_second = root_sift(second);
-  const auto matrix_of = [](Descriptors& d) {
-    return cv::Mat(static_cast<int>(d.rows()), kDescriptorBytes, CV_32F, d.data());
-  };
-  const cv::Mat a = matrix_of(of_first), b = matrix_of(of_second);
-  const cv::Mat similarity = a * b.t();  // of unit vectors: squared distance = 2 - 2 s
-  std::vector<Best> of_a(static_cast<std::size_t>(a.rows)), of_b(static_cast<std::size_t>(b.rows));
-  for (int i = 0; i < a.rows; ++i) {
-    const float* s = similarity.ptr<float>(i);
-    for (int j = 0; j < b.rows; ++j) {
-      const float d2 = 2 - 2 * s[j];
-      offer(&of_a[static_cast<std::size_t>(i)], j, d2);
-      offer(&of_b[static_cast<std::size_t>(j)], i, d2);
-    }
-  }
-  std::vector<FeatureMatch> matches;
-  const auto distinct = [](const Best& b_) { return b_.first < kDistinctRatio * kDistinctRatio * b_.second; };
-  for (int i = 0; i < a.rows; ++i) {
-    const Best& best = of_a[static_cast<std::size_t>(i)];
-    if (best.index < 0 || !distinct(best)) continue;
-    const Best& back = of_b[static_cast<std::size_t>(best.index)];
-    if (back.index == i && distinct(back)) matches.push_back({i, best.index, best.first});
-  }
-  return matches;
 }
 
 StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig& config, Workers& workers) {
@@ -348,44 +298,6 @@ StartResult start_from_matches(const FeatureImage& first, const FeatureImage& se
   adjust(images, config, &result);
   result.ok = result.points.size() >= 40 && result.points.size() * 2 >= matches.size();
   if (!result.ok) result.reason = "too few points from one camera's motion";
-  return result;
-}
-
-PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
-                         const std::vector<Eigen::Vector2d>& undistorted_px, double sigma_px, int min_inliers) {
-  PlaceResult result;
-  if (static_cast<int>(points.size()) < min_inliers) return result;
-  std::vector<cv::Point3d> object;
-  std::vector<cv::Point2d> image;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    object.emplace_back(points[i].x(), points[i].y(), points[i].z());
-    image.emplace_back(undistorted_px[i].x(), undistorted_px[i].y());
-  }
-  const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  cv::Mat rvec, tvec, inliers;
-  const double threshold_px = 4.0 * sigma_px * width_scale(camera);
-  cv::setRNGSeed(1);
-  if (!cv::solvePnPRansac(object, image, k, cv::noArray(), rvec, tvec, false, 2000, static_cast<float>(threshold_px),
-                          0.9999, inliers, cv::SOLVEPNP_AP3P)) {
-    return result;
-  }
-  cv::Mat r;
-  cv::Rodrigues(rvec, r);
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-  cv::cv2eigen(r, rotation);
-  cv::cv2eigen(tvec, translation);
-  std::vector<PointObservation> observations;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    observations.push_back({points[i], Eigen::Matrix3d::Zero(), undistorted_px[i]});
-  const PoseResult refined = refine_pose(camera, observations, {Eigen::Quaterniond(rotation).normalized(), translation},
-                                         {.sigma_px = 1.5 * sigma_px * width_scale(camera)});
-  if (refined.status != PoseStatus::kOk || refined.inliers < min_inliers) return result;
-  result.ok = true;
-  result.cam_from_world = refined.cam_from_world;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (refined.is_inlier[i]) result.inliers.push_back(static_cast<int>(i));
-  }
   return result;
 }
 

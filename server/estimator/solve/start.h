@@ -3,39 +3,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/workers.h"
-#include "common/geometry/camera_model.h"
 #include "common/geometry/rigid3.h"
+#include "server/estimator/solve/matching.h"
 
 namespace coslam {
 
-// Features of one image with descriptors of kDescriptorBytes each.
-struct FeatureImage {
-  CameraModel camera;
-  std::vector<Eigen::Vector2d> undistorted_px;
-  std::vector<std::uint8_t> descriptors;
-  std::string rig = {};      // that its camera is part of; empty: none
-  Rigid3 cam_from_rig = {};  // metres
-};
-
 // How the second camera lies to the first by their rig; empty when they are not of one.
 std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& second);
-
-struct FeatureMatch {
-  int first = 0, second = 0;
-  float distance = 0;
-};
-
-// A match is nearer than so much of the distance of the second best (Lowe).
-inline constexpr float kDistinctRatio = 0.8F;
-// Mutual nearest neighbours that are distinct, on RootSIFT.
-std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
-                                            const std::vector<std::uint8_t>& second);
 
 struct StartConfig {
   double sigma_px = 1.0;  // of a descriptor's keypoint, at 640 px image width
@@ -67,15 +46,5 @@ StartResult start_map(const std::vector<FeatureImage>& images, const StartConfig
 // The same from two images whose matches are known (two views of one camera's tracks).
 StartResult start_from_matches(const FeatureImage& first, const FeatureImage& second,
                                const std::vector<FeatureMatch>& matches, const StartConfig& config);
-
-struct PlaceResult {
-  bool ok = false;
-  Rigid3 cam_from_world;
-  std::vector<int> inliers;
-};
-
-// PnP with RANSAC from 2D-3D correspondences, refined.
-PlaceResult place_camera(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
-                         const std::vector<Eigen::Vector2d>& undistorted_px, double sigma_px, int min_inliers);
 
 }  // namespace coslam

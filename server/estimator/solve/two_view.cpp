@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/estimator/solve/two_view.h"
 
+#include "common/geometry/levenberg_marquardt.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -88,28 +90,26 @@ void linearise(const Rigid3& m, const Points& pa, const Points& pb, double scale
 // The motion of least cost, by Levenberg and Marquardt: with a short baseline a turn and a way are hard to tell apart.
 Rigid3 polished(Rigid3 m, const Points& pa, const Points& pb, double scale) {
   constexpr int kIterations = 20;
-  constexpr double kMostDamping = 1e6, kConverged = 1e-8;
-  double damping = 1e-4, cost = cost_of(m, pa, pb, scale);
-  for (int iteration = 0; iteration < kIterations && damping < kMostDamping; ++iteration) {
-    Matrix5d h;
-    Vector5d g;
+  constexpr double kConverged = 1e-8;
+  double cost = cost_of(m, pa, pb, scale);
+  Matrix5d h;
+  Vector5d g;
+  linearise(m, pa, pb, scale, &h, &g);
+  levenberg_marquardt({.counts_failures = false}, kIterations, [&](double lambda) {
+    Matrix5d damped = h;
+    damped.diagonal() *= 1 + lambda;
+    damped.diagonal().array() += 1e-12;
+    const Vector5d step = -damped.ldlt().solve(g);
+    if (!step.allFinite()) return LmStep::kFailed;
+    const Rigid3 moved = stepped(m, step);
+    const double next_cost = cost_of(moved, pa, pb, scale);
+    if (!(next_cost <= cost)) return LmStep::kFailed;
+    m = moved;
+    cost = next_cost;
+    if (step.norm() < kConverged) return LmStep::kConverged;
     linearise(m, pa, pb, scale, &h, &g);
-    for (; damping < kMostDamping; damping *= 10) {
-      Matrix5d damped = h;
-      damped.diagonal() *= 1 + damping;
-      damped.diagonal().array() += 1e-12;
-      const Vector5d step = -damped.ldlt().solve(g);
-      if (!step.allFinite()) continue;
-      const Rigid3 moved = stepped(m, step);
-      const double then = cost_of(moved, pa, pb, scale);
-      if (!(then <= cost)) continue;
-      m = moved;
-      cost = then;
-      damping = std::max(1e-9, 0.1 * damping);
-      if (step.norm() < kConverged) return m;
-      break;
-    }
-  }
+    return LmStep::kImproved;
+  });
   return m;
 }
 

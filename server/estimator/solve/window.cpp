@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/estimator/solve/window.h"
 
+#include "common/geometry/levenberg_marquardt.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
@@ -213,23 +215,18 @@ WindowResult solve_window(const WindowProblem& problem, int max_iterations) {
   System s = solver.build(state);
   WindowResult result;
   result.cost_before = s.cost;
-  double lambda = 1e-4;
-  for (; result.iterations < max_iterations && lambda < 1e6; ++result.iterations) {
+  result.iterations = levenberg_marquardt({}, max_iterations, [&](double lambda) {
     const auto inverses = damped_inverses(s, lambda);
     const Eigen::VectorXd step = step_of_poses(s, inverses, lambda);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return LmStep::kImpossible;
     const State next = solver.stepped(s, state, step, inverses);
     System t = solver.build(next);
-    if (!(t.cost <= s.cost)) {
-      lambda *= 10;
-      continue;
-    }
+    if (!(t.cost <= s.cost)) return LmStep::kFailed;
     const bool settled = s.cost - t.cost < kSettled * s.cost;
     state = next;
     s = std::move(t);
-    lambda = std::max(1e-9, 0.1 * lambda);
-    if (settled) break;
-  }
+    return settled ? LmStep::kConverged : LmStep::kImproved;
+  });
   result.cam_from_world = std::move(state.poses);
   result.theta = std::move(state.things);
   result.cost = s.cost;

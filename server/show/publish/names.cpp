@@ -8,7 +8,7 @@ namespace {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-std::string ros_name(const std::string& agent) {
+std::string valid_name(const std::string& agent) {
   std::string name = agent.empty() || is_digit(agent.front()) ? "agent_" : "";
   for (const char c : agent) name += is_letter(c) || is_digit(c) ? c : '_';
   return name;
@@ -19,7 +19,7 @@ std::string ros_name(const std::string& agent) {
 const std::string& RosNames::ros_name(const std::string& agent) {
   const auto [at, is_new] = names_.try_emplace(agent);
   if (is_new) {
-    const std::string name = ros_name(agent);
+    const std::string name = valid_name(agent);
     at->second = name;
     for (int i = 2; !taken_.insert(at->second).second; ++i) at->second = name + "_" + std::to_string(i);
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "server/estimator/adjust/apply_refine.h"
 #include "server/estimator/adjust/refine.h"
 #include "tests/support/sim_map.h"
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "server/estimator/adjust/refine.h"
+#include "server/estimator/adjust/apply_refine.h"
 
 #include <gtest/gtest.h>
 

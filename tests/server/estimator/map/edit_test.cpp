@@ -372,5 +372,22 @@ TEST_F(EditTest, AnObservationIsDropped) {
   EXPECT_FALSE(observed(p, SetId(1), kCam0, track(kCam0).id));
 }
 
+// A key is a virtual base: its parts must not be assigned twice, the second time from what was moved away.
+TEST(MapEditValue, IsAssignedWhole) {
+  MapEdit edit({});
+  edit.add_camera("a", RunId(1), test::sim_camera());
+  const MapId map = edit.new_map(Why::kStartedTogether, 0);
+  edit.create_point(map, Eigen::Vector3d(1, 2, 3), Eigen::Matrix3d::Identity(), PointPhase::kTrial, Why::kStartOfMap);
+  MapEdit copied({});
+  copied = edit;
+  EXPECT_EQ(copied.map().points().size(), 1U);
+  MapEdit moved({});
+  moved = std::move(edit);
+  EXPECT_EQ(moved.map().points().size(), 1U);
+  EXPECT_EQ(moved.map().cameras().size(), 1U);
+  const MapEdit made(std::move(moved));
+  EXPECT_EQ(made.map().points().size(), 1U);
+}
+
 }  // namespace
 }  // namespace coslam

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/estimator/places/scene_shape.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"

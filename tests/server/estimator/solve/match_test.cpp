@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/model/track_frame.h"
+#include "server/estimator/solve/matching.h"
+#include "server/estimator/solve/pnp.h"
 #include "server/estimator/solve/start.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
@@ -108,7 +110,7 @@ Correspondences observe(int count, double wrong_share, unsigned seed) {
 TEST(PlaceCamera, StandsHalfOfTheMatchesWrong) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Correspondences c = observe(100, 0.5, seed);
-    const PlaceResult r = place_camera(test::sim_camera(), c.points, c.px, 1.0, 20);
+    const PnpResult r = solve_pnp(test::sim_camera(), c.points, c.px, 1.0, 20);
     ASSERT_TRUE(r.ok) << seed;
     EXPECT_THAT(r.cam_from_world, test::PoseNear(kTruth, 0.006, 0.03)) << seed;
     EXPECT_GE(r.inliers.size(), 35U);
@@ -121,20 +123,20 @@ TEST(PlaceCamera, StandsHalfOfTheMatchesWrong) {
 TEST(PlaceCamera, NoPoseFromWrongMatches) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Correspondences c = observe(80, 1.0, seed);
-    EXPECT_FALSE(place_camera(test::sim_camera(), c.points, c.px, 1.0, 15).ok) << seed;
+    EXPECT_FALSE(solve_pnp(test::sim_camera(), c.points, c.px, 1.0, 15).ok) << seed;
   }
 }
 
 TEST(PlaceCamera, NoPoseFromTooFew) {
   const Correspondences c = observe(14, 0, 1);
-  EXPECT_FALSE(place_camera(test::sim_camera(), c.points, c.px, 1.0, 15).ok);
-  EXPECT_FALSE(place_camera(test::sim_camera(), {}, {}, 1.0, 15).ok);
+  EXPECT_FALSE(solve_pnp(test::sim_camera(), c.points, c.px, 1.0, 15).ok);
+  EXPECT_FALSE(solve_pnp(test::sim_camera(), {}, {}, 1.0, 15).ok);
 }
 
 TEST(PlaceCamera, TheSameTwice) {
   const Correspondences c = observe(100, 0.4, 3);
-  const PlaceResult a = place_camera(test::sim_camera(), c.points, c.px, 1.0, 20);
-  const PlaceResult b = place_camera(test::sim_camera(), c.points, c.px, 1.0, 20);
+  const PnpResult a = solve_pnp(test::sim_camera(), c.points, c.px, 1.0, 20);
+  const PnpResult b = solve_pnp(test::sim_camera(), c.points, c.px, 1.0, 20);
   EXPECT_EQ(a.inliers, b.inliers);
   EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/estimator/solve/matching.h"
+#include "server/estimator/solve/pnp.h"
 #include "server/estimator/solve/start.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The CoSLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/recorded_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/error.h"
+
+namespace coslam {
+namespace {
+
+TEST(RecordedConfig, SectionsAreFoundUnderTheirEarlierNames) {
+  RecordingHead head;
+  head.configuration = {{"agents", {"a", "b"}},
+                        {"server",
+                         {{"theta", 2.5},
+                          {"refine", {{"at_end", "nothing"}}},
+                          {"past", {{"whole_s", 75.0}}},
+                          {"meet", {{"loops", false}}}}}};
+  const RecordedConfig config = recorded_config(head, "old.rec");
+  ServerConfig server = config.server;
+  EXPECT_EQ(config.agents.size(), 2U);
+  EXPECT_EQ(server.map.map.theta, 2.5);
+  EXPECT_EQ(server.map.of<BundleAdjustmentConfig>().at_end, "nothing");
+  EXPECT_EQ(server.map.of<ForgetConfig>().whole_s, 75);
+  EXPECT_FALSE(server.map.of<PlaceRecognitionConfig>().loops);
+}
+
+TEST(RecordedConfig, WhatItHoldsNowIsReadAsItIs) {
+  RecordedConfig config;
+  config.server.map.of<ForgetConfig>().whole_s = 90;
+  RecordedConfig read = recorded_config(recording_head(RunId(7), config), "new.rec");
+  EXPECT_EQ(read.server.map.of<ForgetConfig>().whole_s, 90);
+}
+
+TEST(RecordedConfig, AnUnknownSectionIsRefused) {
+  RecordingHead head;
+  head.configuration = {{"server", {{"nonsense", {{"a", 1}}}}}};
+  EXPECT_THROW(recorded_config(head, "bad.rec"), UserError);
+}
+
+}  // namespace
+}  // namespace coslam
