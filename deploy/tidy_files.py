@@ -3,18 +3,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy over C++ files and remembers which were clean.
 
-    deploy/tidy_files.py --build DIR [--clang-tidy PROGRAM] [--jobs N] [--again] FILE...
+    deploy/tidy_files.py --build DIR [--clang-tidy PROGRAM] [--jobs N] [--seconds N] [--again] FILE...
 
 DIR holds compile_commands.json; a file that is not in there is left out. A file is not checked again while nothing that
 decides is different: the program, .clang-tidy, how the file is compiled, and the content of all that it includes.
-`--again` checks it all the same. Each file's complaints are printed in one piece. Exit code 0: all clean; 1: not; 2: wrong
-usage. deploy/lint.sh calls this.
+`--again` checks it all the same. Each file's complaints are printed in one piece. After `--seconds` what is left is left
+out, and named. Exit code 0: all clean; 1: not; 2: wrong usage. deploy/lint.sh calls this.
 """
 
 import argparse
 import concurrent.futures
 import hashlib
 import json
+import math
 import pathlib
 import shlex
 import subprocess
@@ -27,7 +28,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 class Checker:
     """Threads may share one: what it keeps is only added to."""
 
-    def __init__(self, build: pathlib.Path, program: str, again: bool) -> None:
+    def __init__(self, build: pathlib.Path, program: str, again: bool, seconds: float = math.inf) -> None:
+        self.until = time.monotonic() + seconds
+        self.late: list[str] = []  # for which no time was left
         self.build = build
         self.program = program
         self.again = again
@@ -78,9 +81,13 @@ class Checker:
         if not self.again and key is not None and note.is_file() and note.read_text() == key:
             return f"  clean before: {file}", True
         start = time.monotonic()
-        run = subprocess.run(
-            [self.program, "--quiet", "-p", str(self.build), str(ROOT / file)], capture_output=True, text=True, check=False
-        )
+        command = [self.program, "--quiet", "-p", str(self.build), str(ROOT / file)]
+        left = None if math.isinf(self.until) else max(0.0, self.until - start)
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=left)
+        except subprocess.TimeoutExpired:
+            self.late.append(file)
+            return f"  out of time: {file}", True
         if run.returncode == 0:
             if key is not None:
                 note.write_text(key)
@@ -95,17 +102,20 @@ def main() -> int:
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--clang-tidy", default="clang-tidy")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--seconds", type=float, default=math.inf)
     parser.add_argument("--again", action="store_true")
     parser.add_argument("files", nargs="*")
     arguments = parser.parse_args()
 
-    checker = Checker(arguments.build.resolve(), arguments.clang_tidy, arguments.again)
+    checker = Checker(arguments.build.resolve(), arguments.clang_tidy, arguments.again, arguments.seconds)
     bad = []
     with concurrent.futures.ThreadPoolExecutor(max(1, arguments.jobs)) as pool:
         for file, (text, clean) in zip(arguments.files, pool.map(checker.check, arguments.files)):
             print(text, flush=True)
             if not clean:
                 bad.append(file)
+    if checker.late:
+        print(f"left out, because time ran out: {' '.join(sorted(checker.late))}")
     if bad:
         print(f"clang-tidy found something in {len(bad)} of {len(arguments.files)} files: {' '.join(bad)}")
     return 1 if bad else 0

@@ -11,11 +11,12 @@ import tempfile
 import unittest
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "tidy_files.py"
-# Complains of files that hold the word BAD; counts how often it was asked.
+# Complains of files that hold the word BAD, and takes a minute for SLOW; counts how often it was asked.
 STAND_IN = """#!/bin/sh
 [ "$1" != --version ] || { echo "stand-in $(cat "$(dirname "$0")/version")"; exit 0; }
 for file; do :; done
 echo "$file" >> "$(dirname "$0")/asked"
+! grep -q SLOW "$file" || exec sleep 60
 ! grep -n BAD "$file"
 """
 
@@ -102,6 +103,12 @@ class TidyFiles(unittest.TestCase):
         self.write("common/a.cpp", '#include "common/nowhere.h"\n')
         self.assert_asked(self.BOTH)
         self.assert_asked(["common/a.cpp"])
+
+    def test_what_takes_too_long_is_left_out_and_named(self) -> None:
+        self.write("common/b.cpp", "int b() { return 1; }  // SLOW\n")
+        code, asked, output = self.run_it("--seconds", "2")
+        self.assertEqual((code, asked), (0, self.BOTH), output)
+        self.assertIn("left out, because time ran out: common/b.cpp", output)
 
     def test_what_is_not_built_is_left_out(self) -> None:
         self.write("build/compile_commands.json", "[]")
