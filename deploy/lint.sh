@@ -12,7 +12,7 @@
 #   --again      also those that were clean before and have not changed since, with all that they include
 #   --fix        lays the files out instead of complaining
 #   --jobs N     clang-tidy processes at a time (default 2)
-#   --seconds N  clang-tidy leaves out what it did not come to in this time, and says so
+#   --seconds N  clang-tidy leaves out what it did not come to until then, and says so
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
@@ -24,7 +24,8 @@ all=no
 fix=no
 jobs=2
 again=()
-seconds=()
+seconds=
+limit=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --format) tidy=no ;;
@@ -34,7 +35,7 @@ while [[ $# -gt 0 ]]; do
     --again) again=(--again) ;;
     --fix) fix=yes ;;
     --jobs) need_value "$1" $# && jobs=$2 && shift ;;
-    --seconds) need_value "$1" $# && seconds=(--seconds "$2") && shift ;;
+    --seconds) need_value "$1" $# && seconds=$2 && shift ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;
   esac
@@ -42,7 +43,7 @@ while [[ $# -gt 0 ]]; do
 done
 [[ $format == yes || $tidy == yes ]] || die_usage "--format and --tidy exclude each other"
 [[ $jobs =~ ^[1-9][0-9]*$ ]] || die_usage "--jobs takes a positive number, not '$jobs'"
-[[ ${#seconds[@]} -eq 0 || ${seconds[1]} =~ ^[1-9][0-9]*$ ]] || die_usage "--seconds takes a positive number, not '${seconds[1]}'"
+[[ -z $seconds || $seconds =~ ^[1-9][0-9]*$ ]] || die_usage "--seconds takes a positive number, not '$seconds'"
 cd -- "$root"
 
 # tool NAME: the path of version 14 of a clang tool.
@@ -107,7 +108,8 @@ check_tidy() {
     ninja -C "$directory" "${generated[@]}" >/dev/null || die "the headers of idl/ could not be made: see above"
   fi
 
-  python3 deploy/tidy_files.py --build "$directory" --clang-tidy "$clang_tidy" --jobs "$jobs" "${seconds[@]}" "${again[@]}" "${files[@]}" ||
+  [[ -z $seconds ]] || limit=(--seconds $((seconds > SECONDS ? seconds - SECONDS : 1)))
+  python3 deploy/tidy_files.py --build "$directory" --clang-tidy "$clang_tidy" --jobs "$jobs" "${limit[@]}" "${again[@]}" "${files[@]}" ||
     die "clang-tidy found something: see above"
 }
 

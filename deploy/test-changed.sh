@@ -1,0 +1,142 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+# deploy/test-changed.sh [--base REF] [--minutes N] [--only PART]...
+#
+# What deploy/test.sh leaves out, within a time: the ratios of the benchmarks, clang-tidy on what changed, the tests that a
+# change concerns with sanitizers, and the fuzzers that are quickly built. What there was no time for is named, and is no
+# failure; whatever is found is one.
+#   --base REF     what changed is what differs from here (default: $COSLAM_CI_BASE, else the commit before, HEAD~1)
+#   --minutes N    for all together (default: $COSLAM_CI_EXTRA_MIN, else 12); no part takes the share of a later one
+#   --only PART    benchmark, tidy, asan, tsan or fuzz; may be repeated
+# Needs what deploy/setup.sh --lint --fuzz installs. Uses the build folder of the preset ci.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR source=lib.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
+
+base=${COSLAM_CI_BASE:-HEAD~1}
+minutes=${COSLAM_CI_EXTRA_MIN:-12}
+parts=()
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --base) need_value "$1" $# && base=$2 && shift ;;
+    --minutes) need_value "$1" $# && minutes=$2 && shift ;;
+    --only)
+      need_value "$1" $#
+      [[ $2 =~ ^(benchmark|tidy|asan|tsan|fuzz)$ ]] || die_usage "there is no part '$2'"
+      parts+=("$2") && shift
+      ;;
+    -h | --help) show_help && exit 0 ;;
+    *) die_usage "unknown option '$1'" ;;
+  esac
+  shift
+done
+[[ $minutes =~ ^[1-9][0-9]*$ ]] || die_usage "the minutes are a positive number, not '$minutes'"
+[[ ${#parts[@]} -gt 0 ]] || parts=(benchmark tidy asan tsan fuzz)
+declare -A share=([benchmark]=1 [tidy]=4 [asan]=3 [tsan]=2 [fuzz]=2)  # of the time that is left
+fuzz_targets=(settings messages)                                       # the quickest to build
+fuzz_s=15
+
+cd -- "$root"
+SECONDS=0
+log=$(mktemp)
+trap 'rm -f -- "$log"' EXIT
+
+# within COMMAND...: runs it until `until`; 124 when time ran out.
+within() {
+  local left=$((until - SECONDS))
+  [[ $left -gt 0 ]] || return 124
+  timeout --kill-after=10 "$left" "$@"
+}
+
+# Each part may set what its line says, `detail` and `left_out`. It fails when it found something, with 124 when time ran
+# out before.
+part_benchmark() {
+  within deploy/benchmark.sh
+}
+
+part_tidy() {
+  local code=0 left=$((until - SECONDS))
+  within deploy/lint.sh --tidy --base "$base" --seconds $((left > 10 ? left - 5 : 5)) | tee -- "$log" || code=$?
+  detail=$(sed -nE 's/^== clang-tidy: ([0-9]+ files).*/\1/p' "$log")
+  left_out=$(sed -n 's/^left out, because time ran out: //p' "$log")
+  return "$code"
+}
+
+# sanitized PRESET LABEL: one program after the other is built and run.
+sanitized() {
+  local preset=$1 label=$2 directory files list programs=() program code passed=0 bad=()
+  mapfile -t files < <(git diff --name-only "$merge_base" -- '*.h' '*.cpp' '*.idl')
+  directory=$(build_dir "$preset")
+  within cmake --preset "$preset" --log-level=WARNING >/dev/null || return
+  list=$(deploy/changed_tests.py --build "$directory" --label "$label" "${files[@]}") || return
+  [[ -z $list ]] || mapfile -t programs <<<"$list"
+  for program in "${programs[@]}"; do
+    code=0
+    within deploy/build.sh --preset "$preset" --target "$program" >"$log" 2>&1 || code=$?
+    if [[ $code == 0 ]]; then
+      step "$preset: ${program#test/}"
+      (cd -- "$directory" && TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp" within "./$program" --gtest_brief=1) ||
+        code=$?
+    else
+      [[ $code == 124 ]] || cat -- "$log"
+    fi
+    case $code in
+      0) passed=$((passed + 1)) ;;
+      124) left_out+=" ${program#test/}" ;;
+      *) bad+=("${program#test/}") ;;
+    esac
+  done
+  detail="$passed of ${#programs[@]} programs passed"
+  [[ ${#bad[@]} -eq 0 ]] || { detail+=", failed: ${bad[*]}" && return 1; }
+}
+
+part_fuzz() {
+  local targets=() name
+  command -v clang++ >/dev/null || { left_out="everything, there is no clang++" && return 0; }
+  for name in "${fuzz_targets[@]}"; do targets+=(--target "fuzz_$name"); done
+  detail="$fuzz_s s each: ${fuzz_targets[*]}"
+  within deploy/build.sh --preset fuzz "${targets[@]}" || return
+  # Time for the whole of it, or none: a fuzzer that is stopped tells nothing.
+  [[ $((until - SECONDS)) -gt $((fuzz_s * ${#fuzz_targets[@]} + 10)) ]] || return 124
+  within deploy/fuzz.sh "$fuzz_s" "${fuzz_targets[@]}"
+}
+
+part() {
+  case $1 in
+    benchmark) part_benchmark ;;
+    tidy) part_tidy ;;
+    asan) sanitized asan unit ;;
+    tsan) sanitized tsan threads ;;
+    fuzz) part_fuzz ;;
+  esac
+}
+
+merge_base=
+if in_git && git rev-parse --quiet --verify "$base^{commit}" >/dev/null; then
+  merge_base=$(git merge-base "$base" HEAD) || merge_base=
+fi
+
+failed=0
+results=()
+shares=0
+for name in "${parts[@]}"; do shares=$((shares + share[$name])); done
+for name in "${parts[@]}"; do
+  start=$SECONDS
+  until=$((start + (60 * minutes - start) * share[$name] / shares))
+  shares=$((shares - share[$name]))
+  detail='' left_out='' ended=passed code=0
+  step "$name: until $((until / 60)) min $((until % 60)) s"
+  if [[ -z $merge_base && $name =~ ^(tidy|asan|tsan)$ ]]; then
+    left_out="everything, there is no '$base' in this history"
+  else
+    part "$name" || code=$?
+    [[ $code != 124 ]] || left_out="the rest, time ran out"
+    [[ $code == 0 || $code == 124 ]] || { ended=FAILED && failed=1; }
+  fi
+  results+=("$(printf '%-10s %s %4d s' "$name" "$ended" $((SECONDS - start)))${detail:+  $detail}${left_out:+; left out: ${left_out# }}")
+done
+
+step "result, on what differs from $base"
+printf '%s\n' "${results[@]}"
+exit "$failed"
