@@ -5,7 +5,7 @@
 #
 # What reads the words of strangers, under libFuzzer with the address and undefined behaviour sanitizers, each target for
 # SECONDS (600): decoders loaders settings mcap bag db3 messages recording map_file web (all). Needs clang and its
-# runtime (Debian: clang libclang-rt-14-dev). What was found lies in build-fuzz/fuzz/, and stays in the corpus there.
+# runtime (deploy/setup.sh --fuzz). What was found lies in build-fuzz/fuzz/, and stays in the corpus there.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"

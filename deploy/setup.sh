@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/setup.sh [--lint] [--test] [--browser] [--package] [--list]
+# deploy/setup.sh [--lint] [--test] [--browser] [--package] [--fuzz] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
 #   --lint      also those that the format, layer and lint checks need
 #   --test      also those of other programs that tests compare with
 #   --browser   also the browser that the page is tested in (300 MB)
 #   --package   also those that packages are made and checked with
+#   --fuzz      also the compiler that fuzzers are built with
 #   --list      only print the names of the missing packages
-# Without npm, for the page, the browser and the other programs all else works: if they cannot be had, it says so and
-# goes on.
+# Without npm, for the page, the browser, the compiler of fuzzers and the other programs all else works: if they cannot be
+# had, it says so and goes on.
 # COSLAM_SETUP=off skips it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
@@ -26,6 +27,7 @@ while [[ $# -gt 0 ]]; do
     --test) optional+=(test) ;;
     --browser) command -v chromium >/dev/null || optional+=(browser) ;;
     --package) sets+=(package) ;;
+    --fuzz) optional+=(fuzz) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;

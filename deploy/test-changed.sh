@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/test-changed.sh [--base REF] [--minutes N] [--only PART]...
+# deploy/test-changed.sh [--base REF] [--minutes N | --seconds N] [--only PART]...
 #
 # What deploy/test.sh leaves out, within a time: the ratios of the benchmarks, clang-tidy on what changed, the tests that a
 # change concerns with sanitizers, and the fuzzers that are quickly built. What there was no time for is named, and is no
 # failure; whatever is found is one.
 #   --base REF     what changed is what differs from here (default: $COSLAM_CI_BASE, else the commit before, HEAD~1)
 #   --minutes N    for all together (default: $COSLAM_CI_EXTRA_MIN, else 12); no part takes the share of a later one
+#   --seconds N    the same in seconds
 #   --only PART    benchmark, tidy, asan, tsan or fuzz; may be repeated
 # Needs what deploy/setup.sh --lint --fuzz installs. Uses the build folder of the preset ci.
 set -euo pipefail
@@ -16,11 +17,13 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
 base=${COSLAM_CI_BASE:-HEAD~1}
 minutes=${COSLAM_CI_EXTRA_MIN:-12}
+seconds=
 parts=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --base) need_value "$1" $# && base=$2 && shift ;;
     --minutes) need_value "$1" $# && minutes=$2 && shift ;;
+    --seconds) need_value "$1" $# && seconds=$2 && shift ;;
     --only)
       need_value "$1" $#
       [[ $2 =~ ^(benchmark|tidy|asan|tsan|fuzz)$ ]] || die_usage "there is no part '$2'"
@@ -32,6 +35,8 @@ while [[ $# -gt 0 ]]; do
   shift
 done
 [[ $minutes =~ ^[1-9][0-9]*$ ]] || die_usage "the minutes are a positive number, not '$minutes'"
+seconds=${seconds:-$((60 * minutes))}
+[[ $seconds =~ ^[1-9][0-9]*$ ]] || die_usage "the seconds are a positive number, not '$seconds'"
 [[ ${#parts[@]} -gt 0 ]] || parts=(benchmark tidy asan tsan fuzz)
 declare -A share=([benchmark]=1 [tidy]=4 [asan]=3 [tsan]=2 [fuzz]=2)  # of the time that is left
 fuzz_targets=(settings messages)                                       # the quickest to build
@@ -123,7 +128,7 @@ shares=0
 for name in "${parts[@]}"; do shares=$((shares + share[$name])); done
 for name in "${parts[@]}"; do
   start=$SECONDS
-  until=$((start + (60 * minutes - start) * share[$name] / shares))
+  until=$((start + (seconds - start) * share[$name] / shares))
   shares=$((shares - share[$name]))
   detail='' left_out='' ended=passed code=0
   step "$name: until $((until / 60)) min $((until % 60)) s"

@@ -87,10 +87,64 @@ for wrong in '--full --lint' '--full --base HEAD' --base; do
   expect 2 '' "$wrong"
 done
 
+# The same of test-changed.sh, in a history of two commits. What takes a minute in place of its work is `slow`.
+cp "$deploy/test-changed.sh" "$tree/deploy"
+for stand_in in deploy/benchmark.sh deploy/lint.sh deploy/build.sh deploy/fuzz.sh bin/cmake bin/clang++ build-asan/test/map_test \
+  build-tsan/test/flow_test; do
+  mkdir -p "$(dirname "$tree/$stand_in")"
+  # shellcheck disable=SC2016
+  printf '#!/usr/bin/env bash\ncall="%s $*"\nprintf "%%s\\n" "$call" >>"$calls"\n[[ $call != ${slow:-none} ]] || exec sleep 60\n[[ $call != ${failing:-none} ]]\n' \
+    "${stand_in##*/}" >"$tree/$stand_in"
+  chmod +x "$tree/$stand_in"
+done
+# shellcheck disable=SC2016
+printf '#!/usr/bin/env bash\n[[ $# -eq 4 ]] || { [[ $4 == unit ]] && echo test/map_test || echo test/flow_test; }\n' >"$tree/deploy/changed_tests.py"
+chmod +x "$tree/deploy/changed_tests.py"
+git_here() { git -C "$tree" -c user.name=test -c user.email=test@localhost -c commit.gpgsign=false "$@" >/dev/null; }
+git_here init -q
+git_here add deploy
+git_here commit -q -m one
+touch "$tree/a.cpp"
+git_here add a.cpp
+git_here commit -q -m two
+# changed_calls FAILING SLOW OPTION...: as calls_of.
+changed_calls() {
+  local failing=$1 slow=$2
+  shift 2
+  code=0
+  : >"$tree/calls"
+  output=$(PATH=$tree/bin:$PATH calls=$tree/calls failing=$failing slow=$slow "$tree/deploy/test-changed.sh" "$@" 2>&1) || code=$?
+  calls=$(sed -E "s|$tree|TREE|g; s|--seconds [0-9]+|--seconds N|" "$tree/calls")
+}
+changed='benchmark.sh '$'\n''lint.sh --tidy --base HEAD~1 --seconds N
+cmake --preset asan --log-level=WARNING
+build.sh --preset asan --target test/map_test
+map_test --gtest_brief=1
+cmake --preset tsan --log-level=WARNING
+build.sh --preset tsan --target test/flow_test
+flow_test --gtest_brief=1
+build.sh --preset fuzz --target fuzz_settings --target fuzz_messages
+fuzz.sh 15 settings messages'
+changed_calls none none
+expect 0 "$changed" 'test-changed.sh'
+for part in benchmark tidy asan tsan fuzz; do
+  grep -qE "^$part +passed +[0-9]+ s" <<<"$output" || fail "test-changed.sh says nothing of the part $part: $output"
+done
+for broken in 'benchmark.sh ' 'map_test --gtest_brief=1' 'build.sh --preset tsan --target test/flow_test' 'fuzz.sh 15 settings messages'; do
+  changed_calls "$broken" none
+  [[ $code -eq 1 && $(grep -c ' FAILED ' <<<"$output") -eq 1 ]] || fail "test-changed.sh does not name the broken $broken: $output"
+done
+changed_calls none 'map_test --gtest_brief=1' --only asan --seconds 3
+[[ $code -eq 0 && $output == *'0 of 1 programs passed; left out: map_test'* ]] || fail "test-changed.sh waits for what is slow: $output"
+changed_calls none none --base nowhere
+[[ $code -eq 0 && $(grep -c "left out: everything, there is no 'nowhere'" <<<"$output") -eq 3 ]] || fail "test-changed.sh without history: $output"
+changed_calls none none --base HEAD --only tsan
+expect 0 'cmake --preset tsan --log-level=WARNING' 'test-changed.sh where nothing changed'
+
 # Every package is listed once, and the whole list is read.
 listed=$(sed 's/#.*//; /^\[/d; /^ *$/d' "$deploy/packages.txt" | sort)
 [[ -z $(uniq -d <<<"$listed") ]] || fail "packages.txt lists a package twice"
-COSLAM_SETUP=off "$deploy/setup.sh" --lint --test --browser || fail "setup.sh ignores COSLAM_SETUP=off"
+COSLAM_SETUP=off "$deploy/setup.sh" --lint --test --browser --fuzz || fail "setup.sh ignores COSLAM_SETUP=off"
 if command -v shellcheck >/dev/null; then
   (cd "$deploy" && shellcheck --external-sources ./*.sh ../tests/deploy/*.sh ../.ci/run) || fail "shellcheck complains"
 fi

@@ -18,11 +18,14 @@ NOT_RUN = {"cpp": "tests/deploy/install_test.sh builds a program that listens"}
 
 # Scripts that are not run: they exist, and each option stands in their --help.
 CHECKED = {
+    "deploy/benchmark.sh": "builds, and measures what shares the machine with other tests",
     "deploy/build.sh": "the test is part of what it builds",
+    "deploy/coverage.sh": "builds everything anew",
     "deploy/demo.sh": "installs packages and builds",
     "deploy/lint.sh": "looks at the whole tree, and takes long",
     "deploy/package.sh": "builds everything anew",
     "deploy/test-field.sh": "makes network namespaces; with --list it is run",
+    "deploy/test-changed.sh": "builds with sanitizers",
     "deploy/test.sh": "runs this test",
     "tests/benchmark/accuracy.py": "takes hours, and recordings that are not here",
 }
