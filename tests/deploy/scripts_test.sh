@@ -123,14 +123,16 @@ map_test --gtest_brief=1
 cmake --preset tsan --log-level=WARNING
 build.sh --preset tsan --target test/flow_test
 flow_test --gtest_brief=1
-build.sh --preset fuzz --target fuzz_settings --target fuzz_messages
-fuzz.sh 15 settings messages'
+build.sh --preset fuzz --target fuzz_settings
+fuzz.sh 20 settings
+build.sh --preset fuzz --target fuzz_messages
+fuzz.sh 20 messages'
 changed_calls none none
 expect 0 "$changed" 'test-changed.sh'
 for part in benchmark tidy asan tsan fuzz; do
   grep -qE "^$part +passed +[0-9]+ s" <<<"$output" || fail "test-changed.sh says nothing of the part $part: $output"
 done
-for broken in 'benchmark.sh ' 'map_test --gtest_brief=1' 'build.sh --preset tsan --target test/flow_test' 'fuzz.sh 15 settings messages'; do
+for broken in 'benchmark.sh ' 'map_test --gtest_brief=1' 'build.sh --preset tsan --target test/flow_test' 'fuzz.sh 20 messages'; do
   changed_calls "$broken" none
   [[ $code -eq 1 && $(grep -c ' FAILED ' <<<"$output") -eq 1 ]] || fail "test-changed.sh does not name the broken $broken: $output"
 done
