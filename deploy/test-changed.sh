@@ -51,7 +51,11 @@ trap 'rm -f -- "$log"' EXIT
 within() {
   local left=$((until - SECONDS))
   [[ $left -gt 0 ]] || return 124
-  timeout --kill-after=10 "$left" "$@"
+  timeout --kill-after=10 "$left" "$@" || {
+    local code=$?
+    [[ $code != 137 || $SECONDS -lt $until ]] || code=124  # it had to be killed
+    return "$code"
+  }
 }
 
 # Each part may set what its line says, `detail` and `left_out`. It fails when it found something, with 124 when time ran
