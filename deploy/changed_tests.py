@@ -4,10 +4,11 @@
 """Prints the test programs that a change concerns, those that lie closest to it first.
 
     deploy/changed_tests.py --build DIR --label LABEL FILE...
+    deploy/changed_tests.py --build DIR --label LABEL --all
 
 DIR is configured for Ninja, and need not be built. A program is concerned when a source of its own or of its libraries
 is one of FILE... (relative to the root) or includes one, over however many steps. First come programs that have a changed
-file of their own or test the folder of one; among these, and among the others, those of few sources.
+file of their own or test the folder of one; among these, and among the others, those of few sources. `--all`: whatever changed.
 """
 
 import argparse
@@ -61,14 +62,14 @@ def mirrors(source: str, file: str) -> bool:
     return pathlib.PurePath(source).parent == pathlib.PurePath("tests", file).parent
 
 
-def concerned(build: pathlib.Path, label: str, changed: set[str]) -> list[str]:
+def concerned(build: pathlib.Path, label: str, changed: set[str], everything: bool) -> list[str]:
     found = []
     for program in programs(build, f"{label}_tests"):
         parts = ask(build, "inputs", program)
         if not any("libgtest" in part for part in parts):
             continue  # what a test starts
         sources = [part.removeprefix(f"{ROOT}/") for part in parts if part.startswith(f"{ROOT}/") and part.endswith(".cpp")]
-        if not reads(sources) & changed:
+        if not everything and not reads(sources) & changed:
             continue
         own = [source for source in sources if source.startswith("tests/") and not source.startswith("tests/support/")]
         close = any(source in changed or mirrors(source, file) for source in own for file in changed)
@@ -80,13 +81,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--label", required=True)
+    parser.add_argument("--all", action="store_true")
     parser.add_argument("files", nargs="*")
     arguments = parser.parse_args()
     changed = set(arguments.files)
     for file in arguments.files:
         if file.endswith(".idl"):  # by what is made of it
             changed |= {file.replace(".idl", end) for end in (".h", "PubSubTypes.h")}
-    for program in concerned(arguments.build, arguments.label, changed):
+    for program in concerned(arguments.build, arguments.label, changed, arguments.all):
         print(program)
     return 0
 

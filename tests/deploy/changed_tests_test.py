@@ -61,6 +61,9 @@ class ChangedTests(unittest.TestCase):
         self.assertEqual(self.concerned(), [])
         self.assertEqual(self.concerned("README.md", "common/d/d.h"), [])
 
+    def test_all_of_a_label(self) -> None:
+        self.assertEqual(self.concerned("--all"), ["test/a_test", "test/c_test", "test/b_test"])
+
     def test_a_source_concerns_all_that_link_it_its_own_test_first(self) -> None:
         self.assertEqual(self.concerned("common/a/a.cpp"), ["test/a_test", "test/b_test"])
         self.assertEqual(self.concerned("common/c/c.cpp"), ["test/c_test", "test/b_test"])
