@@ -58,7 +58,7 @@ within() {
   }
 }
 
-# Each part may set what its line says, `detail` and `left_out`. It fails when it found something, with 124 when time ran
+# A part may set what its line says, `detail` and `left_out`. It fails when it found something, with 124 when time ran
 # out before.
 part_benchmark() {
   within deploy/benchmark.sh
@@ -98,11 +98,12 @@ sanitized() {
   done
   detail="$passed of ${#programs[@]} programs passed"
   [[ ${#bad[@]} -eq 0 ]] || { detail+=", failed: ${bad[*]}" && return 1; }
+  [[ $passed -gt 0 || -z $left_out ]] || return 124
 }
 
 part_fuzz() {
   local target code done_targets=()
-  command -v clang++ >/dev/null || { left_out="everything, there is no clang++" && return 0; }
+  command -v clang++ >/dev/null || { ended=skipped left_out="everything, there is no clang++" && return 0; }
   for target in "${fuzz_targets[@]}"; do
     code=0
     within deploy/build.sh --preset fuzz --target "fuzz_$target" || code=$?
@@ -115,7 +116,8 @@ part_fuzz() {
       *) detail="$target" && return 1 ;;
     esac
   done
-  detail="$fuzz_s s each: ${done_targets[*]:-none}"
+  [[ ${#done_targets[@]} -gt 0 ]] || return 124
+  detail="$fuzz_s s each: ${done_targets[*]}"
 }
 
 part() {
@@ -144,13 +146,16 @@ for name in "${parts[@]}"; do
   detail='' left_out='' ended=passed code=0
   step "$name: until $((until / 60)) min $((until % 60)) s"
   if [[ -z $merge_base && $name =~ ^(tidy|asan|tsan)$ ]]; then
-    left_out="everything, there is no '$base' in this history"
+    ended=skipped left_out="everything, there is no '$base' in this history"
   else
     part "$name" || code=$?
-    [[ $code != 124 ]] || left_out="the rest, time ran out"
-    [[ $code == 0 || $code == 124 ]] || { ended=FAILED && failed=1; }
+    case $code in
+      0) ;;
+      124) ended='no time' left_out=${left_out:-everything} ;;
+      *) ended=FAILED failed=1 ;;
+    esac
   fi
-  results+=("$(printf '%-10s %s %4d s' "$name" "$ended" $((SECONDS - start)))${detail:+  $detail}${left_out:+; left out: ${left_out# }}")
+  results+=("$(printf '%-10s %-7s %4d s' "$name" "$ended" $((SECONDS - start)))${detail:+  $detail}${left_out:+; left out: ${left_out# }}")
 done
 
 step "result, on what differs from $base"

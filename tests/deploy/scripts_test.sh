@@ -136,7 +136,7 @@ for broken in 'benchmark.sh ' 'map_test --gtest_brief=1' 'build.sh --preset tsan
   changed_calls "$broken" none
   [[ $code -eq 1 && $(grep -c ' FAILED ' <<<"$output") -eq 1 ]] || fail "test-changed.sh does not name the broken $broken: $output"
 done
-changed_calls none 'map_test --gtest_brief=1' --only asan --seconds 3
+changed_calls none 'map_test --gtest_brief=1' --only asan --seconds 5
 [[ $code -eq 0 && $output == *'0 of 1 programs passed; left out: map_test'* ]] || fail "test-changed.sh waits for what is slow: $output"
 changed_calls none none --base nowhere
 [[ $code -eq 0 && $(grep -c "left out: everything, there is no 'nowhere'" <<<"$output") -eq 3 ]] || fail "test-changed.sh without history: $output"
