@@ -12,10 +12,10 @@
 
 namespace coslam {
 
-// What the loop of an agent knows for its report.
+// Facts that the loop of an agent adds to its report.
 struct AgentReportFacts {
   double start_s = 0;                                  // position in the source where it began
-  std::uint32_t images = 0;                            // that its camera took
+  std::uint32_t images = 0;                            // images that its camera took
   std::array<std::uint32_t, kImageFaults> left_out{};  // images, by what was wrong with them
   bool with_warnings = false;                          // all warnings of the process are of this agent
 };

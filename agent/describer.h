@@ -22,7 +22,7 @@ class Describer {
 
   bool busy() const { return beside_.busy(); }
   void start(DescribeWork work);
-  // What was described since; empty: nothing, or it is not done.
+  // Takes the finished description; empty: nothing was begun, or it is not done.
   std::optional<Described> take() { return beside_.take(); }
 
  private:

@@ -21,7 +21,7 @@ class LinkGovernor {
   // How much may be answered with a frame.
   struct Room {
     std::optional<std::size_t> patches;  // empty: as many as were asked for
-    std::optional<int> features;         // of an image that is described; empty: all
+    std::optional<int> features;         // most features of an image that is described; empty: all
   };
 
   explicit LinkGovernor(double rate_hz) : rate_hz_(rate_hz), send_rate_(rate_hz) {}

@@ -36,7 +36,7 @@ class OwnBody {
     Eigen::Vector2d before_px, now_px;  // raw
     Eigen::Vector3d before, now;        // directions
   };
-  // What the tracks did since the image before.
+  // Motion of the tracks since the image before.
   struct Steps {
     std::vector<Pair> moved;
     std::vector<std::pair<Eigen::Vector2f, Eigen::Vector3d>> stood;  // raw pixel, and its direction

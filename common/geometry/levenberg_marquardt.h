@@ -8,9 +8,9 @@ namespace coslam {
 
 // Damping of the normal equations, as a factor on their diagonal: H + lambda diag(H).
 struct Damping {
-  double first = 1e-4;          // of a start that may be far off; smaller where it is known to be near
+  double first = 1e-4;          // at a start that may be far off; smaller where it is known to be near
   double least = 1e-9;          // after many steps that helped
-  double most = 1e6;            // from which on nothing helps
+  double most = 1e6;            // limit, beyond which no step helps
   double after_failure = 0;     // at least so much after a step that did not help
   bool counts_failures = true;  // whether a step that did not help is one of the iterations
 };
@@ -18,7 +18,7 @@ struct Damping {
 enum class LmStep {
   kFailed,     // the cost did not fall; the state is as before
   kImproved,   // the state is the new one
-  kConverged,  // the same, and no further step is worth its time
+  kConverged,  // the state is the new one, and no further step is worth its time
   kImpossible  // the equations have no finite solution
 };
 

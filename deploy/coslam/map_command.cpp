@@ -120,11 +120,11 @@ void say_taken(const MapServer& server, const std::string& name, const MapServer
   }
   if (apart.empty() && taken.joined.empty()) std::printf("%s has no map that anybody was in\n", name.c_str());
   for (const JoinedMaps& j : taken.joined) {
-    const bool took_other = j.kept.value > taken.as.maps;
-    apart.erase(j.kept);
+    const bool took_other = j.remaining.value > taken.as.maps;
+    apart.erase(j.remaining);
     std::printf("map %u of %s is one with map %u: %d images show its places, %d points are the same, scale %.4g\n",
-                (took_other ? j.kept : j.gone).value - taken.as.maps, name.c_str(),
-                (took_other ? j.gone : j.kept).value, j.images, j.points, j.scale);
+                (took_other ? j.remaining : j.removed).value - taken.as.maps, name.c_str(),
+                (took_other ? j.removed : j.remaining).value, j.images, j.points, j.scale);
   }
   for (const MapId id : apart) {
     std::printf("map %u of %s shows no place that is known: it stays a map of its own, %u\n", id.value - taken.as.maps,

@@ -17,7 +17,7 @@ namespace coslam {
 void send_answers(const FrameSet& set, std::vector<MapPatch> patches, const MapServer& server, Roster& roster,
                   const SetClock& sets, const std::function<TimeNs()>& monotonic_ns, ServerLink* link);
 
-// How far the map is and who takes part; when play starts and whether the server stops is not filled in.
+// Status of the map and of who takes part; when play starts and whether the server stops is not filled in.
 ServerStatus status_of(const MapServer& server, const Roster& roster);
 
 // Says in the log that an agent's images are not to be believed any more, or are again.

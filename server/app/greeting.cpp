@@ -11,9 +11,9 @@ namespace coslam {
 Greeting greeting(const WireConfig& wire, const std::vector<std::string>& addresses, const std::string& results) {
   const std::string domain = std::to_string(wire.domain);
   Greeting out;
-  out.here = "DDS domain " + domain + " at " + (addresses.empty() ? "no address" : joined(addresses)) +
-             (wire.key_file.empty() ? ", without a key" : ", with the fleet's key") +
-             (results.empty() ? "; results are not kept (--out DIR)" : "; results go to " + results);
+  out.place = "DDS domain " + domain + " at " + (addresses.empty() ? "no address" : joined(addresses)) +
+              (wire.key_file.empty() ? ", without a key" : ", with the fleet's key") +
+              (results.empty() ? "; results are not kept (--out DIR)" : "; results go to " + results);
   const bool alone =
       std::ranges::all_of(addresses, [](const std::string& address) { return address.starts_with("127."); });
   out.agent = std::string("coslam-agent ") + (alone ? "--loopback " : "") + "--domain " + domain +

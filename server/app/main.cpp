@@ -86,7 +86,7 @@ class Announcer {
   }
 
   bool greet() const {
-    log_info("map server in " + greeting_.here);
+    log_info("map server in " + greeting_.place);
     log_info("an agent joins with: " + greeting_.agent);
     return true;
   }

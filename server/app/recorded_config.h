@@ -12,8 +12,8 @@
 
 namespace coslam {
 
-// The keys that a recording holds and a replay takes. The wire's are not among them: they name files and networks of
-// the machine that recorded.
+// Keys that a recording holds and a replay takes. The wire's are not among them: they name files and networks of the
+// machine that recorded.
 struct RecordedConfig {
   std::vector<std::string> agents;
   ServerConfig server;
@@ -29,7 +29,8 @@ inline RecordingHead recording_head(RunId server_run, const RecordedConfig& conf
   return {.server_run = server_run, .configuration = config::dump_json(config)};
 }
 
-// Throws UserError; file: where the head is from. Sections that a recording has under an earlier name are found.
+// Parses the configuration in a recording's head; throws UserError. file: where the head is from. Sections that a
+// recording has under an earlier name are found.
 RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem::path& file);
 
 }  // namespace coslam

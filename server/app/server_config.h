@@ -7,8 +7,8 @@
 #include "server/keep/map_keeper.h"
 #include "server/keep/observe/event_store.h"
 
-// The keys of server.yaml below `server` (see common/config/config.h). Each is described beside its struct, with unit
-// and bounds. Where the paper names a threshold, its name and value are used.
+// Keys of server.yaml below `server` (see common/config/config.h). Each is described beside its struct, with unit and
+// bounds. Where the paper names a threshold, its name and value are used.
 namespace coslam {
 
 struct ServerConfig {

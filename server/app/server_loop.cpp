@@ -120,7 +120,7 @@ void ServerLoop::handle(const ServerEvent& event) {
   if (const auto* hello = std::get_if<Hello>(&event)) on_hello(*hello);
   if (const auto* frame = std::get_if<JoinedFrame>(&event)) on_frame(*frame);
   if (const auto* status = std::get_if<AgentStatus>(&event)) on_status(*status);
-  if (const auto* gone = std::get_if<AgentGone>(&event)) on_gone(gone->agent, gone->agent_run);
+  if (const auto* agent_gone = std::get_if<AgentGone>(&event)) on_gone(agent_gone->agent, agent_gone->agent_run);
   if (const auto* silent = std::get_if<AgentSilent>(&event)) on_silent(silent->agent, silent->agent_run);
 }
 
@@ -147,8 +147,8 @@ void ServerLoop::start_if_complete() {
 void ServerLoop::admit(const Hello& hello) {
   const bool back = roster_.knows(hello.agent);
   const CameraId camera = server_.admit(hello);
-  const std::optional<SetId> since = server_.met_since(camera);
-  roster_.admit(hello, camera, server_.restored_until() && since && *since <= *server_.restored_until());
+  const std::optional<SetId> first_met = server_.met_since(camera);
+  roster_.admit(hello, camera, server_.restored_until() && first_met && *first_met <= *server_.restored_until());
   server_.set_alive(camera, true);
   sets_.add(camera, hello);
   log_info("agent " + hello.agent + (back ? " is back" : " joined"));

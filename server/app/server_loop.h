@@ -24,7 +24,7 @@
 
 namespace coslam {
 
-// What time it is, in ns. Neither may be called from another thread than the loop's.
+// Clocks of the server, in ns. Neither may be called from another thread than the loop's.
 struct ServerClock {
   std::function<TimeNs()> monotonic_ns = monotonic_now_ns;
   std::function<TimeNs()> utc_ns = utc_now_ns;
@@ -32,16 +32,17 @@ struct ServerClock {
 
 struct ServerLoopConfig {
   ServerConfig server;
-  std::vector<std::string>
-      expected_agents;  // wait for all of these, number cameras in this order, end when they have; empty: run on
+  std::vector<std::string> expected_agents;  // agents to wait for, in the order of their cameras; the server ends when
+                                             // they have; empty: run on
   ResultPlace result;
-  std::filesystem::path map;     // file that the map is kept in; empty: none
-  bool refine_in_thread = true;  // false: in the caller's thread, where its result is due
-  ServerClock clock;             // another one for a recording
-  TellProgress adjusting;        // how far the adjustment at the end is; may be empty
+  std::filesystem::path map;     // map file; empty: none
+  bool refine_in_thread = true;  // false: in the caller's thread, where the result is due
+  ServerClock clock;             // replaced for a recording
+  TellProgress adjusting;        // receives the progress of the adjustment at the end; may be empty
 };
 
-// The map thread of the server: events from the link in, frame sets through the stages, patches out. Thread-compatible.
+// Map thread of the server: takes events from the link, runs frame sets through the stages, sends patches.
+// Thread-compatible.
 class ServerLoop {
  public:
   ServerLoop(ServerLink& link, RunId run, const ServerLoopConfig& config);
@@ -53,18 +54,17 @@ class ServerLoop {
   // all expected agents have ended and their frames are used.
   bool poll(std::chrono::milliseconds timeout);
   // Writes the result, tells the agents that the server stops, adjusts the whole run and writes the result again. While
-  // it adjusts EndsAtOnce holds (stop_signals.h). configuration: the one in effect, for the report. Throws UserError
-  // when something could not be written.
-  // short_end: without the adjustment, for whoever has no time.
+  // it adjusts, EndsAtOnce is active (stop_signals.h). configuration: the one in effect, for the report. short_end:
+  // without the adjustment, when there is no time. Throws UserError when something could not be written.
   void finish(const nlohmann::ordered_json& configuration, bool short_end = false);
 
-  // Shows the observer what happens from now on; it outlives the loop's last call.
+  // Reports to the observer from now on; it outlives the loop's last call.
   void observe(SetObserver& observer);
 
   bool started() const { return started_; }
   const MapServer& map_server() const { return server_; }
   const nlohmann::ordered_json& report() const { return report_; }
-  // All agents have ended and none has a pose: a sentence; empty: that is not so.
+  // Sentence when all agents have ended and none has a pose; else empty.
   std::string problem() const;
   std::vector<ReportedAgent> agents() const { return roster_.reported(server_); }
   LoopFacts facts() const;

@@ -28,7 +28,7 @@ void describe(V& v, ServerOptions& o) {
   v.section("server.view", o.view);
 }
 
-// For others to read.
+// Copies options for printing, without secrets.
 template <class Options>
 Options without_secrets(Options options) {
   if (!options.view.token.empty()) options.view.token = "(not told)";

@@ -6,15 +6,15 @@
 
 namespace coslam {
 
-// SIGINT and SIGTERM of a program that maps: they ask it to stop. What is here belongs to the process and may be called
-// from any thread.
+// Handling of SIGINT and SIGTERM, which ask a program that maps to stop. All of it belongs to the process and may be
+// called from any thread.
 void catch_stop_signals();
 const std::atomic<bool>& stop_requested();
-// It was SIGTERM, as of a service manager, which has no patience.
+// True after SIGTERM, as of a service manager, which does not wait long.
 bool stop_is_urgent();
 
-// While one of these lives, a signal ends the process at once with this exit code: what it leaves is on the disk, and
-// what it still does only betters it.
+// Makes a signal end the process at once with this exit code while an object lives: the result is on the disk already,
+// and further work only improves it.
 class EndsAtOnce {
  public:
   explicit EndsAtOnce(int exit_code);

@@ -32,35 +32,35 @@
 
 namespace coslam {
 
-// What a frame set goes through, in this order.
+// Stages of a frame set, in this order.
 using MapPipeline = Pipeline<  //
-    BundleAdjustment,          // the solution of the last bundle adjustment
-    Localise,                  // each camera's pose, on the points bound to its tracks
-    WindowPose,                // where known points run out: the newest poses with all that was followed
-    WideSearch,                // and points that are seen again after a while
-    InterPose,                 // where static points run out: the cameras of a group together
-    Start,                     // maps, by several cameras at once or by one alone
-    PlaceRecognition,          // places known again: cameras put into maps, maps joined, loops closed
-    Verify,                    // every observation against its prediction; filter
-    Classify,                  // what moves, and where that is now
-    ClockOffsets,              // offsets of the agents' clocks, from what moves
-    StampLag,                  // cameras whose stamps are off by far, the same way
-    Register,                  // tracks without a point against known points
+    BundleAdjustment,          // applies the solution of the last bundle adjustment
+    Localise,                  // intra-camera poses, from the points bound to each camera's tracks
+    WindowPose,                // newest poses of cameras that see hardly any points, with all that they follow
+    WideSearch,                // points that are seen again after a while, further from their prediction
+    InterPose,                 // inter-camera poses of a group, when static points run out
+    Start,                     // starts maps, by several cameras at once or by one alone
+    PlaceRecognition,          // recognises places: cameras put into maps, maps joined, loops closed
+    Verify,                    // checks every observation against its prediction; filter
+    Classify,                  // moving points, and their positions
+    ClockOffsets,              // offsets of the agents' clocks, from moving points
+    StampLag,                  // cameras whose stamps are wrong by far, from moving points
+    Register,                  // binds tracks without a point to known points
     MapIntra,                  // new points from one camera's motion
     Grouping,                  // view graph of this set, groups
     MapInter,                  // new points from two cameras at once
     MapMoving,                 // new moving points
-    Fuse,                      // points that two cameras made of one corner
-    Cull,                      // points that turned out to be false
-    Scale,                     // metres, where something tells them
-    Objects,                   // which moving points move as one
-    AnnounceMoving,            // what moves, for others
-    KeyFrames,                 // key frames, and what is to be adjusted
-    Correct,                   // what each agent is told
-    LastImages,                // what agents saw that have ended
-    Forget>;                   // what leaves the memory of a long run
+    Fuse,                      // fuses points that two cameras made of one corner
+    Cull,                      // removes points that turned out to be false
+    Scale,                     // scale in metres, where something tells it
+    Objects,                   // groups moving points that move as one
+    AnnounceMoving,            // moving states for publication
+    KeyFrames,                 // key frames, and plans for adjustments
+    Correct,                   // map patches for the agents
+    LastImages,                // last images of agents that have ended
+    Forget>;                   // archives old parts of a long run
 
-// The stages that something comes to between frame sets, and those that have a last word, by what they are asked for.
+// Stages that receive something between frame sets, or act at the end of a run, by what they are asked for.
 struct MapRole {
   using PlansAdjustment = KeyFrames;
   using TakesAdjustment = BundleAdjustment;
@@ -75,7 +75,7 @@ struct MapServerConfig {
   MapConfig map;
   MapPipeline::Configs stages;
 
-  // Of one stage, e.g. of<LocaliseConfig>().
+  // Configuration of one stage, for example of<LocaliseConfig>().
   template <class Config>
   Config& of() {
     return std::get<Config>(stages);

@@ -40,7 +40,7 @@ MapServer::TakenIn MapServer::take_in(const MapServer& other) {
   out.as = edit_.take_in(other.map());
   pipeline_.take_in(other.pipeline_, out.as);
   out.joined = join_maps(edit_, pipeline_.stage<MapRole::KnowsPlaces>().places(), first);
-  for (const JoinedMaps& j : out.joined) adjusted_.erase(j.kept);
+  for (const JoinedMaps& j : out.joined) adjusted_.erase(j.remaining);
   return out;
 }
 

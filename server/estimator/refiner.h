@@ -11,37 +11,37 @@
 
 namespace coslam {
 
-// A bundle adjustment that is solved, and the time it took.
+// Solution of a bundle adjustment, and the time it took.
 struct RefineSolution {
   RefineJob job;
   BundleResult result;
   std::chrono::steady_clock::duration took{};
 };
 
-// One bundle adjustment at a time, beside the thread of the map: a job on a snapshot goes in, its solution comes out.
-// Of the thread that starts and takes.
+// Runs one bundle adjustment at a time, beside the thread of the map: takes a job on a snapshot, gives its solution.
+// All calls are made by one thread.
 class Refiner {
  public:
-  // Lock-step: a solution is taken so many frame sets after its plan, no sooner or later, so that the machine's speed
-  // does not show in the result.
+  // Frame sets from the plan to the solution's use in lock-step, no more and no fewer, so that the machine's speed does
+  // not show in the result.
   static constexpr std::uint32_t kDueSets = 3;
 
-  // threaded: in a thread of its own; else in the caller's, when the solution is taken.
+  // threaded: solves in its own thread; else in the caller's, when the solution is taken.
   explicit Refiner(bool threaded);
 
-  // From start() until the solution is taken.
+  // True from start() until the solution is taken.
   bool busy() const { return beside_ ? beside_->busy() : inline_job_.has_value(); }
-  // planned_at: the frame set after which the job was cut. Not while busy.
+  // Starts a job, when not busy; planned_at: the frame set after which the job was cut.
   void start(RefineJob job, SetId planned_at);
 
-  // The solution, if it is there; wait: as soon as it is. Empty when nothing was started.
+  // Returns the solution if it is there; wait: as soon as it is. Empty when nothing was started.
   std::optional<RefineSolution> take(bool wait);
-  // What belongs into the map before frame set `now`: in lock-step the solution that is due, waited for; live what
-  // there is.
+  // Returns the solution that is to be applied before frame set `now`: in lock-step the one that is due, waited for;
+  // live whatever is there.
   std::optional<RefineSolution> take_due(SetId now, bool lockstep);
 
  private:
-  // A map that follows its cameras late is worth less than one that is adjusted late.
+  // Lets the map's thread go first: a late map is worse than a late adjustment.
   std::optional<BackgroundJob<RefineSolution>> beside_;
   std::optional<RefineJob> inline_job_;
   SetId planned_at_;

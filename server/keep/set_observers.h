@@ -10,8 +10,8 @@
 
 namespace coslam {
 
-// All that watch a server at work, called in the order in which they came. One that fails at the end keeps nothing from
-// the others.
+// List of those that watch a server at work, called in the order in which they came. An observer that fails at the end
+// keeps nothing from the others.
 class SetObservers {
  public:
   // The observer outlives the last call.

@@ -13,14 +13,14 @@ SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "check_words.p
 LICENCE = "// SPDX-FileCopyrightText: 2026 The CoSLAM authors\n// SPDX-License-Identifier: Apache-2.0\n#pragma once\n\n"
 
 
-def check(files: dict[str, str], *options: str) -> tuple[int, list[str], str]:
+def check(files: dict[str, str], script: pathlib.Path = SCRIPT) -> tuple[int, list[str], str]:
     """Exit code, the listed places as `rule: words`, and the whole output."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             path = pathlib.Path(folder) / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
-        command = [sys.executable, SCRIPT, "--root", folder, "--list", *options]
+        command = [sys.executable, script, "--root", folder, "--list"]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         places = re.findall(r"^[^:\n]+\.(?:h|cpp):\d+: ((?:subject|pronoun): .*)$", run.stdout, re.MULTILINE)
         return run.returncode, places, run.stdout + run.stderr
@@ -94,9 +94,14 @@ class CheckWords(unittest.TestCase):
         self.assertEqual(code, 1, "a folder that is not in the table allows nothing: " + output)
 
     def test_a_figure_far_below_its_maximum_is_told(self) -> None:
-        code, _, output = check({"server/estimator/a.h": LICENCE + "// Name of the agent.\nint f();\n"})
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "check_words.py"  # with a larger maximum for one folder
+            text, changed = re.subn(r'"agent": \([\d.]+, ', '"agent": (25.0, ', SCRIPT.read_text())
+            self.assertEqual(changed, 1)
+            script.write_text(text)
+            code, _, output = check({"agent/a.h": LICENCE + "// Name of the agent.\nint f();\n"}, script)
         self.assertEqual(code, 0, output)
-        self.assertRegex(output, r"server/estimator: subject: 0\.0: the maximum, [\d.]+, can be lowered")
+        self.assertIn("agent: subject: 0.0: the maximum, 25.0, can be lowered", output)
 
     def test_an_empty_tree_is_no_success(self) -> None:
         self.assertEqual(check({})[0], 1)

@@ -19,13 +19,13 @@ enum class UsesSequence { kNever, kIfGiven, kAlways };
 
 struct FormatOptions {
   bool undistort = false;
-  std::optional<int> every;  // one of so many images
+  std::optional<int> every;  // export only one of so many images
 };
 
 struct Format {
   std::string_view name;
   UsesSequence sequence = UsesSequence::kNever;
-  bool takes_options = false;  // those of FormatOptions
+  bool takes_options = false;  // takes the options of FormatOptions
   // Writes a result. sequence: what was played; null: it is not known.
   Files (*write)(const ResultContents& contents, const std::filesystem::path& folder, const Sequence* sequence,
                  const FormatOptions& options) = nullptr;

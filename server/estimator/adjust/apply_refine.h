@@ -15,7 +15,7 @@ struct RefineReport {
   double sigma_px = 0;
 };
 
-// Takes the solution in; frames between key frames are carried along, other points triangulated anew. A job of an older
+// Applies a solution; frames between key frames are carried along, other points triangulated anew. A job of an older
 // epoch (the map was merged meanwhile) is dropped.
 RefineReport apply_refine(BundleEdit& edit, const RefineJob& job, const BundleResult& result,
                           Workers& workers = Workers::alone());

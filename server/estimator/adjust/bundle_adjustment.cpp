@@ -32,30 +32,30 @@ constexpr int kOutlineShare_percent = 20;
 void tell_of(RefineJob* job, int from_percent, int to_percent, const TellProgress& tell) {
   if (!tell) return;
   const int all = std::max(1, job->config.max_iterations);
-  job->config.after_iteration = [=, told = std::make_shared<int>(0)](int done) {
-    *told = std::max(*told, from_percent + (to_percent - from_percent) * std::min(done, all) / all);
-    tell(*told);
+  job->config.after_iteration = [=, percent_told = std::make_shared<int>(0)](int done) {
+    *percent_told = std::max(*percent_told, from_percent + (to_percent - from_percent) * std::min(done, all) / all);
+    tell(*percent_told);
   };
 }
 
 }  // namespace
 
-PathErrors adjust_whole(BundleEdit& edit, MapId of, const BundleAdjustmentConfig& config, std::optional<SetId> since,
-                        const TellProgress& tell) {
+PathErrors adjust_whole(BundleEdit& edit, MapId map_id, const BundleAdjustmentConfig& config,
+                        std::optional<SetId> adjusted_until, const TellProgress& tell) {
   constexpr int kMostOutlines = 4;  // while a lens is on its way
-  for (int round = 0; !since && round < kMostOutlines; ++round) {
-    auto job = plan_refine(edit.map(), of, RefineExtent::kOutline, config);
+  for (int round = 0; !adjusted_until && round < kMostOutlines; ++round) {
+    auto job = plan_refine(edit.map(), map_id, RefineExtent::kOutline, config);
     if (!job) break;
     tell_of(&*job, kOutlineShare_percent * round / kMostOutlines, kOutlineShare_percent * (round + 1) / kMostOutlines,
             tell);
     if (apply_refine(edit, *job, solve_refine(*job)).lens_step2 < kOnItsWay2) break;
   }
-  auto job = since ? plan_refine_since(edit.map(), of, *since, config)
-                   : plan_refine(edit.map(), of, RefineExtent::kWhole, config);
+  auto job = adjusted_until ? plan_refine_since(edit.map(), map_id, *adjusted_until, config)
+                            : plan_refine(edit.map(), map_id, RefineExtent::kWhole, config);
   PathErrors paths;
   if (job) {
     job->zooms = true;
-    tell_of(&*job, since ? 0 : kOutlineShare_percent, 100, tell);
+    tell_of(&*job, adjusted_until ? 0 : kOutlineShare_percent, 100, tell);
     const BundleResult result = solve_refine(*job);
     apply_refine(edit, *job, result);
     if (result.usable) paths = settle_covariances(edit, *job, result);

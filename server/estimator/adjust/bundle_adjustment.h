@@ -13,12 +13,12 @@
 #include "server/estimator/adjust/certainty.h"
 #include "server/estimator/adjust/refine.h"
 
-// Bundle adjustment beside the frame sets: planned at one (key_frames.h), handed out as a job, taken in at a later one.
-// At most one is on its way.
+// Bundle adjustment beside the frame sets: planned at one (key_frames.h), handed out as a job, applied at a later one.
+// At most one is in flight.
 namespace coslam {
 
 struct BundleAdjustmentReport {
-  bool taken = false;  // there was a solution
+  bool taken = false;  // a solution was applied or dropped
   bool usable = false;
   RefineExtent extent = RefineExtent::kWindow;
   MapId map;
@@ -32,12 +32,12 @@ struct BundleAdjustmentReport {
   }
 };
 
-// Takes the solution of the last job in, before anything else looks at the map.
+// Applies the solution of the last job, before any other stage reads the map.
 class BundleAdjustment {
  public:
   static constexpr std::string_view kName = "bundle_adjustment";
   using Config = BundleAdjustmentConfig;
-  explicit BundleAdjustment(const BundleAdjustmentConfig& of) : config(of) {}
+  explicit BundleAdjustment(const BundleAdjustmentConfig& stage_config) : config(stage_config) {}
   BundleAdjustmentConfig config;
 
   void give(RefineJob job, BundleResult result) { solved_.emplace(std::move(job), std::move(result)); }
@@ -47,12 +47,12 @@ class BundleAdjustment {
   std::optional<std::pair<RefineJob, BundleResult>> solved_;
 };
 
-// How far it is, percent.
+// Receives the progress in percent.
 using TellProgress = std::function<void(int percent)>;
 
-// The last word: all key frames of a map, or those after `since`, before which it was adjusted as a whole already. How
-// uncertain the paths are in the end.
-PathErrors adjust_whole(BundleEdit& edit, MapId of, const BundleAdjustmentConfig& config,
-                        std::optional<SetId> since = std::nullopt, const TellProgress& tell = {});
+// Adjusts a map at the end of a run: all its key frames, or those after `since`, before which it was adjusted as a
+// whole already. Returns how uncertain the paths are then.
+PathErrors adjust_whole(BundleEdit& edit, MapId map_id, const BundleAdjustmentConfig& config,
+                        std::optional<SetId> adjusted_until = std::nullopt, const TellProgress& tell = {});
 
 }  // namespace coslam

@@ -115,9 +115,9 @@ PathErrors settle_covariances(PointPositionEdit& edit, const RefineJob& job, con
   return path_errors(solved, result.is_inlier);
 }
 
-std::optional<RefineJob> plan_path_errors(const Map& map, MapId of) {
+std::optional<RefineJob> plan_path_errors(const Map& map, MapId map_id) {
   constexpr int kMostPoses = 1500;
-  auto job = plan_newest(map, of, kMostPoses);
+  auto job = plan_newest(map, map_id, kMostPoses);
   if (!job) return job;
   for (BundleProblem::Pose& pose : job->problem.poses) pose.fixed = false;
   weigh_for_covariances(map, std::vector<bool>(job->observations.size(), true), &*job);

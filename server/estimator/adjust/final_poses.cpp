@@ -33,24 +33,24 @@ class TrackedPoints {
     seen = o.set;
     points_[o.camera.value][o.track] = &p;
   }
-  const PointOfTrack& of(CameraId camera) const { return points_[camera.value]; }
+  const PointOfTrack& points_of(CameraId camera) const { return points_[camera.value]; }
 
  private:
   std::vector<PointOfTrack> points_;
   std::vector<std::unordered_map<TrackId, SetId>> last_;
 };
 
-TrackedPoints tracked_points(const Map& map, MapId of) {
+TrackedPoints tracked_points(const Map& map, MapId map_id) {
   TrackedPoints out(map.cameras().size());
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of || !p.proven()) continue;
+    if (p.map != map_id || !p.proven()) continue;
     for (const KeyObservation& o : p.key_observations) out.add(p, o);
   }
   return out;
 }
 
 // By what is observed at the key frames of that time and around it.
-TrackedPoints tracked_points(const Map& map, MapId of, CameraId camera, SetId from, SetId before) {
+TrackedPoints tracked_points(const Map& map, MapId map_id, CameraId camera, SetId from, SetId before) {
   constexpr double kAround_s = 10;  // few tracks live longer
   const std::uint32_t around = map.sets_in(kAround_s);
   std::vector<SetId> sets;
@@ -59,7 +59,7 @@ TrackedPoints tracked_points(const Map& map, MapId of, CameraId camera, SetId fr
   }
   TrackedPoints out(map.cameras().size());
   for (const MapPoint* p : map.points_observed_at(sets)) {
-    if (p->map != of || !p->proven()) continue;
+    if (p->map != map_id || !p->proven()) continue;
     for (const KeyObservation& o : p->key_observations) {
       if (o.camera == camera) out.add(*p, o);
     }
@@ -99,35 +99,35 @@ class Settling {
         last_(static_cast<int>(last)),
         report_(*report) {}
 
-  void run(const PointOfTrack& points, MapId of) {
+  void run(const PointOfTrack& points, MapId map_id) {
     for (int i = first_; i < last_; ++i) {
       const FramePose& frame = *at(i);
-      if (frame.map != of) continue;
+      if (frame.map != map_id) continue;
       const auto result = solve(edit_.map(), camera_, points, frame, frame.cam_from_world);
       if (!result) continue;
       ++report_.solved;
       const Vector6d off = local(frame.cam_from_world, result->cam_from_world);
       if (off.dot(result->covariance.ldlt().solve(off)) < kFarOff2) continue;
-      edit_.place_past(camera_, frame, of, result->cam_from_world);
+      edit_.place_past(camera_, frame, map_id, result->cam_from_world);
       ++report_.changed;
     }
-    for (const int step : {1, -1}) place_beside(points, of, step);
+    for (const int step : {1, -1}) place_beside(points, map_id, step);
   }
 
  private:
   const FramePose* at(int i) const {
-    const bool there = i >= 0 && i < static_cast<int>(camera_.frames.size());
-    return there ? &camera_.frames[static_cast<std::size_t>(i)] : nullptr;
+    const bool exists = i >= 0 && i < static_cast<int>(camera_.frames.size());
+    return exists ? &camera_.frames[static_cast<std::size_t>(i)] : nullptr;
   }
   // One frame after the other from one that has a pose on, as far as the tracks lead. step: 1 forward, -1 backward.
-  void place_beside(const PointOfTrack& points, MapId of, int step) {
+  void place_beside(const PointOfTrack& points, MapId map_id, int step) {
     for (int k = first_; k < last_; ++k) {
       const int i = step > 0 ? k : first_ + last_ - 1 - k;
       const FramePose *here = at(i), *beside = at(i - step);
-      if (here->valid() || beside == nullptr || beside->map != of) continue;
+      if (here->valid() || beside == nullptr || beside->map != map_id) continue;
       const auto result = solve(edit_.map(), camera_, points, *here, predicted(*beside, at(i - 2 * step)));
       if (!result) continue;
-      edit_.place_past(camera_, *here, of, result->cam_from_world);
+      edit_.place_past(camera_, *here, map_id, result->cam_from_world);
       ++report_.placed;
     }
   }
@@ -140,11 +140,11 @@ class Settling {
 
 }  // namespace
 
-FinalPosesReport refine_final_poses(LateFrameEdit& edit, MapId of) {
+FinalPosesReport refine_final_poses(LateFrameEdit& edit, MapId map_id) {
   FinalPosesReport report;
-  const TrackedPoints points = tracked_points(edit.map(), of);
+  const TrackedPoints points = tracked_points(edit.map(), map_id);
   for (const MapCamera& camera : edit.map().cameras()) {
-    Settling(edit, camera, 0, camera.frames.size(), &report).run(points.of(camera.id), of);
+    Settling(edit, camera, 0, camera.frames.size(), &report).run(points.points_of(camera.id), map_id);
   }
   return report;
 }
@@ -160,9 +160,9 @@ FinalPosesReport refine_final_poses(LateFrameEdit& edit, const MapCamera& camera
   for (std::size_t i = first; i < last; ++i) {
     if (camera.frames[i].valid()) maps.insert(camera.frames[i].map);
   }
-  for (const MapId of : maps) {
-    const TrackedPoints points = tracked_points(edit.map(), of, camera.id, from, before);
-    Settling(edit, camera, first, last, &report).run(points.of(camera.id), of);
+  for (const MapId map_id : maps) {
+    const TrackedPoints points = tracked_points(edit.map(), map_id, camera.id, from, before);
+    Settling(edit, camera, first, last, &report).run(points.points_of(camera.id), map_id);
   }
   return report;
 }

@@ -8,16 +8,16 @@ namespace coslam {
 
 struct FinalPosesReport {
   int solved = 0;   // frames that could be solved again
-  int changed = 0;  // of them, those that were far off
-  int placed = 0;   // that had no pose
+  int changed = 0;  // solved frames that were far off
+  int placed = 0;   // frames that had no pose
 };
 
-// After the last adjustment: solves each frame of a map again by what it saw of the points as they are now, also by
-// tracks that had no point yet when it was taken. One that is farther off than both solutions may be takes the new one:
-// adjustments carry frames between key frames along, and a live pose that was wrong stays wrong. A frame without a pose
-// beside one that has one is placed in the same way.
-FinalPosesReport refine_final_poses(LateFrameEdit& edit, MapId of);
-// The same for the frames of one camera from one set to before another, in whatever map they are, that are about to
+// Refines the poses of all frames after the last adjustment: solves each frame of a map again from what it saw of the
+// points as they are now, also by tracks that had no point yet when it was taken. A pose that is farther off than both
+// solutions may be takes the new one: adjustments carry frames between key frames along, and a live pose that was wrong
+// stays wrong. A frame without a pose beside one that has one is placed in the same way.
+FinalPosesReport refine_final_poses(LateFrameEdit& edit, MapId map_id);
+// Refines the poses of one camera's frames from one set to before another, in whatever map they are, that are about to
 // leave memory.
 FinalPosesReport refine_final_poses(LateFrameEdit& edit, const MapCamera& camera, SetId from, SetId before);
 

@@ -20,7 +20,7 @@ struct SharedPoints {
   std::map<CameraId, Counts> of_camera;
 };
 
-SharedPoints shared_with_window(const Map& map, MapId of, SetId first) {
+SharedPoints shared_with_window(const Map& map, MapId map_id, SetId first) {
   SharedPoints shared{.cameras = map.cameras().size()};
   std::vector<int> place_of(first.value, -1);  // of a set in the list
   const auto place = [&](SetId set) {
@@ -35,7 +35,7 @@ SharedPoints shared_with_window(const Map& map, MapId of, SetId first) {
   std::vector<Counts*> counts;
   for (const MapPoint* point : map.points_observed_since(first)) {
     const MapPoint& p = *point;
-    if (p.map != of || p.key_observations.empty() || p.key_observations.back().set < first) continue;
+    if (p.map != map_id || p.key_observations.empty() || p.key_observations.back().set < first) continue;
     counts.clear();
     for (const KeyObservation& o : p.key_observations) {
       if (o.set < first) continue;
@@ -73,15 +73,15 @@ Poses by_shared_points(const SharedPoints& shared, const Counts& counts) {
 
 }  // namespace
 
-Poses holding_poses(const Map& map, MapId of, SetId first, std::size_t most) {
+Poses holding_poses(const Map& map, MapId map_id, SetId first, std::size_t most) {
   constexpr std::size_t kOfEachCamera = 3;
-  const SharedPoints shared = shared_with_window(map, of, first);
+  const SharedPoints shared = shared_with_window(map, map_id, first);
   Poses out = by_shared_points(shared, shared.all);
   out.resize(std::min(most, out.size()));
-  for (const auto& [camera, with] : shared.of_camera) {
-    const Poses own = by_shared_points(shared, with);
-    for (std::size_t i = 0; i < std::min(kOfEachCamera, own.size()); ++i) {
-      if (std::ranges::find(out, own[i]) == out.end()) out.push_back(own[i]);
+  for (const auto& [camera, counts] : shared.of_camera) {
+    const Poses camera_poses = by_shared_points(shared, counts);
+    for (std::size_t i = 0; i < std::min(kOfEachCamera, camera_poses.size()); ++i) {
+      if (std::ranges::find(out, camera_poses[i]) == out.end()) out.push_back(camera_poses[i]);
     }
   }
   return out;

@@ -12,9 +12,9 @@ namespace coslam {
 
 using Poses = std::vector<ImageKey>;
 
-// Older poses that see the window's points: the most connected, and those that share most with each camera. Cameras
-// that are back at a place share more with who mapped it than others do with their own last poses, and a part of the
-// window that few points hold goes where it likes.
-Poses holding_poses(const Map& map, MapId of, SetId first, std::size_t most);
+// Selects older poses that see the window's points, to hold it: the most connected, and those that share most with each
+// camera. Cameras that are back at a place share more with the camera that mapped it than others do with their own last
+// poses, and a part of the window that few points hold drifts freely.
+Poses holding_poses(const Map& map, MapId map_id, SetId first, std::size_t most);
 
 }  // namespace coslam

@@ -13,8 +13,8 @@ namespace coslam {
 namespace {
 
 struct SinceLast {
-  const FramePose* then = nullptr;  // its last key frame; null where there is nothing to compare
-  int seen = 0, still = 0;          // points seen then, and of those seen now
+  const FramePose* last_frame = nullptr;  // its last key frame; null where there is nothing to compare
+  int seen = 0, still = 0;                // points seen then, and of those seen now
   double median_turn_rad = 0;
 };
 
@@ -38,8 +38,8 @@ std::vector<SinceLast> since_last(const Map& map) {
   std::vector<ImageKey> images;
   for (const MapCamera& c : map.cameras()) {
     SinceLast& s = out[c.id.value];
-    if (!c.frames.empty()) s.then = last_of(map, c);
-    if (s.then != nullptr) images.emplace_back(s.then->set, c.id);
+    if (!c.frames.empty()) s.last_frame = last_of(map, c);
+    if (s.last_frame != nullptr) images.emplace_back(s.last_frame->set, c.id);
   }
   if (images.empty()) return out;
   const SetId first = std::ranges::min(images).first;
@@ -48,12 +48,12 @@ std::vector<SinceLast> since_last(const Map& map) {
     for (std::size_t i = p.key_observations.size(); i-- > 0 && p.key_observations[i].set >= first;) {
       const KeyObservation& o = p.key_observations[i];
       SinceLast& s = out[o.camera.value];
-      if (s.then == nullptr || o.set != s.then->set) continue;
+      if (s.last_frame == nullptr || o.set != s.last_frame->set) continue;
       ++s.seen;
       if (!seen_by(p, o.camera)) continue;
       ++s.still;
       const FramePose& now = map.camera(o.camera).frames.back();
-      const Eigen::Vector3d a = (p.position - s.then->cam_from_world.center()).normalized();
+      const Eigen::Vector3d a = (p.position - s.last_frame->cam_from_world.center()).normalized();
       const Eigen::Vector3d b = (p.position - now.cam_from_world.center()).normalized();
       turns[o.camera.value].push_back(std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
     }
@@ -65,9 +65,9 @@ std::vector<SinceLast> since_last(const Map& map) {
 }
 
 bool needs_key_frame(const Map& map, const SinceLast& s, const KeyFramesConfig& config) {
-  if (s.then == nullptr || s.seen == 0 || s.still < (1.0 - config.drop) * s.seen) return true;
+  if (s.last_frame == nullptr || s.seen == 0 || s.still < (1.0 - config.drop) * s.seen) return true;
   if (s.median_turn_rad > 2 * map.config().new_view_rad) return true;
-  const bool long_ago = map.now().value - s.then->set.value >= map.sets_in(config.max_s);
+  const bool long_ago = map.now().value - s.last_frame->set.value >= map.sets_in(config.max_s);
   return long_ago && s.median_turn_rad > map.config().new_view_rad;
 }
 
@@ -84,11 +84,11 @@ bool decide_key_frame(KeyFramesEdit& edit, const FrameSet& set, const KeyFramesC
     const auto least = std::min<std::uint32_t>(kLeastFrames, map.sets_in(kSoonest_s));
     if (set.id.value - map.key_frames().back().set.value < least) return false;
     bool wanted = false;
-    const std::vector<SinceLast> since = since_last(map);
+    const std::vector<SinceLast> changes = since_last(map);
     for (const CameraFrame& cf : set.frames) {
       const MapCamera& camera = map.camera(cf.camera);
       if (!camera.frames.back().valid()) continue;
-      const bool needs = needs_key_frame(map, since[camera.id.value], config);
+      const bool needs = needs_key_frame(map, changes[camera.id.value], config);
       wanted = wanted || needs;
       if (!needs && set.frames.size() > kFew) spared.push_back(camera.id);
     }
@@ -122,18 +122,18 @@ bool KeyFrames::plan_job(const Map& map, bool key_frame, const BundleAdjustmentC
     if (c.map != MapId() && std::find(maps.begin(), maps.end(), c.map) == maps.end()) maps.push_back(c.map);
   }
   if (maps.empty()) return false;
-  const MapId of = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
+  const MapId map_id = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
   if (outline) {
-    planned_ = plan_outline_since(map, of, outline_since_, refine, workers);
-  } else if (outline_is_due(map, of)) {
-    planned_ = plan_outline_since(map, of, SetId(), refine, workers);
+    planned_ = plan_outline_since(map, map_id, outline_since_, refine, workers);
+  } else if (outline_is_due(map, map_id)) {
+    planned_ = plan_outline_since(map, map_id, SetId(), refine, workers);
     // Until then the windows reach as far, and hold the scale better.
     constexpr std::size_t kWindows = 2;
     if (planned_) planned_->for_lenses = map.key_frames().size() < kWindows * static_cast<std::size_t>(refine.window);
     const bool breathes = std::ranges::any_of(map.cameras(), [](const MapCamera& c) { return c.breathing > 0; });
-    if (planned_ && (breathes || zooms_are_due(map, of))) planned_->zooms = true;
+    if (planned_ && (breathes || zooms_are_due(map, map_id))) planned_->zooms = true;
   } else {
-    planned_ = plan_refine(map, of, RefineExtent::kWindow, refine, workers);
+    planned_ = plan_refine(map, map_id, RefineExtent::kWindow, refine, workers);
   }
   if (planned_) {
     ++plans_;
@@ -143,19 +143,19 @@ bool KeyFrames::plan_job(const Map& map, bool key_frame, const BundleAdjustmentC
   return planned_.has_value();
 }
 
-bool KeyFrames::outline_is_due(const Map& map, MapId of) {
+bool KeyFrames::outline_is_due(const Map& map, MapId map_id) {
   constexpr std::size_t kFirst = 8, kMost = 400, kPart = 4;
   const std::size_t keys = map.key_frames().size();
-  std::size_t& due = due_.try_emplace(of, kFirst).first->second;
+  std::size_t& due = due_.try_emplace(map_id, kFirst).first->second;
   if (keys < due || keys > kMost) return false;
   due = keys + std::max<std::size_t>(1, keys / kPart);
   return true;
 }
 
-bool KeyFrames::zooms_are_due(const Map& map, MapId of) {
+bool KeyFrames::zooms_are_due(const Map& map, MapId map_id) {
   constexpr std::size_t kFirst = 16;
   const std::size_t keys = map.key_frames().size();
-  std::size_t& due = zooms_due_.try_emplace(of, kFirst).first->second;
+  std::size_t& due = zooms_due_.try_emplace(map_id, kFirst).first->second;
   if (keys < due) return false;
   due = 2 * keys;
   return true;

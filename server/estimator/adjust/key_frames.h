@@ -13,8 +13,8 @@
 namespace coslam {
 
 struct KeyFramesConfig {
-  double drop = 0.30;   // of a camera's points since the last key frame (paper)
-  double max_s = 0.67;  // while any camera moves
+  double drop = 0.30;   // share of a camera's points lost since its last key frame (paper)
+  double max_s = 0.67;  // longest time between key frames while any camera moves
 };
 
 template <class V>
@@ -23,9 +23,9 @@ void describe(V& v, KeyFramesConfig& c) {
   v.field("max_s", c.max_s, {0.01, 1000}, "between key frames while a camera moves");
 }
 
-// Key frame when any camera lost 30 % of the points it had at its last one, or moved for long (paper 4). Where there
-// are more than a few cameras, one of them needs a key frame all the time, and the others are spared until they do.
-// Returns true when the set became one.
+// Decides on a key frame: when any camera lost 30 % of the points it had at its last one, or moved for long (paper 4).
+// Where there are more than a few cameras, one of them needs a key frame all the time, and the others are spared until
+// they do. Returns true when the set became one.
 bool decide_key_frame(KeyFramesEdit& edit, const FrameSet& set, const KeyFramesConfig& config);
 
 struct KeyFramesReport {
@@ -33,33 +33,33 @@ struct KeyFramesReport {
   void count(auto&& add) const { add("refinements", planned); }
 };
 
-// Decides whether the set is a key frame, and what is to be adjusted then: the newest key frames of one map, each map
-// in turn; or the outline of one that became one of two or was drawn together, or has grown by a quarter: so the map is
-// drawn straight while it is small, and what is wrong about a lens is found.
+// Decides whether the set is a key frame, and what is adjusted then: the newest key frames of one map, each map in
+// turn; or the outline of a map that was joined or had a loop closed, or has grown by a quarter: so the map is
+// corrected while it is small, and lens errors are found.
 class KeyFrames {
  public:
   static constexpr std::string_view kName = "key_frames";
   using Config = KeyFramesConfig;
-  explicit KeyFrames(const KeyFramesConfig& of) : config(of) {}
+  explicit KeyFrames(const KeyFramesConfig& stage_config) : config(stage_config) {}
   KeyFramesConfig config;
 
   KeyFramesReport run(KeyFramesEdit& edit, const FrameSet& set, const BundleAdjustmentReport& taken,
                       const PlaceRecognitionReport& met, const BundleAdjustmentConfig& refine, Workers& workers);
-  // The job that the last set planned; it is in flight until its solution was taken in.
+  // Returns the job that the last set planned; it is in flight until its solution was applied.
   std::optional<RefineJob> take_job();
 
  private:
-  bool outline_is_due(const Map& map, MapId of);
-  bool zooms_are_due(const Map& map, MapId of);
+  bool outline_is_due(const Map& map, MapId map_id);
+  bool zooms_are_due(const Map& map, MapId map_id);
   bool plan_job(const Map& map, bool key_frame, const BundleAdjustmentConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;
   bool in_flight_ = false;
-  MapId outline_;  // whose outline is to be adjusted; 0 = none
+  MapId outline_;  // map whose outline is to be adjusted; 0 = none
   SetId outline_since_;
   int plans_ = 0;
-  std::map<MapId, std::size_t> zooms_due_;  // key frames at which it is looked whether its cameras breathe
-  std::map<MapId, std::size_t> due_;        // key frames that a map's outline is adjusted again with
+  std::map<MapId, std::size_t> zooms_due_;  // number of key frames at which focus breathing is next tested
+  std::map<MapId, std::size_t> due_;        // number of key frames at which a map's outline is next adjusted
 };
 
 }  // namespace coslam

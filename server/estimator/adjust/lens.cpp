@@ -94,7 +94,7 @@ BundleResult solve_from_afar(BundleProblem problem, const BundleConfig& config) 
 
 BundleResult solve_with_lenses(const RefineJob& job) {
   BundleProblem problem = job.problem;
-  const auto any = [&](auto&& which) { return std::ranges::any_of(problem.lenses, which); };
+  const auto any = [&](auto&& holds) { return std::ranges::any_of(problem.lenses, holds); };
   if (!any(&BundleProblem::Lens::free)) return solve_bundle(problem, job.config);
   if (any([](const auto& lens) { return lens.free && lens.start.none(); })) {
     BundleResult found = solve_bundle(problem, job.config);

@@ -6,12 +6,12 @@
 
 #include "server/estimator/map/map.h"
 
-// Which key frames of a map an adjustment is of, where it is not of all.
+// Selection of a map's key frames for adjustments that do not take all.
 namespace coslam {
 
-constexpr int kMostApart = 3;  // key frames of an outline: neighbours have to see the same points
+constexpr int kMostApart = 3;  // Largest step between key frames of an outline: neighbours have to see the same points.
 
-// Key frames with so many poses each, ascending.
+// Key frames with their number of poses, sorted.
 struct KeyPoses {
   std::vector<SetId> sets;
   std::vector<int> poses;
@@ -19,13 +19,13 @@ struct KeyPoses {
   int sum() const;
 };
 
-// Nothing unless it takes part in adjustments of this map.
-const FramePose* pose_to_adjust(const Map& map, MapId of, SetId set, CameraId camera);
-// All with a pose that takes part.
-KeyPoses key_poses(const Map& map, MapId of);
-// Some of them, evenly, the first and the newest among them.
+// Returns the pose of a camera at a key frame if it takes part in adjustments of this map, else null.
+const FramePose* pose_to_adjust(const Map& map, MapId map_id, SetId set, CameraId camera);
+// Returns all key frames with a pose that takes part.
+KeyPoses key_poses(const Map& map, MapId map_id);
+// Selects key frames evenly, the first and the newest among them.
 std::vector<SetId> outline_of(const KeyPoses& keys, int most_poses);
-// Those since a set, as long as their poses are no more than that together: the newest.
-KeyPoses newest_of(const KeyPoses& keys, SetId since, int most_poses);
+// Selects the newest key frames, not before `since`, with at most most_poses poses together.
+KeyPoses newest_of(const KeyPoses& keys, SetId first_set, int most_poses);
 
 }  // namespace coslam

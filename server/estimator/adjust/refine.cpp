@@ -27,7 +27,7 @@ struct PoseHash {
 using PoseIndex = std::unordered_map<ImageKey, int, PoseHash>;
 
 // Ascending.
-std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent extent,
+std::vector<SetId> key_frames_to_adjust(const Map& map, MapId map_id, RefineExtent extent,
                                         const BundleAdjustmentConfig& config) {
   const auto& keys = map.key_frames();
   if (keys.size() < 2) return {};
@@ -37,12 +37,12 @@ std::vector<SetId> key_frames_to_adjust(const Map& map, MapId of, RefineExtent e
     for (std::size_t k = keys.size() - window; k < keys.size(); ++k) out.push_back(keys[k].set);
     return out;
   }
-  const KeyPoses all = key_poses(map, of);
+  const KeyPoses all = key_poses(map, map_id);
   return extent == RefineExtent::kWhole ? all.sets : outline_of(all, config.outline_poses);
 }
 
-void add_pose(const Map& map, MapId of, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
-  const FramePose* f = pose_to_adjust(map, of, set, camera);
+void add_pose(const Map& map, MapId map_id, SetId set, CameraId camera, bool fixed, RefineJob* job, PoseIndex* index) {
+  const FramePose* f = pose_to_adjust(map, map_id, set, camera);
   if (f == nullptr) return;
   (*index)[{set, camera}] = static_cast<int>(job->problem.poses.size());
   job->problem.poses.push_back({f->cam_from_world, camera.value, fixed});
@@ -64,13 +64,13 @@ struct PointsOfJob {
   std::vector<RefineJob::ObservationKey> keys;
 };
 
-PointsOfJob points_of_job(const Map& map, MapId of, SetId first, const PoseIndex& index,
+PointsOfJob points_of_job(const Map& map, MapId map_id, SetId first, const PoseIndex& index,
                           const std::vector<bool>& in_job, std::span<const MapPoint* const> candidates) {
   PointsOfJob out;
   std::vector<std::pair<const KeyObservation*, int>> seen;  // with the pose
   for (const MapPoint* candidate : candidates) {
     const MapPoint& p = *candidate;
-    if (p.map != of || !p.proven() || p.key_observations.empty()) continue;
+    if (p.map != map_id || !p.proven() || p.key_observations.empty()) continue;
     if (p.key_observations.back().set < first) continue;
     seen.clear();
     for (const KeyObservation& o : p.key_observations) {
@@ -90,7 +90,7 @@ PointsOfJob points_of_job(const Map& map, MapId of, SetId first, const PoseIndex
   return out;
 }
 
-void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, Workers& workers, RefineJob* job) {
+void add_points(const Map& map, MapId map_id, SetId first, const PoseIndex& index, Workers& workers, RefineJob* job) {
   const std::vector<bool> in_job = sets_of(index, map.now());
   const std::vector<const MapPoint*> candidates = map.points_observed_since(first);
   std::vector<PointsOfJob> parts(workers.at_once());
@@ -98,7 +98,7 @@ void add_points(const Map& map, MapId of, SetId first, const PoseIndex& index, W
   workers.each(parts.size(), [&](std::size_t i) {
     const std::size_t begin = std::min(candidates.size(), i * part_size);
     const std::size_t end = std::min(candidates.size(), begin + part_size);
-    parts[i] = points_of_job(map, of, first, index, in_job, std::span(candidates).subspan(begin, end - begin));
+    parts[i] = points_of_job(map, map_id, first, index, in_job, std::span(candidates).subspan(begin, end - begin));
   });
   const auto append = [](auto* to, const auto& part) { to->insert(to->end(), part.begin(), part.end()); };
   for (const PointsOfJob& part : parts) {
@@ -140,27 +140,27 @@ void add_ties(const Map& map, RefineJob* job) {
 }
 
 // Of these key frames, held by so many older poses, or more where a camera needs them; empty when there is too little.
-std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<SetId>& keys, std::size_t holding,
+std::optional<RefineJob> plan_job(const Map& map, MapId map_id, const std::vector<SetId>& keys, std::size_t holding,
                                   RefineExtent extent, bool lenses, Workers& workers) {
   if (keys.empty()) return std::nullopt;
   RefineJob job;
   job.epoch = map.epoch();
-  job.map = of;
+  job.map = map_id;
   job.extent = extent;
   job.set_s = map.set_interval_s();
   for (const MapCamera& c : map.cameras()) job.problem.cameras.push_back(c.model);
   PoseIndex index;
   for (const SetId key : keys) {
-    for (const MapCamera& c : map.cameras()) add_pose(map, of, key, c.id, false, &job, &index);
+    for (const MapCamera& c : map.cameras()) add_pose(map, map_id, key, c.id, false, &job, &index);
   }
   if (job.poses.size() < 2) return std::nullopt;
   const std::size_t free_poses = job.poses.size();
   if (holding > 0) {
-    for (const auto& [set, camera] : holding_poses(map, of, keys.front(), holding)) {
-      add_pose(map, of, set, camera, true, &job, &index);
+    for (const auto& [set, camera] : holding_poses(map, map_id, keys.front(), holding)) {
+      add_pose(map, map_id, set, camera, true, &job, &index);
     }
   }
-  add_points(map, of, keys.front(), index, workers, &job);
+  add_points(map, map_id, keys.front(), index, workers, &job);
   add_ties(map, &job);
   if (job.points.size() < 20) return std::nullopt;
   if (extent != RefineExtent::kWindow) weigh_observations(&job);
@@ -171,10 +171,10 @@ std::optional<RefineJob> plan_job(const Map& map, MapId of, const std::vector<Se
 
 }  // namespace
 
-std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent extent,
+std::optional<RefineJob> plan_refine(const Map& map, MapId map_id, RefineExtent extent,
                                      const BundleAdjustmentConfig& config, Workers& workers) {
   const bool window = extent == RefineExtent::kWindow;
-  auto job = plan_job(map, of, key_frames_to_adjust(map, of, extent, config),
+  auto job = plan_job(map, map_id, key_frames_to_adjust(map, map_id, extent, config),
                       window ? 3 * static_cast<std::size_t>(config.window) : 0, extent,
                       !window && config.finds_lenses(), workers);
   if (!job) return job;
@@ -182,34 +182,34 @@ std::optional<RefineJob> plan_refine(const Map& map, MapId of, RefineExtent exte
   return job;
 }
 
-std::optional<RefineJob> plan_outline_since(const Map& map, MapId of, SetId since, const BundleAdjustmentConfig& config,
-                                            Workers& workers) {
+std::optional<RefineJob> plan_outline_since(const Map& map, MapId map_id, SetId first_set,
+                                            const BundleAdjustmentConfig& config, Workers& workers) {
   const int most_poses = kMostApart * config.outline_poses;
-  const KeyPoses all = key_poses(map, of);
+  const KeyPoses all = key_poses(map, map_id);
   const bool short_run = all.sum() <= most_poses;
-  const KeyPoses some = short_run ? all : newest_of(all, since, most_poses);
-  if (some.sets.size() < 2) return std::nullopt;
+  const KeyPoses chosen = short_run ? all : newest_of(all, first_set, most_poses);
+  if (chosen.sets.size() < 2) return std::nullopt;
   const int holding = short_run ? 0 : config.outline_poses;
-  auto job = plan_job(map, of, outline_of(some, config.outline_poses), static_cast<std::size_t>(holding),
+  auto job = plan_job(map, map_id, outline_of(chosen, config.outline_poses), static_cast<std::size_t>(holding),
                       RefineExtent::kOutline, config.finds_lenses(), workers);
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
 
-std::optional<RefineJob> plan_refine_since(const Map& map, MapId of, SetId since,
+std::optional<RefineJob> plan_refine_since(const Map& map, MapId map_id, SetId last_fixed,
                                            const BundleAdjustmentConfig& config) {
-  std::vector<SetId> keys = key_frames_to_adjust(map, of, RefineExtent::kWhole, config);
+  std::vector<SetId> keys = key_frames_to_adjust(map, map_id, RefineExtent::kWhole, config);
   const std::size_t all = keys.size();
-  std::erase_if(keys, [&](SetId key) { return key <= since; });
+  std::erase_if(keys, [&](SetId key) { return key <= last_fixed; });
   const std::size_t older = (all - keys.size()) * map.cameras().size();
-  auto job = plan_job(map, of, keys, older, RefineExtent::kWhole, config.finds_lenses(), Workers::alone());
+  auto job = plan_job(map, map_id, keys, older, RefineExtent::kWhole, config.finds_lenses(), Workers::alone());
   if (job) job->config.max_iterations = config.final_iterations;
   return job;
 }
 
-std::optional<RefineJob> plan_newest(const Map& map, MapId of, int most_poses) {
-  const KeyPoses keys = newest_of(key_poses(map, of), SetId(), most_poses);
-  return plan_job(map, of, keys.sets, 0, RefineExtent::kWhole, false, Workers::alone());
+std::optional<RefineJob> plan_newest(const Map& map, MapId map_id, int most_poses) {
+  const KeyPoses keys = newest_of(key_poses(map, map_id), SetId(), most_poses);
+  return plan_job(map, map_id, keys.sets, 0, RefineExtent::kWhole, false, Workers::alone());
 }
 
 BundleResult solve_refine(const RefineJob& job) {

@@ -36,7 +36,7 @@ std::string slip_in(const Rigid3& rig, const Rigid3& seen) {
 }
 
 // Where a camera is and how it is turned, from the one that the transform comes from.
-std::string where(const Rigid3& cam_from_first) {
+std::string position_text(const Rigid3& cam_from_first) {
   static constexpr const char* kSides[3][2] = {{"left", "right"}, {"above", "below"}, {"behind", "in front"}};
   const Eigen::Vector3d at = cam_from_first.inverse().translation;
   Eigen::Index axis = 0;
@@ -48,8 +48,9 @@ std::string where(const Rigid3& cam_from_first) {
 }
 
 std::string contradiction(const MapCamera& first, const MapCamera& camera, const Rigid3& rig, const Rigid3& seen) {
-  return "the rig has " + camera.name + " " + where(rig) + " against " + first.name + ", the images have it " +
-         where(seen) + slip_in(rig, seen) + "; as long as that is so the rig is left aside, and lengths are not metres";
+  return "the rig has " + camera.name + " " + position_text(rig) + " against " + first.name + ", the images have it " +
+         position_text(seen) + slip_in(rig, seen) +
+         "; as long as that is so the rig is left aside, and lengths are not metres";
 }
 
 }  // namespace
@@ -64,8 +65,8 @@ bool RigDoubts::agrees(const Map& map, const MapCamera& a, const MapCamera& b, c
     against_since_.erase(pair);
     return true;
   }
-  const SetId since = against_since_.try_emplace(pair, map.now()).first->second;
-  const bool for_long = map.now().value >= since.value + map.sets_in(kContradictedFor_s);
+  const SetId first_set = against_since_.try_emplace(pair, map.now()).first->second;
+  const bool for_long = map.now().value >= first_set.value + map.sets_in(kContradictedFor_s);
   if (for_long && contradicted_.insert(pair).second) found_.push_back(contradiction(a, b, rig, b_from_a));
   return false;
 }

@@ -12,14 +12,14 @@
 
 namespace coslam {
 
-// Whether rigs are as the images see their cameras, as far as images can tell: not how far apart.
+// Checks configured rigs against the images, as far as images can tell: not how far apart the cameras are.
 class RigDoubts {
  public:
-  // Two cameras of a rig at one set of a map in which the rig does not hold them yet: whether they lie about as it
-  // says.
+  // Tells whether two cameras of a rig, at one set of a map in which the rig does not hold them yet, lie about as the
+  // rig says.
   bool agrees(const Map& map, const MapCamera& a, const MapCamera& b, const Rigid3& b_from_a);
-  // What was found since, a sentence each, each once: rigs that the images contradicted for a second, and rigs whose
-  // cameras are too far apart for metres.
+  // Returns new findings since the last call, one sentence each, each once: rigs that the images contradicted for a
+  // second, and rigs whose cameras are too far apart for metres.
   std::vector<std::string> take(const Map& map);
 
  private:

@@ -25,25 +25,25 @@ void describe(V& v, ScaleConfig& c) {
   describe(v, c.tags);
 }
 
-// Images alone tell no length. Metres come from rigs that the images do not contradict, or else from a known baseline,
-// or else from printed tags.
+// Determines the scale of maps, which images alone do not tell: from rigs that the images do not contradict, or else
+// from a known baseline, or else from printed tags.
 class Scale {
  public:
   static constexpr std::string_view kName = "scale";
   using Config = ScaleConfig;
-  explicit Scale(const ScaleConfig& of) : config(of), tags_(of.tags) {}
+  explicit Scale(const ScaleConfig& stage_config) : config(stage_config), tags_(stage_config.tags) {}
   ScaleConfig config;
 
   ScaleReport run(ScaleEdit& edit, const FrameSet& set, const PlaceRecognitionReport& met);
-  // By the final poses.
+  // Determines the scale at the end of a run, by the final poses.
   ScaleReport finish(ScaleEdit& edit);
   const TagScale& tags() const { return tags_; }
-  // Frames that it looks at again, however old they are.
+  // Returns frames that are read again, however old they are.
   std::vector<ImageKey> held_frames() const {
     if (scaled_ == MapId()) return {};
     return {{scaled_at_, CameraId(0)}, {scaled_at_, CameraId(1)}};
   }
-  // What outlives the server, as rows; and back.
+  // Writes as rows what outlives the server; and reads it.
   void save(std::vector<Row>* rows) const;
   void restore(const Tables& tables);
 
@@ -57,9 +57,9 @@ class Scale {
 
   TagScale tags_;
   RigDoubts rig_doubts_;
-  std::set<MapId> metric_;  // by rigs, that some camera was in
-  MapId scaled_;            // the one that the baseline gave its scale; 0 = none
-  SetId scaled_at_;         // the instant of the known baseline
+  std::set<MapId> metric_;  // metric by rigs; some camera was in each
+  MapId scaled_;            // map scaled by the baseline; 0 = none
+  SetId scaled_at_;         // instant of the known baseline
 };
 
 }  // namespace coslam

@@ -9,7 +9,7 @@ namespace coslam {
 
 template <class A>
 void TagScale::serialize(A& a) {
-  a(seen_, twice_, said_, states_);
+  a(seen_, twice_, reported_, states_);
 }
 template <class A>
 void TagScale::TagSighting::serialize(A& a) {

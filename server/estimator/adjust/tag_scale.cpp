@@ -106,7 +106,7 @@ TagScaleReport TagScale::update(ScaleEdit& edit, bool at_end) {
       if (++state.doubted < kDoubtedFor && !at_end) continue;
       state.in_metres = false;
       std::string sentence = verdict.doubt + "; the size of the map is not taken from tags";
-      if (said_.insert(sentence).second) report.doubts.push_back(std::move(sentence));
+      if (reported_.insert(sentence).second) report.doubts.push_back(std::move(sentence));
       continue;
     }
     state.doubted = 0;

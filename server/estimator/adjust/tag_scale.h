@@ -14,9 +14,9 @@
 namespace coslam {
 
 struct TagScaleConfig {
-  double side_m = 0;        // of the black square of every tag; 0: unknown, tags are not used
-  double max_sigma = 0.02;  // of a map's scale, relative; less certain ones are not used
-  double period_s = 0.33;   // between measurements
+  double side_m = 0;        // side of the black square of every tag; 0: unknown, tags are not used
+  double max_sigma = 0.02;  // largest relative standard deviation of a map's scale that is used
+  double period_s = 0.33;   // time between measurements
   TagSizeConfig size;
 };
 
@@ -28,34 +28,34 @@ void describe(V& v, TagScaleConfig& c) {
 
 struct MeasuredTag {
   TagId tag;
-  TagSize size;  // in units of its map
+  TagSize size;  // lengths in units of its map
 };
 auto fields(Like<MeasuredTag> auto& m) { return std::tuple(kept("tag", m.tag), kept("size", m.size)); }
 
 struct TagScaleReport {
-  int measured = 0;                 // tags
-  int scaled = 0;                   // maps
-  std::vector<std::string> doubts;  // why a map with tags gets no scale from them: a sentence each, each said once
+  int measured = 0;                 // number of tags
+  int scaled = 0;                   // number of maps
+  std::vector<std::string> doubts;  // reasons why a map with tags gets no scale from them: a sentence each, each once
 };
 
-// Printed tags of known size tell the scale of the maps that they are seen in. A map becomes metric as soon as the
-// sides of its tags, as the map has them, are certain enough; again whenever they are twice as certain, when it became
-// part of another map, and at the end. A map keeps no scale that its tags contradict: when one of them is not in one
-// place, is no square or differs in size from the others, the map counts as not metric until that is over.
+// Determines the scale of maps from printed tags of known size. A map becomes metric as soon as the sides of its tags,
+// in lengths of the map, are certain enough; again whenever they are twice as certain, when it became part of another
+// map, and at the end. A map keeps no scale that its tags contradict: when one of them is not in one place, is no
+// square or differs in size from the others, the map counts as not metric until that is over.
 class TagScale {
  public:
   explicit TagScale(const TagScaleConfig& config) : config_(config) {}
 
-  // After the poses of the set are known. merged: maps became one in it.
+  // Measures tags; called after the poses of the set are known. merged: maps were joined in this set.
   TagScaleReport step(ScaleEdit& edit, const FrameSet& set, bool merged);
-  // By the final poses.
+  // Measures tags at the end of a run, by the final poses.
   TagScaleReport finish(ScaleEdit& edit);
 
   bool in_metres(MapId map) const { return states_.contains(map) && states_.at(map).in_metres; }
   std::set<MapId> in_metres() const;
-  // As last measured; empty when no tag was seen in that map.
+  // Tags as last measured; empty when no tag was seen in that map.
   std::vector<MeasuredTag> tags(MapId map) const;
-  // For the map file.
+  // Serialises the object for the map file.
   template <class Archive>
   void serialize(Archive& archive);
 
@@ -69,13 +69,13 @@ class TagScale {
   };
   struct State {
     bool in_metres = false;
-    double sigma = 0;  // relative, of the scale in use
-    int doubted = 0;   // measurements in succession
+    double sigma = 0;  // relative standard deviation of the scale in use
+    int doubted = 0;   // number of successive measurements that contradict the scale
     std::vector<MeasuredTag> tags;
     template <class Archive>
     void serialize(Archive& archive);
   };
-  // What the tags of a map say together.
+  // Common result of a map's tags.
   struct Verdict {
     double side = 0, sigma = 0;  // sigma 0: nothing is known
     std::string doubt;           // a clause; empty: none
@@ -88,8 +88,8 @@ class TagScale {
 
   TagScaleConfig config_;
   std::map<TagId, std::vector<TagSighting>> seen_;
-  std::set<TagId> twice_;  // in one image
-  std::set<std::string> said_;
+  std::set<TagId> twice_;  // tags that were twice in one image
+  std::set<std::string> reported_;
   bool fresh_ = false;  // sightings since the last measurement
   std::map<MapId, State> states_;
 };

@@ -7,8 +7,8 @@
 namespace coslam {
 
 struct CullConfig {
-  double probation_s = 1.0;  // by then a new point that nobody follows must have been seen well
-  double min_seen = 0.4;     // of the frame sets of that time, in which it passed the gate
+  double probation_s = 1.0;  // age by which a new point that no track follows must have been seen well
+  double min_seen = 0.4;     // share of the frame sets of that time in which it passed the gate
 };
 
 template <class V>
@@ -23,7 +23,7 @@ struct CullReport {
   void count(auto&& add) const { add("culled", removed); }
 };
 
-// Removes points that turned out to be false, and thins what old points carry, so that memory stays bounded.
+// Removes points that turned out to be false, and thins the patches of old points, so that memory stays bounded.
 CullReport cull(CullEdit& edit, const FrameSet& set, const CullConfig& config);
 
 struct Cull {

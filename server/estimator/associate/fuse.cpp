@@ -150,10 +150,10 @@ FuseReport fuse_points(FuseEdit& edit, const FrameSet& set, Workers& workers) {
     const bool anew = changed.contains(c.first) || changed.contains(c.second);
     const std::optional<Joint> joint = anew ? as_one(map, c) : joints[i];
     if (!joint) continue;
-    const auto [kept, gone] = std::minmax(c.first, c.second);
-    edit.fuse(kept, gone, Why::kOneCorner, {std::sqrt(c.d2), joint->zncc});
-    edit.reposition_point(*map.find(kept), joint->position);
-    changed.insert({kept, gone});
+    const auto [kept_id, removed_id] = std::minmax(c.first, c.second);
+    edit.fuse(kept_id, removed_id, Why::kOneCorner, {std::sqrt(c.d2), joint->zncc});
+    edit.reposition_point(*map.find(kept_id), joint->position);
+    changed.insert({kept_id, removed_id});
     ++report.fused;
   }
   return report;

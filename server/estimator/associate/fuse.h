@@ -17,9 +17,9 @@ struct FuseReport {
   }
 };
 
-// Two cameras that map the same corner by themselves make two points of it. Such a pair becomes one when no camera ever
-// saw both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate,
-// and one position explains every view of either: these links between cameras hold the map together.
+// Fuses points that two cameras mapped separately from the same corner. Two points become one when no camera ever saw
+// both at once, one projects onto the other's track within theta of both uncertainties, their patches correlate, and
+// one position explains every view of either: these links between cameras hold the map together.
 FuseReport fuse_points(FuseEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 struct Fuse {

@@ -21,9 +21,9 @@ std::vector<Seed> shared_points(const Map& map, CameraId first, CameraId second)
     if (p == nullptr) continue;
     for (const BoundTrack& bound : p->bound) {
       if (bound.camera != second) continue;
-      const Eigen::Vector2d here = t.seen.back().undistorted_px.cast<double>(),
-                            there = other.tracks.at(bound.track).seen.back().undistorted_px.cast<double>();
-      seeds.push_back({here, there - here});
+      const Eigen::Vector2d first_px = t.seen.back().undistorted_px.cast<double>(),
+                            second_px = other.tracks.at(bound.track).seen.back().undistorted_px.cast<double>();
+      seeds.push_back({first_px, second_px - first_px});
     }
   }
   return seeds;

@@ -14,7 +14,7 @@
 namespace coslam {
 
 struct PairMatchConfig {
-  double seed_radius = 0.10;    // phi_r, of the larger image side
+  double seed_radius = 0.10;    // phi_r, as a share of the larger image side
   double disparity_gate = 3.0;  // phi_d over phi_r
 };
 
@@ -23,12 +23,12 @@ struct Feature {
   Eigen::Vector2d px;
 };
 
-// A point that both see.
+// Point that both cameras see.
 struct Seed {
   Eigen::Vector2d in_first, disparity;
 };
 
-// One pair of cameras at one set.
+// Pair of cameras at one set.
 struct PairView {
   const MapCamera* first;
   const MapCamera* second;
@@ -37,13 +37,13 @@ struct PairView {
   std::vector<Seed> seeds;
 };
 
-// Of cameras with a pose, at an instant.
+// Makes the view of two cameras with a pose, at one instant.
 PairView make_pair_view(const Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose);
-// The camera has a pose in this set.
+// True when the camera has a pose in this set.
 bool has_pose_now(const MapCamera& c, const FrameSet& set);
-// Half width of the epipolar band.
+// Half width of the epipolar band, in pixels.
 double band_px_of(const Map& map, const PairView& view);
-// Of the nearest point that both see, if one is near.
+// Disparity of the nearest point that both cameras see, if one is near.
 std::optional<Eigen::Vector2d> expected_disparity(const PairView& view, const Eigen::Vector2d& px, double radius_px);
 
 struct Score {
@@ -60,7 +60,8 @@ struct Score {
   }
 };
 
-// Pairs of tracks on each other's epipolar line are scored by how alike they look; best per feature on both sides.
+// Scores, by the likeness of their patches, pairs of tracks on each other's epipolar line; keeps the best per feature
+// on both sides.
 class PairScores {
  public:
   PairScores(const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b, double band_px,
@@ -80,7 +81,8 @@ class PairScores {
     }
   }
 
-  // Those that may join; then, for those that came into question by that, what competes with it.
+  // Scores pairs that may join; then, for features with a good score, also pairs that may not join, because these
+  // compete.
   void score(auto&& may_join, auto&& alike) {
     for_all([&](std::size_t i, std::size_t j) {
       if (may_join(a_[i], b_[j])) offer(i, j, alike);
@@ -121,7 +123,7 @@ class PairScores {
   double band_px_;
   const PairMatchConfig& config_;
   double zncc_min_;
-  std::vector<Eigen::Vector3d> lines_;  // in the second image, of unit normals
+  std::vector<Eigen::Vector3d> lines_;  // epipolar lines in the second image, with unit normals
   std::vector<std::optional<Eigen::Vector2d>> disparities_;
 };
 
@@ -130,7 +132,7 @@ struct PairMatchCounts {
 };
 
 // Joins pairs of tracks that look most like each other, and clearly so, among those on each other's epipolar line that
-// the nearest shared points allow. The number that were joined.
+// the nearest shared points allow. Returns the number of pairs joined.
 int best_pairs(const Map& map, const PairView& view, const std::vector<Feature>& a, const std::vector<Feature>& b,
                double band_px, const PairMatchConfig& config, auto&& may_join, auto&& alike, PairMatchCounts* counts,
                auto&& join) {

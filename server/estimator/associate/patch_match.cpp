@@ -42,8 +42,8 @@ namespace {
 constexpr double kImageByPatch = 1 / 0.3;
 
 // Peak of the parabola through three values at -1, 0 and 1; empty where they have none.
-std::optional<double> peak_of(double before, double here, double after) {
-  const double bend = 2 * here - after - before;
+std::optional<double> peak_of(double before, double middle, double after) {
+  const double bend = 2 * middle - after - before;
   return bend > 0 ? std::optional((after - before) / (2 * bend)) : std::nullopt;
 }
 
@@ -51,9 +51,9 @@ std::optional<double> peak_of(double before, double here, double after) {
 
 bool same_centre(const PatchGrey& a, const PatchGrey& b) {
   constexpr double kMost_px = 1.33;
-  const double here = correlation(a, b, 1, 0, 0);
-  const auto dx = peak_of(correlation(a, b, 1, -1, 0), here, correlation(a, b, 1, 1, 0));
-  const auto dy = peak_of(correlation(a, b, 1, 0, -1), here, correlation(a, b, 1, 0, 1));
+  const double middle = correlation(a, b, 1, 0, 0);
+  const auto dx = peak_of(correlation(a, b, 1, -1, 0), middle, correlation(a, b, 1, 1, 0));
+  const auto dy = peak_of(correlation(a, b, 1, 0, -1), middle, correlation(a, b, 1, 0, 1));
   return dx && dy && kImageByPatch * Eigen::Vector2d(*dx, *dy).norm() <= kMost_px;
 }
 
@@ -152,14 +152,14 @@ std::optional<AlikePatches> made_alike(const PatchSight& first, const PatchSight
 
 std::optional<PatchFit> fit_patch(const Map& map, const MapPoint& point, const MapCamera& camera,
                                   const Rigid3& cam_from_world, const PatchGrey& patch) {
-  const Eigen::Vector3d here = (point.position - cam_from_world.center()).normalized();
+  const Eigen::Vector3d view_ray = (point.position - cam_from_world.center()).normalized();
   std::optional<PatchSight> nearest;
   double best_cosine = 0.5;  // from farther round it shows other things, or its other side
   for (const PointPatch& p : point.patches) {
     const MapCamera& c = map.camera(p.camera);
     const FramePose* f = c.frame_at(p.set);
     if (f == nullptr || f->map != point.map) continue;
-    const double cosine = here.dot((point.position - f->cam_from_world.center()).normalized());
+    const double cosine = view_ray.dot((point.position - f->cam_from_world.center()).normalized());
     if (cosine <= best_cosine) continue;
     best_cosine = cosine;
     nearest = {&c, f->cam_from_world, &p.pixels};

@@ -18,7 +18,7 @@ PatchWorths::PatchWorths(const Map& map, const FrameSet& set) {
   }
 }
 
-PatchWorths::Rank PatchWorths::of(CameraId camera, TrackId track) const {
+PatchWorths::Rank PatchWorths::rank_of(CameraId camera, TrackId track) const {
   const auto at = ranks_.find({camera, track});
   return at == ranks_.end() ? Rank{PatchWorth::kAlone, 0} : at->second;
 }

@@ -12,23 +12,24 @@ namespace coslam {
 
 class PointsByPlace;
 
-// What an image patch of a track without one is good for, where few get through: two cameras are bound to one point
-// only when patches of both tracks are there.
+// Value of an image patch for a track that has none, where only few can be sent: two cameras are bound to one point
+// only when both tracks have patches.
 enum class PatchWorth : std::uint8_t {
-  kDecides,  // a point with a patch should appear where the track is, or the other way round
-  kHelps,    // the same, but neither has one
-  kAlone,    // no point of others should appear there
+  kDecides,  // the track is near where a point should appear, and the track or the point has a patch already
+  kHelps,    // the track is near where a point should appear, and neither has a patch
+  kAlone,    // no point of other cameras should appear near the track
 };
 
-// Of the tracks of a frame set.
+// Patch worths of the tracks of a frame set.
 class PatchWorths {
  public:
   PatchWorths() = default;
   PatchWorths(const Map& map, const FrameSet& set);
 
-  // Less is more: worth, then how far from the track the point should appear, squared, in sigmas.
+  // Rank of a track, best first: worth, then the squared distance from the track to where the point should appear, in
+  // sigmas.
   using Rank = std::pair<PatchWorth, double>;
-  Rank of(CameraId camera, TrackId track) const;
+  Rank rank_of(CameraId camera, TrackId track) const;
 
  private:
   void collect(const Map& map, const MapCamera& camera, const PointsByPlace& points);

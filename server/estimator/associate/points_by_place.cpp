@@ -127,11 +127,11 @@ PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) : point
     places[i] = place_of(p, static_cast<std::uint32_t>(i));
     one_map = one_map && p.map == points.front()->map;
   }
-  const auto map_of = [&](const Place& p) { return points_[p.of]->map; };
+  const auto map_of = [&](const Place& p) { return points_[p.index]->map; };
   if (!one_map) std::ranges::stable_sort(places, {}, map_of);
   const auto n = static_cast<Eigen::Index>(places.size());
   for (Eigen::ArrayXf* a : {&x_, &y_, &z_, &variance_}) a->resize(n);
-  of_.reserve(places.size());
+  indices_.reserve(places.size());
   for (std::size_t first = 0; first < places.size();) {
     const MapId map = map_of(places[first]);
     std::size_t last = one_map ? places.size() : first;
@@ -141,18 +141,18 @@ PointsByPlace::PointsByPlace(const std::vector<const MapPoint*>& points) : point
   }
 }
 
-PointsByPlace::Place PointsByPlace::place_of(const MapPoint& point, std::uint32_t of) {
-  return {point.position.cast<float>(), static_cast<float>(point.covariance.trace()), of};
+PointsByPlace::Place PointsByPlace::place_of(const MapPoint& point, std::uint32_t index) {
+  return {point.position.cast<float>(), static_cast<float>(point.covariance.trace()), index};
 }
 
 void PointsByPlace::hold(const Place& place) {
-  const auto i = static_cast<Eigen::Index>(of_.size());
+  const auto i = static_cast<Eigen::Index>(indices_.size());
   const Eigen::Vector3f& p = place.position;
   x_[i] = p.x();
   y_[i] = p.y();
   z_[i] = p.z();
   variance_[i] = place.variance;
-  of_.push_back(place.of);
+  indices_.push_back(place.index);
   furthest_ = std::max(furthest_, p.cwiseAbs().maxCoeff());
 }
 
@@ -166,7 +166,7 @@ void PointsByPlace::box(std::span<const Place> places, MapId map) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Place& place = places[order[i].index];
     const Eigen::Vector3d position = place.position.cast<double>();
-    if (i % kMostInBox == 0) boxes_.push_back({map, position, position, of_.size(), of_.size()});
+    if (i % kMostInBox == 0) boxes_.push_back({map, position, position, indices_.size(), indices_.size()});
     Box& box = boxes_.back();
     box.low = box.low.cwiseMin(position);
     box.high = box.high.cwiseMax(position);
@@ -204,8 +204,8 @@ std::vector<const MapPoint*> PointsByPlace::near_tracks(const MapCamera& camera,
       if (depth[i] <= 0) continue;
       const Eigen::Vector2d px = c.pixel_from_normalized({u[i], v[i]});
       if (!grid.may_reach(px, reach_px[i])) continue;
-      if (grid.any_near(px, radius.of(variance_px2[i]) + slack_px[i], reach_px[i]))
-        found.push_back(of_[b.first + static_cast<std::size_t>(i)]);
+      if (grid.any_near(px, radius.radius_px(variance_px2[i]) + slack_px[i], reach_px[i]))
+        found.push_back(indices_[b.first + static_cast<std::size_t>(i)]);
     }
   }
   std::ranges::sort(found);

@@ -13,38 +13,39 @@
 
 namespace coslam {
 
-// Points by place, so that what is near a camera's tracks is found without a look at every point.
+// Spatial index of points, which finds those near a camera's tracks without a look at every point.
 class PointsByPlace {
  public:
-  // Ascending ids.
+  // Takes points in ascending order of ids.
   explicit PointsByPlace(const std::vector<const MapPoint*>& points);
 
-  // All of the camera's map that its newest pose has in the image or up to search_margin_px() and the largest radius
-  // beside it, and for which near() of the grid would visit a track within reach; and a few others. Ascending.
+  // Returns the points of the camera's map that its newest pose projects into the image, or up to search_margin_px()
+  // and the largest radius beside it, and for which near() of the grid would visit a track within reach; and a few
+  // others. Sorted by id.
   std::vector<const MapPoint*> near_tracks(const MapCamera& camera, const TrackGrid& grid,
                                            const SearchRadius& radius) const;
 
  private:
   struct Place {
     Eigen::Vector3f position = Eigen::Vector3f::Zero();
-    float variance = 0;    // of all directions together
-    std::uint32_t of = 0;  // points_
+    float variance = 0;       // trace of the covariance
+    std::uint32_t index = 0;  // index into points_
   };
   struct Box {
     MapId map;
     Eigen::Vector3d low, high;
-    std::size_t first, last;  // of the arrays below, one beyond the last
+    std::size_t first, last;  // range in the arrays below, last exclusive
   };
   void box(std::span<const Place> places, MapId map);
-  static Place place_of(const MapPoint& point, std::uint32_t of);
+  static Place place_of(const MapPoint& point, std::uint32_t index);
   void hold(const Place& place);
 
-  std::vector<const MapPoint*> points_;  // ascending ids
+  std::vector<const MapPoint*> points_;  // sorted by id
   std::vector<Box> boxes_;
-  // Of each place, those of a box together.
-  std::vector<std::uint32_t> of_;
+  // One entry per place in each array, places of one box together.
+  std::vector<std::uint32_t> indices_;
   Eigen::ArrayXf x_, y_, z_, variance_;
-  float furthest_ = 0;  // from the origin, along an axis
+  float furthest_ = 0;  // largest distance from the origin, along an axis
 };
 
 }  // namespace coslam

@@ -21,7 +21,7 @@ class SharedKeyFrames {
   explicit SharedKeyFrames(const Map& map)
       : map_(map), recent_since_(map.set_ago(map.config().recent_s)), shared_(recent_since_.value, 0) {}
 
-  std::vector<SetId> with(const MapCamera& camera) {
+  std::vector<SetId> sets_with(const MapCamera& camera) {
     std::vector<SetId> sets;
     for (const auto& [id, track] : camera.tracks) {
       const MapPoint* p = map_.find(track.point);
@@ -59,7 +59,7 @@ std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const std:
   for (const CameraId id : cameras) {
     const MapCamera& camera = map.camera(id);
     if (!camera.frames.back().valid()) continue;
-    for (const SetId s : shared.with(camera)) {
+    for (const SetId s : shared.sets_with(camera)) {
       const auto at = static_cast<std::size_t>(std::ranges::lower_bound(keys, s, {}, &KeyFrame::set) - keys.begin());
       for (std::size_t k = at - std::min(at, kBeside); k < std::min(keys.size(), at + kBeside + 1); ++k) {
         sets.insert(keys[k].set);

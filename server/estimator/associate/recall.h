@@ -8,12 +8,13 @@
 
 namespace coslam {
 
-// Proven points of an earlier visit that these cameras may see now, though nobody saw them lately: a camera follows
-// some points that were seen then, and the key frames that saw these, with those before and after them, saw more there.
-// So whoever is back at a place finds all of it again and stays with it as he goes on, instead of making the map a
-// second time, beside the first. Ascending ids.
+// Returns proven points of an earlier visit that these cameras may see now, though no camera saw them lately: a camera
+// follows some points that were seen then, and the key frames that saw these, with those before and after them, saw
+// more there. So a camera that returns to a place finds its points again and stays with them as it goes on, instead of
+// mapping the place a second time. Sorted by id.
 std::vector<const MapPoint*> points_of_earlier_visits(const Map& map, const std::vector<CameraId>& cameras);
-// These and the static ones that were seen lately: all that they may find again. Ascending ids.
+// Returns points of earlier visits and the static points that were seen lately: all that these cameras may find again.
+// Sorted by id.
 std::vector<const MapPoint*> static_points_around(const Map& map, const std::vector<CameraId>& cameras);
 
 }  // namespace coslam

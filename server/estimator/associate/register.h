@@ -20,15 +20,15 @@ struct RegisterReport {
   }
 };
 
-// Unmapped tracks of each camera against active static points (paper 5.3): smallest Mahalanobis distance (8) within
-// theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from its
-// widest views.
+// Matches unmapped tracks of each camera with active static points (paper 5.3): smallest Mahalanobis distance (8)
+// within theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from
+// its widest views.
 RegisterReport register_tracks(RegisterEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
-// Position and covariance of a point from all its key views and the newest view of each bound track.
-// Empty when its views do not determine it.
+// Triangulates a point anew from all its key views and the newest view of each bound track: its position and
+// covariance. Empty when its views do not determine it.
 std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& point);
-// The point is there then. False when it stays as it is.
+// Moves a point to its new triangulation. False: it stays as it is.
 bool retriangulate(PointPositionEdit& edit, const MapPoint& point);
 
 struct Register {

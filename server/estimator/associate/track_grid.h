@@ -12,19 +12,19 @@
 
 #include "server/estimator/map/map.h"
 
-// Which tracks of a camera lie where a point should appear: for the stages that search for known points in images.
+// Finds the tracks of a camera near where a point should appear: for the stages that search for known points in images.
 namespace coslam {
 
-// Tracks of one camera by place.
+// Grid of one camera's tracks by image position.
 class TrackGrid {
  public:
   struct InGrid {
     const ServerTrack* track = nullptr;
     Eigen::Vector2d px;          // undistorted
-    Eigen::Matrix2d covariance;  // in the image, of the point that it has
+    Eigen::Matrix2d covariance;  // covariance in the image of the track's point
   };
-  // Those of them that are wanted: by a bool, or by an optional covariance of its own, of which so many standard
-  // deviations count.
+  // Takes the tracks for which wanted(track) is true, or gives an optional covariance of the track, of which own_sigmas
+  // standard deviations count.
   TrackGrid(const MapCamera& camera, auto&& wanted, double own_sigmas = 0) : own_variances_(own_sigmas * own_sigmas) {
     for (const auto& entry : camera.tracks) {
       const auto want = wanted(entry.second);
@@ -32,7 +32,7 @@ class TrackGrid {
     }
     sort();
   }
-  // Those in cells that are not farther off, in x and in y.
+  // Visits the tracks in cells no farther than radius_px away, in x and in y.
   template <class Visit>
   void near(const Eigen::Vector2d& px, double radius_px, Visit visit) const {
     any_of_rows(px, radius_px, [&](std::size_t first, std::size_t last) {
@@ -40,9 +40,10 @@ class TrackGrid {
       return false;
     });
   }
-  // False: there is none within reach_px, and what its own covariance adds. For most places a look at one value.
+  // False: no track is within reach_px, widened by the track's own covariance. Reads one value for most places.
   bool may_reach(const Eigen::Vector2d& px, double reach_px) const { return reach_px > kFinePx || is_marked(px); }
-  // There are such no farther than reach_px, and what the track's own covariance adds, from there.
+  // True: a track is within reach_px of px, widened by the track's own covariance, and in cells no farther than
+  // radius_px.
   bool any_near(const Eigen::Vector2d& px, double radius_px, double reach_px) const {
     const double reach2 = reach_px * reach_px;
     return any_of_rows(px, radius_px, [&](std::size_t first, std::size_t last) {
@@ -65,7 +66,7 @@ class TrackGrid {
     InGrid in;
   };
   static Eigen::Matrix2d covariance_of(bool) { return Eigen::Matrix2d::Zero(); }
-  static const Eigen::Matrix2d& covariance_of(const std::optional<Eigen::Matrix2d>& own) { return *own; }
+  static const Eigen::Matrix2d& covariance_of(const std::optional<Eigen::Matrix2d>& covariance) { return *covariance; }
   static Cell cell(const Eigen::Vector2d& px) { return {floor_of(px.y() / kCellPx), floor_of(px.x() / kCellPx)}; }
   static int floor_of(double x) {
     const int whole = static_cast<int>(x);
@@ -94,7 +95,7 @@ class TrackGrid {
     mark();
   }
   double own_px(const InGrid& t) const { return std::sqrt(own_variances_ * t.covariance.trace()); }
-  // Fine cells that a track may be near to, within kFinePx and what its own covariance adds.
+  // Marks the fine cells that a track may be near to, within kFinePx widened by its own covariance.
   void mark() {
     Eigen::Array2d low = tracks_.front().in.px, high = low;
     for (const InCell& t : tracks_) {
@@ -126,7 +127,7 @@ class TrackGrid {
   std::size_t begin_of(int y, int x) const {
     return begins_[static_cast<std::size_t>((y - low_.y) * (high_.x - low_.x + 2) + x - low_.x)];
   }
-  // Of tracks_, from the first to one beyond the last of a row of cells.
+  // Calls holds(first, last) with each row of cells, as a range of tracks_ (last exclusive), until it returns true.
   bool any_of_rows(const Eigen::Vector2d& px, double radius_px, auto&& holds) const {
     if (tracks_.empty()) return false;
     const Cell low = cell(px - Eigen::Vector2d::Constant(radius_px)),
@@ -139,31 +140,31 @@ class TrackGrid {
     return false;
   }
 
-  std::vector<InCell> tracks_;       // ascending cells
-  Cell low_, high_;                  // that hold tracks
-  std::vector<std::size_t> begins_;  // of tracks_, by cell from low_ on and one column more
+  std::vector<InCell> tracks_;       // sorted by cell
+  Cell low_, high_;                  // bounds of the cells that hold tracks
+  std::vector<std::size_t> begins_;  // first track of each cell, from low_ on and one column more
   double own_variances_;
-  Eigen::Array2d origin_px_ = Eigen::Array2d::Zero();  // of the fine cells
+  Eigen::Array2d origin_px_ = Eigen::Array2d::Zero();  // corner of the fine cells
   int columns_ = 0, rows_ = 0;
   std::vector<std::uint8_t> marked_;
 };
 
-inline constexpr double kMostSearch_px = 40;  // around where a point should be
-// Undistorted pixels may lie so far outside the image.
+inline constexpr double kMostSearch_px = 40;  // largest distance from where a point should be
+// Margin around the image that undistorted pixels may lie in.
 inline Eigen::Vector2d search_margin_px(const CameraModel& camera) {
   return 0.3 * Eigen::Vector2d(camera.width_px, camera.height_px);
 }
 
-// How far around it a point is looked for.
+// Radius around a point's projection in which it is searched for.
 struct SearchRadius {
-  double sigmas = 0, noise_px = 0;  // of a point's and a track's place together
+  double sigmas = 0, noise_px = 0;  // sigma of the image position of a point and a track together
   double least_px = 0, most_px = kMostSearch_px;
-  // variance_px2: of the point's place in the image, both directions together.
-  double of(double variance_px2) const {
+  // Radius for a variance of the point's image position, both directions together.
+  double radius_px(double variance_px2) const {
     return std::clamp(sigmas * std::sqrt(variance_px2 + noise_px * noise_px), least_px, most_px);
   }
-  // No track that fits is farther off, but for its own variance: squared, reach2_px2 + variances * variance_px2. Noise
-  // is of raw pixels, which a lens may have drawn together.
+  // Bound on the distance of a matching track, without and by its own variance: squared, reach2_px2 + variances *
+  // variance_px2. Noise is of raw pixels, which a lens may have drawn together.
   double variances() const { return sigmas * sigmas; }
   double reach2_px2() const {
     constexpr double kLeastScale = 0.5;
@@ -171,11 +172,11 @@ struct SearchRadius {
   }
 };
 
-// Where a point projects, and how far around that it may be; empty far outside the image and when the point is too
-// uncertain to be told from its neighbours.
+// Projection of a point and its search radius; empty far outside the image and when the point is too uncertain to be
+// told from its neighbours.
 struct SearchWindow {
   Eigen::Vector2d px;
-  Eigen::Matrix2d covariance;  // of px by the point's own
+  Eigen::Matrix2d covariance;  // covariance of px due to the point's covariance
   double radius_px = 0;
 };
 
@@ -188,14 +189,14 @@ inline std::optional<SearchWindow> search_window(const CameraModel& camera, cons
       w.px.y() > camera.height_px + margin_px.y()) {
     return std::nullopt;
   }
-  Eigen::Matrix<double, 2, 3> j;  // not before: most points are out of sight
+  Eigen::Matrix<double, 2, 3> j;  // derivative only here: most points are out of sight
   project_world(camera, cam_from_world, p.position, &w.px, &j);
   w.covariance = j * p.covariance * j.transpose();
   w.radius_px = theta * std::sqrt(w.covariance.trace() + gate_px * gate_px);
   return w.radius_px > kMostSearch_px ? std::nullopt : std::optional(w);
 }
 
-// Static points seen lately, which cameras may find again.
+// Returns static points seen lately, which cameras may find again.
 inline std::vector<const MapPoint*> recent_static_points(const Map& map) {
   std::vector<const MapPoint*> out = map.recent_points();
   std::erase_if(out, [](const MapPoint* p) { return !p->rests(); });

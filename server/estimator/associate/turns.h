@@ -9,8 +9,9 @@
 
 namespace coslam {
 
-// Which cameras look for what others have mapped. What there is to be found goes with their number, so that all of them
-// together would take its square: of more than kAllLook each waits for its turn, and as many look at each round.
+// Returns the cameras that may look for points of others in this round. The number of findable points grows with the
+// number of cameras, so that the work of all would grow with its square: of more than kAllLook cameras each waits for
+// its turn, and as many look in each round.
 constexpr std::size_t kAllLook = 8;
 std::vector<CameraId> cameras_in_turn(const FrameSet& set, std::uint32_t round);
 

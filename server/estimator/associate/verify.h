@@ -7,7 +7,7 @@
 namespace coslam {
 
 struct VerifyConfig {
-  double prove_s = 0.67;  // inside the gate proves a point of one camera; of several: half as long
+  double prove_s = 0.67;  // time inside the gate that proves a point of one camera; of several: half as long
 };
 
 template <class V>
@@ -25,10 +25,10 @@ struct VerifyReport {
   }
 };
 
-// Every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2 I)^-1
-// r (8). Inside: Kalman update (5)-(7) once the ray has turned far enough, since observations of one track are
-// correlated in time, and the point is proven. A patch that came
-// now becomes the point's. Outside: a failure more of the track; what comes of it is for classify() to say.
+// Checks every new observation of a bound static point against its prediction: gate theta on r^T (J Sigma J^T + sigma^2
+// I)^-1 r (8). Inside: Kalman update (5)-(7) of a proven point once the ray has turned far enough, since observations
+// of one track are correlated in time. A patch that came with this set becomes the point's. Outside: one more failure
+// of the track; classify() decides what follows from it.
 VerifyReport verify(VerifyEdit& edit, const FrameSet& set, const VerifyConfig& config);
 
 struct PointEstimate {
@@ -36,7 +36,7 @@ struct PointEstimate {
   Eigen::Matrix3d covariance;
 };
 
-// Kalman update (5)-(7) in Joseph form; sigma_px of one coordinate of the observation.
+// Kalman update (5)-(7) in Joseph form; sigma_px: standard deviation of one coordinate of the observation.
 PointEstimate kalman_update(const MapPoint& point, const CameraModel& camera, const Rigid3& cam_from_world,
                             const Eigen::Vector2d& undistorted_px, double sigma_px);
 
@@ -45,11 +45,11 @@ std::optional<double> gate_distance2(const PointEstimate& point, const CameraMod
                                      const Rigid3& cam_from_world, const Eigen::Vector2d& undistorted_px,
                                      double sigma_px);
 
-// Whether a point explains what was seen in the past: every view within theta of it. False without any view.
+// Tells whether a point explains what was seen in the past: every view within theta of it. False without any view.
 bool explains(const PointEstimate& point, const std::vector<View>& past, double sigma_px, double theta);
-// The same for what a track saw in the last check_back_s.
+// Tells whether a point explains what a track saw in the last check_back_s.
 bool explains_past(const Map& map, const MapCamera& camera, const ServerTrack& track, const PointEstimate& point);
-// What a track saw, newest first, at most so many views: as far back as it is trusted, or all.
+// Returns the newest views of a track, newest first, at most `most`: as far back as the track is trusted, or all.
 enum class Past : std::uint8_t { kTrusted, kAll };
 std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track, std::size_t most, Past past);
 

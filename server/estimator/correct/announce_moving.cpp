@@ -34,7 +34,7 @@ float spread(const MovingPointState& p) { return p.covariance[0] + p.covariance[
 std::vector<MovingState> MovingWriter::write(const Map& map, const std::vector<MovingObject>& objects,
                                              const std::set<MapId>& in_metres) {
   std::map<MapId, MovingState> states;
-  for (const MapId id : told_) states[id];
+  for (const MapId id : moving_maps_) states[id];
   std::map<PointId, ObjectId> object_of;
   for (const MovingObject& o : objects) {
     for (const PointId id : o.members) object_of[id] = o.id;
@@ -47,10 +47,10 @@ std::vector<MovingState> MovingWriter::write(const Map& map, const std::vector<M
     states[p->map].points.push_back({p->id, object == object_of.end() ? ObjectId() : object->second,
                                      p->position.cast<float>(), pack_covariance(p->covariance), cameras_now(map, *p)});
   }
-  told_.clear();
+  moving_maps_.clear();
   std::vector<MovingState> out;
   for (auto& [id, s] : states) {
-    if (!s.objects.empty() || !s.points.empty()) told_.insert(id);
+    if (!s.objects.empty() || !s.points.empty()) moving_maps_.insert(id);
     s.server_run = server_run_;
     s.map = id;
     s.epoch = map.epoch();

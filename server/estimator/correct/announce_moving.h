@@ -14,19 +14,19 @@
 
 namespace coslam {
 
-// What moves, for everybody who wants to know: a state for each map in which something moves, after each frame set, and
-// an empty one when that is over.
+// Writes the moving states that are published: one for each map in which something moves, after each frame set, and an
+// empty one when that has ended.
 class MovingWriter {
  public:
   explicit MovingWriter(RunId server_run) : server_run_(server_run) {}
 
-  // in_metres: the maps whose scale is known.
+  // Writes the states of all maps; in_metres: the maps whose scale is known.
   std::vector<MovingState> write(const Map& map, const std::vector<MovingObject>& objects,
                                  const std::set<MapId>& in_metres);
 
  private:
   RunId server_run_;
-  std::set<MapId> told_;  // in these something moved when last told
+  std::set<MapId> moving_maps_;  // maps in which something moved at the last call
 };
 
 struct MovingStates {

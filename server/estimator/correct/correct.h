@@ -15,7 +15,7 @@
 namespace coslam {
 
 struct Corrections {
-  std::vector<MapPatch> patches;  // one for each frame of the set, in its order
+  std::vector<MapPatch> patches;  // one per frame of the set, in its order
 };
 
 // Tells each agent of the set what changed for it.
@@ -23,12 +23,12 @@ class Correct {
  public:
   static constexpr std::string_view kName = "correct";
   using Config = CorrectConfig;
-  explicit Correct(const CorrectConfig& of) : config(of) {}
+  explicit Correct(const CorrectConfig& stage_config) : config(stage_config) {}
   CorrectConfig config;
 
   Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const PlaceRecognitionReport& met,
                   const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
-  // The answer to a frame that came too late to be used.
+  // Answers a frame that came too late to be used.
   MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);
 
  private:

@@ -30,24 +30,24 @@ bool few_points(const Map& map, const MapCamera& camera) {
 
 // Nothing when it knows. Above all it must not rest on what is none any more, then it needs what it has nothing for;
 // a pixel moved counts as a covariance twice or half as large.
-std::optional<double> PatchWriter::need_of(const Sent* told, const Sent& now, const MapCamera& camera) const {
+std::optional<double> PatchWriter::need_of(const Sent* sent, const Sent& now, const MapCamera& camera) const {
   constexpr double kWrong = 1e12, kNew = 1e9;
   const bool is_static = now.state == PointState::kStatic;
-  if (told == nullptr) return is_static ? kNew : 0.0;
-  if (told->point != now.point || told->state != now.state) return told->state == PointState::kStatic ? kWrong : kNew;
+  if (sent == nullptr) return is_static ? kNew : 0.0;
+  if (sent->point != now.point || sent->state != now.state) return sent->state == PointState::kStatic ? kWrong : kNew;
   if (!is_static && now.point != PointId()) return std::nullopt;  // its place is not told
   const FramePose& f = camera.frames.back();
   const double distance = f.valid() ? (now.position - f.cam_from_world.center()).norm() : 1.0;
-  const double moved_px = (now.position - told->position).norm() * camera.model.focal_px() / distance;
-  const double ratio = std::max(now.trace / told->trace, told->trace / now.trace);
+  const double moved_px = (now.position - sent->position).norm() * camera.model.focal_px() / distance;
+  const double ratio = std::max(now.trace / sent->trace, sent->trace / now.trace);
   if (moved_px <= config_.moved_px && ratio <= config_.covariance_ratio) return std::nullopt;
   return std::max(moved_px, ratio - 1);
 }
 
 void PatchWriter::consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
                            std::vector<News>& news) const {
-  const auto told = sent_.find(track);
-  const auto need = need_of(told == sent_.end() ? nullptr : &told->second, now, camera);
+  const auto sent = sent_.find(track);
+  const auto need = need_of(sent == sent_.end() ? nullptr : &sent->second, now, camera);
   if (!need) return;
   news.push_back({*need, now, {track, now.point, now.state, now.position.cast<float>(), pack_covariance(covariance)}});
 }
@@ -84,10 +84,10 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool n
     const auto far = poor ? far_point_of(map, camera, track) : std::nullopt;
     if (!far) continue;
     known.push_back(id);
-    const auto told = sent_.find(id);
+    const auto sent = sent_.find(id);
     const Sent now{PointId(), PointState::kUncertain, far->position, far->covariance.trace()};
-    if (told != sent_.end() && told->second.point == PointId() &&
-        now.trace * config_.covariance_ratio > told->second.trace)
+    if (sent != sent_.end() && sent->second.point == PointId() &&
+        now.trace * config_.covariance_ratio > sent->second.trace)
       continue;
     consider(id, now, far->covariance, camera, news);
   }
@@ -96,9 +96,9 @@ void PatchWriter::write_bindings(const Map& map, const MapCamera& camera, bool n
     sent_[n.told_as.track] = n.now;
     patch->updated.push_back(n.told_as);
   }
-  std::erase_if(sent_, [&](const auto& told) {
-    if (std::ranges::binary_search(known, told.first)) return false;
-    if (camera.tracks.contains(told.first)) patch->unbound.push_back(told.first);
+  std::erase_if(sent_, [&](const auto& entry) {
+    if (std::ranges::binary_search(known, entry.first)) return false;
+    if (camera.tracks.contains(entry.first)) patch->unbound.push_back(entry.first);
     return true;
   });
 }
@@ -148,7 +148,7 @@ PatchWriter::PatchesDue PatchWriter::patches_due(const Map& map, const MapCamera
       ++due.unanswered;
       continue;
     }
-    const auto worth = worths != nullptr ? worths->of(camera.id, id) : PatchWorths::Rank();
+    const auto worth = worths != nullptr ? worths->rank_of(camera.id, id) : PatchWorths::Rank();
     const bool tells = worths == nullptr || worth.first != PatchWorth::kAlone;
     (t.moves() ? due.moving
      : tells   ? due.still

@@ -15,13 +15,13 @@
 namespace coslam {
 
 struct CorrectConfig {
-  double moved_px = 0.3;                 // a point is sent again when it moved so far in this camera's image
-  double covariance_ratio = 2.0;         // or its covariance changed by this factor
-  double patch_period_s = 0.1;           // between requests for image patches: together they share a datagram
-  int patches_per_request = 16;          // of tracks that move and of others each, at most
-  double patch_refresh_s = 2.0;          // and again after so long while it has no point
-  double moving_patch_refresh_s = 0.33;  // or while it moves
-  double patch_patience_s = 1.0;         // an answer may take so long before it is asked for again
+  double moved_px = 0.3;          // change of a point's position in this camera's image after which it is sent again
+  double covariance_ratio = 2.0;  // factor of change of a point's covariance after which it is sent again
+  double patch_period_s = 0.1;    // time between requests for image patches: together they share a datagram
+  int patches_per_request = 16;   // most requests at once, of tracks that move and of others each
+  double patch_refresh_s = 2.0;   // time after which a patch of a track without a point is requested again
+  double moving_patch_refresh_s = 0.33;  // time after which a patch of a track that moves is requested again
+  double patch_patience_s = 1.0;         // time that an answer may take before the patch is requested again
 };
 
 template <class V>
@@ -35,18 +35,19 @@ void describe(V& v, CorrectConfig& c) {
   v.field("moving_patch_refresh_s", c.moving_patch_refresh_s, {0.01, 1000}, "the same for tracks that move");
 }
 
-// Tells one agent what changed for it: keeps what it was told, and writes the difference.
+// Writes the map patches of one agent: keeps what was sent, and writes the difference.
 class PatchWriter {
  public:
   PatchWriter(const ServerRun& server, const CorrectConfig& config) : server_(server), config_(config) {}
 
-  // After a frame set that held `frame` of `camera`. How the camera's world moved is told with it.
+  // Begins the patch after a frame set that held `frame` of `camera`: how the camera's world moved, and which
+  // descriptors are asked for.
   MapPatch begin(CorrectEdit& edit, const MapCamera& camera, const TrackFrame& frame, DescriptorRequest descriptors);
-  // Then what it is told of points and asked for. Only reads the map, and takes most of the time.
-  // worths: where few image patches get through, which of them are asked for.
+  // Completes the patch with points and requests for image patches. Only reads the map, and takes most of the time.
+  // worths: decide which image patches are requested where few get through; null: all may be.
   void fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,
             MapPatch* patch);
-  // After a frame that came too late to be used: its agent only learns that it may go on.
+  // Answers a frame that came too late to be used: its agent only learns that it may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
  private:
@@ -55,16 +56,16 @@ class PatchWriter {
 
   struct Sent {
     PointId point;
-    PointState state = PointState::kUncertain;  // as told
+    PointState state = PointState::kUncertain;  // state as sent
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     double trace = 0;
   };
   struct News {
-    double need = 0;  // how much the agent misses it
+    double need = 0;  // priority: how much the agent lacks it
     Sent now;
     BoundPoint told_as;
   };
-  std::optional<double> need_of(const Sent* told, const Sent& now, const MapCamera& camera) const;
+  std::optional<double> need_of(const Sent* sent, const Sent& now, const MapCamera& camera) const;
   void consider(TrackId track, const Sent& now, const Eigen::Matrix3d& covariance, const MapCamera& camera,
                 std::vector<News>& news) const;
   void write_bindings(const Map& map, const MapCamera& camera, bool narrow_link, MapPatch* patch);
@@ -83,9 +84,9 @@ class PatchWriter {
   std::uint32_t sequence_ = 0;
   MapEpoch epoch_;
   MapId map_;
-  LensCorrection lens_;  // as told
+  LensCorrection lens_;  // lens correction as sent
   std::map<TrackId, Sent> sent_;
-  std::map<TrackId, SetId> asked_;  // for patches, lately
+  std::map<TrackId, SetId> asked_;  // set at which a patch was requested last
 };
 
 }  // namespace coslam

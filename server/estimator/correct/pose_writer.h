@@ -11,8 +11,7 @@
 
 namespace coslam {
 
-// Where the cameras of a frame set are after it, for everybody who wants to know. The covariance is what the agent
-// knows of its own pose.
+// Returns the poses of the cameras of a frame set for publication. The covariance is the agent's own estimate.
 std::vector<AgentPose> agent_poses(const Map& map, const FrameSet& set, RunId server_run,
                                    const std::function<bool(MapId)>& in_metres);
 

@@ -9,7 +9,7 @@
 
 namespace coslam {
 
-// Union-find; the smallest member stands for its set.
+// Union-find; the smallest member represents its set.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }

@@ -46,9 +46,9 @@ std::vector<ViewEdge> edges_between(const Map& map, const std::vector<bool>& cam
 }
 
 std::vector<bool> in_set(const Map& map, const FrameSet& set) {
-  std::vector<bool> here(map.cameras().size(), false);
-  for (const CameraFrame& cf : set.frames) here[cf.camera.value] = true;
-  return here;
+  std::vector<bool> present(map.cameras().size(), false);
+  for (const CameraFrame& cf : set.frames) present[cf.camera.value] = true;
+  return present;
 }
 
 }  // namespace
@@ -84,14 +84,15 @@ bool Grouping::see_the_same(bool joined, int shared, CameraId first, CameraId se
 
 void Grouping::judge(const Map& map, const FrameSet& set, const std::vector<ViewEdge>& edges) {
   const TimeNs now_ns = set.t_ns;
-  const std::vector<bool> here = in_set(map, set);
-  std::vector<bool> lately = here;
+  const std::vector<bool> present = in_set(map, set);
+  std::vector<bool> lately = present;
   const auto unseen_s = [&](const MapCamera& c) {
     return c.frames.empty() ? std::numeric_limits<double>::infinity() : to_seconds(now_ns - c.frames.back().capture_ns);
   };
   for (const MapCamera& c : map.cameras()) lately[c.id.value] = lately[c.id.value] || unseen_s(c) <= kOneTime_s;
   std::map<std::pair<CameraId, CameraId>, int> shared;
-  for (const ViewEdge& e : lately == here ? edges : edges_between(map, lately)) shared[{e.first, e.second}] = e.shared;
+  for (const ViewEdge& e : lately == present ? edges : edges_between(map, lately))
+    shared[{e.first, e.second}] = e.shared;
   for (const auto& [pair, n] : shared) pairs_.try_emplace(pair);
   ViewOverlap overlap(map);
   for (auto& [pair, state] : pairs_) {
@@ -122,8 +123,8 @@ std::vector<std::vector<CameraId>> Grouping::components(const Map& map, TimeNs n
   }
   std::map<std::size_t, std::vector<CameraId>> by_root;
   for (const MapCamera& c : map.cameras()) {
-    const bool here = !c.frames.empty() && to_seconds(now_ns - c.frames.back().capture_ns) < config.hold_s;
-    if (here && c.map != MapId()) by_root[sets.find(c.id.value)].push_back(c.id);
+    const bool present = !c.frames.empty() && to_seconds(now_ns - c.frames.back().capture_ns) < config.hold_s;
+    if (present && c.map != MapId()) by_root[sets.find(c.id.value)].push_back(c.id);
   }
   std::vector<std::vector<CameraId>> out;
   out.reserve(by_root.size());

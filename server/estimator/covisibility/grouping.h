@@ -22,20 +22,20 @@ struct ViewGraph {
   std::vector<ViewEdge> tree;                               // maximum-weight spanning forest
   std::vector<std::vector<CameraId>> groups;                // connected components, ascending
   int group_of(CameraId camera) const;                      // index in groups, -1 = in none
-  std::vector<CameraId> group_with(CameraId camera) const;  // all of its group; itself alone when it is in none
+  std::vector<CameraId> group_with(CameraId camera) const;  // all members of its group, or the camera alone
 };
 
-// Cameras by shared view at this instant (paper 6.1).
+// Computes the view graph (covisibility graph) of the cameras at this instant (paper 6.1).
 ViewGraph view_graph(const Map& map, const FrameSet& set);
 
 struct GroupingConfig {
   int min_shared = 12;       // points that bring two cameras together
-  double min_overlap = 0.1;  // of both views, by the map, that keeps them so without any
-  int keep_shared = 4;     // points that keep them so, and that bring them together if their views overlap so far; and
-  int least_shared = 2;    // at least, where they overlap more: the fewer the farther they do
-  double confirm_s = 0.2;  // that a pair must say so before it is, or is not any more, together
-  double settle_s = 0.3;   // that a new grouping must last: cameras seldom part in one instant
-  double hold_s = 1.0;     // every grouping stays at least so long
+  double min_overlap = 0.1;  // overlap of both views, by the map, that keeps two cameras together without shared points
+  int keep_shared = 4;       // points that keep two cameras together, and bring together two whose views overlap
+  int least_shared = 2;  // least points that bring two cameras together; more overlap needs fewer points, down to this
+  double confirm_s = 0.2;  // time for which the points must say otherwise before a pair joins or parts
+  double settle_s = 0.3;   // time that a new grouping must last: cameras seldom part in one instant
+  double hold_s = 1.0;     // time that every grouping stays at least
 };
 
 template <class V>
@@ -48,24 +48,24 @@ void describe(V& v, GroupingConfig& c) {
   v.field("hold_s", c.hold_s, {0, 60}, "that every grouping stays at least");
 }
 
-// Groups with hysteresis: a count of points flickers, a group of cameras must not. Where the map says that two views
-// overlap, few points found in both confirm it, and a lack of them does not deny it: how many are found depends on how
-// far apart the two cameras stand, a group on what they see. Counted are the newest frames of both, be they of one set
-// or not: cameras of other rates are seldom in one, and frames get lost.
+// Groups cameras with hysteresis: the number of shared points flickers, but a group must not. Where the map says that
+// two views overlap, few points found in both confirm it, and a lack of them does not deny it: how many are found
+// depends on how far apart the two cameras stand, a group on what they see. Counts the newest frames of both cameras,
+// in one set or not: cameras of other rates are seldom in one, and frames get lost.
 class Grouping {
  public:
   static constexpr std::string_view kName = "grouping";
   using Config = GroupingConfig;
-  explicit Grouping(const GroupingConfig& of) : config(of) {}
+  explicit Grouping(const GroupingConfig& stage_config) : config(stage_config) {}
   GroupingConfig config;
 
-  // The view graph of this set, its groups those that hold.
+  // Returns the view graph of this set, with the groups of the hysteresis.
   ViewGraph run(const Map& map, const FrameSet& set);
 
  private:
   struct Pair {
     bool joined = false;
-    TimeNs since_ns = 0;  // the first instant of those that say otherwise
+    TimeNs since_ns = 0;  // first instant at which the points said otherwise
     bool doubted = false;
   };
   void judge(const Map& map, const FrameSet& set, const std::vector<ViewEdge>& edges);
@@ -75,7 +75,7 @@ class Grouping {
   std::map<std::pair<CameraId, CameraId>, Pair> pairs_;
   std::vector<std::vector<CameraId>> groups_;
   std::optional<TimeNs> changed_ns_;
-  std::vector<std::vector<CameraId>> next_;  // what they are about to become
+  std::vector<std::vector<CameraId>> next_;  // groups by the pairs as they are now; they become groups_ when they last
   TimeNs next_since_ns_ = 0;
 };
 

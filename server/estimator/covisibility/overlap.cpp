@@ -7,10 +7,10 @@ namespace {
 
 // Of what the one camera sees, so much could be in the other's image at most: a long lens shows a small part of what a
 // wide one does.
-double most_shared(const CameraModel& of, const CameraModel& by) {
+double most_shared(const CameraModel& seen, const CameraModel& seeing) {
   constexpr double kAlike = 0.5;
   const auto solid = [](const CameraModel& c) { return (c.width_px / c.fx) * (c.height_px / c.fy); };
-  const double ratio = solid(by) / solid(of);
+  const double ratio = solid(seeing) / solid(seen);
   return ratio < kAlike ? ratio : 1;
 }
 
@@ -60,21 +60,21 @@ bool ViewOverlap::should_see(const MapCamera& camera, const Sight& sight, const 
   return depth > around.least / kBeside && depth < kBeside * around.most;
 }
 
-double ViewOverlap::share_seen(const MapCamera& of_camera, const Sight& of, const MapCamera& by_camera,
-                               const Sight& by) {
+double ViewOverlap::share_seen(const MapCamera& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
+                               const Sight& seeing_sight) {
   constexpr double kMostApart = 0.6;  // cosine, between the rays
-  const Eigen::Vector3d from = of_camera.frames.back().cam_from_world.center(),
-                        other = by_camera.frames.back().cam_from_world.center();
+  const Eigen::Vector3d from = seen_camera.frames.back().cam_from_world.center(),
+                        other = seeing_camera.frames.back().cam_from_world.center();
   const auto seen_alike = [&](const Eigen::Vector3d& p) {
     return (p - from).normalized().dot((p - other).normalized()) > kMostApart;
   };
-  std::array<bool, kColumns * kRows> there{}, shared{};
-  for (const Seen& s : of.seen) {
+  std::array<bool, kColumns * kRows> occupied{}, shared{};
+  for (const Seen& s : seen_sight.seen) {
     const auto cell = static_cast<std::size_t>(s.cell);
-    there[cell] = true;
-    if (!shared[cell]) shared[cell] = should_see(by_camera, by, s.position) && seen_alike(s.position);
+    occupied[cell] = true;
+    if (!shared[cell]) shared[cell] = should_see(seeing_camera, seeing_sight, s.position) && seen_alike(s.position);
   }
-  const auto all = std::count(there.begin(), there.end(), true);
+  const auto all = std::count(occupied.begin(), occupied.end(), true);
   return all == 0 ? 0 : static_cast<double>(std::count(shared.begin(), shared.end(), true)) / static_cast<double>(all);
 }
 

@@ -13,7 +13,8 @@
 
 namespace coslam {
 
-// Frames that are no farther apart tell of one time: cameras come at different rates and moments, and frames get lost.
+// Longest time between frames of two cameras that count as simultaneous: cameras come at different rates and moments,
+// and frames get lost.
 inline constexpr double kOneTime_s = 0.15;
 
 // Shares of two views that are common to both, 0 to 1.
@@ -22,15 +23,15 @@ struct OverlapShares {
   double least() const { return std::min(of_first, of_second); }
 };
 
-// How far views overlap at this set as the map has it (paper 6.2: map points of one camera projected into the other),
-// whether or not anything was found in both. A static point that one camera follows counts when it projects into the
-// other's image, from not too different a direction, where what the other follows around it is about as far away:
-// nearer things would hide it, and what two cameras see from far apart may be the two sides of a wall. Shares are of
-// the cells of the image in which a camera follows anything.
+// Computes how far the views of cameras overlap at this set according to the map (paper 6.2: map points of one camera
+// projected into the other), whether or not any point was found in both. A static point that one camera follows counts
+// when it projects into the other's image, from not too different a direction, where the points that the other follows
+// around it are about as far away: nearer things would hide it, and what two cameras see from far apart may be the two
+// sides of a wall. Shares are of the cells of the image in which a camera follows anything.
 class ViewOverlap {
  public:
   explicit ViewOverlap(const Map& map) : map_(map) {}
-  // By the newest frame of each; 0 when these are not of about one time, or have no pose in one map.
+  // Compares the newest frames of two cameras; 0 when these are not of about one time, or have no pose in one map.
   OverlapShares between(CameraId first, CameraId second);
 
  private:
@@ -42,7 +43,7 @@ class ViewOverlap {
   struct Depths {
     double least = std::numeric_limits<double>::infinity(), most = 0;
   };
-  // What one camera follows of the static map, and how far away that is by cells of its image.
+  // Static points that one camera follows, and the range of their depths for each cell of its image.
   struct Sight {
     std::vector<Seen> seen;
     std::array<Depths, kColumns * kRows> depths;
@@ -51,7 +52,8 @@ class ViewOverlap {
   const Sight& sight_of(const MapCamera& camera);
   static int cell_of(const CameraModel& model, const Eigen::Vector2d& px);
   static bool should_see(const MapCamera& camera, const Sight& sight, const Eigen::Vector3d& position);
-  static double share_seen(const MapCamera& of_camera, const Sight& of, const MapCamera& by_camera, const Sight& by);
+  static double share_seen(const MapCamera& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
+                           const Sight& seeing_sight);
 
   const Map& map_;
   std::map<CameraId, Sight> sights_;

@@ -28,9 +28,9 @@ struct MapInterReport {
   }
 };
 
-// New static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2): epipolar
-// band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in both, now and
-// back in time.
+// Creates static points from unmapped tracks of two cameras that share an edge of the spanning tree (paper 5.2.2):
+// epipolar band, patch correlation, disparity like that of the nearest shared point, mutual best; then the gate in
+// both, now and back in time.
 MapInterReport map_inter(MapInterEdit& edit, const FrameSet& set, const ViewGraph& graph, const MapInterConfig& config);
 
 struct MapInter {

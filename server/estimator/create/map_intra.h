@@ -8,9 +8,10 @@
 namespace coslam {
 
 struct MapIntraConfig {
-  double min_track_s = 2.0;           // N_min: so long tracks become static points at once, younger ones are on trial
-  double early_parallax_rad = 0.035;  // of younger ones: what follows a moving thing for a moment seems to have some
-  double early_track_s = 0.27;        // younger ones wait
+  double min_track_s = 2.0;  // N_min: age from which tracks become static points at once; younger ones are on trial
+  // Least parallax of younger tracks: one that follows a moving thing for a moment seems to have some.
+  double early_parallax_rad = 0.035;
+  double early_track_s = 0.27;  // least age of a track
 };
 
 template <class V>
@@ -26,8 +27,9 @@ struct MapIntraReport {
   void count(auto&& add) const { add("created_intra", created); }
 };
 
-// New static points from unmapped tracks of one camera (paper 5.2.1): from the widest parallax, gate theta in every
-// frame. Of a camera whose poses rest on a window, young tracks need the more parallax the more it turned.
+// Creates static points from unmapped tracks of one camera (paper 5.2.1): from the widest parallax, gate theta in every
+// frame. If the camera's poses were solved by a window (window_pose.h), young tracks need more parallax the more it
+// turned.
 MapIntraReport map_intra(MapIntraEdit& edit, const FrameSet& set, const WindowPoseReport& windows,
                          const MapIntraConfig& config);
 

@@ -48,15 +48,15 @@ bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d
   Eigen::Vector2d px;
   if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
   const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
-  int alike = 0, others = 0;
+  int alike = 0, other_count = 0;
   for (const MapPoint* p : map.moving_points()) {
     if (p->map != view.first->map || p->last_seen.value + 2 < map.now().value) continue;
     Eigen::Vector2d other_px;
     if (!project_world(view.first->model, view.first_pose, p->position, &other_px)) continue;
     if ((other_px - px).norm() > radius_px) continue;
-    (std::abs((view.first_pose * p->position).z() - depth) < kBeside * depth ? alike : others) += 1;
+    (std::abs((view.first_pose * p->position).z() - depth) < kBeside * depth ? alike : other_count) += 1;
   }
-  return alike >= others;
+  return alike >= other_count;
 }
 
 // How the patches of two tracks match if the two are one place; the shift is in pixels of the second image.

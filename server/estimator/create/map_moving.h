@@ -10,8 +10,8 @@
 namespace coslam {
 
 struct MapMovingConfig {
-  double period_s = 0.067;     // between runs
-  double check_back_s = 0.33;  // in which two tracks of a moving thing must have met
+  double period_s = 0.067;     // time between runs
+  double check_back_s = 0.33;  // time over which two tracks of a moving thing must be at one place
 };
 
 template <class V>
@@ -27,9 +27,9 @@ struct MapMovingReport {
   void count(auto&& add) const { add("joined_moving", joined); }
 };
 
-// Tracks of moving things, matched in the same way between any two cameras that see the same, and joined when they were
-// at one place at each of the last instants; where that was is triangulated from one instant alone. One of the two
-// cameras may not have found out by itself that its track moves: then that place must have moved, in both images.
+// Joins tracks of moving things, matched like static ones between any two cameras that see the same, when they were at
+// one place at each of the last instants; the position is triangulated from one instant alone. One of the two cameras
+// may not have detected by itself that its track moves: then that place must have moved, in both images.
 MapMovingReport map_moving(MapMovingEdit& edit, const FrameSet& set, const ViewGraph& graph,
                            const PairMatchConfig& match, const MapMovingConfig& config);
 

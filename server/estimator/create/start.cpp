@@ -81,8 +81,8 @@ SetId first_in_map(const MapCamera& camera) {
   return std::ranges::find(camera.frames, camera.map, &FramePose::map)->set;
 }
 
-double way_since(const MapCamera& camera, SetId then) {
-  const FramePose* f = camera.frame_at(then);
+double way_since(const MapCamera& camera, SetId start_set) {
+  const FramePose* f = camera.frame_at(start_set);
   if (f == nullptr || f->map != camera.map) return 0;
   return (camera.frames.back().cam_from_world.center() - f->cam_from_world.center()).norm();
 }
@@ -129,25 +129,25 @@ void start_together(StartEdit& edit, const FrameSet& set, const std::vector<Came
 struct Common {
   SetId set;
   std::vector<TrackId> tracks;
-  FeatureImage then, now;
+  FeatureImage before, now;
   std::vector<FeatureMatch> matches;
   double median_flow_px = 0;
 };
 
-Common common_tracks(const MapCamera& camera, SetId then) {
+Common common_tracks(const MapCamera& camera, SetId earlier_set) {
   Common c;
-  c.set = then;
-  c.then.camera = c.now.camera = camera.model;
+  c.set = earlier_set;
+  c.before.camera = c.now.camera = camera.model;
   std::vector<double> flow;
   for (const auto& [id, t] : camera.tracks) {
-    const auto at = t.index_at(then);
+    const auto at = t.index_at(earlier_set);
     if (!at) continue;
     const int i = static_cast<int>(c.tracks.size());
     c.tracks.push_back(id);
-    c.then.undistorted_px.emplace_back(t.seen[*at].undistorted_px.cast<double>());
+    c.before.undistorted_px.emplace_back(t.seen[*at].undistorted_px.cast<double>());
     c.now.undistorted_px.emplace_back(t.seen.back().undistorted_px.cast<double>());
     c.matches.push_back({i, i, 0});
-    flow.push_back((c.then.undistorted_px.back() - c.now.undistorted_px.back()).norm());
+    flow.push_back((c.before.undistorted_px.back() - c.now.undistorted_px.back()).norm());
   }
   c.median_flow_px = upper_median(flow);
   return c;
@@ -182,7 +182,7 @@ void start_alone(StartEdit& edit, const MapCamera& camera, const FrameSet& set, 
                  const LocaliseConfig& localise, const BundleAdjustmentConfig& refine, StartReport* report) {
   const std::optional<Common> common = widest_common(camera);
   if (!common || common->median_flow_px < camera.model.px_from_640(config.min_flow_px)) return;
-  const StartResult result = start_from_matches(common->then, common->now, common->matches, config.pair);
+  const StartResult result = start_from_matches(common->before, common->now, common->matches, config.pair);
   if (!result.ok) {
     report->reason = result.reason;
     return;
@@ -193,7 +193,7 @@ void start_alone(StartEdit& edit, const MapCamera& camera, const FrameSet& set, 
   edit.set_pose(camera, set.id, *result.cam_from_world[1]);
   for (const StartResult::Point& p : result.points) {
     const auto i = static_cast<std::size_t>(p.seen.front().second);
-    const std::vector<View> views{{&camera.model, *result.cam_from_world[0], common->then.undistorted_px[i]},
+    const std::vector<View> views{{&camera.model, *result.cam_from_world[0], common->before.undistorted_px[i]},
                                   {&camera.model, *result.cam_from_world[1], common->now.undistorted_px[i]}};
     edit.bind(add_start_point(edit, id, p.position, views), camera.id, camera.tracks.at(common->tracks[i]),
               Why::kMadeFromIt);

@@ -18,8 +18,8 @@ namespace coslam {
 
 struct StartStageConfig {
   StartConfig pair;
-  double alone_after_s = 0.27;  // a camera without a map tries to start one from its own motion after so long
-  double min_flow_px = 16;      // median displacement of its tracks for that, at 640 px image width
+  double alone_after_s = 0.27;  // time after which a camera without a map tries to start one from its own motion
+  double min_flow_px = 16;      // least median displacement of its tracks for that, at 640 px image width
 };
 
 template <class V>
@@ -33,20 +33,21 @@ void describe(V& v, StartStageConfig& c) {
 
 struct StartReport {
   int started = 0;
-  std::string reason;  // why a start failed
+  std::string reason;  // reason of a failed start
 
   void count(auto&& add) const { add("maps_started", started); }
 };
 
-// Starts maps. Cameras with enough common view start one together (paper: all see one scene), by what their tracks look
-// like: an agent describes its first image, and later ones when asked. Answers take the time they take, so one is
-// remembered as long as its camera has no map, and the places are those of this set, at which the tracks still live. A
-// camera that stays alone starts a map of its own from its own motion, with a scale of its own. How they join: meet.h.
+// Starts maps. Cameras with enough common view start one together (paper: all see one scene), by the descriptors of
+// their tracks: an agent describes its first image, and later ones when asked. Answers take time, so one is remembered
+// as long as its camera has no map, and the positions are those of this set, at which the tracks still live. A camera
+// that stays alone starts a map of its own from its own motion, with a scale of its own. place_recognition.h joins
+// them.
 class Start {
  public:
   static constexpr std::string_view kName = "start";
   using Config = StartStageConfig;
-  explicit Start(const Config& of) : config(of) {}
+  explicit Start(const Config& stage_config) : config(stage_config) {}
   Config config;
 
   StartReport run(StartEdit& edit, const FrameSet& set, const LocaliseConfig& localise,
@@ -54,8 +55,8 @@ class Start {
 
  private:
   void remember(const Map& map, const FrameSet& set);
-  // Cameras without a map: how many, and those that are in the set and were described. One that is not in it, being
-  // busy with its answer, is waited for too.
+  // Cameras without a map: their number, and those that are in the set and were described. A camera that is not in the
+  // set, being busy with its answer, is waited for too.
   struct Unplaced {
     int cameras = 0;
     std::vector<CameraId> described = {};
@@ -66,8 +67,8 @@ class Start {
 
   std::map<CameraId, DescriptorReply> described_;
   std::optional<SetId> waiting_since_;  // a description came since the last try
-  // That try left somebody over with descriptions of different sets: too few of their tracks may have been left, and
-  // answers to come may tell more.
+  // True when that try left a camera over with descriptions of different sets: too few of their tracks may have been
+  // left, and answers to come may tell more.
   bool may_yet_start_ = false;
 };
 

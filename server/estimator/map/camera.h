@@ -24,23 +24,23 @@
 
 namespace coslam {
 
-// Between frames, while there is only one.
+// Assumed time between frames while there is only one.
 inline constexpr double kUsualInterval_s = 1.0 / 30;
-// Frames below which a window of time tells nothing.
+// Least number of frames in a window of time that tells something.
 inline constexpr int kLeastFrames = 3;
-// Between images, from which on few of them show the same.
+// Time between images from which on few of them show the same.
 inline constexpr double kSeldom_s = 0.4;
 
-// Where one camera was at one frame set.
+// Pose of a camera at one frame set.
 struct FramePose {
   SetId set;
   FrameId frame;
   TimeNs capture_ns = 0;
-  MapId map;  // whose frame the pose is in; 0 = no pose
+  MapId map;  // map that the pose is in; 0 = no pose
   Rigid3 cam_from_world;
-  bool joint = false;           // rests on moving points or on its agent's word too: the static ones would not hold it
+  bool joint = false;  // rests on moving points or on the agent's pose too: the static points would not determine it
   std::vector<HeldTrack> held;  // some tracks, spread over the image, to solve the pose again when all is known
-  float zoom_taken_out = 0;     // of what it observed, see MapEdit::leave_zoom_out()
+  float zoom_taken_out = 0;     // zoom that its observations were corrected for, see MapEdit::leave_zoom_out()
 
   bool valid() const { return map != MapId(); }
 };
@@ -50,20 +50,20 @@ auto fields(Like<FramePose> auto& f) {
                     kept("zoom_taken_out", f.zoom_taken_out, 3));
 }
 
-// Frames of a camera that memory holds no more, see server/estimator/map/past.h.
+// Archived frames of a camera, which memory no longer holds, see server/estimator/map/past.h.
 struct PastFramesCount {
-  SetId until;  // those before it; some are in memory all the same, the others hang on them
+  SetId until;  // first set that is not archived; some earlier frames stay in memory, the others are anchored to them
   int frames = 0;
   std::map<MapId, int> placed;                  // frames with a pose, by the map they are in now
-  TimeNs first_ns = 0;                          // capture of the first
-  std::vector<std::pair<TimeNs, TimeNs>> lost;  // from when to when it had no pose
+  TimeNs first_ns = 0;                          // capture time of the first frame
+  std::vector<std::pair<TimeNs, TimeNs>> lost;  // begin and end of each time without a pose
 };
 auto fields(Like<PastFramesCount> auto& p) {
   return std::tuple(kept("until", p.until), kept("frames", p.frames), kept("placed", p.placed),
                     instant("first_ns", p.first_ns), instant("lost", p.lost));
 }
 
-// An epoch that an agent was told of, and how its world was moved since.
+// Epoch that an agent was told of, and how its world was moved since.
 struct AnnouncedEpoch {
   MapEpoch epoch;
   Similarity3 moved;
@@ -74,53 +74,53 @@ struct MapCamera {
   CameraId id;
   std::string name;
   RunId run;
-  CameraModel model;     // as calibrated
-  LensCorrection lens;   // what is wrong about that; all that was observed is undistorted with it
-  double breathing = 0;  // by how much its focal length was found to change from image to image, most; 0: not known to
-  LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // of its values; 0: as calibrated
-  double sigma_px = 1.0;   // measured standard deviation of its observations
-  int sigma_frames = 0;    // that it was measured in
-  std::string rig;         // name of the first camera of the rig that it is fixed to; empty: it is free
-  Rigid3 cam_from_rig;     // metres
-  MapId map;               // that it is being localised in; 0 = not placed
-  bool corrected = false;  // its pose in this set rests on more than its agent has: the agent is to take it
-  double scene_depth = 0;  // median of what it saw with its newest good pose; 0: not known yet
-  bool sparse = false;     // it sees so few proven points for long that it has to use the others too
-  int lost_sets = 0;       // frame sets in succession without a pose, while it has a map
-  Similarity3 moved;       // how its world was moved since the last patch to its agent
-  std::deque<AnnouncedEpoch> announced;  // of its present map, the newest ones
-  MapId merged_from;  // the map that it was in then and that became part of its present one; 0 = no merge
+  CameraModel model;     // calibration
+  LensCorrection lens;   // correction of the calibration; all observations are undistorted with it
+  double breathing = 0;  // largest change of its focal length found from image to image, as a share; 0: none known
+  LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // sigmas of lens.values; 0: as calibrated
+  double sigma_px = 1.0;                 // measured standard deviation of its observations
+  int sigma_frames = 0;                  // frames in which sigma_px was measured
+  std::string rig;                       // name of the first camera of the rig that it is fixed to; empty: it is free
+  Rigid3 cam_from_rig;                   // metres
+  MapId map;                             // map in which it is localised; 0 = not placed
+  bool corrected = false;                // newest pose rests on more than the agent has, which is to take it
+  double scene_depth = 0;                // median of what it saw with its newest good pose; 0: not known yet
+  bool sparse = false;                   // sees so few proven points, for long, that it has to use those on trial too
+  int lost_sets = 0;                     // successive frame sets without a pose, while it has a map
+  Similarity3 moved;                     // change of its world since the last patch to its agent
+  std::deque<AnnouncedEpoch> announced;  // newest epochs of its present map
+  MapId merged_from;  // map at the last patch to its agent, if that map became part of the present one since; 0 = none
   bool alive = true;
-  SetId run_since;                             // of the frames of this run of its agent
-  TimeNs clock_offset_ns = 0;                  // its images were taken so much later than they are dated
-  double frame_interval_s = kUsualInterval_s;  // median of its newest ones
-  std::vector<FramePose> frames;               // ascending sets, the whole run but for what is past
+  SetId run_since;                             // first set of this run of its agent
+  TimeNs clock_offset_ns = 0;                  // images were taken later than dated by this much
+  double frame_interval_s = kUsualInterval_s;  // median of the newest intervals
+  std::vector<FramePose> frames;               // sorted by set, without archived ones
   PastFramesCount past;
-  FlatMap<TrackId, ServerTrack> tracks;  // live ones; pointers hold until the next frame set
+  FlatMap<TrackId, ServerTrack> tracks;  // live tracks; pointers are valid until the next frame set
 
   Eigen::Vector2d raw_px(const Eigen::Vector2d& undistorted_px) const {
     return lens.raw_from_undistorted(model, undistorted_px);
   }
   const FramePose* frame_at(SetId set) const;
-  // How its world was moved since an epoch that its agent speaks of; empty when that is too long ago, or of another
+  // Returns how its world was moved since an epoch that its agent knows; empty when that is too long ago, or of another
   // map.
   std::optional<Similarity3> moved_since(MapEpoch epoch) const;
-  // Those that are not past.
+  // Frames that are not archived.
   std::span<const FramePose> present_frames() const;
   std::size_t frames_ever() const { return static_cast<std::size_t>(past.frames) + present_frames().size(); }
-  // Of all frames ever, those with a pose in this map.
+  // Number of all frames, also archived ones, with a pose in this map.
   int frames_in_map(MapId in) const;
-  // How many of its frames come in that time, by the newest ones; at least so many.
+  // Number of its frames in that time, by the newest ones; at least `least`.
   int frames_in(double time_s, int least = 1) const;
-  // Its images are so seldom that few things are in more than three.
+  // True when its images are so rare that few things are in more than three.
   bool seldom() const { return frame_interval_s >= kSeldom_s; }
-  // Of a track, to go by it.
+  // Least views of a track for it to be used.
   int least_views() const { return seldom() ? 2 : kLeastFrames; }
   TimeNs taken_ns(const FramePose& frame) const { return frame.capture_ns + clock_offset_ns; }
-  // Pose at an instant near that set, in between the frame there and the one before when the image was taken at another
-  // time; empty without poses in one map.
+  // Pose at an instant near that set, interpolated between the frame there and the one before when the image was taken
+  // at another time; empty without poses in one map.
   std::optional<Rigid3> pose_at(SetId set, TimeNs t_ns) const;
-  // What it would have seen at that instant, pose and pixel, by what it saw at the set. Empty without a pose in `in`.
+  // Predicts the view of a sighting at another instant, pose and pixel. Empty without a pose in `in`.
   std::optional<View> view_at(MapId in, SetId set, const Sighting& seen, TimeNs t_ns) const;
 };
 auto fields(Like<MapCamera> auto& c) {
@@ -132,9 +132,9 @@ auto fields(Like<MapCamera> auto& c) {
       kept("frame_interval_s", c.frame_interval_s), kept("run_since", c.run_since), kept("tracks", c.tracks),
       kept("lens", c.lens, 3), kept("breathing", c.breathing, 3), kept("lens_sigma", c.lens_sigma, 3),
       kept("past", c.past, 3), not_kept("frames", c.frames),  // rows of their own
-      not_kept("corrected", c.corrected),                     // of the newest set
-      not_kept("announced", c.announced),                     // its agent has to be told anew
-      not_kept("alive", c.alive));                            // until it is heard
+      not_kept("corrected", c.corrected),                     // belongs to the newest set
+      not_kept("announced", c.announced),                     // the agent is told anew
+      not_kept("alive", c.alive));                            // unknown until its agent is heard
 }
 
 }  // namespace coslam

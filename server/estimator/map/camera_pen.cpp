@@ -7,13 +7,13 @@
 namespace coslam {
 
 void CameraPen::measure_sigma(const MapCamera& camera, double sigma_px) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   c.sigma_px += std::max(0.1, 1.0 / ++c.sigma_frames) * (sigma_px - c.sigma_px);
 }
 
 void CameraPen::place(const MapCamera& camera, SetId set, MapId map, const Rigid3& cam_from_world, Why why,
                       Figures figures) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   const bool anew = c.map != map || c.lost_sets > 0;
   if (c.map != map) c.announced.clear();
   c.map = map;
@@ -23,7 +23,7 @@ void CameraPen::place(const MapCamera& camera, SetId set, MapId map, const Rigid
 }
 
 void CameraPen::set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_from_world) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   FramePose& f = c.frames[static_cast<std::size_t>(c.frame_at(set) - c.frames.data())];
   f.map = c.map;
   f.cam_from_world = cam_from_world;
@@ -34,7 +34,7 @@ void CameraPen::set_pose(const MapCamera& camera, SetId set, const Rigid3& cam_f
 }
 
 void CameraPen::set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_world, bool rests_on_moving) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   set_pose(camera, c.frames.back().set, cam_from_world);
   c.frames.back().joint = rests_on_moving;
   c.corrected = true;
@@ -42,18 +42,18 @@ void CameraPen::set_joint_pose(const MapCamera& camera, const Rigid3& cam_from_w
 
 void CameraPen::accept_agent_pose(const MapCamera& camera, const Rigid3& cam_from_world) {
   set_pose(camera, camera.frames.back().set, cam_from_world);
-  own(camera).frames.back().joint = true;
+  mutable_camera(camera).frames.back().joint = true;
 }
 
 int CameraPen::lose_pose(const MapCamera& camera, std::size_t known, int agree) {
   if (camera.lost_sets == 0) {
     note_camera(EventKind::kCameraLost, camera, Why::kNoPose, {static_cast<double>(known), static_cast<double>(agree)});
   }
-  return ++own(camera).lost_sets;
+  return ++mutable_camera(camera).lost_sets;
 }
 
 void CameraPen::leave_map(const MapCamera& camera) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   for (auto& [id, track] : c.tracks) {
     if (track.bound()) unbind(c.id, track, Why::kCameraLeft);
   }
@@ -64,16 +64,17 @@ void CameraPen::leave_map(const MapCamera& camera) {
 }
 
 void CameraPen::adjust_pose(const MapCamera& camera, const FramePose& frame, const Rigid3& cam_from_world) {
-  own(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].cam_from_world = cam_from_world;
+  mutable_camera(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].cam_from_world =
+      cam_from_world;
 }
 
 void CameraPen::place_past(const MapCamera& camera, const FramePose& frame, MapId map, const Rigid3& cam_from_world) {
-  own(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].map = map;
+  mutable_camera(camera).frames[static_cast<std::size_t>(&frame - camera.frames.data())].map = map;
   adjust_pose(camera, frame, cam_from_world);
 }
 
 void CameraPen::carry_agent(const MapCamera& camera, const Similarity3& new_from_old) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   c.moved = new_from_old * c.moved;
   for (AnnouncedEpoch& t : c.announced) t.moved = new_from_old * t.moved;
   c.scene_depth *= new_from_old.scale;
@@ -81,7 +82,7 @@ void CameraPen::carry_agent(const MapCamera& camera, const Similarity3& new_from
 
 void CameraPen::mark_announced(const MapCamera& camera) {
   constexpr std::size_t kMost = 64;
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   c.moved = Similarity3();
   c.merged_from = MapId();
   if (c.announced.empty() || c.announced.back().epoch != map_.epoch_)

@@ -6,9 +6,9 @@
 
 namespace coslam {
 
-// The map with all its keys: what the map server owns and hands to each stage as that stage's key. Every change of
-// the map's structure says why, and is noted in the journal with the figures that decided; new estimates of what stays
-// are not. A value: a copy goes on like the original. Thread-compatible.
+// Map with all its keys: owned by the map server, which hands it to each stage as that stage's key. Every change of the
+// map's structure has a reason, and is noted in the journal with the figures that decided; new estimates of existing
+// entities are not. A value: a copy is independent of the original. Thread-compatible.
 class MapEdit : public LocaliseEdit,
                 public WindowPoseEdit,
                 public WideSearchEdit,

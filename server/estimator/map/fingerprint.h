@@ -21,8 +21,8 @@
 
 namespace coslam {
 
-// One number that tells two states of a value from each other, by all of its kept fields: two that differ have the same
-// number by chance alone.
+// Hash of a value by all of its kept fields, to detect changes: two values that differ have the same hash by chance
+// alone.
 class Fingerprint {
  public:
   std::uint64_t value() const { return state_; }
@@ -54,9 +54,9 @@ class Fingerprint {
   template <std::size_t kSize>
   void add(const std::array<std::uint8_t, kSize>& octets) {
     for (std::size_t i = 0; i < kSize; i += sizeof(std::uint64_t)) {
-      std::uint64_t some = 0;
-      std::memcpy(&some, octets.data() + i, std::min(sizeof some, kSize - i));
-      mix(some);
+      std::uint64_t word = 0;
+      std::memcpy(&word, octets.data() + i, std::min(sizeof word, kSize - i));
+      mix(word);
     }
   }
   template <class T>

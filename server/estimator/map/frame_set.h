@@ -11,7 +11,7 @@
 
 namespace coslam {
 
-// Everything observed at one instant.
+// Frame of one camera, with what its agent sent along.
 struct CameraFrame {
   CameraId camera;
   TrackFrame frame;
@@ -22,7 +22,7 @@ struct CameraFrame {
 struct FrameSet {
   SetId id;
   TimeNs t_ns = 0;
-  std::vector<CameraFrame> frames;  // ascending camera, at most one each
+  std::vector<CameraFrame> frames;  // sorted by camera, at most one each
 };
 
 }  // namespace coslam

@@ -13,15 +13,15 @@ class ImportPen : public PastPen {
  protected:
   using PastPen::PastPen;
 
-  // An empty map becomes the one of these rows. Throws UserError when they contradict each other.
+  // Fills an empty map from rows. Throws UserError when they contradict each other.
   void restore(const Tables& tables, int version = kRowsVersion) { MapRows::restore(tables, version, &map_); }
-  // All maps of another one, with their points, frames and paths, beside those of this one; its cameras are new ones
-  // here, under other names where theirs are taken, and see nothing any more.
+  // Adds all maps of another one, with their points, frames and paths, beside those of this one; its cameras become new
+  // ones, under other names where theirs are taken, and see nothing any more.
   Renumbered take_in(const Map& other);
 
  private:
-  MapCamera as_here(const MapCamera& other, const Renumbered& as) const;
-  void take_in_points(const Map& other, const Renumbered& as);
+  MapCamera as_here(const MapCamera& other, const Renumbered& renumbered) const;
+  void take_in_points(const Map& other, const Renumbered& renumbered);
 };
 
 }  // namespace coslam

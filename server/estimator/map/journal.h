@@ -13,34 +13,34 @@
 #include "common/base/time.h"
 #include "server/estimator/map/states.h"
 
-// What changed in the structure of the map, and why: for the result, a viewer, a store, and whoever asks why a point is
-// gone. New estimates of what stays are no events.
+// Changes in the structure of the map, with reasons: for the result, a viewer, a store, and anyone who asks why a point
+// was removed. New estimates of existing entities are no events.
 namespace coslam {
 
 enum class EventKind : std::uint8_t {
   kPointMade,
-  kPointBecame,  // another phase
+  kPointBecame,  // got another phase
   kPointFused,   // `other` became part of it
   kPointRemoved,
   kTrackBound,
   kTrackUnbound,
   kTrackMissed,  // outside the gate, first of a succession
-  kTrackBecame,  // another motion
+  kTrackBecame,  // got another motion
   kTrackEnded,
   kCameraJoined,
   kCameraPlaced,
   kCameraLost,   // no pose, first of a succession
   kCameraFound,  // a pose again
-  kCameraLeft,   // its map
+  kCameraLeft,   // left its map
   kMapStarted,
   kMapMerged,  // `from` became part of it
   kMapMoved,
   kCameraMisdated,
-  kCameraLens,  // another one than was calibrated, or than was known until now
+  kCameraLens,  // lens differs from the calibration, or from what was known until now
 };
 inline constexpr std::size_t kEventKinds = static_cast<std::size_t>(EventKind::kCameraLens) + 1;
 
-// The reason of a change; each stage gives the ones that are its own. Up to two figures go with each, see text_of().
+// Reason of a change; each stage gives its own ones. Up to two figures go with each, see text_of().
 enum class Why : std::uint8_t {
   // points made
   kStartOfMap,
@@ -97,7 +97,7 @@ enum class Why : std::uint8_t {
 };
 inline constexpr std::size_t kWhys = static_cast<std::size_t>(Why::kLensFound) + 1;
 
-// A reason's name in files, and a clause for people in which {a} and {b} stand for the figures: it goes on after what
+// Name of a reason in files, and a clause for people in which {a} and {b} stand for the figures: it follows what
 // happened, as in "it was removed" + " " + clause.
 struct WhyText {
   std::string_view name, clause;
@@ -108,7 +108,7 @@ std::string_view name_of(PointPhase phase);
 std::string_view name_of(TrackMotion motion);
 std::optional<Why> why_of(std::string_view name);
 std::optional<EventKind> kind_of(std::string_view name);
-// What `to` of such an event is; empty where it means nothing.
+// Name of the state that Event::to holds for such an event; empty where it means nothing.
 std::string_view name_of_state(EventKind kind, std::uint8_t to);
 std::optional<std::uint8_t> state_of(EventKind kind, std::string_view name);
 
@@ -119,11 +119,11 @@ struct Event {
   TimeNs t_ns = 0;
   EventKind kind = EventKind::kPointMade;
   Why why = Why::kStartOfMap;
-  MapId map, from;       // from: the map that was merged
-  PointId point, other;  // other: the point that was fused
+  MapId map, from;       // `from`: the map that was merged
+  PointId point, other;  // `other`: the point that was fused
   std::optional<CameraId> camera;
   TrackId track;
-  std::uint8_t to = 0;  // the phase or motion that something became
+  std::uint8_t to = 0;  // phase or motion after the event
   Figures figures{};
 };
 
@@ -137,7 +137,7 @@ class Journal {
     if (on_) events_.push_back(event);
   }
   const std::vector<Event>& events() const { return events_; }
-  // Forgets what the last set had; what was noted since belongs to the one that begins.
+  // Forgets the last set's events; events noted since belong to the one that begins.
   void begin_set() {
     events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(ended_));
     ended_ = 0;
@@ -147,7 +147,7 @@ class Journal {
  private:
   bool on_ = true;
   std::vector<Event> events_;
-  std::size_t ended_ = 0;  // of the set that ended last
+  std::size_t ended_ = 0;  // number of events of the set that ended last
 };
 
 }  // namespace coslam

@@ -7,12 +7,12 @@
 
 #include "server/estimator/map/session_pen.h"
 
-// Who may write what of the map. Each room of the estimator has a key, which is the list of the verbs that it may call:
-// a function that takes a PoseEdit& can call these and no others. Narrow keys are for functions that several rooms
+// Write access to the map. Each room of the estimator has a key, which is the list of the verbs that it may call: a
+// function that takes a LocaliseEdit& can call these and no others. Narrow keys are for functions that several rooms
 // call. `coslam-server --stages` prints the keys of all stages.
 namespace coslam {
 
-// COSLAM_MAY(verb, ...): the key may call these; their names are in kMay.
+// COSLAM_MAY(verb, ...) lets a key call these verbs; their names are in kMay.
 #define COSLAM_PARENS ()
 #define COSLAM_EXPAND(...) COSLAM_EXPAND3(COSLAM_EXPAND3(COSLAM_EXPAND3(COSLAM_EXPAND3(__VA_ARGS__))))
 #define COSLAM_EXPAND3(...) COSLAM_EXPAND2(COSLAM_EXPAND2(COSLAM_EXPAND2(COSLAM_EXPAND2(__VA_ARGS__))))
@@ -57,38 +57,38 @@ class MovingPathEdit : public virtual SessionPen {
   COSLAM_MAY(record_motion);
 };
 
-// Takes in the solution of a bundle adjustment.
+// Applies the solution of a bundle adjustment.
 class BundleEdit : public virtual PointPositionEdit {
  public:
   COSLAM_MAY(adjust_pose, carry_agent, correct_lens, drop_observation, leave_zoom_out, move_point, note_breathing,
              note_moved, raise_epoch, remove_point);
 };
 
-// See pose/localise.h.
+// Key of pose/localise.h.
 class LocaliseEdit : public virtual FramePoseEdit {
  public:
   COSLAM_MAY(leave_map, lose_pose, measure_sigma, place, set_pose, set_scene_depth, set_sparse, accept_agent_pose);
 };
 
-// See pose/window.h.
+// Key of pose/window_pose.h.
 class WindowPoseEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(adjust_pose, push_pose_to_agent);
 };
 
-// See pose/find_again.h.
+// Key of pose/wide_search.h.
 class WideSearchEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(bind, keep_recent, set_pose, push_pose_to_agent);
 };
 
-// See pose/inter_pose.h.
+// Key of pose/inter_pose.h.
 class InterPoseEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(set_joint_pose);
 };
 
-// See create/start.h.
+// Key of create/start.h.
 class StartEdit : public virtual FramePoseEdit, public virtual BundleEdit {
  public:
   COSLAM_MAY(add_key_frame, adjust_pose, bind, carry_agent, correct_lens, create_point, drop_observation,
@@ -96,100 +96,100 @@ class StartEdit : public virtual FramePoseEdit, public virtual BundleEdit {
              remove_point, set_metric, set_pose);
 };
 
-// See places/meet.h.
+// Key of places/place_recognition.h.
 class PlaceRecognitionEdit : public virtual FramePoseEdit, public virtual PointPositionEdit {
  public:
   COSLAM_MAY(add_key_image, adjust_pose, bind, carry_agent, forget_view, fuse, keep_recent, merge, move_point,
              note_moved, place, raise_epoch, set_pose, transform_point);
 };
 
-// See associate/gate.h.
+// Key of associate/verify.h.
 class VerifyEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(give_patch, miss_gate, move_point, note_ray, pass_gate, prove, see, set_sparse);
 };
 
-// See motion/classify.h.
+// Key of motion/classify.h.
 class ClassifyEdit : public virtual MovingPathEdit {
  public:
   COSLAM_MAY(bind_moving, distrust_before, follow, forget_past, give_patch, keep_newest_patches, move_point, pass_gate,
              record_motion, remove_point, set_motion, start_moving, stop_moving, unbind, mark_co_moving);
 };
 
-// See motion/clock.h.
+// Key of motion/clock_offsets.h.
 class ClockOffsetsEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(set_clock_offset);
 };
 
-// See motion/lag_finder.h.
+// Key of motion/stamp_lag.h.
 class StampLagEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(note_misdated);
 };
 
-// See associate/register.h.
+// Key of associate/register.h.
 class RegisterEdit : public virtual PointPositionEdit {
  public:
   COSLAM_MAY(bind, keep_recent, move_point);
 };
 
-// See create/one_camera.h.
+// Key of create/map_intra.h.
 class MapIntraEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(bind, create_point, map_not_before);
 };
 
-// See create/two_cameras.h.
+// Key of create/map_inter.h.
 class MapInterEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(bind, create_point);
 };
 
-// See create/moving.h.
+// Key of create/map_moving.h.
 class MapMovingEdit : public virtual MovingPathEdit {
  public:
   COSLAM_MAY(bind_moving, create_point, fuse, record_motion);
 };
 
-// See associate/fuse.h.
+// Key of associate/fuse.h.
 class FuseEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(fuse, reposition_point);
 };
 
-// See associate/cull.h.
+// Key of associate/cull.h.
 class CullEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(keep_untracked, remove_point, thin_patches);
 };
 
-// See adjust/scale.h.
+// Key of adjust/scale.h.
 class ScaleEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(set_metric, transform);
 };
 
-// See adjust/key_frame.h.
+// Key of adjust/key_frames.h.
 class KeyFramesEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(add_key_frame);
 };
 
-// See correct/correct.h.
+// Key of correct/correct.h.
 class CorrectEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(mark_announced);
 };
 
-// See past/forget.h.
+// Key of past/forget.h.
 class ForgetEdit : public virtual LateFrameEdit {
  public:
   COSLAM_MAY(forget_frame, forget_patches, forget_seen, forget_view, place_past, remove_point, take_frames,
              take_motions);
 };
 
-// Of the map server, whose cameras and frame sets these are.
+// Key of the map server, which manages cameras and frame sets.
 class SessionEdit : public virtual SessionPen {
  public:
   COSLAM_MAY(add_camera, ingest, pass_sets, restart_camera, restore, set_alive, shift_times, take_in);

@@ -28,9 +28,9 @@ class ZoomSteps {
     return (1 - s) * before.log_zoom + s * after->log_zoom;
   }
   void move(SetId set, Eigen::Vector2f* undistorted_px) const {
-    const Eigen::Vector2d here = camera_.normalized_from_pixel(undistorted_px->cast<double>());
-    const Eigen::Vector2d off = lens_.raw_from_normalized(here) - centre_;
-    const auto n = lens_.normalized_from_raw(centre_ + std::exp(-log_zoom(set)) * off, here);
+    const Eigen::Vector2d normalized = camera_.normalized_from_pixel(undistorted_px->cast<double>());
+    const Eigen::Vector2d off = lens_.raw_from_normalized(normalized) - centre_;
+    const auto n = lens_.normalized_from_raw(centre_ + std::exp(-log_zoom(set)) * off, normalized);
     if (n) *undistorted_px = camera_.pixel_from_normalized(*n).cast<float>();
   }
 
@@ -44,7 +44,7 @@ class ZoomSteps {
 }  // namespace
 
 void LensPen::correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   const LensCorrection before = c.lens;
   c.lens.values = lens.values.cast<float>().cast<double>();  // as its agent is told
   c.lens_sigma = sigma;
@@ -92,7 +92,7 @@ void LensPen::move_observations(MapCamera* camera, const std::function<void(Eige
 
 void LensPen::leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom> zooms) {
   if (zooms.empty()) return;
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   const ZoomSteps steps(c, zooms);
   for (auto& [id, track] : c.tracks) {
     for (TrackPoint& p : track.seen) steps.move(p.set, &p.undistorted_px);

@@ -10,29 +10,28 @@
 
 namespace coslam {
 
-// The logarithm of how much longer the focal length of an image is than its camera's lens says.
+// Zoom of one image (focus breathing): logarithm of how much longer its focal length is than its camera's lens says.
 struct FrameZoom {
   SetId set;
   double log_zoom = 0;
 };
 
-// Verbs on lenses: what was observed through the older lens comes to where the new one has it.
+// Verbs on lenses: they move observations from where the older lens has them to where the new one does.
 class LensPen : public CameraPen {
  protected:
   using CameraPen::CameraPen;
 
-  // What is wrong about the camera's calibration, as far as it is known now: all that it saw is where the new lens has
-  // it.
+  // Sets the camera's lens correction, as far as it is known now, and moves all its observations to where the new lens
+  // has them.
   void correct_lens(const MapCamera& camera, const LensCorrection& lens, const LensCorrection::Values& sigma);
-  // The camera's focal length changes from image to image, by up to this share.
+  // Notes that the camera's focal length changes from image to image, by up to this share.
   void note_breathing(const MapCamera& camera, double most) {
-    own(camera).breathing = std::max(camera.breathing, most);
+    mutable_camera(camera).breathing = std::max(camera.breathing, most);
   }
-  // All that a camera saw comes to where it would be without zooms, which go evenly from one of these (ascending) to
-  // the next.
+  // Corrects all observations of a camera for its zooms, which are interpolated between these (sorted).
   void leave_zoom_out(const MapCamera& camera, std::span<const FrameZoom> zooms);
 
-  // Another calibration: what the camera saw before is where the new one would have seen it.
+  // Sets another calibration: earlier observations move to where the new one would have seen them.
   void change_model(MapCamera* camera, const CameraModel& model);
 
  private:

@@ -8,19 +8,18 @@
 
 namespace coslam {
 
-// From where one lens of a camera has a raw pixel in the undistorted image to where another one has it. Refers to the
-// camera.
+// Maps undistorted pixels of one lens of a camera to those of another, by the raw pixel. Refers to the camera.
 class LensStep {
  public:
   LensStep(const CameraModel& camera, const LensCorrection& from, const LensCorrection& to)
       : camera_(camera), from_(camera, from), to_(camera, to), none_(from == to) {}
 
   bool none() const { return none_; }
-  // Stays where it is when the new lens has no place for it.
+  // Moves a pixel; it stays where it is when the new lens has no place for it.
   void move(Eigen::Vector2f* undistorted_px) const {
     if (none_) return;
-    const Eigen::Vector2d here = camera_.normalized_from_pixel(undistorted_px->cast<double>());
-    const auto n = to_.normalized_from_raw(from_.raw_from_normalized(here), here);
+    const Eigen::Vector2d normalized = camera_.normalized_from_pixel(undistorted_px->cast<double>());
+    const auto n = to_.normalized_from_raw(from_.raw_from_normalized(normalized), normalized);
     if (n) *undistorted_px = camera_.pixel_from_normalized(*n).cast<float>();
   }
 

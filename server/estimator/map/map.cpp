@@ -39,7 +39,7 @@ class Information {
 // The first and the last view of each track that ever showed the point.
 class TrackEnds {
  public:
-  TrackEnds(const Map& map, const MapPoint& point) : map_(map), of_(point.map) {
+  TrackEnds(const Map& map, const MapPoint& point) : map_(map), map_id_(point.map) {
     for (const KeyObservation& o : point.key_observations) extend(o.camera, o.track, o.set);
     for (const BoundTrack& b : point.bound) {
       const ServerTrack& t = map.track(b);
@@ -63,7 +63,7 @@ class TrackEnds {
   };
   void extend(CameraId camera, TrackId track, SetId set) {
     const FramePose* f = map_.camera(camera).frame_at(set);
-    if (f == nullptr || f->map != of_) return;  // the newest frame may not have its pose yet
+    if (f == nullptr || f->map != map_id_) return;  // the newest frame may not have its pose yet
     // Mostly one of the newest: they come in the order of time.
     const auto same = [&](const Ends& e) { return e.camera == camera && e.track == track; };
     const auto at = std::find_if(tracks_.rbegin(), tracks_.rend(), same);
@@ -76,7 +76,7 @@ class TrackEnds {
   }
 
   const Map& map_;
-  MapId of_;
+  MapId map_id_;
   std::vector<Ends> tracks_;
 };
 
@@ -187,9 +187,9 @@ std::vector<const MapPoint*> Map::moving_points() const {
 std::vector<const MapPoint*> Map::recent_points() const {
   std::vector<const MapPoint*> out;
   out.reserve(points_.recent.size());
-  const SetId since = set_ago(config_.recent_s);
+  const SetId first_set = set_ago(config_.recent_s);
   for (const auto& [id, p] : points_.recent) {
-    if (p->last_seen >= since) out.push_back(p);
+    if (p->last_seen >= first_set) out.push_back(p);
   }
   return out;
 }

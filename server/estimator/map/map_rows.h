@@ -14,16 +14,16 @@
 
 namespace coslam {
 
-// The map as rows: one for each camera, frame, point and path of a moving point, and one for the rest. Remembers what
-// was given out, so that only what changed since is given out again. Thread-compatible.
+// Converts the map to rows: one for each camera, frame, point and path of a moving point, and one for the rest.
+// Remembers what was written, so that only changes are written again. Thread-compatible.
 class MapRows {
  public:
-  // All that changed since the last call; they belong together.
+  // Returns all that changed since the last call; these rows belong together.
   std::vector<Row> changes(const Map& map);
-  // Of a map without anything in it. No camera is alive in it. Throws UserError for rows that contradict each other.
-  // version: of the rows.
+  // Fills an empty map from rows of that version; no camera is alive in it. Throws UserError for rows that contradict
+  // each other.
   static void restore(const Tables& tables, int version, Map* map);
-  // All that was given out is as if it had changed, as where the file has it in an older version.
+  // Has changes() return everything once more, as needed when the file has it in an older version.
   void write_all_again();
 
  private:
@@ -33,8 +33,8 @@ class MapRows {
   template <class Value>
   static void keep(const char* table, const std::map<PointId, Value>& values, Known* known, std::vector<Row>* rows);
 
-  // Fingerprints.
-  std::vector<std::vector<std::pair<SetId, std::uint64_t>>> frames_;  // by camera, ascending
+  // Fingerprints of what was written.
+  std::vector<std::vector<std::pair<SetId, std::uint64_t>>> frames_;  // one vector per camera, sorted by set
   Known points_, motions_;
 };
 

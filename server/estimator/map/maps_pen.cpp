@@ -28,7 +28,7 @@ void MapsPen::add_key_frame(SetId set, const std::vector<CameraId>& spared) {
   for (const MapCamera& c : map_.cameras_) {
     if (!map_.keeps_observations_of(set, c.id)) continue;
     for (const auto& [id, t] : c.tracks) {
-      MapPoint* p = own(t.point);
+      MapPoint* p = mutable_point(t.point);
       if (p == nullptr || set.value < t.distrusted_before || t.gate_failures > 0) continue;
       if (const auto i = t.index_at(set)) observe(*p, {set, c.id, id, t.seen[*i].undistorted_px});
     }
@@ -38,7 +38,7 @@ void MapsPen::add_key_frame(SetId set, const std::vector<CameraId>& spared) {
 void MapsPen::add_key_image(SetId set, CameraId camera) {
   if (!map_.key_images_.emplace(set, camera).second || map_.is_key_frame(set)) return;
   for (const auto& [id, track] : map_.camera(camera).tracks) {
-    MapPoint* p = own(track.point);
+    MapPoint* p = mutable_point(track.point);
     if (p == nullptr || track.seen.back().set != set || track.gate_failures > 0) continue;
     observe(*p, {set, camera, id, track.seen.back().undistorted_px});
   }

@@ -14,16 +14,16 @@ class MapsPen : public LensPen {
   using LensPen::LensPen;
 
   MapId new_map(Why why, double figure);
-  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it, but for those of cameras
-  // that are spared. Nothing if it is one already.
+  // Makes a set, now or earlier, a key frame: tracks bound now give their observations of it, except those of spared
+  // cameras. Does nothing if it is one already.
   void add_key_frame(SetId set, const std::vector<CameraId>& spared = {});
-  // One camera's image that is remembered by its looks: points keep their observations of it too.
+  // Makes one camera's image a key image: points keep their observations of it too.
   void add_key_image(SetId set, CameraId camera);
-  // Cameras and points of `from` become part of `into`, moved by into_from_from. Every pose ever, too.
+  // Merges `from` into `into`: cameras, points and every earlier pose are transformed by into_from_from.
   void merge(MapId from, MapId into, const Similarity3& into_from_from);
-  // Moves a whole map, e.g. to a known scale.
+  // Transforms a whole map, for example to a known scale.
   void transform(MapId map, const Similarity3& new_from_old, Why why);
-  // Lengths of that map are metres by now.
+  // Marks the lengths of that map as metres.
   void set_metric(MapId map) { map_.metric_.insert(map); }
   // Raises the epoch: the map moved under the agents.
   void raise_epoch() { ++map_.epoch_.value; }

@@ -16,24 +16,24 @@ class Owned {
   explicit Owned(MemoryUse* use) : use_(*use) {}
 
   template <HasFields T>
-  void add(const T& value, std::string_view what) {
-    each_field(value, [&](const auto& field) { add(field.value, use_of(field.name, what)); });
+  void add(const T& value, std::string_view purpose) {
+    each_field(value, [&](const auto& field) { add(field.value, use_of(field.name, purpose)); });
   }
   template <class T>
-  void add(const std::vector<T>& values, std::string_view what) {
-    count(what, bytes_of(values));
+  void add(const std::vector<T>& values, std::string_view purpose) {
+    count(purpose, bytes_of(values));
     if constexpr (HasFields<T>) {
-      for (const T& v : values) add(v, what);
+      for (const T& v : values) add(v, purpose);
     }
   }
   template <class Key, class Value>
-  void add(const FlatMap<Key, Value>& values, std::string_view what) {
-    for (const auto& [key, value] : values) add_one(value, what);
+  void add(const FlatMap<Key, Value>& values, std::string_view purpose) {
+    for (const auto& [key, value] : values) add_one(value, purpose);
   }
   template <class T>
-  void add_one(const T& value, std::string_view what) {
-    count(what, sizeof value);
-    add(value, what);
+  void add_one(const T& value, std::string_view purpose) {
+    count(purpose, sizeof value);
+    add(value, purpose);
   }
   template <class T>
   void add(const T&, std::string_view) {}  // holds nothing
@@ -42,12 +42,12 @@ class Owned {
   static std::string_view use_of(std::string_view field, std::string_view within) {
     if (field == "frames") return "poses";
     if (field == "held") return "held_tracks";
-    for (const std::string_view own : {"tracks", "key_observations", "patches"}) {
-      if (field == own) return own;
+    for (const std::string_view known_purpose : {"tracks", "key_observations", "patches"}) {
+      if (field == known_purpose) return known_purpose;
     }
     return within;
   }
-  void count(std::string_view what, std::size_t bytes) { use_[std::string(what)] += bytes; }
+  void count(std::string_view purpose, std::size_t bytes) { use_[std::string(purpose)] += bytes; }
 
   MemoryUse& use_;
 };

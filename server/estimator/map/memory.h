@@ -9,7 +9,7 @@
 
 #include "server/estimator/map/map.h"
 
-// What a map holds, in bytes: of what grows with a run somebody should know how fast.
+// Memory of a map in bytes, to see how fast it grows in a run.
 namespace coslam {
 
 using MemoryUse = std::map<std::string, std::size_t>;
@@ -19,8 +19,8 @@ std::size_t bytes_of(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-// By what it is kept for: poses, tracks (live ones), points, key_observations, patches, paths. Without what the
-// allocator adds.
+// Returns the bytes by kind: poses, tracks (live ones), points, key_observations, patches, paths. Without the
+// allocator's overhead.
 MemoryUse memory_of(const Map& map);
 
 }  // namespace coslam

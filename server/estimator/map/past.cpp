@@ -27,34 +27,34 @@ Rigid3 carried(const FramePose& frame, const std::vector<Change>& changes) {
   return interpolate(frame.cam_from_world * before.old_from_new, by_after, s);
 }
 
-void renumber(const Renumbered& as, ArchivedPlace* put) {
-  put->moves += as.moves;
-  put->shifted_ns += as.shifted_ns;
+void renumber(const Renumbered& renumbered, ArchivedPlace* put) {
+  put->moves += renumbered.moves;
+  put->shifted_ns += renumbered.shifted_ns;
 }
 
 // Times of the past stay as they were put down.
-Renumbered without_time(Renumbered as) {
-  as.later_ns = 0;
-  return as;
+Renumbered without_time(Renumbered renumbered) {
+  renumbered.later_ns = 0;
+  return renumbered;
 }
 
 }  // namespace
 
-void renumber(const Renumbered& as, PastFrames* block) {
-  const Renumbered numbers = without_time(as);
-  renumber(as, &block->put);
+void renumber(const Renumbered& renumbered, PastFrames* block) {
+  const Renumbered numbers = without_time(renumbered);
+  renumber(renumbered, &block->put);
   Renumber(numbers).apply(block->camera);
   Renumber(numbers).apply(block->frames);
 }
 
-void renumber(const Renumbered& as, PastPlaces* block) {
-  const Renumbered numbers = without_time(as);
-  renumber(as, &block->put);
+void renumber(const Renumbered& renumbered, PastPlaces* block) {
+  const Renumbered numbers = without_time(renumbered);
+  renumber(renumbered, &block->put);
   Renumber(numbers).apply(block->places);
 }
 
-Since since(const Map& map, const ArchivedPlace& put, MapId then) {
-  Since out{then, {}};
+MovedMap moved_map(const Map& map, const ArchivedPlace& put, MapId earlier_map) {
+  MovedMap out{earlier_map, {}};
   const auto& moves = map.moves();
   for (std::size_t i = put.moves; i < moves.size(); ++i) {
     if (moves[i].from != out.map) continue;
@@ -66,14 +66,14 @@ Since since(const Map& map, const ArchivedPlace& put, MapId then) {
 
 std::vector<FramePose> frames_now(const Map& map, const PastFrames& block) {
   const MapCamera& camera = map.camera(block.camera);
-  std::map<MapId, Since> moved;
+  std::map<MapId, MovedMap> moved;
   std::vector<FramePose> out = block.frames;
   std::map<MapId, std::vector<Change>> changes;  // by the map that it is now
   for (FramePose& f : out) {
     f.capture_ns += map.shifted_ns() - block.put.shifted_ns;
     if (!f.valid()) continue;
     const auto [at, added] = moved.try_emplace(f.map);
-    if (added) at->second = since(map, block.put, f.map);
+    if (added) at->second = moved_map(map, block.put, f.map);
     f.map = at->second.map;
     f.cam_from_world = transform_world(f.cam_from_world, at->second.now_from_then);
     const FramePose* now = camera.frame_at(f.set);

@@ -9,15 +9,15 @@
 #include "server/estimator/map/map.h"
 #include "server/estimator/map/rows.h"
 
-// What a long run put out of its memory, and where it is in the map as it is now. A map goes on moving: it is adjusted,
-// drawn together and made part of others. Frames that are past hang on those of their camera that memory still has, and
-// what was seen to move hangs on the frames that saw it.
+// Archived data of a long run, and where it is in the map as it is now. A map keeps moving: it is adjusted, corrected
+// by loops and made part of others. Archived frames are anchored to those of their camera that memory still has, and
+// positions of moving points to the frames that saw them.
 namespace coslam {
 
-// What was known of the map as a whole when something was put down.
+// State of the maps as wholes when something was archived.
 struct ArchivedPlace {
-  std::uint64_t moves = 0;  // of Map::moves() that it had been through
-  TimeNs shifted_ns = 0;    // Map::shifted_ns()
+  std::uint64_t moves = 0;  // number of Map::moves() so far
+  TimeNs shifted_ns = 0;    // Map::shifted_ns() so far
 };
 auto fields(Like<ArchivedPlace> auto& p) {
   return std::tuple(kept("moves", p.moves), kept("shifted_ns", p.shifted_ns));
@@ -30,7 +30,7 @@ struct PastFrames {
   std::vector<FramePose> frames;
 };
 
-// A place of a moving point, as a camera saw it.
+// Position of a moving point, relative to a camera that saw it.
 struct PastPlace {
   TimeNs t_ns = 0;
   PointId point;
@@ -49,11 +49,11 @@ auto fields(Like<PastPlace> auto& p) {
 
 struct PastPlaces {
   ArchivedPlace put;
-  std::vector<PastPlace> places;  // ascending time
+  std::vector<PastPlace> places;  // sorted by time
 };
 auto fields(Like<PastPlaces> auto& p) { return std::tuple(kept("put", p.put), kept("places", p.places)); }
 
-// All of one instant that leaves memory.
+// All data that leaves memory at one instant.
 struct PastPart {
   std::vector<PastFrames> frames;
   std::optional<PastPlaces> places;
@@ -62,33 +62,33 @@ struct PastPart {
 
 inline ArchivedPlace put_down_now(const Map& map) { return {map.moves().size(), map.shifted_ns()}; }
 
-// The map that a map of then is now, or is part of, and how it came there.
-struct Since {
+// Map that an earlier map is now, or is part of, and the transform from the earlier one.
+struct MovedMap {
   MapId map;
   Similarity3 now_from_then;
 };
-Since since(const Map& map, const ArchivedPlace& put, MapId then);
+MovedMap moved_map(const Map& map, const ArchivedPlace& put, MapId earlier_map);
 
-// The frames as they are now. What was corrected where memory holds their neighbours is shared out evenly between
+// Returns archived frames as they are now. Corrections of the neighbours that memory still has are interpolated between
 // these, as bundle adjustments do it between key frames.
 std::vector<FramePose> frames_now(const Map& map, const PastFrames& block);
 
-// Of a map that was taken in.
+// Renumbers archived data of a map that was taken in.
 struct Renumbered;
-void renumber(const Renumbered& as, PastFrames* block);
-void renumber(const Renumbered& as, PastPlaces* block);
+void renumber(const Renumbered& renumbered, PastFrames* block);
+void renumber(const Renumbered& renumbered, PastPlaces* block);
 
-// As octets, for files; and back. Throws UserError when they are none.
+// Serialises archived data to octets for files, and reads it. Throws UserError for damaged octets.
 std::string octets_of_past(const PastFrames& block);
 std::string octets_of_past(const PastPlaces& block);
 PastFrames past_frames_of(const std::string& octets);
 PastPlaces past_places_of(const std::string& octets);
 
-// Rows of the map file: tables that stay on disk.
+// Tables of the map file whose rows stay on disk.
 inline constexpr const char* kPastFramesTable = "past_frame";
 inline constexpr const char* kPastPlacesTable = "past_place";
 std::vector<Row> rows_of(const PastPart& past);
-// Of one camera, from the first to the last such number.
+// Keys of the first and last row of one camera.
 std::pair<std::int64_t, std::int64_t> past_frames_rows_of(CameraId camera);
 
 }  // namespace coslam

@@ -34,7 +34,7 @@ void PastPen::forget_view(SetId set, CameraId camera) {
   map_.skipped_key_images_.erase({set, camera});
   if (const auto at = map_.observed_in_.find({set, camera}); at != map_.observed_in_.end()) {
     for (const PointId id : at->second) {
-      MapPoint* p = own(id);
+      MapPoint* p = mutable_point(id);
       if (p == nullptr) continue;
       std::erase_if(p->key_observations, [&](const auto& o) { return o.set == set && o.camera == camera; });
     }
@@ -48,10 +48,10 @@ void PastPen::forget_view(SetId set, CameraId camera) {
 }
 
 void PastPen::forget_patches(const MapPoint& point) {
-  auto& all = own(point).patches;
+  auto& all = mutable_point(point).patches;
   if (all.empty()) return;
-  const auto gone = [&](const PointPatch& p) { return map_.camera(p.camera).frame_at(p.set) == nullptr; };
-  all.erase(std::remove_if(all.begin() + 1, all.end(), gone), all.end());
+  const auto has_no_frame = [&](const PointPatch& p) { return map_.camera(p.camera).frame_at(p.set) == nullptr; };
+  all.erase(std::remove_if(all.begin() + 1, all.end(), has_no_frame), all.end());
   all.shrink_to_fit();
 }
 
@@ -65,7 +65,7 @@ void PastPen::forget_seen(SetId before) {
 }
 
 std::vector<FramePose> PastPen::take_frames(const MapCamera& camera, SetId before, const std::set<SetId>& stays) {
-  MapCamera& c = own(camera);
+  MapCamera& c = mutable_camera(camera);
   const auto first = std::lower_bound(c.frames.begin(), c.frames.end(), c.past.until, before_set);
   const auto last = std::lower_bound(first, c.frames.end(), before, before_set);
   std::vector<FramePose> block;
@@ -74,8 +74,8 @@ std::vector<FramePose> PastPen::take_frames(const MapCamera& camera, SetId befor
     f->held = {};
     block.push_back(*f);
   }
-  const auto gone = std::remove_if(first, last, [&](const FramePose& f) { return !stays.contains(f.set); });
-  c.frames.erase(gone, last);
+  const auto new_end = std::remove_if(first, last, [&](const FramePose& f) { return !stays.contains(f.set); });
+  c.frames.erase(new_end, last);
   count(block, &c.past);
   c.past.until = before;
   return block;
@@ -83,7 +83,7 @@ std::vector<FramePose> PastPen::take_frames(const MapCamera& camera, SetId befor
 
 void PastPen::forget_frame(const MapCamera& camera, SetId set) {
   COSLAM_CHECK(set < camera.past.until, "only what was given out");
-  std::erase_if(own(camera).frames, [&](const FramePose& f) { return f.set == set; });
+  std::erase_if(mutable_camera(camera).frames, [&](const FramePose& f) { return f.set == set; });
 }
 
 std::vector<std::pair<PointId, MotionSample>> PastPen::take_motions(SetId before) {

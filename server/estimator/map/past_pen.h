@@ -10,24 +10,23 @@
 
 namespace coslam {
 
-// Verbs by which the memory of a long run is freed.
+// Verbs that free the memory of a long run.
 class PastPen : public MapsPen {
  protected:
   using MapsPen::MapsPen;
 
-  // What was observed in an image that is not newer is kept no more; a key frame of which nothing is kept is none any
-  // more.
+  // Drops the observations of one earlier image; a key frame of which nothing is kept is no key frame any more.
   void forget_view(SetId set, CameraId camera);
-  // Of the point's patches those go whose image has no frame any more, but for the first, which tells its grey.
+  // Drops those of the point's patches whose image has no frame any more, except the first, which tells its grey value.
   void forget_patches(const MapPoint& point);
-  // Tracks forget where they were seen before that set.
+  // Drops the observations of all tracks before that set.
   void forget_seen(SetId before);
-  // A camera's frames up to that set are past: gives out all of them that are not yet, without what they held. In
-  // memory stay those that `stays` says.
+  // Archives a camera's frames before that set: returns all that were not returned earlier, without what they held.
+  // Only the frames in `stays` remain in memory.
   std::vector<FramePose> take_frames(const MapCamera& camera, SetId before, const std::set<SetId>& stays);
-  // The frame that memory still holds of the past goes too.
+  // Drops a frame that was archived but remained in memory.
   void forget_frame(const MapCamera& camera, SetId set);
-  // The oldest part of the paths of moving points leaves memory.
+  // Takes the samples before that set out of the paths of moving points.
   std::vector<std::pair<PointId, MotionSample>> take_motions(SetId before);
 };
 

@@ -16,12 +16,12 @@ std::int64_t key_of(CameraId camera, SetId set) {
 
 // Without what a frame held: that is not past.
 struct BareFrame {
-  FramePose& of;
+  FramePose& frame;
 };
 template <class A>
 void serialize(A& a, BareFrame& v) {
-  a(v.of.set, v.of.frame, v.of.capture_ns, v.of.map, v.of.joint);
-  if (v.of.valid()) a(v.of.cam_from_world);
+  a(v.frame.set, v.frame.frame, v.frame.capture_ns, v.frame.map, v.frame.joint);
+  if (v.frame.valid()) a(v.frame.cam_from_world);
 }
 
 template <class A>

@@ -18,7 +18,7 @@
 
 namespace coslam {
 
-// Looks of a point that are kept.
+// Most patches that are kept of a point.
 inline constexpr std::size_t kPatchesOfPoint = 6;
 
 struct KeyObservation {
@@ -34,9 +34,9 @@ auto fields(Like<KeyObservation> auto& o) {
 
 struct PointPatch {  // NOLINT(cppcoreguidelines-pro-type-member-init): never without its pixels
   CameraId camera;
-  SetId set;  // of the image it was cut from
+  SetId set;  // set of the image it was cut from
   PatchGrey pixels;
-  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();  // from the patch's centre to the point
+  Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();  // offset from the patch's centre to the point
 };
 auto fields(Like<PointPatch> auto& p) {
   return std::tuple(kept("camera", p.camera), kept("set", p.set), kept("pixels", p.pixels),
@@ -60,14 +60,14 @@ struct MapPoint {
   SetId last_seen;
   TimeNs first_ns = 0;
   TimeNs last_ns = 0;
-  std::vector<KeyObservation> key_observations;  // at key frames and key images, ascending (set, camera)
+  std::vector<KeyObservation> key_observations;  // observations at key frames and key images, sorted by (set, camera)
   std::vector<BoundTrack> bound;                 // live tracks
-  std::vector<PointPatch> patches;               // from different directions, few
-  std::uint32_t views = 0;                       // observations that were gated in, all frames
-  std::vector<Eigen::Vector3d> updated_from;     // by camera, as far as needed: ray at the last Kalman update or 0
+  std::vector<PointPatch> patches;               // few, from different directions
+  std::uint32_t views = 0;                       // observations within the gate, over all frames
+  std::vector<Eigen::Vector3d> updated_from;  // ray at the last Kalman update by each camera, or 0; as long as needed
 
   bool moves() const { return phase == PointPhase::kMoving; }
-  bool rests() const { return phase != PointPhase::kMoving; }  // static, or on trial for that
+  bool rests() const { return phase != PointPhase::kMoving; }  // static, or on trial for it
   bool proven() const { return phase == PointPhase::kStatic; }
 };
 auto fields(Like<MapPoint> auto& p) {
@@ -78,10 +78,10 @@ auto fields(Like<MapPoint> auto& p) {
                     kept("views", p.views), kept("updated_from", p.updated_from));
 }
 
-// What agents and files are told of a point.
+// State of a point as agents and files are told.
 PointState told_state(PointPhase phase);
 
-// What was seen of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
+// Observations of a moving point at one set; its position at the instant t_ns follows from the poses and the clocks,
 // whenever these are corrected.
 struct MotionSample {
   SetId set;
@@ -92,9 +92,9 @@ auto fields(Like<MotionSample> auto& s) {
   return std::tuple(kept("set", s.set), instant("t_ns", s.t_ns), kept("seen", s.seen));
 }
 
-// A live track of the camera shows the point.
+// True when a live track of the camera shows the point.
 bool seen_by(const MapPoint& point, CameraId camera);
-// Live tracks of one camera show both, so they are two things.
+// True when live tracks of one camera show both points, so that they are two things.
 bool seen_at_once(const MapPoint& p, const MapPoint& q);
 
 }  // namespace coslam

@@ -52,76 +52,76 @@ void PointPen::set_phase(MapPoint& point, PointPhase phase, Why why, Figures fig
 }
 
 void PointPen::move_point(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
-  own(point).position = position;
-  own(point).covariance = covariance;
+  mutable_point(point).position = position;
+  mutable_point(point).covariance = covariance;
 }
 
 void PointPen::reposition_point(const MapPoint& point, const Eigen::Vector3d& position) {
-  own(point).position = position;
-  own(point).covariance = map_.covariance_of(point);
+  mutable_point(point).position = position;
+  mutable_point(point).covariance = map_.covariance_of(point);
 }
 
 void PointPen::transform_point(const MapPoint& point, const Similarity3& new_from_old) {
   const Eigen::Matrix3d m = new_from_old.scale * new_from_old.rotation.toRotationMatrix();
-  own(point).position = new_from_old * point.position;
-  own(point).covariance = m * point.covariance * m.transpose();
+  mutable_point(point).position = new_from_old * point.position;
+  mutable_point(point).covariance = m * point.covariance * m.transpose();
 }
 
-void PointPen::forget_past(const MapPoint& of) {
-  MapPoint& point = own(of);
+void PointPen::forget_past(const MapPoint& map_point) {
+  MapPoint& point = mutable_point(map_point);
   point.key_observations.clear();
   point.updated_from.clear();
   for (const BoundTrack& b : point.bound) distrust_before(map_.track(b), map_.now_);
 }
 
-void PointPen::see(const MapPoint& of) {
-  MapPoint& point = own(of);
+void PointPen::see(const MapPoint& map_point) {
+  MapPoint& point = mutable_point(map_point);
   ++point.views;
   point.last_ns = map_.now_ns_;
   touch(point);
 }
 
-void PointPen::keep_recent(const MapPoint& point) { touch(own(point)); }
+void PointPen::keep_recent(const MapPoint& point) { touch(mutable_point(point)); }
 
 void PointPen::follow(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance) {
   move_point(point, position, covariance);
   see(point);
 }
 
-void PointPen::note_ray(const MapPoint& of, CameraId camera, const Eigen::Vector3d& ray_in_world) {
-  auto& rays = own(of).updated_from;
+void PointPen::note_ray(const MapPoint& point, CameraId camera, const Eigen::Vector3d& ray_in_world) {
+  auto& rays = mutable_point(point).updated_from;
   if (rays.size() <= camera.value) rays.resize(camera.value + std::size_t{1}, Eigen::Vector3d::Zero());
   rays[camera.value] = ray_in_world;
 }
 
 void PointPen::prove(const MapPoint& point) {
-  set_phase(own(point), PointPhase::kStatic, Why::kStoodTheTrial, {static_cast<double>(point.views), 0});
+  set_phase(mutable_point(point), PointPhase::kStatic, Why::kStoodTheTrial, {static_cast<double>(point.views), 0});
 }
 
 void PointPen::put_on_trial(MapId map, Why why) {
   for (const MapPoint* p : map_.recent_points()) {
-    if (p->map == map && p->proven()) set_phase(own(*p), PointPhase::kTrial, why);
+    if (p->map == map && p->proven()) set_phase(mutable_point(*p), PointPhase::kTrial, why);
   }
 }
 
 void PointPen::start_moving(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
                             Why why, Figures figures) {
-  set_phase(own(point), PointPhase::kMoving, why, figures);
+  set_phase(mutable_point(point), PointPhase::kMoving, why, figures);
   forget_past(point);
   follow(point, position, covariance);
   for (const BoundTrack& b : point.bound) {
     pass_gate(map_.track(b));
-    own(b).motion = TrackMotion::kMoving;
+    mutable_track(b).motion = TrackMotion::kMoving;
   }
 }
 
-void PointPen::stop_moving(const MapPoint& of, int frames) {
-  MapPoint& point = own(of);
+void PointPen::stop_moving(const MapPoint& map_point, int frames) {
+  MapPoint& point = mutable_point(map_point);
   set_phase(point, PointPhase::kTrial, Why::kStopped, {static_cast<double>(frames), 0});
   point.views = 0;
   point.updated_from.clear();
   for (const BoundTrack& b : point.bound) {
-    ServerTrack& t = own(b);
+    ServerTrack& t = mutable_track(b);
     t.motion = TrackMotion::kResting;
     t.gate_failures = 0;
     t.distrusted_before = t.seen[t.seen.size() - std::min(t.seen.size(), static_cast<std::size_t>(frames))].set.value;
@@ -130,53 +130,53 @@ void PointPen::stop_moving(const MapPoint& of, int frames) {
 }
 
 void PointPen::keep_newest_patches(const MapPoint& point, std::size_t most) {
-  auto& all = own(point).patches;
+  auto& all = mutable_point(point).patches;
   if (all.size() > most) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 void PointPen::thin_patches(std::size_t most) {
   for (const PointId id : map_.repatched_) {
-    MapPoint* p = own(id);
+    MapPoint* p = mutable_point(id);
     while (p != nullptr && p->patches.size() > most) p->patches.erase(p->patches.begin() + 1);
   }
   map_.repatched_.clear();
 }
 
 void PointPen::drop_observation(const MapPoint& point, SetId set, CameraId camera, TrackId track) {
-  std::erase_if(own(point).key_observations,
+  std::erase_if(mutable_point(point).key_observations,
                 [&](const KeyObservation& k) { return k.set == set && k.camera == camera && k.track == track; });
 }
 
-void PointPen::fuse(PointId kept, PointId gone, Why why, Figures figures) {
-  MapPoint* into = own(kept);
-  MapPoint* from = own(gone);
-  if (into == nullptr || from == nullptr || kept == gone) return;
+void PointPen::fuse(PointId kept_id, PointId removed_id, Why why, Figures figures) {
+  MapPoint* into = mutable_point(kept_id);
+  MapPoint* from = mutable_point(removed_id);
+  if (into == nullptr || from == nullptr || kept_id == removed_id) return;
   for (const BoundTrack& b : from->bound) {
-    own(b).point = kept;
+    mutable_track(b).point = kept_id;
     into->bound.push_back(b);
   }
-  if (!into->bound.empty()) map_.untracked_.erase(kept);
+  if (!into->bound.empty()) map_.untracked_.erase(kept_id);
   for (const KeyObservation& o : from->key_observations) observe(*into, o);
   into->patches.insert(into->patches.end(), from->patches.begin(), from->patches.end());
-  map_.repatched_.push_back(kept);
+  map_.repatched_.push_back(kept_id);
   into->views += from->views;
   if (from->proven() && into->rests()) set_phase(*into, PointPhase::kStatic, Why::kOtherWasProven);
-  if (const auto moved = map_.motions_.find(gone); moved != map_.motions_.end()) {
-    auto& path = map_.motions_[kept];
+  if (const auto moved = map_.motions_.find(removed_id); moved != map_.motions_.end()) {
+    auto& path = map_.motions_[kept_id];
     path.insert(path.end(), moved->second.begin(), moved->second.end());
     std::stable_sort(path.begin(), path.end(), [](const auto& a, const auto& b) { return a.set < b.set; });
-    map_.motions_.erase(gone);
+    map_.motions_.erase(removed_id);
   }
   into->last_seen = std::max(into->last_seen, from->last_seen);
   into->first_ns = std::min(into->first_ns, from->first_ns);
   into->last_ns = std::max(into->last_ns, from->last_ns);
-  map_.points_.recent.emplace(kept, into);
+  map_.points_.recent.emplace(kept_id, into);
   Event e = event(EventKind::kPointFused, why, figures);
   e.map = into->map;
-  e.point = kept;
-  e.other = gone;
+  e.point = kept_id;
+  e.other = removed_id;
   journal_.note(e);
-  erase_point(gone);
+  erase_point(removed_id);
 }
 
 }  // namespace coslam

@@ -18,39 +18,41 @@ class PointPen : public TrackPen {
   const MapPoint& create_point(MapId map, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance,
                                PointPhase phase, Why why, Figures figures = {});
   void remove_point(const MapPoint& point, Why why, Figures figures = {});
-  // Another estimate of a point.
+  // Replaces the estimate of a point.
   void move_point(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance);
-  // Another estimate of a point, with the covariance that its views give there.
+  // Replaces the position of a point, and recomputes its covariance from its views there.
   void reposition_point(const MapPoint& point, const Eigen::Vector3d& position);
   void transform_point(const MapPoint& point, const Similarity3& new_from_old);
-  // The point's observations so far are of a place that it left.
-  void forget_past(const MapPoint& of);
-  // A track of the point was inside the gate.
-  void see(const MapPoint& of);
-  // The point is in use, whether or not it was seen.
+  // Drops the point's observations so far, which are of a place that it left.
+  void forget_past(const MapPoint& map_point);
+  // Notes that a track of the point was inside the gate.
+  void see(const MapPoint& map_point);
+  // Marks the point as in use, whether or not it was seen.
   void keep_recent(const MapPoint& point);
-  // Where a moving point is now, by views of this instant.
+  // Sets the present position of a moving point, by views of this instant.
   void follow(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance);
-  // The direction from which the filter saw the point last.
-  void note_ray(const MapPoint& of, CameraId camera, const Eigen::Vector3d& ray_in_world);
+  // Notes the direction from which the filter saw the point last.
+  void note_ray(const MapPoint& point, CameraId camera, const Eigen::Vector3d& ray_in_world);
   void prove(const MapPoint& point);
-  // All static points of a map have to stand still for a while before anything rests on them.
+  // Puts all static points of a map on trial: they have to stand still for a while before anything rests on them.
   void put_on_trial(MapId map, Why why);
-  // The point moves: all that it was seen at is of a place that it left.
+  // Makes a point moving: its earlier observations are of a place that it left.
   void start_moving(const MapPoint& point, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance, Why why,
                     Figures figures = {});
-  // The point stood still in the last `frames` of its tracks, which alone still count. It may go on, so it is on trial.
-  void stop_moving(const MapPoint& of, int frames);
-  // Only the newest patches of the point stay.
+  // Puts a moving point on trial because it stood still in the last `frames` of its tracks, which alone still count; it
+  // may move again.
+  void stop_moving(const MapPoint& map_point, int frames);
+  // Drops all but the newest patches of the point.
   void keep_newest_patches(const MapPoint& point, std::size_t most);
-  // Of all points that were given a patch: the first and the newest stay, which come from the most different places.
+  // Thins the patches of all points that were given one: the first and the newest stay, which come from the most
+  // different places.
   void thin_patches(std::size_t most);
-  // The point was followed again, or is worth keeping without.
+  // Takes a point off the untracked ones: it was followed again, or is worth keeping without.
   void keep_untracked(PointId point) { map_.untracked_.erase(point); }
   void drop_observation(const MapPoint& point, SetId set, CameraId camera, TrackId track);
-  // `gone` is the same thing as `kept`: its tracks and observations move over.
-  void fuse(PointId kept, PointId gone, Why why, Figures figures = {});
-  // Observations of this instant become part of a moving point's path.
+  // Fuses two points: the tracks and observations of `removed_id` move to `kept_id`.
+  void fuse(PointId kept_id, PointId removed_id, Why why, Figures figures = {});
+  // Appends observations of this instant to a moving point's path.
   void record_motion(PointId point, MotionSample sample) { map_.motions_[point].push_back(std::move(sample)); }
 
  private:

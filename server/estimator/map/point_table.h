@@ -10,12 +10,12 @@
 
 namespace coslam {
 
-// All points of the map, and where those are that are asked for again and again. A copy points to its own points.
+// Table of all points of the map, with indices for frequent queries. A copy refers to its own points.
 struct PointTable {
   std::map<PointId, MapPoint> all;
   IdTable<PointId, MapPoint> by_id;
   std::map<PointId, MapPoint*> moving;
-  FlatMap<PointId, MapPoint*> recent;  // seen lately, and some that were seen longer ago
+  FlatMap<PointId, MapPoint*> recent;  // points seen lately, and some that were seen longer ago
 
   PointTable() = default;
   PointTable(const PointTable& other) : all(other.all) {
@@ -29,7 +29,7 @@ struct PointTable {
   PointTable& operator=(PointTable&&) = default;
   ~PointTable() = default;
 
-  // One of all, which is not in the indices yet.
+  // Adds a point of `all` to the indices.
   void index(MapPoint& point, bool is_recent) {
     by_id.put(point.id, point);
     if (point.moves()) moving.emplace(point.id, &point);

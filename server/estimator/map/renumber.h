@@ -14,29 +14,30 @@
 
 namespace coslam {
 
-// How what came from another map is numbered here. Ids that an agent gave stay: they are scoped by its camera.
+// Offsets by which ids and times of another map are renumbered in this one. Ids that an agent gave stay: they are
+// scoped by its camera.
 struct Renumbered {
   std::uint16_t cameras = 0;
   std::uint32_t points = 0, maps = 0, sets = 0;
   TimeNs later_ns = 0;
-  std::uint64_t moves = 0;  // of Map::moves(), before those of the other map
-  TimeNs shifted_ns = 0;    // to be added to the other's ArchivedPlace::shifted_ns
+  std::uint64_t moves = 0;  // added to the other map's numbers of Map::moves()
+  TimeNs shifted_ns = 0;    // added to the other map's ArchivedPlace::shifted_ns
 
-  CameraId of(CameraId id) const { return CameraId(static_cast<std::uint16_t>(id.value + cameras)); }
-  PointId of(PointId id) const { return id == PointId() ? id : PointId(id.value + points); }
-  MapId of(MapId id) const { return id == MapId() ? id : MapId(id.value + maps); }
-  SetId of(SetId id) const { return SetId(id.value + sets); }
+  CameraId new_id(CameraId id) const { return CameraId(static_cast<std::uint16_t>(id.value + cameras)); }
+  PointId new_id(PointId id) const { return id == PointId() ? id : PointId(id.value + points); }
+  MapId new_id(MapId id) const { return id == MapId() ? id : MapId(id.value + maps); }
+  SetId new_id(SetId id) const { return SetId(id.value + sets); }
 };
 
-// Gives everything in a value its number here, by the types of its fields; instants move by later_ns.
+// Renumbers all ids in a value, by the types of its fields; instants move by later_ns.
 class Renumber {
  public:
-  explicit Renumber(const Renumbered& as) : as_(as) {}
+  explicit Renumber(const Renumbered& renumbered) : renumbered_(renumbered) {}
 
   template <class T>
   void apply(T& value) const {
-    if constexpr (requires { as_.of(value); }) {
-      value = as_.of(value);
+    if constexpr (requires { renumbered_.new_id(value); }) {
+      value = renumbered_.new_id(value);
     } else if constexpr (HasFields<T>) {
       each_field(value, [this](const auto& field) {
         if constexpr (std::remove_cvref_t<decltype(field)>::kIsInstant) {
@@ -45,7 +46,7 @@ class Renumber {
           apply(field.value);
         }
       });
-    }  // else: a figure
+    }  // other types hold no ids
   }
   template <class T>
   void apply(std::vector<T>& values) const {
@@ -55,16 +56,16 @@ class Renumber {
   void apply(std::map<Key, Value>& values) const {
     std::map<Key, Value> out;
     for (auto& [key, value] : values) {
-      Key as = key;
-      apply(as);
+      Key new_key = key;
+      apply(new_key);
       apply(value);
-      out.emplace(as, std::move(value));
+      out.emplace(new_key, std::move(value));
     }
     values = std::move(out);
   }
 
  private:
-  void shift(TimeNs& t_ns) const { t_ns += as_.later_ns; }
+  void shift(TimeNs& t_ns) const { t_ns += renumbered_.later_ns; }
   template <class T>
   void shift(std::vector<T>& values) const {
     for (T& v : values) shift(v);
@@ -74,7 +75,7 @@ class Renumber {
     shift(span.second);
   }
 
-  const Renumbered& as_;
+  const Renumbered& renumbered_;
 };
 
 }  // namespace coslam

@@ -9,18 +9,18 @@
 
 namespace coslam {
 
-// The map as it is kept on disk: octets by table and number.
+// Row of a map file: octets by table and number.
 struct Row {
   std::string table;
   std::int64_t key = 0;
-  std::string bytes;  // empty: this row is gone
+  std::string bytes;  // empty: this row was removed
 };
 using Tables = std::map<std::string, std::map<std::int64_t, std::string>>;
 
-// Of the octets in rows. 1 has no past; 2 lacks what fields() of the entities has since 3.
+// Version of the octets in rows. 1 has no past; 2 lacks what fields() of the entities has since 3.
 inline constexpr int kRowsVersion = 3;
 
-// Rows of the table "state", one for each who keeps something beside the map.
+// Keys of the table "state", one for each object that keeps something beside the map.
 enum class StateRow : std::int64_t {
   kMap,
   kMeetings,

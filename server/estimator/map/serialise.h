@@ -27,8 +27,8 @@
 #include "common/geometry/rigid3.h"
 #include "server/estimator/map/rows.h"
 
-// Values as octets, for the map file; little endian. What is read came through a check sum, which anybody can make: no
-// count in it is believed. For the few sources that save something: the header is heavy.
+// Serialisation of values to octets for the map file; little endian. Input passed a check sum, which anybody can make:
+// no count in it is trusted. The header is heavy, so only the few sources that save something include it.
 namespace Eigen {
 
 template <class Archive, class Scalar, int kRows, int kCols, int kOptions>
@@ -71,7 +71,7 @@ void serialize(Archive& archive, Similarity3& v) {
   archive(v.scale, v.rotation, v.translation);
 }
 
-// Reads what BinaryOutputArchive wrote, and believes no count: whatever is counted takes an octet at least.
+// Reads what BinaryOutputArchive wrote, and trusts no count: every counted element takes at least one octet.
 class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmptyClassElision> {
  public:
   // version: of the rows, see kRowsVersion.
@@ -81,7 +81,7 @@ class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmpt
 
   void loadBinary(void* to, std::size_t size) {  // NOLINT(readability-identifier-naming): cereal's
     check_room(size);
-    if (size == 0) return;  // there may be no place either
+    if (size == 0) return;  // `to` may be null then
     std::memcpy(to, left_.data(), size);
     left_.remove_prefix(size);
   }
@@ -94,7 +94,7 @@ class OctetArchive : public cereal::InputArchive<OctetArchive, cereal::AllowEmpt
   int version_;
 };
 
-// A struct is written as its kept fields are, one after the other.
+// Serialises a struct as its kept fields, one after the other.
 template <class Archive, HasFields T>
 void serialize(Archive& archive, T& value) {
   int version = kRowsVersion;
@@ -112,7 +112,7 @@ std::string octets_of(const Values&... values) {
   return std::move(out).str();
 }
 
-// What cereal looks for, by these names.
+// Overloads that cereal finds by these names.
 template <class T>
 std::enable_if_t<std::is_arithmetic_v<T>> CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, T& value) {
   if constexpr (std::is_same_v<T, bool>) {
@@ -138,7 +138,7 @@ void CEREAL_LOAD_FUNCTION_NAME(OctetArchive& archive, cereal::BinaryData<T>& dat
   archive.loadBinary(data.data, static_cast<std::size_t>(data.size));
 }
 
-// Throws UserError when they are not what they should be.
+// Reads values from octets; throws UserError when they are damaged.
 template <class... Values>
 void read_octets_of(int version, const std::string& octets, Values&... values) {
   try {
@@ -153,7 +153,7 @@ void read_octets(const std::string& octets, Values&... values) {
   read_octets_of(kRowsVersion, octets, values...);
 }
 
-// The same of a row of "state"; values stay as they are when there is none.
+// Reads values from a row of the table "state"; they stay as they are when there is none.
 template <class... Values>
 void read_state(const Tables& tables, StateRow row, Values&... values) {
   const auto table = tables.find("state");

@@ -21,11 +21,11 @@ constexpr std::size_t kNewest = 16;  // frames or sets that tell the time betwee
 void thin_out(std::vector<TrackPoint>& seen) {
   if (seen.size() <= 2 * kTrackKeepAll) return;
   const std::size_t old = seen.size() - kTrackKeepAll;
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (i >= old || i % 2 == 0) seen[kept++] = seen[i];
+    if (i >= old || i % 2 == 0) seen[count++] = seen[i];
   }
-  seen.resize(kept);
+  seen.resize(count);
 }
 
 // Of each part of the image the track that was followed longest.
@@ -77,7 +77,7 @@ CameraId SessionPen::add_camera(const std::string& name, RunId run, const Camera
 }
 
 void SessionPen::restart_camera(CameraId id, RunId run, const CameraModel& model) {
-  MapCamera& c = own(id);
+  MapCamera& c = mutable_camera(id);
   for (auto& [track_id, track] : c.tracks) end_track(id, track, Why::kRestarted);
   c.tracks.clear();
   c.run = run;
@@ -98,7 +98,7 @@ void SessionPen::ingest(const FrameSet& set) {
   if (times_ns.size() > kNewest) times_ns.erase(times_ns.begin());
   map_.set_interval_s_ = interval_s(times_ns).value_or(map_.set_interval_s_);
   erase_if(&map_.points_.recent, [&](const auto& entry) { return !map_.is_recent(entry.second->last_seen); });
-  for (const CameraFrame& cf : set.frames) take_tracks(own(cf.camera), cf, set.id);
+  for (const CameraFrame& cf : set.frames) take_tracks(mutable_camera(cf.camera), cf, set.id);
 }
 
 void SessionPen::take_tracks(MapCamera& c, const CameraFrame& cf, SetId set) {

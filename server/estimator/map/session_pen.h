@@ -9,21 +9,21 @@
 
 namespace coslam {
 
-// Verbs on a map's session: who takes part, what comes in, what time it is.
+// Verbs on a map's session: which agents take part, what they send, what time it is.
 class SessionPen : public ImportPen {
  protected:
   using ImportPen::ImportPen;
 
   CameraId add_camera(const std::string& name, RunId run, const CameraModel& model);
-  // An agent that restarted: its old tracks are gone, its poses stay.
+  // Resets a camera whose agent restarted: its old tracks are removed, its poses stay.
   void restart_camera(CameraId id, RunId run, const CameraModel& model);
-  void set_alive(CameraId id, bool alive) { own(id).alive = alive; }
+  void set_alive(CameraId id, bool alive) { mutable_camera(id).alive = alive; }
   // Takes the tracks of a frame set: extends, starts and ends tracks. Poses are left invalid.
   void ingest(const FrameSet& set);
 
-  // Nothing was seen for so many frame sets.
+  // Counts frame sets in which nothing was seen.
   void pass_sets(std::uint32_t sets) { map_.now_.value += sets; }
-  // All times that are known are so much later than they were given.
+  // Adds by_ns to all known times.
   void shift_times(TimeNs by_ns);
 
  private:

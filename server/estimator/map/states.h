@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-// The two small machines of the map. What leads from one state to another is a Why (journal.h).
+// State machines of points and tracks. Transitions have reasons, see Why (journal.h).
 namespace coslam {
 
-// What a point is.
+// State of a point.
 //
 //   from    to      when
 //   -       trial   mapped from a short track of one camera, or from the start of a map
@@ -15,12 +15,12 @@ namespace coslam {
 //   -       moving  two cameras follow one thing that moves
 //   trial   static  seen inside the gate for long enough
 //   trial   moving  several cameras see it elsewhere, and agree where
-//   static  moving  the same
+//   static  moving  several cameras see it elsewhere, and agree where
 //   static  trial   its map has just been started
 //   moving  trial   it stopped
 //
-// Poses, filter and bundle adjustment rest on static points alone; on those on trial where there is nothing better. A
-// point of another state than its tracks allow is removed: there is no state for what is false.
+// Poses, filter and bundle adjustment rest on static points, and on those on trial only where there is nothing better.
+// A false point is removed: there is no state for it.
 enum class PointPhase : std::uint8_t { kTrial, kStatic, kMoving };
 
 constexpr bool may_become(PointPhase from, PointPhase to) {
@@ -28,14 +28,14 @@ constexpr bool may_become(PointPhase from, PointPhase to) {
   return (from == kTrial && to != kTrial) || (from == kStatic && to != kStatic) || (from == kMoving && to == kTrial);
 }
 
-// What a track follows, as far as its own camera can tell, or as the point says that it is bound to.
+// Motion of what a track follows, as far as its own camera can tell, or by the point that it is bound to.
 //
 //   from      to        when
 //   resting   doubtful  no static place explains it well: it is not mapped as static
 //   resting   moving    it misses every static place by more, and so do its neighbours; or it is bound to what moves
-//   doubtful  moving    the same
+//   doubtful  moving    it misses every static place by more, and so do its neighbours; or it is bound to what moves
 //   doubtful  resting   a static place explains it again
-//   moving    resting   the same, somewhere near enough to pass by; or its point stopped
+//   moving    resting   a static place, near enough to pass by, explains it again; or its point stopped
 //   moving    doubtful  it misses by less than before
 enum class TrackMotion : std::uint8_t { kResting, kDoubtful, kMoving };
 

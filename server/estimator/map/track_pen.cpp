@@ -11,7 +11,7 @@ namespace coslam {
 
 // Its point no longer knows of it.
 void TrackPen::let_go(CameraId camera, ServerTrack& track) {
-  MapPoint* p = own(track.point);
+  MapPoint* p = mutable_point(track.point);
   if (p == nullptr) return;
   std::erase(p->bound, BoundTrack{camera, track.id});
   if (p->bound.empty()) map_.untracked_.insert(p->id);
@@ -23,9 +23,9 @@ void TrackPen::end_track(CameraId camera, ServerTrack& track, Why why) {
   let_go(camera, track);
 }
 
-void TrackPen::bind(const MapPoint& to, CameraId camera, const ServerTrack& of, Why why, Figures figures) {
-  MapPoint& point = own(to);
-  ServerTrack& track = own(of);
+void TrackPen::bind(const MapPoint& to, CameraId camera, const ServerTrack& server_track, Why why, Figures figures) {
+  MapPoint& point = mutable_point(to);
+  ServerTrack& track = mutable_track(server_track);
   COSLAM_CHECK(!track.bound(), "a track is bound once");
   track.point = point.id;
   track.gate_failures = 0;
@@ -41,14 +41,14 @@ void TrackPen::bind(const MapPoint& to, CameraId camera, const ServerTrack& of, 
 
 void TrackPen::bind_moving(const MapPoint& point, CameraId camera, const ServerTrack& track,
                            const Eigen::Vector2f& offset_px, Why why, Figures figures) {
-  own(track).offset_px = offset_px;
-  own(track).motion = TrackMotion::kMoving;
+  mutable_track(track).offset_px = offset_px;
+  mutable_track(track).motion = TrackMotion::kMoving;
   bind(point, camera, track, why, figures);
-  own(point).key_observations.clear();
+  mutable_point(point).key_observations.clear();
 }
 
-void TrackPen::unbind(CameraId camera, const ServerTrack& of, Why why, Figures figures) {
-  ServerTrack& track = own(of);
+void TrackPen::unbind(CameraId camera, const ServerTrack& server_track, Why why, Figures figures) {
+  ServerTrack& track = mutable_track(server_track);
   note_track(EventKind::kTrackUnbound, camera, track, why, figures);
   let_go(camera, track);
   track.point = PointId();
@@ -58,7 +58,7 @@ void TrackPen::unbind(CameraId camera, const ServerTrack& of, Why why, Figures f
 
 void TrackPen::give_patch(const MapPoint& point, CameraId camera, const ServerTrack& track) {
   if (!track.patch) return;
-  own(point).patches.push_back({camera, track.patch_set, *track.patch, track.offset_px});
+  mutable_point(point).patches.push_back({camera, track.patch_set, *track.patch, track.offset_px});
   map_.repatched_.push_back(point.id);
 }
 
@@ -67,13 +67,13 @@ int TrackPen::miss_gate(CameraId camera, const ServerTrack& track, double sigmas
     const Why why = std::isfinite(sigmas) ? Why::kOutsideGate : Why::kBehindCamera;
     note_track(EventKind::kTrackMissed, camera, track, why, {1, sigmas});
   }
-  return ++own(track).gate_failures;
+  return ++mutable_track(track).gate_failures;
 }
 
 void TrackPen::set_motion(CameraId camera, const ServerTrack& track, TrackMotion motion, Figures figures) {
   if (track.motion == motion) return;
   const Why why = motion < track.motion ? Why::kStaticPlace : Why::kNoStaticPlace;
-  own(track).motion = motion;
+  mutable_track(track).motion = motion;
   note_track(EventKind::kTrackBecame, camera, track, why, figures);
 }
 

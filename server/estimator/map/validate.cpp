@@ -46,8 +46,8 @@ class RowCheck {
  public:
   RowCheck(const Map& map, std::string row) : map_(map), row_(std::move(row)) {}
 
-  void require(bool holds, const std::string& what) const {
-    if (!holds) throw UserError("the map file cannot be used: " + row_ + ": " + what);
+  void require(bool holds, const std::string& message) const {
+    if (!holds) throw UserError("the map file cannot be used: " + row_ + ": " + message);
   }
 
   template <HasFields T>

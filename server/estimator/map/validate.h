@@ -8,10 +8,10 @@ class Map;
 struct PastFrames;
 struct PastPlaces;
 
-// For a map that was read from a file, which may be anybody's: ids are of something that is there, numbers finite,
-// times such that sums of them stay in range. Throws UserError, one sentence, for the first thing that is not so.
+// Checks a map that was read from a file, which may be anybody's: ids refer to existing entities, numbers are finite,
+// times are such that sums of them stay in range. Throws UserError, one sentence, for the first violation.
 void validate(const Map& map);
-// The same of what is past of that map, once the map is sound.
+// Checks archived data of a valid map, and throws like validate().
 void validate(const PastFrames& block, const Map& map);
 void validate(const PastPlaces& block, const Map& map);
 

@@ -26,7 +26,7 @@ struct ClassifyReport {
   int stopped = 0;                              // dynamic to static
   int slid = 0;                                 // tracks that left their static point
   int rebound = 0;                              // further tracks of moving points
-  int moving_tracks = 0;                        // unmapped ones that move, now
+  int moving_tracks = 0;                        // unmapped tracks that move in this set
 
   void count(auto&& add) const {
     add("became_uncertain", uncertain);
@@ -39,14 +39,14 @@ struct ClassifyReport {
   }
 };
 
-// The life of what moves, every frame set (paper 5.4); evidence.h judges.
+// Updates the state of points and tracks every frame set (paper 5.4); evidence.h judges.
 //   static: a track outside the gate `failures` sets in succession. When several cameras see the point elsewhere and
 //   this instant's observations agree on one position, it moves; when they do not, it is false and removed. When it is
 //   one track alone, that slid and leaves the point.
 //   moving: its position is that of this instant's observations (follow.h); static again when its tracks did not move
 //   against it in the last `still_s`. Poses rest on it only when it has proved itself again. A camera that alone still
 //   sees it gives its track back when that stands still.
-// A track without a point, as one camera's own motion says: moving or doubtful ones do not become static points.
+// A track without a point is judged by one camera's own motion: moving or doubtful ones do not become static points.
 ClassifyReport classify(ClassifyEdit& edit, const FrameSet& set, const ClassifyConfig& config,
                         Workers& workers = Workers::alone());
 

@@ -189,10 +189,10 @@ void ClockOffsets::estimate(ClockOffsetsEdit& edit) {
 }
 
 void ClockOffsets::forget(CameraId camera) {
-  const auto of = [&](const Pair& pair) { return std::get<0>(pair) == camera || std::get<2>(pair) == camera; };
-  std::erase_if(open_, [&](const auto& entry) { return of(entry.first); });
-  std::erase_if(next_, [&](const auto& entry) { return of(entry.first); });
-  std::erase_if(stretches_, [&](const Stretch& s) { return of(s.pair); });
+  const auto takes_part = [&](const Pair& pair) { return std::get<0>(pair) == camera || std::get<2>(pair) == camera; };
+  std::erase_if(open_, [&](const auto& entry) { return takes_part(entry.first); });
+  std::erase_if(next_, [&](const auto& entry) { return takes_part(entry.first); });
+  std::erase_if(stretches_, [&](const Stretch& s) { return takes_part(s.pair); });
   if (camera.value < offsets_.size()) offsets_[camera.value] = {0, kPrior_s};
 }
 

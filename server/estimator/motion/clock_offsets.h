@@ -14,9 +14,9 @@ namespace coslam {
 
 struct ClockOffsetsConfig {
   bool enabled = true;
-  double period_s = 1.0;    // between estimates
-  double memory_s = 60;     // of what was seen
-  double significance = 4;  // sigmas from 0 of an offset that is used
+  double period_s = 1.0;    // time between estimates
+  double memory_s = 60;     // age up to which observations count
+  double significance = 4;  // sigmas that an offset has to be from 0 to be used
 };
 
 template <class V>
@@ -29,18 +29,18 @@ struct ClockOffsetsReport {
   bool estimated = false;
 };
 
-// Offsets of the agents' clocks, from moving points that two cameras see: an image that is dated wrongly shows them
-// off the epipolar line of the other camera, by their speed across it. An offset that is well known is put into the map
-// (MapCamera::clock_offset_ns), where everything that brings observations to one instant goes by it.
+// Estimates the offsets of the agents' clocks from moving points that two cameras see: an image that is dated wrongly
+// shows them off the epipolar line of the other camera, by their speed across it. A significant offset is put into the
+// map (MapCamera::clock_offset_ns), where everything that brings observations to one instant uses it.
 class ClockOffsets {
  public:
   static constexpr std::string_view kName = "clock_offsets";
   using Config = ClockOffsetsConfig;
-  explicit ClockOffsets(const ClockOffsetsConfig& of) : config(of) {}
+  explicit ClockOffsets(const ClockOffsetsConfig& stage_config) : config(stage_config) {}
   ClockOffsetsConfig config;
 
   ClockOffsetsReport run(ClockOffsetsEdit& edit);
-  // Another clock from now on.
+  // Forgets a camera, whose clock is another one from now on.
   void forget(CameraId camera);
   ClockOffset offset(CameraId camera) const;
 
@@ -56,7 +56,7 @@ class ClockOffsets {
   void estimate(ClockOffsetsEdit& edit);
 
   std::map<Pair, Stretch> open_;        // still growing
-  std::map<Pair, std::uint32_t> next_;  // set that is still to be looked at
+  std::map<Pair, std::uint32_t> next_;  // next set to be looked at
   std::deque<Stretch> stretches_;
   std::vector<ClockOffset> offsets_;
 };

@@ -80,13 +80,13 @@ double static_miss_px(const std::vector<View>& views) {
 
 // How far the newer view is from where a thing that stood still may appear: on the epipolar line of the older view,
 // between infinitely far and `nearest` from the camera.
-double epipolar_miss_px(const View& now, const View& then, double nearest) {
-  const Eigen::Vector3d ray = world_ray(then);
+double epipolar_miss_px(const View& now, const View& older, double nearest) {
+  const Eigen::Vector3d ray = world_ray(older);
   Eigen::Vector2d near_px;
   const Eigen::Vector3d far_in_cam = now.cam_from_world.rotation * ray;
   if (far_in_cam.z() <= 0) return 0;
   const Eigen::Vector2d far_px = now.camera->project(far_in_cam);
-  const Eigen::Vector3d near_point = then.cam_from_world.center() + nearest * ray;
+  const Eigen::Vector3d near_point = older.cam_from_world.center() + nearest * ray;
   if (!project_world(*now.camera, now.cam_from_world, near_point, &near_px)) return 0;
   const Eigen::Vector2d along = near_px - far_px, off = now.undistorted_px - far_px;
   const double share = along.squaredNorm() > 0 ? std::clamp(off.dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
@@ -96,14 +96,14 @@ double epipolar_miss_px(const View& now, const View& then, double nearest) {
 // Whether no static place explains the newest views up to so many pixels: neither the newest against some earlier ones,
 // nor all of them together.
 bool moves_by_more(const std::vector<View>& views, std::size_t frames, double nearest, double most_px) {
-  std::vector<View> some;
+  std::vector<View> chosen;
   const std::size_t last = std::min(frames, views.size() - 1), step = std::max<std::size_t>(1, (last + 4) / 5);
-  for (std::size_t i = 0; i < last; i += step) some.push_back(views[i]);
-  some.push_back(views[last]);
-  for (std::size_t i = 1; i < some.size(); ++i) {
-    if (epipolar_miss_px(some[0], some[i], nearest) > most_px) return true;
+  for (std::size_t i = 0; i < last; i += step) chosen.push_back(views[i]);
+  chosen.push_back(views[last]);
+  for (std::size_t i = 1; i < chosen.size(); ++i) {
+    if (epipolar_miss_px(chosen[0], chosen[i], nearest) > most_px) return true;
   }
-  return static_miss_px(some) > most_px;
+  return static_miss_px(chosen) > most_px;
 }
 
 // What a thing at rest may seem to have moved in the last frames.
@@ -152,16 +152,16 @@ std::optional<SetId> co_moving_since(const MapCamera& camera, const ServerTrack&
     while (from < frames.size() && frames[from]->capture_ns >= camera.frames.back().capture_ns - by_ns) ++from;
     return from;
   };
-  std::optional<SetId> since;
+  std::optional<SetId> start;
   // The newest time shows that it moves; windows that overlap by half go back from there.
   for (int halves = 2;; ++halves) {
     const std::size_t begin = before(0, halves * time_ns / 2), end = before(begin, (halves + 2) * time_ns / 2);
     if (end < begin + kLeastFrames) break;
     const auto window = std::span(views).subspan(begin, end - begin);
     if (!keeps_its_distance(window, median_depth, camera.model.px_from_640(config.doubtful_px))) break;
-    since = frames[end - 1]->set;
+    start = frames[end - 1]->set;
   }
-  return since;
+  return start;
 }
 
 // Of a track by itself.
@@ -221,10 +221,10 @@ struct Neighbours {
 };
 
 // near_px: of those whose flow counts.
-Neighbours neighbours_of(const Judgements& some, const Judged& j, double close_px, double near_px) {
+Neighbours neighbours_of(const Judgements& group, const Judged& j, double close_px, double near_px) {
   Neighbours a;
   int flows = 0;
-  for (const Judged* o : some) {
+  for (const Judged* o : group) {
     const double distance2 = (o->px - j.px).squaredNorm();
     if (o == &j || distance2 > near_px * near_px) continue;
     a.close += distance2 < close_px * close_px;

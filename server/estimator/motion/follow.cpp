@@ -19,9 +19,9 @@ std::optional<std::size_t> odd_one_out(const Map& map, const std::vector<Seen>& 
   if (seen.size() < 3) return std::nullopt;
   std::optional<std::size_t> odd;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    std::vector<Seen> others = seen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    if (!position_of(map, others, kMovingParallax_rad)) continue;
+    std::vector<Seen> rest = seen;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!position_of(map, rest, kMovingParallax_rad)) continue;
     if (odd) return std::nullopt;
     odd = i;
   }
@@ -192,12 +192,12 @@ void carry(ClassifyEdit& edit, const FrameSet& set, const std::vector<Step>& ste
            const FollowConfig& config, FollowReport* report) {
   const Map& map = edit.map();
   const MapPoint& p = *loose.point;
-  const std::uint32_t since = set.id.value - p.last_seen.value;
+  const std::uint32_t unseen_sets = set.id.value - p.last_seen.value;
   const double radius = config.neighbour_radius * distance_to_cameras(map, p);
   const auto step = step_of(map, p, steps, radius);
   const std::uint32_t limit = map.sets_in(step || !loose.seen.empty() ? config.forget_s : config.forget_alone_s);
-  if (since > limit) {
-    edit.remove_point(p, Why::kOutOfSight, {static_cast<double>(since), static_cast<double>(limit)});
+  if (unseen_sets > limit) {
+    edit.remove_point(p, Why::kOutOfSight, {static_cast<double>(unseen_sets), static_cast<double>(limit)});
     ++report->removed;
     return;
   }

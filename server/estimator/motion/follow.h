@@ -8,14 +8,14 @@
 #include "server/estimator/map/keys.h"
 #include "server/estimator/map/sighting.h"
 
-// Moving points, frame set by frame set: where they are, and which tracks are theirs.
+// Follows moving points from frame set to frame set: their positions, and which tracks are theirs.
 namespace coslam {
 
 struct FollowConfig {
-  double neighbour_radius = 0.12;  // of the distance to the cameras: moving points so near move alike
-  double forget_s = 2.0;           // without two cameras on it
-  double forget_alone_s = 0.5;     // without neighbours either
-  double search_px = 12.0;         // most between a track and where its point should be, at 640 px image width
+  double neighbour_radius = 0.12;  // share of the distance to the cameras: moving points closer than this move alike
+  double forget_s = 2.0;           // time without two cameras on it after which a moving point is removed
+  double forget_alone_s = 0.5;  // time without two cameras and without neighbours after which a moving point is removed
+  double search_px = 12.0;      // largest distance of a track from where its point should be, at 640 px image width
 };
 
 struct FollowReport {
@@ -23,16 +23,16 @@ struct FollowReport {
 };
 
 // Triangulates every dynamic point from this instant. One that fewer than two cameras see is carried along with its
-// moving neighbours, and keeps to its one ray. A track that disagrees with the others, or with where the point was
-// carried, is let go.
+// moving neighbours, and stays on its one ray. A track that disagrees with the others, or with where the point was
+// carried, is unbound.
 FollowReport follow_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config);
 
-// Free tracks where a moving point should appear, and which look like it, are its further tracks: so it keeps its id
+// Binds free tracks that are where a moving point should appear, and look like it, to the point: so it keeps its id
 // when a track ends, is hidden for a moment, or begins in another camera.
 void rebind_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
 
-// The path of a point that has begun to move, before this set: as far back as its tracks were at one place in each set,
-// at most so many sets.
+// Records the path of a point that has begun to move, before this set: as far back as its tracks were at one place in
+// each set, at most most_sets.
 void record_past(MovingPathEdit& edit, const MapPoint& point, std::size_t most_sets);
 
 }  // namespace coslam

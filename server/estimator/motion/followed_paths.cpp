@@ -72,14 +72,14 @@ void FollowedPaths::update(const Map& map, TimeNs since_ns) {
   for (const MapPoint* moving : map.moving_points()) {
     const MapPoint& point = *moving;
     Path& path = paths_[point.id];
-    Path kept;
+    Path next_path;
     for (std::size_t i = 0; i < path.samples.size(); ++i) {
       PathSample& sample = path.samples[i];
       if (sample.t_ns < since_ns || (moved && !follow(map, point.map, &path.anchors[i], &sample))) continue;
-      kept.samples.push_back(sample);
-      kept.anchors.push_back(path.anchors[i]);
+      next_path.samples.push_back(sample);
+      next_path.anchors.push_back(path.anchors[i]);
     }
-    path = std::move(kept);
+    path = std::move(next_path);
     extend(map, point, since_ns, &path);
   }
 }

@@ -12,11 +12,11 @@
 
 namespace coslam {
 
-// The newest part of the paths of the map's moving points, kept from frame set to frame set and where the map now has
-// it.
+// Newest part of the paths of the map's moving points, kept from frame set to frame set and corrected with the map.
 class FollowedPaths {
  public:
-  // Where a sample lies for the cameras that saw it: it follows when the map moves, at less than a triangulation each.
+  // Position of a sample relative to the cameras that saw it, so that it follows corrections of the map for less than a
+  // triangulation each.
   struct Anchor {
     CameraId first, second;
     Eigen::Vector3d in_first = Eigen::Vector3d::Zero();
@@ -24,10 +24,10 @@ class FollowedPaths {
   };
   struct Path {
     MovingPath samples;
-    std::vector<Anchor> anchors;  // one for each
+    std::vector<Anchor> anchors;  // one per sample
   };
 
-  // Of the points that move now, from that instant on.
+  // Updates the paths of the points that move now, from since_ns on.
   void update(const Map& map, TimeNs since_ns);
   const std::map<PointId, Path>& all() const { return paths_; }
 
@@ -38,7 +38,7 @@ class FollowedPaths {
   static void extend(const Map& map, const MapPoint& point, TimeNs since_ns, Path* path);
 
   std::map<PointId, Path> paths_;
-  MapEpoch epoch_;  // of the paths
+  MapEpoch epoch_;  // epoch that the paths belong to
 };
 
 }  // namespace coslam

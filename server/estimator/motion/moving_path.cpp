@@ -58,14 +58,14 @@ BodyMotion body_of(std::span<const PointMotion> points) {
     for (const PointMotion& p : points) off.push_back(std::abs(p.position[axis] - middle));
     const double most = kStray * median(off);
     double sum = 0;
-    std::vector<double> kept;
+    std::vector<double> inliers;
     for (const PointMotion& p : points) {
       if (std::abs(p.position[axis] - middle) > most) continue;
-      kept.push_back(p.position[axis]);
-      sum += kept.back();
+      inliers.push_back(p.position[axis]);
+      sum += inliers.back();
     }
-    body.centroid[axis] = sum / static_cast<double>(kept.size());
-    for (const double x : kept) {
+    body.centroid[axis] = sum / static_cast<double>(inliers.size());
+    for (const double x : inliers) {
       body.extent[axis] = std::max(body.extent[axis], 2 * std::abs(x - body.centroid[axis]));
     }
   }

@@ -11,7 +11,7 @@
 #include "server/estimator/map/sighting.h"
 #include "server/estimator/reports/objects_report.h"
 
-// Where a moving point was, and how fast it and what it is part of move.
+// Paths of moving points: position and velocity of a point and of the body that it is part of.
 namespace coslam {
 
 struct PathSample {
@@ -19,21 +19,21 @@ struct PathSample {
   TimeNs t_ns = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
-using MovingPath = std::vector<PathSample>;  // ascending sets
+using MovingPath = std::vector<PathSample>;  // sorted by set
 
 struct PointMotion {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  double span_s = 0;  // of the samples behind the velocity
+  double span_s = 0;  // time span of the samples behind the velocity
 };
 
-// A curve fitted to the samples from from_ns to to_ns gives the velocity at at_ns, the sample next to it the position,
-// carried on with the velocity. Empty when there are fewer than three samples, when they span less than min_span_s, or
-// end so long before or begin so long after at_ns.
+// Fits a curve to the samples from from_ns to to_ns, which gives the velocity at at_ns; the sample next to it, carried
+// on with the velocity, gives the position. Empty when there are fewer than three samples, when they span less than
+// min_span_s, or end so long before or begin so long after at_ns.
 std::optional<PointMotion> motion_at(const MovingPath& path, TimeNs at_ns, TimeNs from_ns, TimeNs to_ns,
                                      double min_span_s);
 
-// At least one point.
+// Combines the motions of one body's points, at least one.
 BodyMotion body_of(std::span<const PointMotion> points);
 
 }  // namespace coslam

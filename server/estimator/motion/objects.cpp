@@ -242,16 +242,16 @@ class Objects::Joining {
   bool keep_their_distance(const Members& x, const Members& y) const {
     constexpr std::size_t kMostPairs = 60;
     const std::size_t every = 1 + x.size() * y.size() / kMostPairs;
-    int near = 0, kept = 0;
+    int near = 0, steady = 0;
     for (std::size_t k = 0; k < x.size() * y.size(); k += every) {
       const Candidate &a = all_[x[k / y.size()]], &b = all_[y[k % y.size()]];
       if ((a.now.position - b.now.position).norm() > reach(a, b)) continue;
       const auto change = stretch(a, b);
       if (!change) continue;
       ++near;
-      kept += *change <= finder_.config.stretch * reach(a, b);
+      steady += *change <= finder_.config.stretch * reach(a, b);
     }
-    return 2 * kept >= near;
+    return 2 * steady >= near;
   }
 
   void join(const Link& link) {

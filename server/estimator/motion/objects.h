@@ -18,17 +18,17 @@ namespace coslam {
 
 // Lengths are in units of the reach: how far apart two neighbouring points of one body may be.
 struct ObjectsConfig {
-  double reach_m = 0.8;       // where the scale is known
-  double reach_share = 0.16;  // of the distance from the cameras, where it is not
-  double path_s = 1.0;  // newest part of the points' paths that is compared and gives the velocity; out of sight for
-                        // longer: forgotten
+  double reach_m = 0.8;       // reach where the scale is known
+  double reach_share = 0.16;  // reach where it is not, as a share of the distance from the cameras
+  double path_s = 1.0;  // newest part of the points' paths that is compared and gives the velocity; an object out of
+                        // sight for longer is forgotten
   double min_path_s = 0.2;  // shorter paths wait
-  double max_sigma = 0.4;   // sqrt(trace Sigma); less certain points wait
-  double stretch = 0.25;    // that the distance of two points of one body changes by at most
-  double shift = 0.6;       // by which parts of one body may shift against each other over their path
-  double speed_gate = 1.2;  // a second: by which an object may differ from what it was before it was out of sight
-  double min_speed = 0.2;   // a second: slower ones are not taken up, but kept
-  int min_points = 3;       // of a new object; a known one is kept with two
+  double max_sigma = 0.4;   // sqrt(trace Sigma); points with more wait
+  double stretch = 0.25;    // largest change of the distance of two points of one body
+  double shift = 0.6;       // largest shift of parts of one body against each other over their path
+  double speed_gate = 1.2;  // per second: largest difference of an object from what it was before it was out of sight
+  double min_speed = 0.2;   // per second: slower new objects are not taken up, known ones are kept
+  int min_points = 3;       // least points of a new object; a known one is kept with two
 };
 
 template <class V>
@@ -41,32 +41,32 @@ void describe(V& v, ObjectsConfig& c) {
   v.field("min_points", c.min_points, {2, 1000}, "of a new object");
 }
 
-// A moving point as the objects see it.
+// Moving point as candidate for an object.
 struct MovingPoint {
   PointId id;
   MapId map;
-  MovingPath path;  // the newest path_s
+  MovingPath path;  // newest path_s
   double sigma = 0;
   double reach = 0;
 };
 
-// Which moving points move together, every frame set. Points are linked, nearest first, when they are near each other
-// and their distance has hardly changed over their common path: so limbs hang on a body although they swing, and what
-// passes by does not. Parts of several points are joined only when they go the same way. An object keeps its id by its
-// members, and when all of them were replaced by where it would be by now.
+// Groups moving points that move together, every frame set. Points are linked, nearest first, when they are near each
+// other and their distance has hardly changed over their common path: so limbs hang on a body although they swing, and
+// what passes by does not. Parts of several points are joined only when they go the same way. An object keeps its id by
+// its members, and when all of them were replaced, by its predicted position.
 class Objects {
  public:
   static constexpr std::string_view kName = "objects";
   using Config = ObjectsConfig;
-  explicit Objects(const ObjectsConfig& of) : config(of) {}
+  explicit Objects(const ObjectsConfig& stage_config) : config(stage_config) {}
   ObjectsConfig config;
 
-  // in_metres: the maps whose scale is known.
+  // Groups the map's moving points; scale: which maps are metric.
   ObjectsReport run(const Map& map, const FrameSet& set, const ScaleReport& scale);
-  // The same for points by themselves.
+  // Groups moving points that do not come from a map.
   ObjectsReport step(const std::vector<MovingPoint>& points, TimeNs now_ns);
 
-  // Of the last step, ascending id.
+  // Objects of the last step, sorted by id.
   const std::vector<MovingObject>& objects() const { return objects_; }
   // Keeps the number of the next new object, so that ids go on in another server.
   void save(std::vector<Row>* rows) const;
@@ -88,7 +88,7 @@ class Objects {
   std::vector<Candidate> candidates(const std::vector<MovingPoint>& points, TimeNs now_ns) const;
   class Joining;
   std::vector<Part> parts(const std::vector<Candidate>& all, TimeNs now_ns) const;
-  bool lasts(ObjectId object, TimeNs now_ns) const;  // for longer than a path
+  bool lasts(ObjectId object, TimeNs now_ns) const;  // has lived for longer than a path
   ObjectId object_of(PointId point) const;
   void name_by_members(std::vector<Part>& parts) const;
   void name_by_place(std::vector<Part>& parts, TimeNs now_ns) const;

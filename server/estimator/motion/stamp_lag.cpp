@@ -86,8 +86,8 @@ TimeNs StampLag::waited_ns(const Map& map, const Pair& pair) const {
   if (at == known_.end()) return map.now_ns() + 1;
   const Known& known = at->second;
   const bool agree = known.lag_s && std::abs(*known.lag_s) < kToldFrom_s;
-  if (known.lag_s && !agree && !known.told) return std::numeric_limits<TimeNs>::max();
-  return map.now_ns() - known.searched_ns - to_ns(agree || known.told ? kMuchLater_s : kAgain_s);
+  if (known.lag_s && !agree && !known.reported) return std::numeric_limits<TimeNs>::max();
+  return map.now_ns() - known.searched_ns - to_ns(agree || known.reported ? kMuchLater_s : kAgain_s);
 }
 
 bool StampLag::comparable(const Map& map, const Pair& pair) const {
@@ -130,8 +130,8 @@ bool StampLag::note(StampLagEdit& edit, const Pair& pair, double lag_s) {
   Known& known = known_[pair];
   known.lag_s = lag_s;
   const bool off = std::abs(lag_s) >= kToldFrom_s;
-  const bool is_new = off && !known.told;
-  known.told = off;
+  const bool is_new = off && !known.reported;
+  known.reported = off;
   if (is_new) edit.note_misdated(edit.map().camera(pair.second), lag_s, pair.first);
   return is_new;
 }
@@ -164,20 +164,20 @@ std::optional<double> StampLag::lag_at_end(std::span<const MovingSight> first,
 bool StampLag::Lag::is_off() const { return std::abs(lag_s) >= kToldFrom_s; }
 
 std::optional<StampLag::Lag> StampLag::lag(CameraId camera) const {
-  for (const bool told : {true, false}) {
+  for (const bool reported : {true, false}) {
     for (const auto& [pair, known] : known_) {
       const bool agrees = known.lag_s && std::abs(*known.lag_s) < kToldFrom_s;
-      if (pair.second == camera && (told ? known.told : agrees)) return Lag{*known.lag_s, pair.first};
+      if (pair.second == camera && (reported ? known.reported : agrees)) return Lag{*known.lag_s, pair.first};
     }
   }
   return std::nullopt;
 }
 
 void StampLag::forget(CameraId camera) {
-  const auto of = [&](const Pair& pair) { return pair.first == camera || pair.second == camera; };
+  const auto takes_part = [&](const Pair& pair) { return pair.first == camera || pair.second == camera; };
   sights_.erase(camera);
-  std::erase_if(known_, [&](const auto& entry) { return of(entry.first); });
-  if (search_ && of(search_->pair)) search_.reset();
+  std::erase_if(known_, [&](const auto& entry) { return takes_part(entry.first); });
+  if (search_ && takes_part(search_->pair)) search_.reset();
 }
 
 }  // namespace coslam

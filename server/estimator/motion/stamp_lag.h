@@ -16,8 +16,8 @@ namespace coslam {
 
 struct StampLagConfig {
   bool enabled = true;
-  double most_s = 2;     // either way
-  double memory_s = 20;  // of what was seen
+  double most_s = 2;     // largest lag in either direction
+  double memory_s = 20;  // age up to which observations count
 };
 
 template <class V>
@@ -32,32 +32,32 @@ struct StampLagReport {
   void count(auto&& add) const { add("misdated_cameras", found); }
 };
 
-// Cameras whose images are dated wrongly by more than ClockOffsets bears, as videos that were not started together are:
-// nothing that moves meets then. Compares how things move in two cameras as a whole (solve/lag.h), one lag a frame set,
-// and says what it found; nothing is done about it.
+// Finds cameras whose stamps are wrong by more than ClockOffsets handles, as in videos that were not started together:
+// then nothing that moves is seen at one place. Compares how things move in two cameras as a whole (solve/lag.h), one
+// lag per frame set, and reports what it found; nothing is corrected.
 class StampLag {
  public:
   static constexpr std::string_view kName = "stamp_lag";
   using Config = StampLagConfig;
-  explicit StampLag(const StampLagConfig& of) : config(of) {}
+  explicit StampLag(const StampLagConfig& stage_config) : config(stage_config) {}
   StampLagConfig config;
 
   StampLagReport run(StampLagEdit& edit);
-  // At the end of a run: whatever is known by then is compared at once, over lags up to half of the memory.
+  // Compares at the end of a run, over lags up to half of the memory, whatever pairs are known by then.
   void finish(StampLagEdit& edit);
-  // Another clock from now on.
+  // Forgets a camera, whose clock is another one from now on.
   void forget(CameraId camera);
-  // Its images were taken so much later than they are dated, against a camera before it.
+  // Lag of a camera: its images were taken this much later than dated, relative to a camera with a smaller id.
   struct Lag {
     double lag_s = 0;
     CameraId against;
-    bool is_off() const;  // by more than clocks are estimated for
+    bool is_off() const;  // larger than clocks are estimated for
   };
   std::optional<Lag> lag(CameraId camera) const;
 
  private:
   using Pair = std::pair<CameraId, CameraId>;
-  // What moves in one image, in the camera's frame: where the camera was may be found out better.
+  // Rays towards what moves in one image, in the camera's frame because poses may still be corrected.
   struct Sight {
     SetId set;
     std::vector<MovingSight::Ray> rays;
@@ -69,8 +69,8 @@ class StampLag {
   };
   struct Known {
     TimeNs searched_ns = 0;
-    std::optional<double> lag_s;  // of the last search
-    bool told = false;
+    std::optional<double> lag_s;  // result of the last search
+    bool reported = false;
   };
 
   void look(const Map& map, const MapCamera& camera);

@@ -55,7 +55,8 @@ PastPart Forget::run(ForgetEdit& edit, HeldFrames held) {
   const std::uint32_t whole = map.sets_in(config.whole_s);
   if (map.now().value <= whole) return past;
   cutoff_ = std::max(cutoff_, SetId(map.now().value - whole));
-  for (std::size_t c = since_.size(); c < map.cameras().size(); ++c) since_.push_back(map.cameras()[c].past.until);
+  for (std::size_t c = archived_from_.size(); c < map.cameras().size(); ++c)
+    archived_from_.push_back(map.cameras()[c].past.until);
   const std::set<ImageKey> holds(held.frames.begin(), held.frames.end());
   judge_images(edit, holds, &past.views);
   take_places(edit, &past);
@@ -65,7 +66,7 @@ PastPart Forget::run(ForgetEdit& edit, HeldFrames held) {
 }
 
 // No more at once than a few instants have: a map that was loaded may be all past.
-void Forget::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* gone) {
+void Forget::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std::vector<ImageKey>* dropped) {
   constexpr std::size_t kMostAtOnce = 64;
   const Map& map = edit.map();
   if (judged_ == cutoff_) return;
@@ -78,14 +79,14 @@ void Forget::judge_images(ForgetEdit& edit, const std::set<ImageKey>& held, std:
   const SetId until = images.size() < kMostAtOnce ? cutoff_ : SetId(images.rbegin()->first.value + 1);
   const auto& looks = map.key_images();
   images.insert(looks.lower_bound({judged_, CameraId(0)}), looks.lower_bound({until, CameraId(0)}));
-  for (const ImageKey& image : images) judge_image(edit, image, held, gone);
+  for (const ImageKey& image : images) judge_image(edit, image, held, dropped);
   judged_ = until;
 }
 
 std::vector<ImageKey> Forget::alike(const Map& map, const ImageKey& image, double depth) const {
   const FramePose& frame = *frame_of(map, image);
   std::vector<ImageKey> out;
-  for (const ImageKey& other : kept_) {
+  for (const ImageKey& other : kept_images_) {
     const FramePose* f = frame_of(map, other);
     if (f == nullptr || f->map != frame.map || other.first == image.first) continue;
     const double apart = (f->cam_from_world.center() - frame.cam_from_world.center()).norm();
@@ -96,13 +97,13 @@ std::vector<ImageKey> Forget::alike(const Map& map, const ImageKey& image, doubl
 }
 
 void Forget::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
-                         std::vector<ImageKey>* gone) {
+                         std::vector<ImageKey>* dropped) {
   const Map& map = edit.map();
   const FramePose* frame = frame_of(map, image);
   std::vector<double> depths =
       frame != nullptr && frame->valid() ? depths_of(map, image, *frame) : std::vector<double>();
   if (depths.size() < kLeastPoints) {
-    drop_image(edit, image, held, gone);
+    drop_image(edit, image, held, dropped);
     return;
   }
   const auto has_looks = [&](const ImageKey& i) { return map.key_images().contains(i); };
@@ -113,27 +114,27 @@ void Forget::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set
     if (!looks || has_looks(other)) instants.insert(other.first);
   }
   if (instants.size() < kMostAlike) {
-    kept_.push_back(image);
+    kept_images_.push_back(image);
     return;
   }
   if (!looks) {
-    drop_image(edit, image, held, gone);
+    drop_image(edit, image, held, dropped);
     return;
   }
   for (const ImageKey& other : all) {
-    if (other.first != *instants.begin()) drop_image(edit, other, held, gone);
+    if (other.first != *instants.begin()) drop_image(edit, other, held, dropped);
   }
-  kept_.push_back(image);
+  kept_images_.push_back(image);
 }
 
 void Forget::drop_image(ForgetEdit& edit, const ImageKey& image, const std::set<ImageKey>& held,
-                        std::vector<ImageKey>* gone) {
+                        std::vector<ImageKey>* dropped) {
   edit.forget_view(image.first, image.second);
-  std::erase(kept_, image);
-  gone->push_back(image);
+  std::erase(kept_images_, image);
+  dropped->push_back(image);
   const MapCamera& camera = edit.map().camera(image.second);
-  const bool own = image.first >= since_[image.second.value] && image.first < camera.past.until;
-  if (own && !own_anchors_.contains(image) && !held.contains(image)) edit.forget_frame(camera, image.first);
+  const bool archived_here = image.first >= archived_from_[image.second.value] && image.first < camera.past.until;
+  if (archived_here && !own_anchors_.contains(image) && !held.contains(image)) edit.forget_frame(camera, image.first);
 }
 
 // One camera at a time, the one that is farthest behind: the work is spread over the frame sets.
@@ -155,11 +156,11 @@ void Forget::take_frames(ForgetEdit& edit, const std::set<ImageKey>& held, PastP
   refine_final_poses(edit, camera, from, before);
   std::set<SetId> stays = ends_of_pieces({begin, end});
   for (const SetId set : stays) own_anchors_.emplace(set, camera.id);
-  for (const auto& [set, of] : kept_) {
-    if (of == camera.id && set >= from) stays.insert(set);
+  for (const auto& [set, camera_id] : kept_images_) {
+    if (camera_id == camera.id && set >= from) stays.insert(set);
   }
-  for (const auto& [set, of] : held) {
-    if (of == camera.id) stays.insert(set);
+  for (const auto& [set, camera_id] : held) {
+    if (camera_id == camera.id) stays.insert(set);
   }
   const ArchivedPlace put = put_down_now(map);
   std::vector<FramePose> frames = edit.take_frames(camera, before, stays);

@@ -15,7 +15,7 @@
 
 namespace coslam {
 
-// What the stages did, summed over the run, by name; and how long they took.
+// Counts of what the stages did, summed over the run, by name; and how long they took.
 struct PipelineReport {
   std::map<std::string, long> counts;
   StageTimes times;
@@ -30,7 +30,7 @@ class Pipeline {
 
   explicit Pipeline(const Configs& configs) : stages_{make<Stages>(std::get<typename Stages::Config>(configs))...} {}
 
-  // They outlive it, and share in the work of each stage that asks for Workers.
+  // Sets the workers that share in the work of each stage that asks for Workers; they outlive the pipeline.
   void work_with(Workers& workers) { workers_ = &workers; }
 
   void step(const FrameSet& set, MapEdit& edit, const ServerRun& server, PipelineReport* report) {
@@ -45,17 +45,17 @@ class Pipeline {
   const Stage& stage() const {
     return std::get<Stage>(stages_);
   }
-  // Of the newest set that the stage ran in.
+  // Report of the newest set; made by default if the stage was not due in it.
   template <class Report>
   const Report& report() const {
     return std::get<index<Report>()>(reports_);
   }
-  // The same, given away.
+  // Moves the report of the newest set out.
   template <class Report>
   Report take_report() {
     return std::exchange(std::get<index<Report>()>(reports_), {});
   }
-  // For a stage that is run outside the order, too.
+  // Runs one stage by itself, also outside the order.
   template <class Stage>
   const stage::ReportOf<Stage>& run(const FrameSet& set, MapEdit& edit, const ServerRun& server,
                                     PipelineReport* report) {
@@ -63,7 +63,7 @@ class Pipeline {
     return std::get<position<Stage>()>(reports_);
   }
 
-  // What stages keep, in their order; see stage.h.
+  // Calls to all stages that have the function, in their order; see stage.h.
   void save(std::vector<Row>* rows) {
     each([&](auto& stage) {
       if constexpr (requires { stage.save(rows); }) stage.save(rows);
@@ -105,7 +105,7 @@ class Pipeline {
     });
   }
 
-  // What comes to a stage between sets, see stage.h.
+  // Hands a last image to the stages that take one, see stage.h.
   void take_last_image(CameraId camera, const DescriptorReply& reply) {
     each([&](auto& stage) {
       if constexpr (requires { stage.take_last_image(camera, reply); }) stage.take_last_image(camera, reply);

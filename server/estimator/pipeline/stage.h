@@ -14,58 +14,55 @@
 #include "common/model/map_patch.h"
 #include "server/estimator/map/edit.h"
 
-// What a stage of the pipeline is. A stage is a value:
+// Interface of the pipeline's stages. A stage is a value:
 //
 //   struct Example {
-//     static constexpr std::string_view kName = "example";  // of its section of the configuration and of its times
-//     using Config = ExampleConfig;                         // with describe() beside it
-//     Config config;
-//     bool due(const Map& map) const;                       // optional: runs at some sets only
-//     ExampleReport run(ExampleEdit& edit, const FrameSet& set, const ViewGraph& graph);
+//     static constexpr std::string_view kName = "example";  // name of its section of the configuration and of its
+//     times using Config = ExampleConfig;                         // with describe() beside it Config config; bool
+//     due(const Map& map) const;                       // optional: runs at some sets only ExampleReport
+//     run(ExampleEdit& edit, const FrameSet& set, const ViewGraph& graph);
 //   };
 //
-// What it may read and write stands in the signature of run(): it is given, by type,
+// The signature of run() says what a stage may read and write: it is given, by type,
 //   const FrameSet&, const Map& or its key to the map (server/estimator/map/keys.h), const ServerRun&;
-//   Workers&, who share in what it does camera by camera;
+//   Workers&, who share in its work camera by camera;
 //   the report of a stage before it in the same set, `const ViewGraph&`, or that of any stage from the set before,
 //   `Last<ViewGraph>`;
 //   the configuration of another stage, `const LocaliseConfig&`;
 //   another stage itself, `PlaceRecognition&`, whose state it changes;
-//   HeldFrames, what all stages together want kept.
-// What it keeps beyond a set it tells by some of these, which a pipeline asks of all stages that have them:
-//   save(std::vector<Row>*), restore(const Tables&), take_in(const Example&, const Renumbered&): what outlives the
-//   server,
-//     and that of another server's;
-//   forget(CameraId): the agent behind a camera is another;
+//   HeldFrames, the frames that all stages together want kept.
+// A pipeline calls these functions of the stages that have them, for state beyond a set:
+//   save(std::vector<Row>*), restore(const Tables&), take_in(const Example&, const Renumbered&): state that outlives
+//   the server, and that of another server's;
+//   forget(CameraId): the agent behind a camera changed;
 //   held_frames(), forget(const std::vector<ImageKey>&): images that have to stay in memory, and those that left it;
-//   add_memory(MemoryUse*): bytes, by what they are for.
-// What comes to it between sets:
-//   take_last_image(CameraId, DescriptorReply): what an agent saw when its run ended;
+//   add_memory(MemoryUse*): bytes by kind.
+// These functions are called between sets:
+//   take_last_image(CameraId, DescriptorReply): last image of an agent's run;
 //   take_job(), give(RefineJob, BundleResult): a bundle adjustment to be solved beside, and its solution;
 //   acknowledge(...): the answer to a frame that is too late to be used.
-// Its report is what others may read of it; what count() of a report names is summed over the run. State that outlives
-// a set is a member of the stage, so that a copy of the stage is its state saved.
+// Other stages may read its report alone; the figures that count() of a report names are summed over the run. State
+// that outlives a set is a member of the stage, so that a copy of the stage is a copy of its state.
 namespace coslam {
 
-// Of this process: ids that it gave are scoped by it.
+// Identity of this process: ids that it gave are scoped by it.
 struct ServerRun {
   RunId id;
-  std::optional<ContinuedMap> continues;  // it went on with the map of another
+  std::optional<ContinuedMap> continues;  // map of an earlier server that this one continues
 };
 
-// The report that a stage gave at the last set it ran in before this one; where it has not run yet, one made by
-// default.
+// Report of a stage from the set before; made by default where the stage did not run in that set.
 template <class Report>
 struct Last {
   const Report& of;
 };
 
-// Frames that stages will look at again, so that they have to stay in memory.
+// Frames that stages will read again, so that they have to stay in memory.
 struct HeldFrames {
   std::vector<ImageKey> frames;
 };
 
-// For a stage that cannot be configured.
+// Configuration of a stage without settings.
 template <class Stage>
 struct NoConfig {};
 template <class V, class Stage>

@@ -9,7 +9,7 @@
 
 #include "server/estimator/pipeline/pipeline.h"
 
-// What each stage of a pipeline may read and write, as the signature of its run() says.
+// Access of each stage of a pipeline to data, as the signature of its run() says.
 namespace coslam {
 
 struct StageAccess {
@@ -61,7 +61,7 @@ class AccessTable {
     } else if constexpr (index_of<T, Stages...>() < sizeof...(Stages)) {
       out->writes.push_back("state of " + name_at(index_of<T, Stages...>()));
     } else if constexpr (std::same_as<T, Workers>) {
-      // They share in its work; it reads nothing of them.
+      // Workers share in the stage's work; it reads nothing of them.
     } else if constexpr (is_last<T>) {
       using Report = std::remove_cvref_t<decltype(std::declval<T>().of)>;
       out->reads.push_back("`" + name_at(index_of<Report, ReportOf<Stages>...>()) + "` of the set before");
@@ -80,13 +80,13 @@ struct AccessOf<Pipeline<Stages...>> : AccessTable<Stages...> {};
 
 }  // namespace stage
 
-// Of a list of stages, in its order.
+// Lists the access of the stages of a pipeline, in its order.
 template <class Pipeline>
 std::vector<StageAccess> stage_access() {
   return stage::AccessOf<Pipeline>::rows();
 }
 
-// As a table in Markdown: stage, reads, writes, settings.
+// Formats the list as a table in Markdown: stage, reads, writes, settings.
 inline std::string markdown_of(const std::vector<StageAccess>& stages) {
   const auto joined = [](const std::vector<std::string>& parts, const char* quote) {
     std::string out;

@@ -79,12 +79,12 @@ bool Asking::afford(Described& d, TimeNs now_ns, bool confirm) const {
 }
 
 // By a share of what is configured.
-bool Asking::view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const {
-  const FramePose* then = camera.frame_at(since);
+bool Asking::view_changed(const Map& map, const MapCamera& camera, SetId earlier_set, double share) const {
+  const FramePose* earlier = camera.frame_at(earlier_set);
   const FramePose& now = camera.frames.back();
-  if (then == nullptr || then->map != now.map) return true;
-  const double turned = then->cam_from_world.rotation.angularDistance(now.cam_from_world.rotation);
-  const double moved = (then->cam_from_world.center() - now.cam_from_world.center()).norm();
+  if (earlier == nullptr || earlier->map != now.map) return true;
+  const double turned = earlier->cam_from_world.rotation.angularDistance(now.cam_from_world.rotation);
+  const double moved = (earlier->cam_from_world.center() - now.cam_from_world.center()).norm();
   return turned > share * config_.turned_rad || moved > share * config_.moved_share * median_depth(map, camera);
 }
 

@@ -11,14 +11,14 @@
 namespace coslam {
 
 struct AskConfig {
-  double soon_s = 0.2;  // between requests of a camera that is to be placed, that waits to confirm a meeting, or
-                        // should see what nothing holds it to
-  double least_period_s = 1.0;  // between requests because the view changed; half of it while there are several maps or
-                                // groups, and the view need not have changed while there are several maps
-  double images_per_s = 0.5;    // of a camera that has a map, in the long run: descriptors cost 10 kB an image
-  double image_burst = 3;       // and so many ahead of that
-  double turned_rad = 0.3;      // of the optical axis, or
-  double moved_share = 0.5;     // of the median depth: the view is another one
+  double soon_s = 0.2;  // time between requests to a camera that is to be placed, waits to confirm a meeting, or should
+                        // see what nothing holds it to
+  double least_period_s = 1.0;  // time between requests because the view changed; half of it while there are several
+                                // maps or groups; with several maps the view need not have changed
+  double images_per_s = 0.5;    // long-run rate for a camera that has a map: descriptors cost 10 kB an image
+  double image_burst = 3;       // images that may be saved up ahead of that rate
+  double turned_rad = 0.3;      // rotation of the optical axis after which the view counts as changed
+  double moved_share = 0.5;     // translation after which the view counts as changed, as a share of the median depth
 };
 
 template <class V>
@@ -29,34 +29,34 @@ void describe(V& v, AskConfig& c) {
   v.field("images_per_s", c.images_per_s, {0, 100}, "described by a camera that has a map, in the long run");
 }
 
-// Why a camera's descriptors are worth having now.
+// Reasons to ask a camera for descriptors now.
 struct WhyAsk {
-  Verification::Waiting waiting = Verification::Waiting::kNothing;  // for a second image to confirm
-  bool expects = false;  // it should see what another camera sees, and nothing holds the two to each other
-  bool apart = false;    // there are several maps
-  bool parted = false;   // there are several groups
+  Verification::Waiting waiting = Verification::Waiting::kNothing;  // waits for a second image to confirm a place
+  bool expects = false;  // the map says that it sees what another camera sees, and nothing holds the two to each other
+  bool apart = false;    // several maps exist
+  bool parted = false;   // several groups exist
 };
 
-// Which camera is asked for the descriptors of an image, within the budget of the uplink.
+// Decides which camera is asked for the descriptors of an image, within the budget of the uplink.
 class Asking {
  public:
   explicit Asking(const AskConfig& config) : config_(config) {}
   DescriptorRequest ask(const Map& map, const MapCamera& camera, const WhyAsk& why);
   void came(CameraId camera, SetId set) { cameras_[camera].at = set; }
-  // It may have recognised a place, in too few features to act on it.
+  // Notes that the camera may have recognised a place, in too few features to act on it.
   void hint(CameraId camera, SetId set) { cameras_[camera].hinted = set; }
 
  private:
   struct Described {
     std::optional<SetId> asked, at, hinted;
     double images_to_spare = 0;
-    bool in_debt = false;  // as deep as it may be; nothing ahead of the budget until that is paid
+    bool in_debt = false;  // confirmations used up the credit: none again until images_to_spare is at least 1
     std::optional<TimeNs> counted_ns;
   };
   double soon_s(const Described& d) const;
   bool wanted(const Map& map, const MapCamera& camera, const Described& d, const WhyAsk& why, bool confirm) const;
   bool afford(Described& d, TimeNs now_ns, bool confirm) const;
-  bool view_changed(const Map& map, const MapCamera& camera, SetId since, double share) const;
+  bool view_changed(const Map& map, const MapCamera& camera, SetId earlier_set, double share) const;
 
   AskConfig config_;
   std::map<CameraId, Described> cameras_;

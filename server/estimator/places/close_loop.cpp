@@ -22,12 +22,12 @@ constexpr double kLoopWeight = 10;  // of an earlier one, in steps of one frame
 // The frames of one map as nodes, camera by camera in order of time.
 class Nodes {
  public:
-  Nodes(const Map& map, MapId of) : map_(map), of_frames_(map.cameras().size()) {
+  Nodes(const Map& map, MapId map_id) : map_(map), of_frames_(map.cameras().size()) {
     for (const MapCamera& c : map.cameras()) {
       std::vector<int>& of_frames = of_frames_[c.id.value];
       of_frames.assign(c.frames.size(), -1);
       for (std::size_t i = 0; i < c.frames.size(); ++i) {
-        if (c.frames[i].map != of) continue;
+        if (c.frames[i].map != map_id) continue;
         of_frames[i] = static_cast<int>(keys.size());
         keys.emplace_back(c.id, c.frames[i].set);
       }
@@ -98,11 +98,11 @@ void link_successive_frames(const Map& map, const Nodes& nodes, PoseGraph* graph
 }
 
 // Cameras that saw the same points at a key frame.
-void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PoseGraph* graph) {
+void link_neighbours(const Map& map, MapId map_id, const Nodes& nodes, PoseGraph* graph) {
   SharedByNodes shared;
   std::vector<int> together;  // of one set
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of) continue;
+    if (p.map != map_id) continue;
     SetId set;
     for (const KeyObservation& o : p.key_observations) {
       if (o.set != set) together.clear();
@@ -124,11 +124,11 @@ void link_neighbours(const Map& map, MapId of, const Nodes& nodes, PoseGraph* gr
 
 // Who comes back to a place and finds its points again is held to those who were there before: each frame to the one of
 // the visit before that shares most points with it. Without that a loop closed elsewhere would tear the two apart.
-void link_visits(const Map& map, MapId of, const Nodes& nodes, PoseGraph* graph) {
+void link_visits(const Map& map, MapId map_id, const Nodes& nodes, PoseGraph* graph) {
   const std::uint32_t gap = map.sets_in(map.config().recent_s);
   SharedByNodes shared;  // node, node of the visit before
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of || p.key_observations.empty()) continue;
+    if (p.map != map_id || p.key_observations.empty()) continue;
     const auto& seen = p.key_observations;
     if (seen.back().set.value - seen.front().set.value <= gap) continue;
     std::vector<int> before, now;
@@ -157,15 +157,16 @@ void link_loops(const std::vector<LoopConstraint>& earlier, const Nodes& nodes, 
 }
 
 bool tie(const Nodes& nodes, const LoopConstraint& loop, const std::vector<CameraId>& together, PoseGraph* graph) {
-  const auto here = nodes.find(loop.camera, loop.set), there = nodes.find(loop.to_camera, loop.to_set);
-  if (!here || !there || graph->nodes[static_cast<std::size_t>(*here)].fixed) return false;
-  graph->ties.push_back({*here, *there, loop.camera_from_to, loop.scale});
-  const Rigid3& pose = graph->nodes[static_cast<std::size_t>(*here)].cam_from_world;
+  const auto node = nodes.find(loop.camera, loop.set), to_node = nodes.find(loop.to_camera, loop.to_set);
+  if (!node || !to_node || graph->nodes[static_cast<std::size_t>(*node)].fixed) return false;
+  graph->ties.push_back({*node, *to_node, loop.camera_from_to, loop.scale});
+  const Rigid3& pose = graph->nodes[static_cast<std::size_t>(*node)].cam_from_world;
   for (const CameraId c : together) {
-    const auto with = nodes.find(c, loop.set);
-    if (!with || c == loop.camera || *with == *there || graph->nodes[static_cast<std::size_t>(*with)].fixed) continue;
+    const auto member = nodes.find(c, loop.set);
+    if (!member || c == loop.camera || *member == *to_node || graph->nodes[static_cast<std::size_t>(*member)].fixed)
+      continue;
     graph->ties.push_back(
-        {*with, *here, graph->nodes[static_cast<std::size_t>(*with)].cam_from_world * pose.inverse(), 1});
+        {*member, *node, graph->nodes[static_cast<std::size_t>(*member)].cam_from_world * pose.inverse(), 1});
   }
   return true;
 }
@@ -181,7 +182,7 @@ std::optional<int> frame_of(const Map& map, const Nodes& nodes, const MapPoint& 
   return std::nullopt;
 }
 
-void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PoseGraphSolution& solution) {
+void apply(PlaceRecognitionEdit& edit, MapId map_id, const Nodes& nodes, const PoseGraphSolution& solution) {
   const Map& map = edit.map();
   std::map<CameraId, Similarity3> last;
   for (std::size_t i = 0; i < nodes.keys.size(); ++i) {
@@ -191,10 +192,10 @@ void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PoseG
     last[camera] = solution.nodes[i].new_from_old;
   }
   for (const auto& [camera, new_from_old] : last) {
-    if (map.camera(camera).map == of) edit.carry_agent(map.camera(camera), new_from_old);
+    if (map.camera(camera).map == map_id) edit.carry_agent(map.camera(camera), new_from_old);
   }
   for (const auto& [id, p] : map.points()) {
-    if (p.map != of) continue;
+    if (p.map != map_id) continue;
     if (const auto node = frame_of(map, nodes, p)) {
       edit.transform_point(p, solution.nodes[static_cast<std::size_t>(*node)].new_from_old);
       // What moves is where its cameras saw it last, not where old views would have it; what is out of sight can wait
@@ -207,22 +208,22 @@ void apply(PlaceRecognitionEdit& edit, MapId of, const Nodes& nodes, const PoseG
 
 }  // namespace
 
-bool close_loop(PlaceRecognitionEdit& edit, MapId of, const LoopConstraint& loop,
+bool close_loop(PlaceRecognitionEdit& edit, MapId map_id, const LoopConstraint& loop,
                 const std::vector<LoopConstraint>& earlier, const std::vector<CameraId>& together) {
   const Map& map = edit.map();
-  const Nodes nodes(map, of);
+  const Nodes nodes(map, map_id);
   PoseGraph graph;
   if (nodes.keys.empty()) return false;
   add_nodes(map, nodes, &graph);
   if (!tie(nodes, loop, together, &graph)) return false;
   link_successive_frames(map, nodes, &graph);
-  link_neighbours(map, of, nodes, &graph);
-  link_visits(map, of, nodes, &graph);
+  link_neighbours(map, map_id, nodes, &graph);
+  link_visits(map, map_id, nodes, &graph);
   link_loops(earlier, nodes, &graph);
   const PoseGraphSolution solution = solve_path_graph(graph);
   if (!solution.ok) return false;
-  apply(edit, of, nodes, solution);
-  edit.note_moved(of, Why::kLoopClosed, {loop.scale, 0});
+  apply(edit, map_id, nodes, solution);
+  edit.note_moved(map_id, Why::kLoopClosed, {loop.scale, 0});
   return true;
 }
 

@@ -17,25 +17,25 @@ constexpr double kFlat_s = 30.0;          // the same of ground, of which one im
 constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
 constexpr std::size_t kBeyondDoubt = 40;  // matches of either image, in one of them not on one plane
 
-std::vector<const MapPoint*> points_in(const Map& map, MapId of, const std::set<PointId>& ids) {
+std::vector<const MapPoint*> points_in(const Map& map, MapId map_id, const std::set<PointId>& ids) {
   std::vector<const MapPoint*> out;
   for (const PointId id : ids) {
     const MapPoint* p = map.find(id);
-    if (p != nullptr && p->map == of) out.push_back(p);
+    if (p != nullptr && p->map == map_id) out.push_back(p);
   }
   return out;
 }
 
 // Whether the camera is where this says that it is. Beyond doubt: in so many points that it is the same place, and one
 // of the maps may be as bent as young ones are; the adjustment of both together straightens it.
-bool agree(const DescribedImage& image, const PlaceMatch& seen, const Similarity3& said, const Similarity3& now,
+bool agree(const DescribedImage& image, const PlaceMatch& seen, const Similarity3& earlier, const Similarity3& now,
            bool beyond_doubt) {
   constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15, kBent = 3;
   const double slack = beyond_doubt ? kBent : 1;
-  const Rigid3 expected = transform_world(image.frame().cam_from_world, said);
+  const Rigid3 expected = transform_world(image.frame().cam_from_world, earlier);
   return expected.rotation.angularDistance(seen.cam_from_world.rotation) < slack * kTurn_rad &&
          (expected.center() - seen.cam_from_world.center()).norm() < slack * kShift * seen.median_depth &&
-         std::abs(std::log(said.scale / now.scale)) < slack * kScale;
+         std::abs(std::log(earlier.scale / now.scale)) < slack * kScale;
 }
 
 // Farther from where the camera's pose says than young maps drift. One that has drifted so far only loses that flat
@@ -51,46 +51,47 @@ bool is_far(const DescribedImage& image, const PlaceMatch& seen) {
 std::pair<Verification::Part, Verification::Part> Verification::parts(const Map& map, const MapCamera& camera,
                                                                       const PlaceMatch& seen, const ViewGraph& graph) {
   if (camera.map != seen.map) return {{camera.map, std::nullopt}, {seen.map, std::nullopt}};
-  const CameraId own = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
-  const bool past = own == other || !map.is_recent(seen.key_set);
-  return {{camera.map, own}, {camera.map, past ? std::nullopt : std::optional(other)}};
+  const CameraId own_first = graph.group_with(camera.id).front(), other = graph.group_with(seen.key_camera).front();
+  const bool past = own_first == other || !map.is_recent(seen.key_set);
+  return {{camera.map, own_first}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
 bool Verification::confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen,
                              const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
   const MapCamera& camera = image.camera;
-  const auto [own, other] = parts(map, camera, seen, graph);
-  const bool forward = own < other;
-  const Hypothesis hypothesis = forward ? Hypothesis{own, other} : Hypothesis{other, own};
+  const auto [own_part, other] = parts(map, camera, seen, graph);
+  const bool forward = own_part < other;
+  const Hypothesis hypothesis = forward ? Hypothesis{own_part, other} : Hypothesis{other, own_part};
   Pending now{.second_from_first = forward ? in_from_own : in_from_own.inverse(),
               .first = map.now(),
-              .since = map.now(),
+              .newest = map.now(),
               .expected = seen.expected,
               .enough = enough,
               .depth = seen.median_depth,
               .cameras = {camera.id, seen.key_camera}};
   for (const auto& [track, point] : seen.matches) now.evidence.insert(point);
   now.relief = has_relief(points_in(map, seen.map, now.evidence), seen.median_depth);
-  now.many = own.map != other.map && seen.matches.size() >= kBeyondDoubt;
-  if (own.map == other.map && enough && !now.relief && !seen.expected && is_far(image, seen)) repeats(map, own.map);
+  now.many = own_part.map != other.map && seen.matches.size() >= kBeyondDoubt;
+  if (own_part.map == other.map && enough && !now.relief && !seen.expected && is_far(image, seen))
+    repeats(map, own_part.map);
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
-      at->second.since.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
+      at->second.newest.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
     Pending& p = at->second;
-    const Similarity3 said = forward ? p.second_from_first : p.second_from_first.inverse();
-    if (agree(image, seen, said, in_from_own, p.many && now.many && (p.relief || now.relief))) {
+    const Similarity3 earlier = forward ? p.second_from_first : p.second_from_first.inverse();
+    if (agree(image, seen, earlier, in_from_own, p.many && now.many && (p.relief || now.relief))) {
       p.evidence.merge(now.evidence);
       p.cameras.merge(now.cameras);
       p.enough = p.enough || enough;
       p.relief = p.relief || now.relief;
       p.depth = std::max(p.depth, now.depth);
-      if (p.since == map.now()) return false;  // of the same instant
+      if (p.newest == map.now()) return false;  // of the same instant
       p.second_from_first = now.second_from_first;
       p.many = now.many;
       if (!p.enough) return false;
       const std::vector<const MapPoint*> all = points_in(map, seen.map, p.evidence);
       if (!seen.expected && !has_relief(all, seen.median_depth) && !flat_is_enough(map, hypothesis, all, p.depth)) {
-        p.since = map.now();  // more of it may come
+        p.newest = map.now();  // more of it may come
         p.flat = true;
         return false;
       }
@@ -98,7 +99,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       return true;
     }
     if (p.enough && !enough) return false;  // few points that say something else take nothing away
-    if (enough && p.enough && !now.relief && !p.relief) repeats(map, own.map), repeats(map, other.map);
+    if (enough && p.enough && !now.relief && !p.relief) repeats(map, own_part.map), repeats(map, other.map);
   }
   pending_[hypothesis] = std::move(now);
   return false;
@@ -137,7 +138,7 @@ Verification::Waiting Verification::waiting(const Map& map, CameraId camera) con
   for (const auto& [hypothesis, p] : pending_) {
     const bool more = p.flat && p.first.value + map.sets_in(kPending_s) <= map.now().value;
     const double wait_s = more ? kFlat_s : kPending_s;
-    if (!p.cameras.contains(camera) || p.since.value + map.sets_in(wait_s) <= map.now().value) continue;
+    if (!p.cameras.contains(camera) || p.newest.value + map.sets_in(wait_s) <= map.now().value) continue;
     most = std::max(most, more ? Waiting::kMore : p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }
   return most;

@@ -15,26 +15,27 @@
 
 namespace coslam {
 
-// What one image said of how two maps, or two parts of one, lie to each other. Before anything moves another image of
-// another instant has to say the same, and both together have to see more than one plane: two rooms may have the same
-// poster. Not so a place near where it was expected anyway, nor ground that covers more than any print, where nothing
-// says that it repeats itself.
+// Keeps what one image said about the relative pose of two maps, or of two parts of one, until it is confirmed. Before
+// anything moves another image of another instant has to agree, and both together have to see more than one plane,
+// because two rooms may have the same poster. Exempt from the second condition are places near where they were expected
+// anyway, and ground that covers more than any print, unless something says that it repeats itself.
 class Verification {
  public:
-  // in_from_own: from the camera's map as it is now to the recognised place's, by which its part belongs elsewhere.
-  // enough: in so many points that it may confirm; one of the two has to. True once, when it is confirmed.
+  // True once, when the place is confirmed. in_from_own: transform from the camera's map as it is now to the recognised
+  // place's, which says where its part belongs. enough: the image has enough points to confirm; one of the two has to.
   bool confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen, const Similarity3& in_from_own,
                  const ViewGraph& graph, bool enough);
-  // Whether the camera saw, or was seen by, what waits to be confirmed: by more of the same ground, which another view
-  // has to show; by a second image; by one of what was not expected there.
+  // Type of evidence that a camera could add to a hypothesis: more of the same flat ground, in another view; a second
+  // image of an expected place; a second image of a place that was not expected there.
   enum class Waiting : std::uint8_t { kNothing, kMore, kExpected, kAnywhere };
   Waiting waiting(const Map& map, CameraId camera) const;
-  // A map was drawn together: nothing that lies in it waits any more. Two were joined: nor what others say of them.
+  // Drops hypotheses within a map, after a loop of it was closed; and all of two maps, after they were joined.
   void drawn_together(MapId map);
   void joined(MapId one, MapId other);
 
  private:
-  // All cameras of a map; or of one map those of the group with this first camera; or its past.
+  // Part of a map whose cameras move together: a whole map; within one map, the group of cameras with this first one,
+  // or, without one, the map's past.
   struct Part {
     MapId map;
     std::optional<CameraId> first;
@@ -46,14 +47,14 @@ class Verification {
   };
   struct Pending {
     Similarity3 second_from_first;
-    SetId first, since;  // said for the first time, and lastly
+    SetId first, newest;  // first and newest set that said so
     bool expected = false, enough = false;
-    bool many = false;    // points, in the newest image alone
-    double depth = 0;     // the largest of the images
-    bool relief = false;  // of an image by itself
-    bool flat = false;    // all that was seen so far
+    bool many = false;    // the newest image alone has many points
+    double depth = 0;     // largest median depth of the images
+    bool relief = false;  // one image by itself is not flat
+    bool flat = false;    // all points so far lie on a plane
     std::set<PointId> evidence;
-    std::set<CameraId> cameras;  // that saw it or were seen
+    std::set<CameraId> cameras;  // cameras that saw the place or were seen by it
   };
   void repeats(const Map& map, MapId id);
   bool flat_is_enough(const Map& map, const Hypothesis& hypothesis, const std::vector<const MapPoint*>& evidence,

@@ -22,8 +22,8 @@ std::vector<const MapPoint*> points_of(const Map& map, const PlaceMatch& seen) {
 // Depth of the camera's own map at a track: of its point, or of that of the nearest track not far from it.
 std::optional<double> own_depth(const Map& map, const DescribedImage& image, TrackId track, bool exact) {
   constexpr double kNear = 0.025;  // of the image width
-  const auto own = image.points.find(track);
-  const MapPoint* best = own == image.points.end() ? nullptr : map.find(own->second);
+  const auto own_point = image.points.find(track);
+  const MapPoint* best = own_point == image.points.end() ? nullptr : map.find(own_point->second);
   if (best == nullptr && !exact) {
     float nearest = static_cast<float>(kNear * image.camera.model.width_px);
     const Eigen::Vector2f& px = image.pixels.at(track);
@@ -46,9 +46,9 @@ std::optional<double> scale_of(const Map& map, const DescribedImage& image, cons
   for (const bool exact : {true, false}) {
     ratios.clear();
     for (const auto& [track, point] : seen.matches) {
-      const auto own = own_depth(map, image, track, exact);
+      const auto depth = own_depth(map, image, track, exact);
       const double other = (seen.cam_from_world * map.find(point)->position).z();
-      if (own && *own > 0 && other > 0) ratios.push_back(std::log(other / *own));
+      if (depth && *depth > 0 && other > 0) ratios.push_back(std::log(other / *depth));
     }
     if (ratios.size() >= kLeastDepthRatios) break;
   }
@@ -59,11 +59,11 @@ std::optional<double> scale_of(const Map& map, const DescribedImage& image, cons
 std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& image, const PlaceMatch& seen) {
   const auto scale = scale_of(map, image, seen);
   if (!scale) return std::nullopt;
-  const Rigid3& own = image.frame().cam_from_world;
+  const Rigid3& own_pose = image.frame().cam_from_world;
   Similarity3 s;
   s.scale = *scale;
-  s.rotation = (seen.cam_from_world.rotation.conjugate() * own.rotation).normalized();
-  s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own.center());
+  s.rotation = (seen.cam_from_world.rotation.conjugate() * own_pose.rotation).normalized();
+  s.translation = seen.cam_from_world.center() - s.scale * (s.rotation * own_pose.center());
   return s;
 }
 
@@ -101,7 +101,7 @@ bool as_expected(const Map& map, const DescribedImage& image, const PlaceMatch& 
 PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, std::optional<PlaceMatch> seen,
                                  ExpectedPlace expected, const ViewGraph& graph) {
   const MapCamera& camera = image.camera;
-  if (!expected.there.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.there)}};
+  if (!expected.in_place.empty()) return {PlaceDecision::kSeenAsExpected, {.matches = std::move(expected.in_place)}};
   const bool unplaced = camera.map == MapId();
   const int least = unplaced ? config_.min_place_inliers : config_.min_merge_inliers;
   const bool enough = seen && static_cast<int>(seen->matches.size()) >= least;

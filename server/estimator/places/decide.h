@@ -13,37 +13,37 @@
 namespace coslam {
 
 struct DecideConfig {
-  int min_place_inliers = 20;  // to place a camera that has no map
-  int min_merge_inliers = 25;  // to join two maps, or to draw one together
+  int min_place_inliers = 20;  // least points to place a camera that has no map
+  int min_merge_inliers = 25;  // least points to join two maps, or to close a loop
 };
 
-// What is to be done about a place that a camera saw.
+// Decision about a place that a camera recognised.
 struct PlaceDecision {
-  enum class What : std::uint8_t {
-    kUnknown,         // nothing was recognised
+  enum class Action : std::uint8_t {
+    kUnknown,         // no known place
     kSeenAsExpected,  // points of other cameras, found where they should appear: bind
     kTooFew,          // recognised in too few features: look again, more closely
     kDoubtful,        // flat, of an unknown scale, or not confirmed yet
-    kPlace,           // the camera, which has no map, in the place's
-    kLink,            // known points where the camera's pose expects them: bind
-    kJoin,            // two maps
-    kClose,           // a loop of the camera's map
+    kPlace,           // place the camera, which has no map, in that of the place
+    kLink,            // known points are where the camera's pose expects them: bind
+    kJoin,            // join two maps
+    kClose,           // close a loop of the camera's map
   };
-  using enum What;
-  What what = kUnknown;
-  PlaceMatch seen;          // of kSeenAsExpected the matches alone
-  Similarity3 in_from_own;  // of kJoin and kClose: from the camera's map as it is now
+  using enum Action;
+  Action action = kUnknown;
+  PlaceMatch seen;          // for kSeenAsExpected with matches alone
+  Similarity3 in_from_own;  // transform from the camera's map as it is now, for kJoin and kClose
 };
 
-// The one that decides whether what a camera recognised is the same place, and what follows from that. Before anything
-// moves another image has to confirm it.
+// Decides whether what a camera recognised is the same place, and what follows from that. Before anything moves another
+// image has to confirm it.
 class PlaceJudge {
  public:
   explicit PlaceJudge(const DecideConfig& config) : config_(config) {}
-  // seen: by appearance; expected: by the camera's pose.
+  // Decides about the places that an image shows; seen: found by appearance; expected: found by the camera's pose.
   PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<PlaceMatch> seen,
                        ExpectedPlace expected, const ViewGraph& graph);
-  // See Verification.
+  // Forwarded to Verification.
   void drawn_together(MapId map) { verification_.drawn_together(map); }
   void joined(MapId one, MapId other) { verification_.joined(one, other); }
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }

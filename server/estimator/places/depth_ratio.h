@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-// The scale between two maps, or two parts of one, is told by depths of the same places in both.
+// Scale between two maps, or two parts of one, from depths of the same places in both.
 namespace coslam {
 
 inline constexpr std::size_t kLeastDepthRatios = 10;
 
-// Lengths there over lengths here: the median; nothing when they are too few or do not agree.
+// Returns the median ratio of lengths there to lengths here; empty when the ratios are too few or do not agree.
 std::optional<double> depth_ratio(std::vector<double> log_ratios);
 
 }  // namespace coslam

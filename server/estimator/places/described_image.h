@@ -11,36 +11,36 @@
 
 namespace coslam {
 
-// An image that came with descriptors: what it showed, and the points that the map has for that by now.
+// Image that came with descriptors: its tracks, and the points that the map has for them by now.
 struct DescribedImage {
   const MapCamera& camera;
-  SetId set;                                  // it was taken at
-  std::map<TrackId, Eigen::Vector2f> pixels;  // undistorted, of all its tracks
-  std::map<TrackId, PointId> points;          // of those that have one
+  SetId set;                                  // set at which it was taken
+  std::map<TrackId, Eigen::Vector2f> pixels;  // undistorted, all tracks
+  std::map<TrackId, PointId> points;          // tracks that have a point
 
   const FramePose& frame() const { return *camera.frame_at(set); }
 };
 
-// The newest of a camera.
+// Describes the newest image of a camera.
 DescribedImage newest_image(const MapCamera& camera);
 
-// Descriptors that come after their frame, over a link that carries little or loses some: their image is kept until
-// then, or most of its tracks would have ended. Thread-compatible.
+// Remembers images whose descriptors come after their frame, over a link that is slow or loses some: otherwise most of
+// their tracks would have ended by then. Thread-compatible.
 class AwaitedDescriptors {
  public:
-  // What the map knows of an image of this set is kept from now on when its frame says that its descriptors follow.
+  // Remembers the frame's image if the frame says that its descriptors follow.
   void await(PlaceRecognitionEdit& edit, const CameraFrame& frame);
-  // The image that these are of; the newest, when it is not known, of another run of the agent or not placed in the
-  // camera's map.
+  // Returns the image that the frame's descriptors belong to; the newest image when that one is not known, belongs to
+  // another run of the agent or has no pose in the camera's map.
   DescribedImage image_of(const Map& map, const CameraFrame& frame) const;
-  // They came: it is kept no longer.
+  // Forgets the image, because its descriptors came.
   void came(const CameraFrame& frame);
 
  private:
   struct Awaited {
     FrameId frame;
     SetId set;
-    LensCorrection lens;  // that they were seen through
+    LensCorrection lens;  // lens correction that the pixels are undistorted with
     std::map<TrackId, Eigen::Vector2f> pixels;
   };
   std::map<CameraId, std::deque<Awaited>> awaited_;

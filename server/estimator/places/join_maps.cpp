@@ -24,11 +24,11 @@ constexpr std::size_t kLeastPairs = 10;
 std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
   std::vector<const Witness*> best;
   for (const Witness& a : all) {
-    std::vector<const Witness*> with{&a};
+    std::vector<const Witness*> supporters{&a};
     for (const Witness& b : all) {
-      if (agree(a, b)) with.push_back(&b);
+      if (agree(a, b)) supporters.push_back(&b);
     }
-    if (with.size() > best.size()) best = std::move(with);
+    if (supporters.size() > best.size()) best = std::move(supporters);
   }
   return best;
 }
@@ -47,8 +47,8 @@ std::map<PointId, PointId> pairs_of(const std::vector<const Witness*>& witnesses
   std::map<PointId, PointId> pairs;
   std::set<PointId> known;
   for (const Witness* s : witnesses) {
-    for (const auto& [own, other] : s->pairs) {
-      if (!pairs.contains(own) && known.insert(other).second) pairs.emplace(own, other);
+    for (const auto& [own_id, other] : s->pairs) {
+      if (!pairs.contains(own_id) && known.insert(other).second) pairs.emplace(own_id, other);
     }
   }
   return pairs;
@@ -62,10 +62,10 @@ std::optional<Similarity3> fitted(const Map& map, const Similarity3& start, doub
   for (const double gate : {4 * kNear, 2 * kNear, kNear}) {
     std::vector<Eigen::Vector3d> from, to;
     near.clear();
-    for (const auto& [own, other] : *pairs) {
-      const Eigen::Vector3d &a = map.find(own)->position, &b = map.find(other)->position;
+    for (const auto& [own_id, other] : *pairs) {
+      const Eigen::Vector3d &a = map.find(own_id)->position, &b = map.find(other)->position;
       if ((s * a - b).norm() > gate * depth) continue;
-      near.emplace(own, other);
+      near.emplace(own_id, other);
       from.push_back(a);
       to.push_back(b);
     }
@@ -79,10 +79,10 @@ std::optional<Similarity3> fitted(const Map& map, const Similarity3& start, doub
 }
 
 // What images of one map, of as many as it takes time for, say of places in others that may be asked.
-std::vector<Witness> witnesses_in(const Map& map, const KeyImageDatabase& places, MapId of,
+std::vector<Witness> witnesses_in(const Map& map, const KeyImageDatabase& places, MapId map_id,
                                   const std::function<bool(MapId)>& may_ask) {
   constexpr std::size_t kMostImages = 200;
-  const std::vector<const KeyImage*> images = places.images_of(map, of);
+  const std::vector<const KeyImage*> images = places.images_of(map, map_id);
   const std::size_t apart = std::max<std::size_t>(1, (images.size() + kMostImages - 1) / kMostImages);
   std::vector<Witness> out;
   for (std::size_t i = 0; i < images.size(); i += apart) {
@@ -94,22 +94,22 @@ std::vector<Witness> witnesses_in(const Map& map, const KeyImageDatabase& places
 }
 
 // Its images about older maps, and theirs about it.
-std::vector<Witness> all_witnesses(const Map& map, const KeyImageDatabase& places, MapId of, MapId first) {
-  std::vector<Witness> out = witnesses_in(map, places, of, [&](MapId in) { return in != of && in < first; });
+std::vector<Witness> all_witnesses(const Map& map, const KeyImageDatabase& places, MapId map_id, MapId first) {
+  std::vector<Witness> out = witnesses_in(map, places, map_id, [&](MapId in) { return in != map_id && in < first; });
   for (MapId in(1); in < first; ++in.value) {
-    if (in == of) continue;
-    for (const Witness& w : witnesses_in(map, places, in, [&](MapId asked) { return asked == of; })) {
+    if (in == map_id) continue;
+    for (const Witness& w : witnesses_in(map, places, in, [&](MapId asked) { return asked == map_id; })) {
       out.push_back(reversed(w, in));
     }
   }
   return out;
 }
 
-std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId of, MapId first) {
+std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId map_id, MapId first) {
   constexpr std::size_t kLeastImages = 2;
   constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
   const Map& map = edit.map();
-  const std::vector<Witness> all = all_witnesses(map, places, of, first);
+  const std::vector<Witness> all = all_witnesses(map, places, map_id, first);
   const std::vector<const Witness*> good = agreed(all);
   if (good.size() < kLeastImages) return std::nullopt;
   std::map<PointId, PointId> pairs = pairs_of(good);
@@ -120,40 +120,41 @@ std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const KeyImageDatabas
   const auto into_from_own = fitted(map, good.front()->into_from_own, depth, &pairs);
   if (!into_from_own || !of_one_size(*into_from_own, good)) return std::nullopt;
   // What is flat in one map may only be uncertain there.
-  std::vector<const MapPoint*> here, there;
-  for (const auto& [own, other] : pairs) {
-    here.push_back(map.find(own));
-    there.push_back(map.find(other));
+  std::vector<const MapPoint*> own_points, other_points;
+  for (const auto& [own_id, other] : pairs) {
+    own_points.push_back(map.find(own_id));
+    other_points.push_back(map.find(other));
   }
-  const bool relief = has_relief(there, depth) || has_relief(here, depth / into_from_own->scale);
+  const bool relief = has_relief(other_points, depth) || has_relief(own_points, depth / into_from_own->scale);
   const bool of_one_mind = static_cast<double>(good.size()) > kOfOneMind * static_cast<double>(all.size());
-  if (!relief && !(of_one_mind && covers_ground(there, std::ranges::max(depths)))) return std::nullopt;
-  MapId kept = good.front()->into, gone = of;
-  Similarity3 by = *into_from_own;
-  if (map.is_metric(gone) && !map.is_metric(kept)) {  // the one in metres keeps its frame
-    std::swap(kept, gone);
-    by = by.inverse();
+  if (!relief && !(of_one_mind && covers_ground(other_points, std::ranges::max(depths)))) return std::nullopt;
+  MapId remaining = good.front()->into, removed = map_id;
+  Similarity3 remaining_from_removed = *into_from_own;
+  if (map.is_metric(removed) && !map.is_metric(remaining)) {  // the one in metres keeps its frame
+    std::swap(remaining, removed);
+    remaining_from_removed = remaining_from_removed.inverse();
   }
-  edit.merge(gone, kept, by);
-  for (const auto& [own, other] : pairs)
-    edit.fuse(other, own, Why::kPlaceRecognised, {static_cast<double>(pairs.size()), 0});
-  return JoinedMaps{gone, kept, static_cast<int>(good.size()), static_cast<int>(pairs.size()), by.scale};
+  edit.merge(removed, remaining, remaining_from_removed);
+  for (const auto& [own_id, other] : pairs)
+    edit.fuse(other, own_id, Why::kPlaceRecognised, {static_cast<double>(pairs.size()), 0});
+  return JoinedMaps{removed, remaining, static_cast<int>(good.size()), static_cast<int>(pairs.size()),
+                    remaining_from_removed.scale};
 }
 
 }  // namespace
 
 std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places) {
   std::vector<JoinedMaps> out;
-  for (MapId of(2); of < edit.map().next_map(); ++of.value) {
-    if (const auto joined = join(edit, places, of, of)) out.push_back(*joined);
+  for (MapId map_id(2); map_id < edit.map().next_map(); ++map_id.value) {
+    if (const auto joined = join(edit, places, map_id, map_id)) out.push_back(*joined);
   }
   return out;
 }
 
 std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId first) {
   std::vector<JoinedMaps> out;
-  for (MapId of = first; of < edit.map().next_map(); ++of.value) {
-    if (const auto joined = join(edit, places, of, first)) out.push_back(*joined);
+  for (MapId map_id = first; map_id < edit.map().next_map(); ++map_id.value) {
+    if (const auto joined = join(edit, places, map_id, first)) out.push_back(*joined);
   }
   return out;
 }

@@ -11,16 +11,16 @@ namespace coslam {
 
 // Two maps that became one.
 struct JoinedMaps {
-  MapId gone, kept;
-  int images = 0, points = 0;  // by which that was told
-  double scale = 1;            // lengths in the one that is kept, of those in the other
+  MapId removed, remaining;
+  int images = 0, points = 0;  // number of images and points that showed it
+  double scale = 1;            // length in the remaining map of what has length 1 in the other
 };
 
-// Without any camera at work: maps from `first` on whose remembered images show a place of an older map become part of
-// that one, by the points behind what looks alike. Two images of different instants have to agree, and what they show
-// must not be flat, or ground that covers more than any print, if nearly all of them agree.
+// Joins maps without any camera running: those from `first` on whose remembered images show a place of an older map
+// become part of it, by the points behind what looks alike. Two images of different instants have to agree, and what
+// they show must not be flat, or else be ground that covers more than any print, if nearly all of them agree.
 std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId first);
-// The same of each map with those that are older than it.
+// Joins each map to older ones whose places it shows, as join_maps() does.
 std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places);
 
 }  // namespace coslam

@@ -14,21 +14,22 @@
 namespace coslam {
 
 struct RecogniseConfig {
-  int min_votes = 12;      // features that look like one of the key image
-  int images = 4;          // best key images whose points are matched by their looks alone
-  int min_first = 7;       // of these, that agree on a pose (chance makes 4 or 5): others are looked for by that
-  int around = 12;         // best key images whose points are looked for then
-  int min_inliers = 12;    // of the pose in the end
-  double min_hull = 0.08;  // of the image, by the matched points: a handful on one object does not fix a pose
-  int min_expected = 5;    // points found where the pose says they are: enough to believe it
-  int min_beside = 8;      // found all a little beside that: enough to tell how far the map has drifted
+  int min_votes = 12;      // least features of an image that look like one of the key image
+  int images = 4;          // best key images whose points are matched by appearance alone
+  int min_first = 7;       // least of these matches that agree on a pose (chance: 4 or 5), which guides the search
+  int around = 12;         // best key images whose points are then searched for near their projections
+  int min_inliers = 12;    // least inliers of the final pose
+  double min_hull = 0.08;  // least share of the image that the matched points cover: a handful does not fix a pose
+  int min_expected = 5;    // least points found where the pose predicts them: enough to believe the pose
+  int min_beside = 8;      // least points found all a little beside that: enough to tell how far the map has drifted
 };
 
-// An image that the map remembers by its looks. The points behind its features are those with an observation of it.
+// Key image: an image that the map remembers by its descriptors. The points behind its features are those with an
+// observation of it.
 struct KeyImage {
   SetId set;
   CameraId camera;
-  std::vector<TrackId> tracks;  // ascending
+  std::vector<TrackId> tracks;  // sorted
   std::vector<std::uint8_t> descriptors;
 };
 auto fields(Like<KeyImage> auto& i) {
@@ -36,15 +37,15 @@ auto fields(Like<KeyImage> auto& i) {
                     kept("descriptors", i.descriptors));
 }
 
-// A camera saw a place that the map knows.
+// Place of the map that a camera recognised.
 struct PlaceMatch {
   MapId map;
-  Rigid3 cam_from_world;  // in that map, by the place's points
+  Rigid3 cam_from_world;  // pose in that map, by the place's points
   std::vector<std::pair<TrackId, PointId>> matches;
-  CameraId key_camera;  // of the key image with most of them
+  CameraId key_camera;  // camera of the key image with most matches
   SetId key_set;
-  double median_depth = 0;  // of the matched points
-  bool expected = false;    // not far from where the camera's pose in that map says
+  double median_depth = 0;  // median depth of the matched points
+  bool expected = false;    // near where the camera's pose in that map says
 };
 
 }  // namespace coslam

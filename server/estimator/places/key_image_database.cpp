@@ -17,12 +17,12 @@ void KeyImageDatabase::add(PlaceRecognitionEdit& edit, const DescribedImage& ima
 
 void KeyImageDatabase::forget(const std::vector<ImageKey>& views) {
   if (views.empty()) return;
-  const std::set<ImageKey> gone(views.begin(), views.end());
+  const std::set<ImageKey> forgotten(views.begin(), views.end());
   std::erase_if(images_, [&](const auto& entry) {
     const auto& [number, image] = entry;
-    if (!gone.contains({image.set, image.camera})) return false;
+    if (!forgotten.contains({image.set, image.camera})) return false;
     index_.remove(number, image.descriptors);
-    if (number < saved_) gone_.push_back(number);
+    if (number < saved_) forgotten_.push_back(number);
     return true;
   });
 }
@@ -34,14 +34,15 @@ std::size_t KeyImageDatabase::bytes() const {
 }
 
 ExpectedPlace KeyImageDatabase::find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
-                                              const std::vector<CameraId>& cameras, SetId since, double gate_px) const {
+                                              const std::vector<CameraId>& cameras, SetId first_set,
+                                              double gate_px) const {
   const MapCamera& camera = image.camera;
   if (!image.frame().valid()) return {};
   std::vector<const KeyImage*> asked;
   for (const CameraId c : cameras) {
     const auto newest =
         std::find_if(images_.rbegin(), images_.rend(), [&](const auto& i) { return i.second.camera == c; });
-    if (newest != images_.rend() && newest->second.set >= since) asked.push_back(&newest->second);
+    if (newest != images_.rend() && newest->second.set >= first_set) asked.push_back(&newest->second);
   }
   if (asked.empty()) return {};
   const KnownPoints known = known_points(map, camera.map, asked);
@@ -50,12 +51,12 @@ ExpectedPlace KeyImageDatabase::find_expected(const Map& map, const DescribedIma
   ExpectedPlace out;
   for (std::size_t i = 0; i < near.tracks.size(); ++i) {
     if (near.off_px[i] > gate_px) continue;
-    out.there.emplace_back(near.tracks[i], known.ids[static_cast<std::size_t>(near.known[i])]);
+    out.in_place.emplace_back(near.tracks[i], known.ids[static_cast<std::size_t>(near.known[i])]);
   }
-  if (static_cast<int>(out.there.size()) >= config_.min_expected && 2 * out.there.size() >= near.tracks.size()) {
+  if (static_cast<int>(out.in_place.size()) >= config_.min_expected && 2 * out.in_place.size() >= near.tracks.size()) {
     return out;
   }
-  out.there.clear();
+  out.in_place.clear();
   // Few have to do, so they have to agree well: chance matches lie anywhere in what was searched.
   out.beside = locate(map, camera.id, asked, camera.map, known, near, {0.75, config_.min_beside, 0});
   if (out.beside && 2 * out.beside->matches.size() < near.tracks.size()) out.beside.reset();
@@ -78,9 +79,9 @@ KeyImageDatabase::Asked KeyImageDatabase::asked_for(const Map& map, const std::v
   // The best image names the map; others of it lend their points.
   Asked asked;
   for (const auto& [n, image] : order) {
-    const MapId of = map.camera(image->camera).frame_at(image->set)->map;
-    if (asked.in == MapId()) asked.in = of;
-    if (of == asked.in && static_cast<int>(asked.images.size()) < config_.around) asked.images.push_back(image);
+    const MapId map_id = map.camera(image->camera).frame_at(image->set)->map;
+    if (asked.in == MapId()) asked.in = map_id;
+    if (map_id == asked.in && static_cast<int>(asked.images.size()) < config_.around) asked.images.push_back(image);
   }
   return asked;
 }
@@ -93,11 +94,11 @@ std::optional<PlaceMatch> KeyImageDatabase::find(const Map& map, const Described
   return locate_twice(map, asked.images, asked.in, features_of(image, reply), config_);
 }
 
-std::vector<const KeyImage*> KeyImageDatabase::images_of(const Map& map, MapId of) const {
+std::vector<const KeyImage*> KeyImageDatabase::images_of(const Map& map, MapId map_id) const {
   std::vector<const KeyImage*> out;
   for (const auto& [number, image] : images_) {
     const FramePose* f = map.camera(image.camera).frame_at(image.set);
-    if (f != nullptr && f->valid() && f->map == of) out.push_back(&image);
+    if (f != nullptr && f->valid() && f->map == map_id) out.push_back(&image);
   }
   return out;
 }
@@ -113,16 +114,16 @@ std::set<MapId> KeyImageDatabase::maps(const Map& map) const {
 
 std::optional<LoopCandidate> KeyImageDatabase::find_again(
     const Map& map, const KeyImage& image, const std::function<bool(const KeyImage&, MapId)>& may_ask) const {
-  const MapId of = map.camera(image.camera).frame_at(image.set)->map;
+  const MapId map_id = map.camera(image.camera).frame_at(image.set)->map;
   const Asked asked = asked_for(map, image.descriptors, may_ask);
   if (asked.images.empty()) return std::nullopt;
   FeaturesOfImage features{map.camera(image.camera), image.tracks, image.descriptors, {}};
   LoopCandidate seen{.image = &image};
   for (const MapPoint* p : map.points_observed_in({{image.set, image.camera}})) {
     for (const KeyObservation& o : p->key_observations) {
-      if (o.set != image.set || o.camera != image.camera || p->map != of) continue;
+      if (o.set != image.set || o.camera != image.camera || p->map != map_id) continue;
       features.pixels[o.track] = o.undistorted_px.cast<double>();
-      seen.own[o.track] = p->id;
+      seen.observed[o.track] = p->id;
     }
   }
   auto place = locate_twice(map, asked.images, asked.in, features, config_);
@@ -131,9 +132,9 @@ std::optional<LoopCandidate> KeyImageDatabase::find_again(
   return seen;
 }
 
-void KeyImageDatabase::take_in(const KeyImageDatabase& other, const Renumbered& as) {
+void KeyImageDatabase::take_in(const KeyImageDatabase& other, const Renumbered& renumbered) {
   for (const auto& [number, theirs] : other.images_) {
-    Renumber(as).apply(images_[index_.add(theirs.descriptors)] = theirs);
+    Renumber(renumbered).apply(images_[index_.add(theirs.descriptors)] = theirs);
   }
 }
 

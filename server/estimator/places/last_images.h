@@ -13,15 +13,15 @@ namespace coslam {
 
 struct LastImagesReport {};
 
-// Where an agent's run ended is a known place too: what its last image shows is remembered once the frame is there.
+// Remembers the last image of an agent's run, once its frame is there, so that where a run ended is a known place too.
 class LastImages {
  public:
   static constexpr std::string_view kName = "last_images";
   using Config = NoConfig<LastImages>;
-  explicit LastImages(const Config& of) : config(of) {}
+  explicit LastImages(const Config& stage_config) : config(stage_config) {}
   Config config;
 
-  // What the last image of an agent's run shows; its frame may come later.
+  // Takes the descriptors of the last image of an agent's run; its frame may come later.
   void take_last_image(CameraId camera, DescriptorReply reply) { waiting_.insert_or_assign(camera, std::move(reply)); }
   LastImagesReport run(PlaceRecognitionEdit& edit, PlaceRecognition& places);
 

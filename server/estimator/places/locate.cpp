@@ -72,7 +72,7 @@ struct NearestLooks {
 
 }  // namespace
 
-KnownPoints known_points(const Map& map, MapId of, std::span<const KeyImage* const> asked) {
+KnownPoints known_points(const Map& map, MapId map_id, std::span<const KeyImage* const> asked) {
   KnownPoints out;
   std::vector<ImageKey> images;
   images.reserve(asked.size());
@@ -81,7 +81,7 @@ KnownPoints known_points(const Map& map, MapId of, std::span<const KeyImage* con
   std::iota(in_order.begin(), in_order.end(), 0);
   std::ranges::sort(in_order, {}, [&](std::size_t i) { return images[i]; });
   for (const MapPoint* p : map.points_observed_in(images)) {
-    if (p->map != of || !p->rests()) continue;
+    if (p->map != map_id || !p->rests()) continue;
     const auto described = described_in(*p, asked, in_order);
     if (!described) continue;
     out.ids.push_back(p->id);

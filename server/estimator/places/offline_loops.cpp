@@ -34,21 +34,21 @@ const FramePose& own_frame(const Map& map, const LoopCandidate& seen) {
 
 // Most of the points that match are one already.
 bool known(const LoopCandidate& seen) {
-  const auto same = std::ranges::count_if(seen.place.matches,
-                                          [&](const auto& match) { return seen.own.at(match.first) == match.second; });
+  const auto same = std::ranges::count_if(
+      seen.place.matches, [&](const auto& match) { return seen.observed.at(match.first) == match.second; });
   return 2 * same > static_cast<std::ptrdiff_t>(seen.place.matches.size());
 }
 
 // How far from where the image saw it the place's point lies; nothing when one of the two points is gone.
 std::optional<double> off_px(const Map& map, const LoopCandidate& seen, const std::pair<TrackId, PointId>& match) {
   const MapCamera& camera = map.camera(seen.image->camera);
-  const MapPoint *own = map.find(seen.own.at(match.first)), *place = map.find(match.second);
-  if (own == nullptr || place == nullptr) return std::nullopt;
+  const MapPoint *own_point = map.find(seen.observed.at(match.first)), *place = map.find(match.second);
+  if (own_point == nullptr || place == nullptr) return std::nullopt;
   Eigen::Vector2d px;
   if (!project_world(camera.model, own_frame(map, seen).cam_from_world, place->position, &px)) {
     return std::numeric_limits<double>::infinity();
   }
-  for (const KeyObservation& o : own->key_observations) {
+  for (const KeyObservation& o : own_point->key_observations) {
     if (o.set == seen.image->set && o.camera == camera.id) return (px - o.undistorted_px.cast<double>()).norm();
   }
   return std::nullopt;
@@ -67,14 +67,14 @@ bool in_place(const Map& map, const LoopCandidate& seen, double gates = 1) {
   return !errors.empty() && upper_median(errors) < gates * gate_px(map, seen);
 }
 
-std::vector<Visit> find_visits(const Map& map, const KeyImageDatabase& places, MapId of) {
-  std::vector<const KeyImage*> images = places.images_of(map, of);
+std::vector<Visit> find_visits(const Map& map, const KeyImageDatabase& places, MapId map_id) {
+  std::vector<const KeyImage*> images = places.images_of(map, map_id);
   if (images.size() > kMostImages) images.erase(images.begin(), images.end() - kMostImages);
   const auto apart = static_cast<std::uint32_t>(map.sets_in(map.config().recent_s));
   std::vector<Visit> out;
   for (const KeyImage* image : images) {
     auto seen = places.find_again(map, *image, [&](const KeyImage& other, MapId in) {
-      return in == of && other.set.value + apart < image->set.value;
+      return in == map_id && other.set.value + apart < image->set.value;
     });
     if (seen && !known(*seen)) out.push_back({std::move(*seen), {}});
   }
@@ -89,10 +89,10 @@ int link(PlaceRecognitionEdit& edit, const LoopCandidate& seen, double gates = 1
   for (const auto& [track, place_point] : seen.place.matches) {
     const auto px = off_px(map, seen, {track, place_point});
     if (!px || *px > gates * gate_px(map, seen)) continue;
-    const MapPoint *own = map.find(seen.own.at(track)), *kept = map.find(place_point);
-    if (own == kept) continue;
-    if (!own->rests() || !kept->rests() || seen_at_once(*own, *kept)) continue;
-    edit.fuse(kept->id, own->id, Why::kPlaceRecognised, agree);
+    const MapPoint *own_point = map.find(seen.observed.at(track)), *kept = map.find(place_point);
+    if (own_point == kept) continue;
+    if (!own_point->rests() || !kept->rests() || seen_at_once(*own_point, *kept)) continue;
+    edit.fuse(kept->id, own_point->id, Why::kPlaceRecognised, agree);
     retriangulate(edit, *kept);
     ++fused;
   }
@@ -101,7 +101,7 @@ int link(PlaceRecognitionEdit& edit, const LoopCandidate& seen, double gates = 1
 
 bool all_there(const Map& map, const LoopCandidate& seen) {
   return std::ranges::all_of(seen.place.matches, [&](const auto& match) {
-    return map.find(match.second) != nullptr && map.find(seen.own.at(match.first)) != nullptr;
+    return map.find(match.second) != nullptr && map.find(seen.observed.at(match.first)) != nullptr;
   });
 }
 
@@ -116,7 +116,7 @@ using Confirmed = std::vector<const Visit*>;
 std::set<PointId> points_of(const Confirmed& visits) {
   std::set<PointId> ids;
   for (const Visit* v : visits) {
-    for (const auto& [own, other] : v->witness->pairs) ids.insert(other);
+    for (const auto& [own_id, other] : v->witness->pairs) ids.insert(other);
   }
   return ids;
 }
@@ -157,41 +157,41 @@ Confirmed most_confirmed(const Map& map, const std::vector<Visit>& visits, int m
 std::optional<LoopConstraint> constraint_of(const Map& map, const Confirmed& visits) {
   const Visit& v = *visits.front();
   const PlaceMatch& place = v.seen.place;
-  const FramePose* there = map.camera(place.key_camera).frame_at(place.key_set);
-  if (there == nullptr) return std::nullopt;
-  const Rigid3& own = own_frame(map, v.seen).cam_from_world;
+  const FramePose* key_frame = map.camera(place.key_camera).frame_at(place.key_set);
+  if (key_frame == nullptr) return std::nullopt;
+  const Rigid3& own_pose = own_frame(map, v.seen).cam_from_world;
   double weight = 0, log_scale = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector4d rotation = Eigen::Vector4d::Zero();
   for (const Visit* w : visits) {
     const Similarity3& s = w->witness->into_from_own;
     const auto points = static_cast<double>(w->seen.place.matches.size());
-    const Eigen::Quaterniond of_camera = s.rotation * own.rotation.conjugate();
+    const Eigen::Quaterniond of_camera = s.rotation * own_pose.rotation.conjugate();
     const double sign = of_camera.coeffs().dot(rotation) < 0 ? -1 : 1;
     weight += points;
     log_scale += points * std::log(s.scale);
-    center += points * (s * own.center());
+    center += points * (s * own_pose.center());
     rotation += points * sign * of_camera.coeffs();
   }
   center /= weight;
   const Eigen::Quaterniond cam_from_world = Eigen::Quaterniond(rotation.normalized()).conjugate();
-  const Rigid3 here{cam_from_world, -(cam_from_world * center)};
+  const Rigid3 mean_pose{cam_from_world, -(cam_from_world * center)};
   return LoopConstraint{v.seen.image->camera,
                         place.key_camera,
                         v.seen.image->set,
                         place.key_set,
-                        here * there->cam_from_world.inverse(),
+                        mean_pose * key_frame->cam_from_world.inverse(),
                         std::exp(log_scale / weight)};
 }
 
 }  // namespace
 
-OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId of,
+OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId map_id,
                                        int min_inliers, std::vector<LoopConstraint>* loops) {
   const Map& map = edit.map();
   OfflineLoopsReport report;
   for (int round = 0; round <= kMostLoops; ++round) {
-    std::vector<Visit> visits = find_visits(map, places, of);
+    std::vector<Visit> visits = find_visits(map, places, map_id);
     for (Visit& v : visits) {
       if (!all_there(map, v.seen)) continue;
       if (in_place(map, v.seen)) {
@@ -206,7 +206,7 @@ OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImag
     const Confirmed best = round < kMostLoops ? most_confirmed(map, visits, min_inliers) : Confirmed();
     if (best.empty()) break;
     const auto loop = constraint_of(map, best);
-    if (!loop || !close_loop(edit, of, *loop, *loops, {})) break;
+    if (!loop || !close_loop(edit, map_id, *loop, *loops, {})) break;
     loops->push_back(*loop);
     ++report.closed;
     // Not one alone: the adjustment goes by what becomes one point.

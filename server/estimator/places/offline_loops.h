@@ -11,16 +11,16 @@
 namespace coslam {
 
 struct OfflineLoopsReport {
-  int closed = 0;  // loops
-  int linked = 0;  // images whose points became one with those of an earlier visit
+  int closed = 0;  // closed loops
+  int linked = 0;  // images whose points were fused with those of an earlier visit
   bool changed() const { return closed + linked > 0; }
 };
 
-// Without any camera at work: remembered images of one map that show a place of an earlier visit, which in the run came
-// too late, too few or with points too young to be acted on. Where the map puts them right their points become one with
-// the place's; where it does not the map is drawn together, once two images of different instants say the same of what
-// is not flat, one of them by min_inliers points, or three together by twice as many.
-OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId of,
+// Closes loops without any camera running: by remembered images of one map that show a place of an earlier visit, which
+// in the run came too late, too few or with points too young to be used. Where the map is right about them their points
+// are fused with the place's; where it is not a loop is closed, once two images of different instants agree and show
+// more than a plane, one of them by min_inliers points, or three together by twice as many.
+OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId map_id,
                                        int min_inliers, std::vector<LoopConstraint>* loops);
 
 }  // namespace coslam

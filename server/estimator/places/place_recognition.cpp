@@ -96,11 +96,12 @@ void PlaceRecognition::expect(const Map& map, const FrameSet& set, const ViewGra
 
 ExpectedPlace PlaceRecognition::find_expected(const Map& map, const DescribedImage& image,
                                               const DescriptorReply& reply) const {
-  const auto others = expected_.find(image.camera.id);
-  if (others == expected_.end()) return {};
+  const auto expected_cameras = expected_.find(image.camera.id);
+  if (expected_cameras == expected_.end()) return {};
   const std::uint32_t lately = 2 * map.sets_in(config.ask.soon_s);
-  const SetId since(image.set.value - std::min(image.set.value, lately));
-  return places_.find_expected(map, image, reply, others->second, since, PlaceJudge::slack_px(map, image.camera));
+  const SetId first_set(image.set.value - std::min(image.set.value, lately));
+  return places_.find_expected(map, image, reply, expected_cameras->second, first_set,
+                               PlaceJudge::slack_px(map, image.camera));
 }
 
 bool PlaceRecognition::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,
@@ -118,7 +119,7 @@ PlaceRecognition::Look PlaceRecognition::look(const Map& map, const CameraFrame&
   const MapCamera& camera = out.image.camera;
   if (camera.map != MapId() && !out.image.frame().valid()) return out;
   out.expected = find_expected(map, out.image, reply);
-  if (!out.expected.there.empty()) return out;
+  if (!out.expected.in_place.empty()) return out;
   out.seen = places_.find(map, out.image, reply,
                           [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
   return out;
@@ -126,12 +127,12 @@ PlaceRecognition::Look PlaceRecognition::look(const Map& map, const CameraFrame&
 
 bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph,
                            const LocaliseConfig& localise, PlaceRecognitionReport* report) {
-  using enum PlaceDecision::What;
+  using enum PlaceDecision::Action;
   const DescribedImage& image = look.image;
   const MapCamera& camera = image.camera;
-  const auto [what, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, graph);
-  report->sightings += what != kUnknown && what != kSeenAsExpected;
-  switch (what) {
+  const auto [action, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, graph);
+  report->sightings += action != kUnknown && action != kSeenAsExpected;
+  switch (action) {
     case kUnknown:
       return false;
     case kSeenAsExpected:
@@ -153,10 +154,10 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const V
       ++report->linked;
       return true;
     case kJoin: {
-      const MapId own = camera.map;
+      const MapId own_map = camera.map;
       report->adjust_since = join(edit, image, seen, in_from_own);
       ++report->merged;
-      judge_.joined(own, seen.map);
+      judge_.joined(own_map, seen.map);
       report->to_adjust = camera.map;
       return true;
     }
@@ -189,14 +190,14 @@ std::vector<ImageKey> PlaceRecognition::held_frames() const {
   return out;
 }
 
-void PlaceRecognition::take_in(const PlaceRecognition& other, const Renumbered& as) {
-  places_.take_in(other.places_, as);
-  for (const LoopConstraint& theirs : other.loops_) Renumber(as).apply(loops_.emplace_back(theirs));
+void PlaceRecognition::take_in(const PlaceRecognition& other, const Renumbered& renumbered) {
+  places_.take_in(other.places_, renumbered);
+  for (const LoopConstraint& theirs : other.loops_) Renumber(renumbered).apply(loops_.emplace_back(theirs));
 }
 
-OfflineLoopsReport PlaceRecognition::close_loops_offline(PlaceRecognitionEdit& edit, MapId of) {
+OfflineLoopsReport PlaceRecognition::close_loops_offline(PlaceRecognitionEdit& edit, MapId map_id) {
   if (!config.loops) return {};
-  return coslam::close_loops_offline(edit, places_, of, config.decide.min_merge_inliers, &loops_);
+  return coslam::close_loops_offline(edit, places_, map_id, config.decide.min_merge_inliers, &loops_);
 }
 
 }  // namespace coslam

@@ -25,7 +25,7 @@
 namespace coslam {
 
 struct PlaceRecognitionConfig {
-  bool loops = true;  // own old places too, beside those that other cameras saw lately
+  bool loops = true;  // recognise own old places too, beside those that other cameras saw lately
   RecogniseConfig recognise;
   DecideConfig decide;
   AskConfig ask;
@@ -39,38 +39,37 @@ void describe(V& v, PlaceRecognitionConfig& c) {
   describe(v, c.ask);
 }
 
-// Cameras that recognise a place. One without a map is placed there (late, restarted or lost ones). One of another map
-// brings its map along: the two become one (paper 6.2, step 1). One of the same map, whose group had parted or which
-// comes back, shows how far the map has drifted, and draws it together (step 2). Where the map says that two
-// cameras see the same, but nothing holds them to each other, both are asked at once, and points are looked for where
-// they should appear. Before anything
-// moves, a meeting has to be confirmed by a second image.
+// Recognises places and acts on them. A camera without a map is placed in the place's (late, restarted or lost ones). A
+// camera of another map brings its map along: the two become one (paper 6.2, step 1). A camera of the same map, whose
+// group had parted or which comes back, shows how far the map has drifted, and closes a loop (step 2). Where the map
+// says that two cameras see the same, but nothing holds them to each other, both are asked at once, and points are
+// searched for where they should appear. Before anything moves, a meeting has to be confirmed by a second image.
 class PlaceRecognition {
  public:
   static constexpr std::string_view kName = "place_recognition";
   using Config = PlaceRecognitionConfig;
-  explicit PlaceRecognition(const PlaceRecognitionConfig& of)
-      : config(of), places_(of.recognise), judge_(of.decide), asking_(of.ask) {}
+  explicit PlaceRecognition(const PlaceRecognitionConfig& stage_config)
+      : config(stage_config), places_(stage_config.recognise), judge_(stage_config.decide), asking_(stage_config.ask) {}
   PlaceRecognitionConfig config;
 
-  // After the set's poses are known.
+  // Recognises places in this set's images; called when the set's poses are known.
   PlaceRecognitionReport run(PlaceRecognitionEdit& edit, const FrameSet& set, Last<ViewGraph> last,
                              const LocaliseConfig& localise, const GroupingConfig& group,
                              Workers& workers = Workers::alone());
-  // What the last image of a run shows, from now on a known place. False: that image is still to come.
+  // Remembers the last image of a run as a known place. False: its frame is still to come.
   bool remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply);
-  // Frames that loops are closed by, of the newest loops: those hold the map together.
+  // Returns the frames of the newest loop constraints, which must not be forgotten because they hold the map together.
   std::vector<ImageKey> held_frames() const;
-  // Those images are remembered no more.
+  // Forgets key images.
   void forget(const std::vector<ImageKey>& views) { places_.forget(views); }
-  // What those of a map that was taken in remember and closed.
-  void take_in(const PlaceRecognition& other, const Renumbered& as);
+  // Takes over key images and loops of a map that was taken in.
+  void take_in(const PlaceRecognition& other, const Renumbered& renumbered);
   const KeyImageDatabase& places() const { return places_; }
-  // At the end: what the run did not see of places that were known.
+  // Joins maps at the end of a run, by places that were not recognised in the run.
   std::vector<JoinedMaps> join_all(PlaceRecognitionEdit& edit) const { return join_all_maps(edit, places_); }
-  OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, MapId of);
+  OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, MapId map_id);
   void add_memory(MemoryUse* use) const { (*use)["places"] += places_.bytes(); }
-  // What outlives the server, as rows, as far as it was not given out before; and back.
+  // Writes as rows what outlives the server and was not written before; and reads it.
   void save(std::vector<Row>* rows);
   void restore(const Tables& tables);
 
@@ -78,14 +77,14 @@ class PlaceRecognition {
   void expect(const Map& map, const FrameSet& set, const ViewGraph& graph, const GroupingConfig& group);
   ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply) const;
   bool may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image, MapId in) const;
-  // What an image shows of places that the map knows, as that is now.
+  // Known places that an image shows, in the map as it is now.
   struct Look {
     DescribedImage image;
     ExpectedPlace expected;
     std::optional<PlaceMatch> seen;
   };
   Look look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const;
-  // Whether that changed the map.
+  // Acts on what was seen; true when that changed the map.
   bool act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph, const LocaliseConfig& localise,
            PlaceRecognitionReport* report);
 
@@ -93,8 +92,8 @@ class PlaceRecognition {
   KeyImageDatabase places_;
   PlaceJudge judge_;
   Asking asking_;
-  std::map<CameraId, std::vector<CameraId>> expected_;  // whose view a camera's should overlap
-  std::set<MapId> remembered_;                          // maps that images are remembered of
+  std::map<CameraId, std::vector<CameraId>> expected_;  // cameras whose views should overlap this one's
+  std::set<MapId> remembered_;                          // maps that have remembered images
   std::vector<LoopConstraint> loops_;
 };
 

@@ -15,7 +15,7 @@ constexpr int kMostSkipped = 1 << 24;  // images that were forgotten in successi
 }  // namespace
 
 void KeyImageDatabase::save(std::vector<Row>* rows) {
-  for (const int number : std::exchange(gone_, {})) rows->push_back({"place", number, {}});
+  for (const int number : std::exchange(forgotten_, {})) rows->push_back({"place", number, {}});
   for (auto at = images_.lower_bound(saved_); at != images_.end(); ++at) {
     rows->push_back({"place", at->first, octets_of(at->second)});
   }

@@ -37,17 +37,17 @@ void bind_matches(PlaceRecognitionEdit& edit, const DescribedImage& image,
     const PointId own_id = live != camera.tracks.end()      ? live->second.point
                            : of_ended != image.points.end() ? of_ended->second
                                                             : PointId();
-    const MapPoint* kept = map.find(point_id);
-    if (kept == nullptr || own_id == point_id) continue;
-    if (const MapPoint* own = map.find(own_id); own == nullptr) {
-      if (live == camera.tracks.end() || seen_by(*kept, camera.id)) continue;
-      edit.bind(*kept, camera.id, live->second, Why::kPlaceRecognised, agree);
+    const MapPoint* place_point = map.find(point_id);
+    if (place_point == nullptr || own_id == point_id) continue;
+    if (const MapPoint* own_point = map.find(own_id); own_point == nullptr) {
+      if (live == camera.tracks.end() || seen_by(*place_point, camera.id)) continue;
+      edit.bind(*place_point, camera.id, live->second, Why::kPlaceRecognised, agree);
     } else {
-      if (!own->rests() || seen_at_once(*own, *kept)) continue;
+      if (!own_point->rests() || seen_at_once(*own_point, *place_point)) continue;
       edit.fuse(point_id, own_id, Why::kPlaceRecognised, agree);
     }
-    edit.keep_recent(*kept);
-    retriangulate(edit, *kept);
+    edit.keep_recent(*place_point);
+    retriangulate(edit, *place_point);
   }
 }
 
@@ -64,27 +64,31 @@ void place(PlaceRecognitionEdit& edit, const DescribedImage& newest, const Place
 SetId join(PlaceRecognitionEdit& edit, const DescribedImage& image, const PlaceMatch& seen,
            const Similarity3& in_from_own) {
   const Map& map = edit.map();
-  const MapId own = image.camera.map, in = seen.map;
-  const int own_frames = frames_in(map, own), in_frames = frames_in(map, in);
-  const SetId since = std::max(first_set_in(map, own), first_set_in(map, in));
+  const MapId own_map = image.camera.map, in = seen.map;
+  const int own_frames = frames_in(map, own_map), in_frames = frames_in(map, in);
+  const SetId first_set = std::max(first_set_in(map, own_map), first_set_in(map, in));
   // One in metres keeps its frame; else the larger, the older one when they are equal.
   const auto rank = [&](MapId id, int frames) { return std::pair(map.is_metric(id), frames); };
-  if (rank(own, own_frames) > rank(in, in_frames) || (rank(own, own_frames) == rank(in, in_frames) && own < in)) {
-    edit.merge(in, own, in_from_own.inverse());
+  if (rank(own_map, own_frames) > rank(in, in_frames) ||
+      (rank(own_map, own_frames) == rank(in, in_frames) && own_map < in)) {
+    edit.merge(in, own_map, in_from_own.inverse());
   } else {
-    edit.merge(own, in, in_from_own);
+    edit.merge(own_map, in, in_from_own);
   }
   bind_matches(edit, image, seen.matches);
-  return since;
+  return first_set;
 }
 
 bool close(PlaceRecognitionEdit& edit, const DescribedImage& image, const PlaceMatch& seen,
            const Similarity3& in_from_own, const ViewGraph& graph, std::vector<LoopConstraint>* loops) {
   const MapCamera& camera = image.camera;
-  const FramePose* there = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
-  const LoopConstraint loop{
-      camera.id,        seen.key_camera, image.set, seen.key_set, seen.cam_from_world * there->cam_from_world.inverse(),
-      in_from_own.scale};
+  const FramePose* key_frame = edit.map().camera(seen.key_camera).frame_at(seen.key_set);
+  const LoopConstraint loop{camera.id,
+                            seen.key_camera,
+                            image.set,
+                            seen.key_set,
+                            seen.cam_from_world * key_frame->cam_from_world.inverse(),
+                            in_from_own.scale};
   if (!close_loop(edit, camera.map, loop, *loops, graph.group_with(camera.id))) return false;
   loops->push_back(loop);
   bind_matches(edit, image, seen.matches);

@@ -11,30 +11,30 @@
 namespace coslam {
 
 std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen) {
-  const FramePose& own = *map.camera(seen.image->camera).frame_at(seen.image->set);
+  const FramePose& own_frame = *map.camera(seen.image->camera).frame_at(seen.image->set);
   Witness out{
       .set = seen.image->set, .camera = seen.image->camera, .into = seen.place.map, .depth = seen.place.median_depth};
   std::vector<double> ratios;
   for (const auto& [track, known] : seen.place.matches) {
-    const MapPoint& of_own = *map.find(seen.own.at(track));
-    const double here = (own.cam_from_world * of_own.position).z();
-    const double there = (seen.place.cam_from_world * map.find(known)->position).z();
-    if (here > 0 && there > 0) ratios.push_back(std::log(there / here));
+    const MapPoint& of_own = *map.find(seen.observed.at(track));
+    const double own_depth = (own_frame.cam_from_world * of_own.position).z();
+    const double place_depth = (seen.place.cam_from_world * map.find(known)->position).z();
+    if (own_depth > 0 && place_depth > 0) ratios.push_back(std::log(place_depth / own_depth));
     out.pairs.emplace_back(of_own.id, known);
   }
   const auto ratio = depth_ratio(std::move(ratios));
   if (!ratio) return std::nullopt;
   Similarity3& s = out.into_from_own;
   s.scale = *ratio;
-  s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own.cam_from_world.rotation).normalized();
-  s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own.cam_from_world.center());
-  out.center = own.cam_from_world.center();
+  s.rotation = (seen.place.cam_from_world.rotation.conjugate() * own_frame.cam_from_world.rotation).normalized();
+  s.translation = seen.place.cam_from_world.center() - s.scale * (s.rotation * own_frame.cam_from_world.center());
+  out.center = own_frame.cam_from_world.center();
   return out;
 }
 
-Witness reversed(const Witness& w, MapId own) {
+Witness reversed(const Witness& w, MapId own_map) {
   Witness out = w;
-  out.into = own;
+  out.into = own_map;
   out.into_from_own = w.into_from_own.inverse();
   out.depth = w.depth / w.into_from_own.scale;
   out.center = w.into_from_own * w.center;

@@ -10,22 +10,24 @@
 
 namespace coslam {
 
-// What one remembered image says of how its map, or its part of one, lies to the place that it shows again.
+// Transform from a remembered image's map, or its part of one, to the map of the place that it shows again, by this
+// image alone.
 struct Witness {
   SetId set;
   CameraId camera;
-  MapId into;  // that of the place
+  MapId into;  // map of the place
   Similarity3 into_from_own;
-  double depth = 0;                                // of the place's points
-  Eigen::Vector3d center;                          // of the camera, in its own map
-  std::vector<std::pair<PointId, PointId>> pairs;  // own, of the place
+  double depth = 0;                                // median depth of the place's points
+  Eigen::Vector3d center;                          // camera centre in its own map
+  std::vector<std::pair<PointId, PointId>> pairs;  // point of the image, point of the place
 };
 
-// Nothing when its points and the place's do not tell one scale.
+// Computes a witness from a recognised place; empty when the depths of its points and the place's do not agree on one
+// scale.
 std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen);
-// The same of how the place's map lies to that of the image, `own`.
-Witness reversed(const Witness& w, MapId own);
-// Whether two say the same, of different instants or of different cameras.
+// Inverts a witness: how the place's map lies to that of the image, `own`.
+Witness reversed(const Witness& w, MapId own_map);
+// Tells whether two witnesses agree, which are of different instants or of different cameras.
 bool agree(const Witness& a, const Witness& b);
 
 }  // namespace coslam

@@ -14,8 +14,8 @@ namespace coslam {
 
 struct InterPoseConfig {
   bool enabled = true;
-  double hull_area_min = 0.20;  // of the image, covered by a camera's static points
-  int min_moving = 6;           // moving points that two cameras of the group see
+  double hull_area_min = 0.20;  // share of the image that a camera's static points cover; below: called
+  int min_moving = 6;           // least moving points that two cameras of the group see
 };
 
 template <class V>
@@ -28,7 +28,7 @@ void describe(V& v, InterPoseConfig& c) {
 struct InterPoseReport {
   int calls = 0;
   int posed = 0;    // cameras that took its pose
-  int rescued = 0;  // of those, without a pose of their own
+  int rescued = 0;  // cameras among these that had no intra-camera pose
 
   void count(auto&& add) const {
     add("inter_pose_calls", calls);
@@ -37,10 +37,10 @@ struct InterPoseReport {
   }
 };
 
-// Inter-camera pose (paper 4.2), for a group of which some camera sees more moving points than static ones, or static
-// ones on a small part of its image only, or lost its way in this set: all its cameras are localised together, from
-// static and moving points, which have to agree with a pose as static ones have to otherwise; and from how such a
-// camera went before. graph: of the set before. motions: of every camera, followed set by set.
+// Estimates inter-camera poses (paper 4.2) for a group in which some camera sees more moving points than static ones,
+// or static ones on a small part of its image only, or was lost in this set: all its cameras are localised together,
+// from static and moving points, which have to agree with a pose as static ones have to otherwise; and from the motion
+// model of such a camera. graph: of the set before. motions: of every camera, updated set by set.
 InterPoseReport inter_pose(InterPoseEdit& edit, const FrameSet& set, const ViewGraph& graph,
                            const InterPoseConfig& config, const LocaliseConfig& localise,
                            std::map<CameraId, SteadyMotion>* motions);
@@ -49,7 +49,7 @@ class InterPose {
  public:
   static constexpr std::string_view kName = "inter_pose";
   using Config = InterPoseConfig;
-  explicit InterPose(const InterPoseConfig& of) : config(of) {}
+  explicit InterPose(const InterPoseConfig& stage_config) : config(stage_config) {}
   InterPoseConfig config;
 
   InterPoseReport run(InterPoseEdit& edit, const FrameSet& set, Last<ViewGraph> graph, const LocaliseConfig& localise) {

@@ -188,9 +188,9 @@ void place(LocaliseEdit& edit, const FrameSet& set, const Body& body, const Solv
   const bool firm = good(r, config) && points_that_agree(observations, r) >= kFirmPoints;
   for (std::size_t i = 0; i < body.frames.size(); ++i) {
     const MapCamera& camera = map.camera(body.frames[i]->camera);
-    const auto said = firm ? std::nullopt : own_word(map, camera, body.frames[i]->frame);
-    if (said) {
-      edit.accept_agent_pose(camera, *said);
+    const auto agent_pose = firm ? std::nullopt : own_word(map, camera, body.frames[i]->frame);
+    if (agent_pose) {
+      edit.accept_agent_pose(camera, *agent_pose);
       ++report->on_own_word;
     } else if (good(r, config) && (firm || !speaks_soon(body.frames[i]->frame))) {
       edit.set_pose(camera, set.id, body.views[i].cam_from_rig * r.cam_from_world);

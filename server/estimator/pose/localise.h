@@ -9,7 +9,7 @@ namespace coslam {
 
 struct LocaliseConfig {
   int min_inliers = 12;
-  double lost_after_s = 0.5;  // without a pose for so long: the camera leaves its map
+  double lost_after_s = 0.5;  // time without a pose after which a camera leaves its map
 };
 
 template <class V>
@@ -20,7 +20,7 @@ void describe(V& v, LocaliseConfig& c) {
 
 struct LocaliseReport {
   int tracked = 0;
-  int on_own_word = 0;  // where its agent says that it is, with points that the map has not
+  int on_own_word = 0;  // cameras that keep the agent's pose, which rests on points that the map does not have
   int lost = 0;
 
   void count(auto&& add) const {
@@ -30,21 +30,22 @@ struct LocaliseReport {
   }
 };
 
-// Intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's own pose is the start,
-// and it is refined on the server's newest points, so that map and pose always fit, however late the agent's local map
-// was.
+// Estimates the intra-camera pose (paper 4.1) of every camera of the set that belongs to a map: the agent's pose is the
+// start, and it is refined on the server's newest points, so that map and pose always fit, however late the agent's
+// local map was.
 LocaliseReport localise(LocaliseEdit& edit, const FrameSet& set, const LocaliseConfig& config,
                         Workers& workers = Workers::alone());
 
-// Where to start looking for a camera's pose at the newest set: the agent's own when it speaks of this map as it is
-// now, else the motion so far.
+// Initial estimate of a camera's pose at the newest set: the agent's pose if it belongs to this map's present epoch,
+// else the motion model's prediction.
 Rigid3 start_pose(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
-// Pose of one camera at an earlier set from the points bound to its live tracks; false when there is none.
+// Estimates the pose of one camera at an earlier set from the points bound to its live tracks; false when there is
+// none.
 bool localise_past(FramePoseEdit& edit, const MapCamera& camera, SetId set, const Rigid3& start,
                    const LocaliseConfig& config);
 
-// The same back from a known pose, until there is one or none is found.
+// Estimates poses of one camera set by set back from a known pose, until a set has a pose or none is found.
 void localise_backwards(FramePoseEdit& edit, const MapCamera& camera, SetId from, const LocaliseConfig& config);
 
 struct Localise {

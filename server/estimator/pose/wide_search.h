@@ -9,8 +9,8 @@
 namespace coslam {
 
 struct WideSearchConfig {
-  double search_rad = 0.03;  // so far from where a point should appear it is looked for
-  double memory_s = 60;      // points that were seen so lately
+  double search_rad = 0.03;  // angle around where a point should appear within which it is searched for
+  double memory_s = 60;      // age up to which points that were seen are searched for
 };
 
 template <class V>
@@ -28,9 +28,10 @@ struct WideSearchReport {
   }
 };
 
-// A camera that lost sight of nearly all its points, by a turn say, and comes back to them with a pose that drifted
-// meanwhile finds none within the gates. Looks for proven points around where they should appear, by their patches;
-// where enough of what is found agrees on one pose, the camera takes it, and its tracks those points.
+// Recovers a camera that lost sight of nearly all its points, by a turn for example, and returns to them with a drifted
+// pose, so that none are within the gates. Searches for proven points around where they should appear, by their
+// patches; where enough of the matches agree on one pose, the camera takes it, and its tracks are bound to those
+// points.
 WideSearchReport wide_search(WideSearchEdit& edit, const FrameSet& set, const WideSearchConfig& config, int least);
 
 struct WideSearch {

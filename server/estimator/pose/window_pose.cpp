@@ -72,16 +72,16 @@ class WindowPose::Poses {
   std::map<SetId, int> index_;
 };
 
-void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* own) const {
-  if (own->run != camera.run) *own = {.run = camera.run, .lens = camera.lens};
-  if (const LensStep step(camera.model, std::exchange(own->lens, camera.lens), camera.lens); !step.none()) {
-    for (auto& [id, f] : own->tracks) {
+void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* window) const {
+  if (window->run != camera.run) *window = {.run = camera.run, .lens = camera.lens};
+  if (const LensStep step(camera.model, std::exchange(window->lens, camera.lens), camera.lens); !step.none()) {
+    for (auto& [id, f] : window->tracks) {
       for (TrackPoint& p : f.seen) step.move(&p.undistorted_px);
     }
   }
   const SetId ended_before = map.set_ago(config.free_s), seen_before = map.set_ago(config.seen_s);
   for (const auto& [id, track] : camera.tracks) {
-    Followed& f = own->tracks[id];
+    Followed& f = window->tracks[id];
     f.seen.push_back(track.seen.back());
     f.point = track.point;
     f.rests = track.motion == TrackMotion::kResting;
@@ -93,7 +93,7 @@ void WindowPose::remember(const Map& map, const MapCamera& camera, OfCamera* own
   const auto ended = [&](const auto& entry) {
     return entry.second.seen.empty() || entry.second.seen.back().set < ended_before;
   };
-  if (std::ranges::any_of(own->tracks, ended)) erase_if(&own->tracks, ended);
+  if (std::ranges::any_of(window->tracks, ended)) erase_if(&window->tracks, ended);
 }
 
 // What was followed as one of the things of the window; empty when it tells nothing.
@@ -123,14 +123,14 @@ std::optional<WindowThing> WindowPose::thing_of(const Map& map, const MapCamera&
   return thing;
 }
 
-bool WindowPose::solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* own) const {
+bool WindowPose::solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* window) const {
   const auto frames = static_cast<std::size_t>(camera.frames_in(config.free_s, kLeastFrames));
   const auto present = camera.present_frames();
   if (present.size() <= frames || camera.scene_depth <= 0) return false;
   WindowProblem problem{.camera = &camera.model, .sigma_px = sigma_px(camera)};
   Poses poses(camera, present[present.size() - frames].set, &problem);
   std::vector<Followed*> followed;
-  for (auto& [id, f] : own->tracks) {
+  for (auto& [id, f] : window->tracks) {
     auto thing = thing_of(edit.map(), camera, f, &poses);
     if (!thing) continue;
     problem.things.push_back(std::move(*thing));
@@ -154,15 +154,16 @@ WindowPoseReport WindowPose::run(WindowPoseEdit& edit, const FrameSet& set, Work
   for (const CameraFrame& cf : set.frames) of_cameras.push_back(&cameras_[cf.camera]);
   workers.each(of_cameras.size(), [&](std::size_t i) {
     const MapCamera& camera = map.camera(set.frames[i].camera);
-    OfCamera& own = *of_cameras[i];
-    remember(map, camera, &own);
-    own.in_need = points_seen(map, camera) < map.config().few_points / (own.in_need ? 1 : 2);
+    OfCamera& window = *of_cameras[i];
+    remember(map, camera, &window);
+    window.in_need = points_seen(map, camera) < map.config().few_points / (window.in_need ? 1 : 2);
   });
   for (std::size_t i = 0; i < of_cameras.size(); ++i) {
     const MapCamera& camera = map.camera(set.frames[i].camera);
-    OfCamera& own = *of_cameras[i];
-    if (!own.in_need || camera.map == MapId() || !camera.frames.back().valid() || map.is_posed_by_rig(camera)) continue;
-    if (solve(edit, camera, &own)) report.solved.push_back(camera.id);
+    OfCamera& window = *of_cameras[i];
+    if (!window.in_need || camera.map == MapId() || !camera.frames.back().valid() || map.is_posed_by_rig(camera))
+      continue;
+    if (solve(edit, camera, &window)) report.solved.push_back(camera.id);
   }
   return report;
 }

@@ -18,8 +18,8 @@ namespace coslam {
 
 struct WindowPoseConfig {
   bool enabled = true;
-  double free_s = 0.4;  // poses that are solved anew
-  double seen_s = 4.0;  // as far back what was followed counts
+  double free_s = 0.4;  // age of the poses that are solved anew
+  double seen_s = 4.0;  // age up to which observations count
 };
 
 template <class V>
@@ -36,11 +36,11 @@ struct WindowPoseReport {
   void count(auto&& add) const { add("windows", static_cast<long>(solved.size())); }
 };
 
-// A camera that turns fast sees hardly any points: those of before are out of sight, and what it follows now tells no
-// depth yet, or not for long enough to become a point. All of it together, also what has just ended, does tell how the
-// camera went. Solves the newest poses of such a camera anew, with the directions and inverse depths of all that it
-// followed in them (solve_window()), from when it sees half as many points as are few until these are many again; older
-// poses and points tie them to the map.
+// Solves the newest poses of a camera that sees hardly any points anew. A camera that turns fast is in that state:
+// earlier points are out of sight, and new tracks tell no depth yet, or not for long enough to become points. All
+// tracks together, also those that have just ended, do determine its motion: the poses are solved with the directions
+// and inverse depths of all that it followed in them (solve_window()). Begins when it sees half as many points as are
+// few, ends when they are many again; older poses and points tie the poses to the map.
 class WindowPose {
  public:
   static constexpr std::string_view kName = "window_pose";
@@ -51,23 +51,23 @@ class WindowPose {
   WindowPoseReport run(WindowPoseEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
  private:
-  // A track as far as it is of use, also when it has ended.
+  // Track, kept as long as it is of use, also when it has ended.
   struct Followed {
     std::vector<TrackPoint> seen;
     PointId point;
     bool rests = true;
-    std::optional<Eigen::Vector4d> place;  // as it was solved last: homogeneous, in the map
+    std::optional<Eigen::Vector4d> place;  // newest solution of its place: homogeneous, in the map
   };
   struct OfCamera {
     RunId run;
-    LensCorrection lens;  // that all of it is seen through
+    LensCorrection lens;  // lens correction that all observations are undistorted with
     bool in_need = false;
     FlatMap<TrackId, Followed> tracks;
   };
-  void remember(const Map& map, const MapCamera& camera, OfCamera* own) const;
+  void remember(const Map& map, const MapCamera& camera, OfCamera* window) const;
   class Poses;
   std::optional<WindowThing> thing_of(const Map& map, const MapCamera& camera, const Followed& f, Poses* poses) const;
-  bool solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* own) const;
+  bool solve(WindowPoseEdit& edit, const MapCamera& camera, OfCamera* window) const;
 
   std::map<CameraId, OfCamera> cameras_;
 };

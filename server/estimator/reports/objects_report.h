@@ -9,8 +9,8 @@
 
 namespace coslam {
 
-// A body: the mean of its points but for stray ones, their median velocity, and the sides of a box with the axes of the
-// map around that centre.
+// Motion of a body: the mean of its points but for stray ones, their median velocity, and the sides of a box with the
+// axes of the map around that centre.
 struct BodyMotion {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
@@ -21,13 +21,13 @@ struct MovingObject {
   ObjectId id;
   MapId map;
   BodyMotion motion;
-  std::vector<PointId> members;  // ascending
+  std::vector<PointId> members;  // sorted
 };
 
 struct ObjectsReport {
-  int points = 0;   // that could be in an object
-  int objects = 0;  // now
-  int started = 0;  // with a new id
+  int points = 0;   // moving points that could be in an object
+  int objects = 0;  // present objects
+  int started = 0;  // objects with a new id
   std::vector<MovingObject> list;
 
   void count(auto&& add) const {

@@ -9,13 +9,13 @@
 
 namespace coslam {
 
-// What place recognition (server/estimator/places) did in one frame set.
+// Result of place recognition (server/estimator/places) for one frame set.
 struct PlaceRecognitionReport {
   int described = 0;  // images that came with descriptors
   int sightings = 0;  // known places recognised
   int placed = 0, merged = 0, closed = 0, linked = 0, expected = 0, doubted = 0;
-  MapId to_adjust;     // the last map that was made of two or drawn together; 0 = none
-  SetId adjust_since;  // what is older was in it already
+  MapId to_adjust;     // map that was joined or had a loop closed last; 0 = none
+  SetId adjust_since;  // first set to adjust: older ones were in that map already
   std::map<CameraId, DescriptorRequest> requests;
 
   void count(auto&& add) const {

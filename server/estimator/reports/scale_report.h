@@ -10,11 +10,11 @@
 
 namespace coslam {
 
-// What is known of the scale of the maps (server/estimator/adjust/scale.h) after one frame set.
+// Knowledge of the scale of the maps (server/estimator/adjust/scale.h) after one frame set.
 struct ScaleReport {
   std::set<MapId> in_metres;        // maps whose lengths are metres
-  int measured = 0, scaled = 0;     // tags, and maps by them
-  std::vector<std::string> doubts;  // what the user should know of, a sentence each, each once
+  int measured = 0, scaled = 0;     // tags, and maps scaled by them
+  std::vector<std::string> doubts;  // warnings for the user, one sentence each, each once
 
   void count(auto&& add) const {
     add("tags_measured", measured);

@@ -117,7 +117,7 @@ std::size_t AppearanceIndex::bytes() const {
       if (votes->last_of[image] == descriptor) continue;
       if (std::popcount(s[0] ^ e.sketch[0]) + std::popcount(s[1] ^ e.sketch[1]) > kMostApart) continue;
       votes->last_of[image] = descriptor;
-      ++votes->of[image];
+      ++votes->counts[image];
     }
   }
 }
@@ -133,14 +133,14 @@ void AppearanceIndex::vote_by_any(const Sketch& s, int descriptor, Votes* votes)
 std::vector<int> AppearanceIndex::votes(const std::vector<std::uint8_t>& descriptors) const {
   const auto images = static_cast<std::size_t>(images_);
   Votes votes{std::vector<int>(images, 0), std::vector<int>(images, -1)};
-  if (mean_.empty() || descriptors.empty()) return votes.of;
+  if (mean_.empty() || descriptors.empty()) return votes.counts;
   auto vote_by = &AppearanceIndex::vote_by_any;
 #ifdef COSLAM_ASK_FOR_POPCNT
   if (__builtin_cpu_supports("popcnt")) vote_by = &AppearanceIndex::vote_by_popcnt;
 #endif
   int descriptor = 0;
   for (const Sketch& s : sketches(descriptors)) (this->*vote_by)(s, descriptor++, &votes);
-  return votes.of;
+  return votes.counts;
 }
 
 }  // namespace coslam

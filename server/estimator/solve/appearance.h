@@ -10,18 +10,19 @@
 
 namespace coslam {
 
-// Images by what they look like, without a vocabulary that would have to be trained: every descriptor is cut down to
-// the signs of 128 random projections; descriptors that agree in all bits of some part of them (locality-sensitive
-// hashing) and differ in few bits altogether vote for their image. Deterministic.
+// Index of images by appearance, without a vocabulary that would have to be trained: every descriptor is reduced to the
+// signs of 128 random projections; descriptors that agree in all bits of some part of them (locality-sensitive hashing)
+// and differ in few bits altogether vote for their image. Deterministic.
 class AppearanceIndex {
  public:
-  // Descriptors of kDescriptorBytes each. Images are numbered from 0; returns the number.
+  // Adds an image with its descriptors, kDescriptorBytes each. Images are numbered from 0; returns the number.
   int add(const std::vector<std::uint8_t>& descriptors);
-  // So many numbers are given to no image.
+  // Leaves out this many image numbers.
   void skip(int images) { images_ += images; }
-  // It gets no votes any more; its number stays its own. By the descriptors that it was added with.
+  // Removes an image, which gets no more votes; its number is not given again. Takes the descriptors that it was added
+  // with.
   void remove(int image, const std::vector<std::uint8_t>& descriptors);
-  // For every image, how many of these descriptors have one like them in it.
+  // Counts for every image how many of these descriptors have a similar one in it.
   std::vector<int> votes(const std::vector<std::uint8_t>& descriptors) const;
   int size() const { return images_; }
   std::size_t bytes() const;
@@ -33,11 +34,11 @@ class AppearanceIndex {
     Sketch sketch;
     int image;
   };
-  using Slot = std::uint32_t;  // of entries_
+  using Slot = std::uint32_t;  // index into entries_
 
   struct Votes {
-    std::vector<int> of;       // each image
-    std::vector<int> last_of;  // the descriptor that voted for it last
+    std::vector<int> counts;   // votes of each image
+    std::vector<int> last_of;  // last descriptor that voted for each image
   };
 
   void vote(const Sketch& s, int descriptor, Votes* votes) const;
@@ -45,9 +46,9 @@ class AppearanceIndex {
   void vote_by_popcnt(const Sketch& s, int descriptor, Votes* votes) const;
   std::vector<Sketch> sketches(const std::vector<std::uint8_t>& descriptors) const;
 
-  std::vector<float> mean_;  // of the first image's descriptors: most of what all descriptors share
+  std::vector<float> mean_;  // mean of the first image's descriptors: most of what all descriptors share
   std::vector<Entry> entries_;
-  std::vector<Slot> free_;  // of entries_
+  std::vector<Slot> free_;  // free places in entries_
   std::array<std::unordered_map<std::uint32_t, std::vector<Slot>>, kTables> tables_;
   int images_ = 0;
 };

@@ -15,8 +15,8 @@ namespace coslam {
 
 using LensMatrix = Eigen::Matrix<double, LensCorrection::kTerms, LensCorrection::kTerms>;
 
-// Bundle adjustment: poses and points that minimise the robust reprojection error. Plain arrays, so that the solver
-// runs on a copy in a thread of its own.
+// Bundle adjustment problem: poses and points that minimise the robust reprojection error. Plain arrays, so that the
+// solver runs on a copy in its own thread.
 struct BundleProblem {
   struct Pose {
     Rigid3 cam_from_world;
@@ -26,7 +26,7 @@ struct BundleProblem {
   struct Observation {
     int pose = 0;
     int point = 0;
-    Eigen::Vector2d undistorted_px;  // where there are lenses: by the calibration alone
+    Eigen::Vector2d undistorted_px;  // undistorted by the calibration alone where there are lenses
     double sigma_px = 1.0;
     double weight = 1.0;  // less for one of several that repeat an error
   };
@@ -35,35 +35,35 @@ struct BundleProblem {
     int first = 0, second = 0;  // poses
     Rigid3 second_from_first;
   };
-  // What is right about a camera's lens, and how well its calibration is known beside the observations: zero, with
-  // these standard deviations and Cauchy's tails, as a calibration may be of another camera altogether.
+  // Correction of a camera's lens, where to start, and its prior from the calibration: zero, with these standard
+  // deviations and Cauchy's tails, because a calibration may belong to another camera altogether.
   struct Lens {
     LensCorrection start;
     LensCorrection::Values prior_sigma = LensCorrection::Values::Ones();
     bool free = true;  // solved for
   };
-  // The logarithm of how much longer the focal length of one image is than its camera's lens says: its raw places lie
-  // e^zoom times as far from the principal point. A lens that keeps focusing does that, by percents within seconds. A
-  // walk at random about none.
+  // Zoom of one image (focus breathing): logarithm of how much longer its focal length is than its camera's lens says.
+  // Raw pixels lie e^zoom times as far from the principal point. A lens that keeps focusing changes by percents within
+  // seconds. Modelled as a random walk around zero.
   struct Zoom {
     double start = 0;
-    double taken_out = 0;    // of what was observed; the walk is of both together
-    int before = -1;         // the pose of the same camera before; -1: the first
-    double step_sigma = 1;   // of how it differs from that one
-    double prior_sigma = 1;  // of itself
+    double taken_out = 0;    // zoom that the observations were corrected for already; the walk is of the sum
+    int before = -1;         // previous pose of the same camera; -1: none
+    double step_sigma = 1;   // standard deviation of the difference to the previous zoom
+    double prior_sigma = 1;  // standard deviation of the zoom
   };
   std::vector<CameraModel> cameras;
-  std::vector<Lens> lenses;  // one a camera; or none: observations are undistorted by the right lens
+  std::vector<Lens> lenses;  // one per camera; or none: observations are undistorted by the right lens
   std::vector<Pose> poses;
   std::vector<Eigen::Vector3d> points;
   std::vector<Observation> observations;
   std::vector<Tie> ties;
-  std::vector<std::optional<Zoom>> zooms;  // one a pose, where it is free; or none at all. They need lenses
+  std::vector<std::optional<Zoom>> zooms;  // one per pose, empty where zoom is 0; or none at all. Needs lenses
 };
 
 struct BundleConfig {
   int max_iterations = 12;
-  double function_tolerance = 1e-4;  // relative change of the cost that ends it
+  double function_tolerance = 1e-4;  // relative change of the cost that ends the iterations
   double loss_sigmas = 2.0;          // Cauchy loss beyond so many standard deviations; 0: squares
   double outlier_sigmas = 4.0;       // an observation farther off after the solution is reported as an outlier
   std::function<void(int done)> after_iteration;  // may be empty
@@ -73,11 +73,11 @@ struct BundleResult {
   bool usable = false;  // false: the input poses and points stand
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
-  std::vector<LensCorrection> lenses;  // one a camera, where there were any
-  std::vector<double> zooms;           // one a pose, where there were any
-  // Of their values, zero of those that are given; empty: not known.
+  std::vector<LensCorrection> lenses;  // one per camera, if the problem has lenses
+  std::vector<double> zooms;           // one per pose, if the problem has zooms
+  // Covariances of the lenses' values, zero for lenses that are not free; empty: not known.
   std::vector<LensMatrix> lens_covariances;
-  // One per observation: how far it is off in the raw image, infinite behind the camera; whether that is no outlier.
+  // Error of each observation in the raw image, infinite behind the camera, and whether it is an inlier.
   std::vector<double> errors_px;
   std::vector<bool> is_inlier;
   double initial_cost = 0, final_cost = 0;
@@ -85,14 +85,15 @@ struct BundleResult {
   double sigma_px = 0;  // robust standard deviation of the final residuals, pixels
 };
 
-// Deterministic, one thread. At least one fixed pose, or the caller restores the gauge (see fix_gauge).
+// Solves a bundle adjustment problem; deterministic, one thread. At least one pose is fixed, or the caller restores the
+// gauge (see fix_gauge).
 BundleResult solve_bundle(const BundleProblem& problem, const BundleConfig& config);
 
-// Moves a solution that floated freely back: pose `anchor` as before, and the distance between two camera centres as
-// before; not the distance where ties tell lengths.
+// Restores the gauge of a solution without fixed poses: pose `anchor` and the distance between two camera centres
+// become as before; the distance only where no ties determine the scale.
 void fix_gauge(const BundleProblem& before, int anchor, int baseline_end, BundleResult* result);
-// Moves a solution that floated freely to where all its poses were, as near as a similarity brings them, or a rigid
-// change where ties hold the scale: those who are on their way go on with the least change.
+// Restores the gauge of a solution without fixed poses: all poses become as they were, as near as a similarity brings
+// them, or a rigid motion where ties determine the scale. Cameras that keep moving are disturbed least this way.
 void put_back(const BundleProblem& before, BundleResult* result);
 
 }  // namespace coslam

@@ -139,9 +139,9 @@ RawObservation raw_observation(const BundleProblem& problem, const BundleStructu
                                std::size_t i) {
   const auto& o = problem.observations[i];
   if (e.zooms.empty()) return {s.raw_px[i], o.sigma_px, {}};
-  const auto of = at(problem.poses[at(o.pose)].camera);
-  const CameraModel& camera = problem.cameras[of];
-  const Eigen::Vector2d centre = Eigen::Vector2d(camera.cx, camera.cy) + e.lenses[of].lens().centre_px();
+  const auto camera_index = at(problem.poses[at(o.pose)].camera);
+  const CameraModel& camera = problem.cameras[camera_index];
+  const Eigen::Vector2d centre = Eigen::Vector2d(camera.cx, camera.cy) + e.lenses[camera_index].lens().centre_px();
   const double shrink = std::exp(-e.zooms[at(o.pose)]);
   const Eigen::Vector2d off = s.raw_px[i] - centre;
   return {centre + shrink * off, shrink * o.sigma_px, off / o.sigma_px};
@@ -184,14 +184,14 @@ double cost_of(const BundleProblem& problem, const BundleStructure& s, const Bun
   double cost = 0;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
-    const auto of = at(problem.poses[at(o.pose)].camera);
+    const auto camera_index = at(problem.poses[at(o.pose)].camera);
     const Eigen::Vector3d x = e.rotations[at(o.pose)] * e.points[at(o.point)] + e.poses[at(o.pose)].translation;
     Eigen::Vector2d residual;
     if (e.lenses.empty()) {
-      residual = reprojection_residual(problem.cameras[of], s.whiten[i], o.undistorted_px, x);
+      residual = reprojection_residual(problem.cameras[camera_index], s.whiten[i], o.undistorted_px, x);
     } else {
       const RawObservation raw = raw_observation(problem, s, e, i);
-      residual = lens_reprojection_residual(e.lenses[of], raw.px, raw.sigma_px, x);
+      residual = lens_reprojection_residual(e.lenses[camera_index], raw.px, raw.sigma_px, x);
     }
     cost += o.weight * loss.value(residual.squaredNorm());
   }
@@ -266,13 +266,13 @@ class ZoomBlocks {
   }
   void give(const BundleProblem& problem, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) const {
     for (std::size_t i = 0; i < with_pose_.size(); ++i) {
-      const BundleStructure::ZoomPlace own = s.zoom_of[i];
-      if (own.column < 0 || s.links_at[at(own.column)].empty()) continue;
+      const BundleStructure::ZoomPlace place = s.zoom_of[i];
+      if (place.column < 0 || s.links_at[at(place.column)].empty()) continue;
       const auto tie_with = [&](int other, const Vector6d& shared) {
         if (other < 0 || s.links_at[at(other)].empty()) return;
         Matrix6d block = Matrix6d::Zero();
-        block.row(own.slot) = shared;
-        out->ties.emplace_back(std::pair(own.column, other), block);
+        block.row(place.slot) = shared;
+        out->ties.emplace_back(std::pair(place.column, other), block);
       };
       if (!with_pose_[i].isZero(0)) tie_with(s.column_of[i], with_pose_[i]);
       const int lens = s.lens_column_of[at(problem.poses[i].camera)];
@@ -302,9 +302,9 @@ class ZoomBlocks {
     });
     // Places that no pose has.
     for (int column = first_; column < s.columns; ++column) {
-      Matrix6d& own = out->columns[at(column)];
+      Matrix6d& block = out->columns[at(column)];
       for (int slot = 0; slot < BundleStructure::kZooms; ++slot) {
-        if (own(slot, slot) == 0) own(slot, slot) = 1;
+        if (block(slot, slot) == 0) block(slot, slot) = 1;
       }
     }
   }
@@ -319,10 +319,10 @@ class ZoomBlocks {
 void add_tie(const BundleProblem::Tie& t, const BundleStructure& s, const BundleEstimate& e, BundleSystem* out) {
   const Tie is = tie(t.second_from_first, e.poses[at(t.first)], e.poses[at(t.second)]);
   const int first = s.column_of[at(t.first)], second = s.column_of[at(t.second)];
-  const auto add = [&](int column, const Matrix6d& by) {
+  const auto add = [&](int column, const Matrix6d& derivative) {
     if (column < 0) return;
-    out->columns[at(column)] += by.transpose() * by;
-    out->column_gradients[at(column)] += by.transpose() * is.residual;
+    out->columns[at(column)] += derivative.transpose() * derivative;
+    out->column_gradients[at(column)] += derivative.transpose() * is.residual;
   };
   add(first, is.by_first);
   add(second, is.by_second);
@@ -346,16 +346,16 @@ BundleSystem system_around(const BundleProblem& problem, const BundleStructure& 
   ZoomBlocks zoom_blocks(problem, s);
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
-    const auto pose = at(o.pose), of = at(problem.poses[pose].camera);
+    const auto pose = at(o.pose), camera_index = at(problem.poses[pose].camera);
     ByLens by_lens;
     Reprojection r;
     Eigen::Vector2d by_zoom = Eigen::Vector2d::Zero();
     if (e.lenses.empty()) {
-      r = reprojection(problem.cameras[of], s.whiten[i], o.undistorted_px, e.rotations[pose], e.poses[pose].translation,
-                       e.points[at(o.point)]);
+      r = reprojection(problem.cameras[camera_index], s.whiten[i], o.undistorted_px, e.rotations[pose],
+                       e.poses[pose].translation, e.points[at(o.point)]);
     } else {
       const RawObservation raw = raw_observation(problem, s, e, i);
-      r = lens_reprojection(e.lenses[of], raw.px, raw.sigma_px, e.rotations[pose], e.poses[pose].translation,
+      r = lens_reprojection(e.lenses[camera_index], raw.px, raw.sigma_px, e.rotations[pose], e.poses[pose].translation,
                             e.points[at(o.point)], &by_lens);
       if (s.zoom_link_of[i] >= 0 && !r.by_point.isZero(0)) by_zoom = r.residual + raw.from_centre;
     }
@@ -363,25 +363,25 @@ BundleSystem system_around(const BundleProblem& problem, const BundleStructure& 
     const Eigen::Matrix<double, 3, 2> by_point = weight * r.by_point.transpose();
     out.points[at(o.point)].noalias() += by_point.lazyProduct(r.by_point);
     out.point_gradients[at(o.point)].noalias() += by_point.lazyProduct(r.residual);
-    const auto add = [&](int column, int link, const Eigen::Matrix<double, 2, 6>& by) {
-      const Eigen::Matrix<double, 6, 2> weighted = weight * by.transpose();
-      out.columns[at(column)].noalias() += weighted.lazyProduct(by);
+    const auto add = [&](int column, int link, const Eigen::Matrix<double, 2, 6>& derivative) {
+      const Eigen::Matrix<double, 6, 2> weighted = weight * derivative.transpose();
+      out.columns[at(column)].noalias() += weighted.lazyProduct(derivative);
       out.column_gradients[at(column)].noalias() += weighted.lazyProduct(r.residual);
       out.links[at(link)].noalias() += weighted.lazyProduct(r.by_point);
     };
     if (s.link_of[i] >= 0) add(s.column_of[pose], s.link_of[i], r.by_pose);
     if (s.zoom_link_of[i] >= 0) {
       const auto [column, slot] = s.zoom_of[pose];
-      Eigen::Matrix<double, 2, 6> by = Eigen::Matrix<double, 2, 6>::Zero();
-      by.col(slot) = by_zoom;
-      add(column, s.zoom_link_of[i], by);
-      zoom_blocks.add(pose, weight, by_zoom, r, s.lens_column_of[of] >= 0 ? &by_lens : nullptr);
+      Eigen::Matrix<double, 2, 6> derivative = Eigen::Matrix<double, 2, 6>::Zero();
+      derivative.col(slot) = by_zoom;
+      add(column, s.zoom_link_of[i], derivative);
+      zoom_blocks.add(pose, weight, by_zoom, r, s.lens_column_of[camera_index] >= 0 ? &by_lens : nullptr);
     }
-    if (s.lens_column_of[of] < 0) continue;
+    if (s.lens_column_of[camera_index] < 0) continue;
     for (int half = 0; half < BundleStructure::kHalves; ++half) {
-      add(s.lens_column_of[of] + half, s.lens_link_of[at(half)][i], by_lens.middleCols<6>(6 * half));
+      add(s.lens_column_of[camera_index] + half, s.lens_link_of[at(half)][i], by_lens.middleCols<6>(6 * half));
     }
-    lens_blocks.add(of, pose, s.link_of[i] >= 0, weight, r, by_lens);
+    lens_blocks.add(camera_index, pose, s.link_of[i] >= 0, weight, r, by_lens);
   }
   lens_blocks.give(problem, s, e, &out);
   zoom_blocks.give(problem, s, e, &out);

@@ -10,7 +10,7 @@
 #include "common/geometry/rigid3.h"
 #include "server/estimator/solve/bundle.h"
 
-// The equations of a bundle adjustment: who sees what, the cost of an estimate, and the normal equations around it. For
+// Equations of a bundle adjustment: its structure, the cost of an estimate, and the normal equations around it. Used by
 // the solver (bundle_schur.h) alone.
 namespace coslam {
 
@@ -18,42 +18,42 @@ using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
 struct BundleEstimate {
   std::vector<Rigid3> poses;
-  std::vector<Eigen::Matrix3d> rotations;  // of the poses
+  std::vector<Eigen::Matrix3d> rotations;  // one per pose
   std::vector<Eigen::Vector3d> points;
-  std::vector<CorrectedLens> lenses;  // by camera, or none; they refer to the problem's cameras
-  std::vector<double> zooms;          // of the poses, or none
+  std::vector<CorrectedLens> lenses;  // one per camera, or none; they refer to the problem's cameras
+  std::vector<double> zooms;          // one per pose, or none
 };
 BundleEstimate start_of(const BundleProblem& problem);
 
-// What does not change while it is solved: who sees what. Columns are of what is free: poses; then lenses, of which
-// each half is as large as a pose; then zooms, six poses of one camera together.
+// Structure of the problem, constant while it is solved: which pose sees which point. Columns stand for what is free,
+// six parameters each: poses; then lenses, two columns each; then zooms, six poses of one camera in one column.
 struct BundleStructure {
   static constexpr int kHalves = LensCorrection::kTerms / 6, kZooms = 6;
-  // A column and one point that is seen from or through it.
+  // Column and point that share an observation.
   struct Link {
     int column, point;
   };
-  std::vector<int> column_of;       // of each pose; -1: fixed
-  std::vector<int> lens_column_of;  // first one of each camera; -1: its lens is given
-  // Where the zoom of each pose is; column -1: it has none.
+  std::vector<int> column_of;       // column of each pose; -1: fixed
+  std::vector<int> lens_column_of;  // first column of each camera's lens; -1: the lens is given
+  // Place of a pose's zoom; column -1: it has none.
   struct ZoomPlace {
     int column = -1, slot = 0;
   };
   std::vector<ZoomPlace> zoom_of;
   int columns = 0;
-  std::vector<Eigen::Matrix2d> whiten;  // of each observation, from undistorted px to standard deviations
-  std::vector<Eigen::Vector2d> raw_px;  // the same observation in the raw image, where there are lenses
-  std::vector<int> link_of;             // of each observation; -1: its pose is fixed
-  std::array<std::vector<int>, kHalves> lens_link_of;  // the same of its camera's lens
-  std::vector<int> zoom_link_of;                       // the same of the zoom of its pose
-  std::vector<Link> links;                             // ascending points, then columns
+  std::vector<Eigen::Matrix2d> whiten;  // whitening of each observation, from undistorted px to standard deviations
+  std::vector<Eigen::Vector2d> raw_px;  // each observation in the raw image, where there are lenses
+  std::vector<int> link_of;             // link of each observation's pose; -1: the pose is fixed
+  std::array<std::vector<int>, kHalves> lens_link_of;  // link of each observation's lens, for either half
+  std::vector<int> zoom_link_of;                       // link of each observation's zoom
+  std::vector<Link> links;                             // sorted by point, then by column
   std::vector<int> links_end;                          // one beyond the last link of each point
-  std::vector<std::vector<int>> links_at;              // of each column
-  std::vector<std::vector<int>> rows_at;  // of each column: those of its blocks that are not empty, the diagonal first
+  std::vector<std::vector<int>> links_at;              // links of each column
+  std::vector<std::vector<int>> rows_at;               // rows of each column's non-empty blocks, the diagonal first
 };
 BundleStructure structure_of(const BundleProblem& problem);
 
-// Cauchy's loss, or squares.
+// Cauchy's loss, or squares if sigmas is 0.
 class BundleLoss {
  public:
   explicit BundleLoss(double sigmas) : c2_(sigmas * sigmas) {}

@@ -11,9 +11,9 @@ Eliminated eliminate(const BundleStructure& s, const BundleSystem& system, doubl
   Eliminated out;
   out.inverse.reserve(system.points.size());
   out.dampings.reserve(system.points.size());
-  for (const Eigen::Matrix3d& own : system.points) {
-    out.dampings.emplace_back(damping(own, radius));
-    Eigen::Matrix3d damped = own;
+  for (const Eigen::Matrix3d& block : system.points) {
+    out.dampings.emplace_back(damping(block, radius));
+    Eigen::Matrix3d damped = block;
     damped.diagonal() += out.dampings.back();
     out.inverse.emplace_back(damped.inverse());
   }
@@ -61,9 +61,9 @@ void ReducedSystem::fill(const BundleSystem& system, double radius, const std::v
     blocks[0] = system.columns[at(c)];
     blocks[0].diagonal() += damping(system.columns[at(c)], radius);
     for (const int l : s_.links_at[at(c)]) {
-      const Eigen::Matrix<double, 3, 6> here = system.links[at(l)].transpose();
+      const Eigen::Matrix<double, 3, 6> link_transposed = system.links[at(l)].transpose();
       for (int k = l; k < s_.links_end[at(s_.links[at(l)].point)]; ++k) {
-        blocks[slot_[at(s_.links[at(k)].column)]].noalias() -= links_by_points[at(k)].lazyProduct(here);
+        blocks[slot_[at(s_.links[at(k)].column)]].noalias() -= links_by_points[at(k)].lazyProduct(link_transposed);
       }
     }
   }

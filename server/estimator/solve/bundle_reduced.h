@@ -12,14 +12,14 @@
 
 namespace coslam {
 
-// What is added to a diagonal: a share of itself.
+// Levenberg-Marquardt damping of a block: a share of its diagonal, which is added to it.
 template <class Block>
 auto damping(const Block& block, double radius) {
   constexpr double kLeast = 1e-6;
   return (block.diagonal().array().max(kLeast) / radius).matrix().eval();
 }
 
-// The points, damped, so that they can be left out of the system.
+// Damped point blocks and their inverses, with which the points are eliminated from the system.
 struct Eliminated {
   std::vector<Eigen::Vector3d> dampings;
   std::vector<Eigen::Matrix3d> inverse;
@@ -27,15 +27,15 @@ struct Eliminated {
 };
 Eliminated eliminate(const BundleStructure& s, const BundleSystem& system, double radius);
 
-// The lower half of the system of poses and lenses that is left without the points, by its blocks. Refers to the
-// structure.
+// Schur complement: the lower half, by blocks, of the system of poses and lenses after the points are eliminated.
+// Refers to the structure.
 class ReducedSystem {
  public:
   explicit ReducedSystem(const BundleStructure& s);
 
-  // links_by_points: H_cp H_pp^-1. False when it is not positive definite.
+  // Factorises the system; links_by_points: H_cp H_pp^-1. False when it is not positive definite.
   bool factor(const BundleSystem& system, double radius, const std::vector<Matrix63>& links_by_points);
-  // x for *this x = b, once it is factored.
+  // Solves *this x = b for x, after factor().
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
  private:
@@ -47,11 +47,11 @@ class ReducedSystem {
   void make_pattern();
 
   const BundleStructure& s_;
-  std::vector<std::size_t> first_;  // block of each column, and one beyond the last
+  std::vector<std::size_t> first_;  // index into blocks_ of each column's first block, and one beyond the last
   std::vector<Matrix6d> blocks_;
-  std::vector<std::size_t> slot_;  // of a row among those of the column in work
+  std::vector<std::size_t> slot_;  // place of each row among the blocks of the column in work
   Eigen::MatrixXd dense_;
-  std::optional<Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>> dense_factor_;  // in its place
+  std::optional<Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>> dense_factor_;  // factorises dense_ in place
   Sparse sparse_;
   Eigen::CholmodDecomposition<Sparse, Eigen::Lower> sparse_factor_;
 };

@@ -33,20 +33,20 @@ void add(const ClockStretch& s, const Eigen::VectorXd& offsets, bool huber, Syst
   const double sigma2 = s.sigma_px * s.sigma_px;
   double weights = 1 / (kShift * kShift * sigma2), residuals = 0;
   Eigen::Matrix2d a = Eigen::Matrix2d::Zero(), c = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d b = Eigen::Vector2d::Zero(), rates = Eigen::Vector2d::Zero(), others = Eigen::Vector2d::Zero();
+  Eigen::Vector2d b = Eigen::Vector2d::Zero(), rates = Eigen::Vector2d::Zero(), other_rates = Eigen::Vector2d::Zero();
   for (const ClockObservation& o : s.seen) {
     const double w = o.weight * weight((o.residual_px - o.rates_px_s.dot(at)) / s.sigma_px, huber) / (kAlike * sigma2);
     a += w * o.other_rates_px_s * o.rates_px_s.transpose();
     b += w * o.residual_px * o.other_rates_px_s;
     c += w * o.other_rates_px_s * o.other_rates_px_s.transpose();
     rates += w * o.rates_px_s;
-    others += w * o.other_rates_px_s;
+    other_rates += w * o.other_rates_px_s;
     weights += w;
     residuals += w * o.residual_px;
   }
-  a -= others * rates.transpose() / weights;
-  b -= residuals / weights * others;
-  c -= others * others.transpose() / weights;
+  a -= other_rates * rates.transpose() / weights;
+  b -= residuals / weights * other_rates;
+  c -= other_rates * other_rates.transpose() / weights;
   const int index[2] = {s.first, s.second};
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {

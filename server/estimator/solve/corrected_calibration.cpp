@@ -32,7 +32,7 @@ std::vector<std::size_t> free_coefficients(DistortionModel distortion) {
   return {};
 }
 
-CameraModel with(const CameraModel& camera, const double* terms) {
+CameraModel with_terms(const CameraModel& camera, const double* terms) {
   CameraModel out = camera;
   out.fx = terms[0];
   out.fy = terms[1];
@@ -51,7 +51,7 @@ struct Misses {
   const CameraModel& camera;
   const Seen& seen;
   bool operator()(double const* const* terms, double* residuals) const {
-    const CameraModel now = with(camera, terms[0]);
+    const CameraModel now = with_terms(camera, terms[0]);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       Eigen::Map<Eigen::Vector2d>{residuals + 2 * i} = miss_px(now, seen[i]);
     }
@@ -93,7 +93,7 @@ CorrectedCalibration corrected_calibration(const CameraModel& camera, const Lens
   options.function_tolerance = 1e-12;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  CorrectedCalibration out{with(start, terms.data()), 0};
+  CorrectedCalibration out{with_terms(start, terms.data()), 0};
   for (const auto& s : seen) out.worst_px = std::max(out.worst_px, miss_px(out.camera, s).norm());
   return out;
 }

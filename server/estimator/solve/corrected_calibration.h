@@ -7,11 +7,11 @@
 
 namespace coslam {
 
-// The calibration, of the same kind of lens, that is nearest to one with its correction: the same lens where the
-// formula has room for what was corrected (a pinhole becomes radtan), else with a miss.
+// Calibration of the same kind of lens that is nearest to a calibration with its lens correction: exact where the model
+// has the terms for it (a pinhole becomes radtan), else with a residual.
 struct CorrectedCalibration {
   CameraModel camera;
-  double worst_px = 0;  // largest miss in the raw image
+  double worst_px = 0;  // largest residual in the raw image
 };
 CorrectedCalibration corrected_calibration(const CameraModel& camera, const LensCorrection& lens);
 

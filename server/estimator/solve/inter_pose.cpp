@@ -43,8 +43,8 @@ struct State {
 struct System {
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
-  std::vector<Eigen::Matrix3d> own;    // of moving points
-  std::vector<Eigen::Vector3d> right;  // likewise
+  std::vector<Eigen::Matrix3d> point_blocks;  // of moving points
+  std::vector<Eigen::Vector3d> right;         // likewise
   std::vector<std::vector<std::pair<int, Matrix63>>> coupling;
   std::vector<int> inliers;
   double cost = 0;
@@ -142,7 +142,7 @@ void add_moving(const InterPoseProblem& problem, const State& state, const std::
       const auto at = static_cast<Eigen::Index>(6 * c);
       s.a.block<6, 6>(at, at) += w * p.by_pose.transpose() * p.by_pose;
       s.b.segment<6>(at) += w * p.by_pose.transpose() * p.r;
-      s.own[m] += w * p.by_point.transpose() * p.by_point;
+      s.point_blocks[m] += w * p.by_point.transpose() * p.by_point;
       s.right[m] += w * p.by_point.transpose() * p.r;
       s.coupling[m].emplace_back(camera, w * p.by_pose.transpose() * p.by_point);
     }
@@ -152,7 +152,7 @@ void add_moving(const InterPoseProblem& problem, const State& state, const std::
 System build(const InterPoseProblem& problem, const State& state, const Sigmas& sigmas) {
   const auto n = static_cast<Eigen::Index>(6 * problem.cameras.size());
   System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
-  s.own.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
+  s.point_blocks.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
   s.right.assign(problem.moving.size(), Eigen::Vector3d::Zero());
   s.coupling.resize(problem.moving.size());
   s.inliers.assign(problem.cameras.size(), 0);
@@ -163,19 +163,19 @@ System build(const InterPoseProblem& problem, const State& state, const Sigmas& 
   return s;
 }
 
-Eigen::Matrix3d damped_inverse(Eigen::Matrix3d own, double lambda) {
-  own.diagonal() *= 1 + lambda;
-  own.diagonal().array() += 1e-9 * (1e-9 + own.trace());
-  return own.inverse();
+Eigen::Matrix3d damped_inverse(Eigen::Matrix3d block, double lambda) {
+  block.diagonal() *= 1 + lambda;
+  block.diagonal().array() += 1e-9 * (1e-9 + block.trace());
+  return block.inverse();
 }
 
 // Takes the moving points out: what is left speaks of the poses alone.
 void eliminate(const System& s, double lambda, Eigen::MatrixXd* a, Eigen::VectorXd* b) {
   *a = s.a;
   *b = s.b;
-  for (std::size_t m = 0; m < s.own.size(); ++m) {
+  for (std::size_t m = 0; m < s.point_blocks.size(); ++m) {
     if (s.coupling[m].size() < 2) continue;
-    const Eigen::Matrix3d inverse = damped_inverse(s.own[m], lambda);
+    const Eigen::Matrix3d inverse = damped_inverse(s.point_blocks[m], lambda);
     for (const auto& [i, wi] : s.coupling[m]) {
       const Matrix63 left = wi * inverse;
       b->segment<6>(6 * i) -= left * s.right[m];
@@ -192,7 +192,7 @@ State stepped(const System& s, const State& state, const Eigen::VectorXd& step, 
   for (std::size_t m = 0; m < state.points.size(); ++m) {
     Eigen::Vector3d right = s.right[m];
     for (const auto& [i, wi] : s.coupling[m]) right -= wi.transpose() * step.segment<6>(6 * i);
-    next.points[m] += damped_inverse(s.own[m], lambda) * right;
+    next.points[m] += damped_inverse(s.point_blocks[m], lambda) * right;
   }
   return next;
 }

@@ -80,9 +80,9 @@ double better_than_chance(std::span<const std::array<double, 2>> speeds_rad_s) {
   for (std::size_t i = 0; i < n; ++i) {
     const auto [a, b] = speeds_rad_s[i];
     double chance = 0;
-    int others = 0;
-    for (std::size_t j = i % step; j < n; j += step, ++others) chance += apart(a, speeds_rad_s[j][1]);
-    sum += chance / others - apart(a, b);
+    int other_count = 0;
+    for (std::size_t j = i % step; j < n; j += step, ++other_count) chance += apart(a, speeds_rad_s[j][1]);
+    sum += chance / other_count - apart(a, b);
   }
   return sum;
 }

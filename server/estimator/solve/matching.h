@@ -17,7 +17,7 @@ struct FeatureImage {
   CameraModel camera;
   std::vector<Eigen::Vector2d> undistorted_px;
   std::vector<std::uint8_t> descriptors;
-  std::string rig = {};      // that its camera is part of; empty: none
+  std::string rig = {};      // rig that its camera is part of; empty: none
   Rigid3 cam_from_rig = {};  // metres
 };
 
@@ -29,9 +29,9 @@ struct FeatureMatch {
   float distance = 0;
 };
 
-// A match is nearer than so much of the distance of the second best (Lowe).
+// Ratio test (Lowe): a match has to be nearer than this share of the distance of the second best.
 inline constexpr float kDistinctRatio = 0.8F;
-// Mutual nearest neighbours that are distinct, on RootSIFT.
+// Matches descriptors: mutual nearest neighbours that pass the ratio test, on RootSIFT.
 std::vector<FeatureMatch> match_descriptors(const std::vector<std::uint8_t>& first,
                                             const std::vector<std::uint8_t>& second);
 

@@ -10,13 +10,13 @@
 
 namespace coslam {
 
-// Which images of a start are compared: all; of more than a dozen each with the few that look most like it, and with
-// its rig's, or their pairs would be the square.
+// Selects which images of a start are compared: all of up to a dozen; of more, each only with the few that look most
+// like it and with those of its rig, so that the number of pairs does not grow with the square.
 class Partners {
  public:
   explicit Partners(const std::vector<FeatureImage>& images);
   bool are(int a, int b) const { return are_[static_cast<std::size_t>(a) * n_ + static_cast<std::size_t>(b)]; }
-  // Each once, ascending.
+  // Returns each pair once, in ascending order.
   std::vector<std::pair<int, int>> pairs() const;
 
  private:

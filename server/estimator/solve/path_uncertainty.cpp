@@ -41,10 +41,10 @@ class Telling {
       }
     }
   }
-  BundleProblem problem(const BundleProblem& of) const {
-    BundleProblem out{.cameras = of.cameras, .lenses = {}, .poses = of.poses, .points = of.points};
-    std::vector<bool> sees(of.poses.size());
-    each(of, [&](const auto& o) {
+  BundleProblem problem(const BundleProblem& original) const {
+    BundleProblem out{.cameras = original.cameras, .lenses = {}, .poses = original.poses, .points = original.points};
+    std::vector<bool> sees(original.poses.size());
+    each(original, [&](const auto& o) {
       out.observations.push_back(o);
       out.observations.back().weight = 1;
       sees[at(o.pose)] = true;
@@ -80,7 +80,7 @@ DrawnGradients draw(const BundleProblem& problem, const BundleStructure& s, cons
     const auto& camera = problem.cameras[at(problem.poses[at(o.pose)].camera)];
     const Reprojection r = reprojection(camera, s.whiten[i], o.undistorted_px, e.rotations[at(o.pose)],
                                         e.poses[at(o.pose)].translation, e.points[at(o.point)]);
-    for (double& of : z.reshaped()) of = normal(random);
+    for (double& coefficient : z.reshaped()) coefficient = normal(random);
     out.points[at(o.point)].noalias() += r.by_point.transpose() * z;
     const int column = s.column_of[at(o.pose)];
     if (column >= 0) out.columns[at(column)].noalias() += r.by_pose.transpose() * z;

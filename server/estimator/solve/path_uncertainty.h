@@ -9,16 +9,17 @@
 
 namespace coslam {
 
-// Variance of each pose's camera centre, the sum of three directions, that the observations of a solved problem leave
-// open; empty of fixed poses and of those that see too little. By Monte Carlo: noise z ~ N(0, I) of the whitened
-// residuals goes through the normal equations, H x = -J^T z, so that x has the covariance H^-1. The frame and scale of
-// the map, which nothing tells, are those that leave the camera centres where they are, as near as a similarity can:
-// what is left is what an ATE after alignment shows. Takes as long as a few steps of solve_bundle(), and is right to
-// a tenth. problem: as solved, sigma_px of every observation included; lenses, zooms and ties take no part.
-// use: which observations count.
+// Computes the variance of each pose's camera centre, the sum over three directions, that the observations of a solved
+// problem leave; empty for fixed poses and for those that see too little. By Monte Carlo: noise z
+// N(0, I) of the whitened residuals goes through the normal equations, H x = -J^T z, so that x has the covariance H^-1.
+// The frame and scale of the map, which are not observable, are those that leave the camera centres where they are, as
+// near as a similarity can: the rest is what an ATE after alignment shows. Takes as long as a few steps of
+// solve_bundle(), and is accurate to a tenth. problem: as solved, sigma_px of every observation included; lenses, zooms
+// and ties take no part. use: which observations count.
 std::vector<std::optional<double>> centre_variances(const BundleProblem& problem, const std::vector<bool>& use);
 
-// Which observations agree with the problem as it stands: no more than this many standard deviations off.
+// Tells for each observation whether it agrees with the problem as it is: no more than this many standard deviations
+// off.
 std::vector<bool> agreeing(const BundleProblem& problem, double sigmas);
 
 }  // namespace coslam

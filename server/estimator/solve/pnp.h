@@ -16,7 +16,7 @@ struct PnpResult {
   std::vector<int> inliers;
 };
 
-// PnP with RANSAC from 2D-3D correspondences, refined.
+// Estimates a pose by PnP with RANSAC from 2D-3D correspondences, and refines it.
 PnpResult solve_pnp(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
                     const std::vector<Eigen::Vector2d>& undistorted_px, double sigma_px, int min_inliers);
 

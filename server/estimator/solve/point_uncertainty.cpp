@@ -16,9 +16,9 @@ namespace {
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 constexpr int kGauge = 7;  // translation, rotation, scale
 
-// All of one point: its own block and its coupling to each pose.
+// All of one point: its diagonal block and its coupling to each pose.
 struct PointBlocks {
-  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
   std::vector<std::pair<int, Matrix63>> coupling;  // index of a chosen pose
 };
 
@@ -71,7 +71,7 @@ std::vector<Eigen::Matrix3d> eliminate(std::vector<PointBlocks>* blocks, Eigen::
   for (std::size_t p = 0; p < blocks->size(); ++p) {
     PointBlocks& b = (*blocks)[p];
     bool known = false;
-    b.own.computeInverseWithCheck(own_inverse[p], known, 1e-30);
+    b.block.computeInverseWithCheck(own_inverse[p], known, 1e-30);
     if (!known || b.coupling.size() < 2) {
       b.coupling.clear();
       continue;
@@ -118,7 +118,7 @@ std::vector<Eigen::Matrix3d> share_of_poses(const BundleProblem& problem, const 
         camera.raw_by_undistorted(o.undistorted_px) * camera.project_jacobian(in_cam) / o.sigma_px;
     const Eigen::Matrix<double, 2, 3> by_point = by_cam * pose.cam_from_world.rotation.toRotationMatrix();
     PointBlocks& b = blocks[static_cast<std::size_t>(o.point)];
-    b.own += by_point.transpose() * by_point;
+    b.block += by_point.transpose() * by_point;
     if (at < 0) continue;
     Eigen::Matrix<double, 2, 6> by_pose;
     by_pose << -by_cam * skew(in_cam), by_cam;

@@ -12,7 +12,7 @@ namespace coslam {
 
 using Descriptors = Eigen::Matrix<float, Eigen::Dynamic, kDescriptorBytes, Eigen::RowMajor>;
 
-// SIFT descriptors of kDescriptorBytes each as unit vectors, a row each, whose distances compare histograms
+// Converts SIFT descriptors of kDescriptorBytes each to unit vectors, one per row, whose distances compare histograms
 // (Arandjelovic and Zisserman, "Three things everyone should know", 2012). Squared distance of two: 2 - 2 a.b.
 inline Descriptors root_sift(const std::vector<std::uint8_t>& bytes) {
   const auto rows = static_cast<Eigen::Index>(bytes.size()) / kDescriptorBytes;

@@ -118,16 +118,18 @@ std::optional<Pair> relative_pose(const std::vector<FeatureImage>& images, int a
 // Points under construction: features that are the same thing, over all images.
 class Correspondences {
  public:
-  explicit Correspondences(std::size_t images) : of_(images) {}
+  explicit Correspondences(std::size_t images) : point_by_feature_(images) {}
   int point_of(int image, int feature) const {
-    const auto& m = of_[static_cast<std::size_t>(image)];
+    const auto& m = point_by_feature_[static_cast<std::size_t>(image)];
     const auto at = m.find(feature);
     return at == m.end() ? -1 : at->second;
   }
-  void assign(int image, int feature, int point) { of_[static_cast<std::size_t>(image)][feature] = point; }
+  void assign(int image, int feature, int point) {
+    point_by_feature_[static_cast<std::size_t>(image)][feature] = point;
+  }
 
  private:
-  std::vector<std::map<int, int>> of_;
+  std::vector<std::map<int, int>> point_by_feature_;
 };
 
 void triangulate_pair(const std::vector<FeatureImage>& images, int a, int b, const std::vector<FeatureMatch>& matches,
@@ -193,7 +195,7 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
     pose_of[i] = static_cast<int>(problem.poses.size());
     problem.poses.push_back({*result->cam_from_world[i], static_cast<int>(i), static_cast<int>(i) == result->first});
   }
-  std::vector<std::pair<std::size_t, std::size_t>> where;
+  std::vector<std::pair<std::size_t, std::size_t>> observation_at;
   for (std::size_t p = 0; p < result->points.size(); ++p) {
     problem.points.push_back(result->points[p].position);
     for (std::size_t s = 0; s < result->points[p].seen.size(); ++s) {
@@ -202,7 +204,7 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
       problem.observations.push_back({pose_of[static_cast<std::size_t>(image)], static_cast<int>(p),
                                       f.undistorted_px[static_cast<std::size_t>(feature)],
                                       config.sigma_px * width_scale(f.camera)});
-      where.emplace_back(p, s);
+      observation_at.emplace_back(p, s);
     }
   }
   for (std::size_t a = 0; a < images.size(); ++a) {
@@ -218,13 +220,15 @@ void adjust(const std::vector<FeatureImage>& images, const StartConfig& config, 
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (pose_of[i] >= 0) result->cam_from_world[i] = solved.poses[static_cast<std::size_t>(pose_of[i])];
   }
-  std::vector<StartResult::Point> kept(result->points.size());
-  for (std::size_t p = 0; p < kept.size(); ++p) kept[p].position = solved.points[p];
-  for (std::size_t i = 0; i < where.size(); ++i) {
-    if (solved.is_inlier[i]) kept[where[i].first].seen.push_back(result->points[where[i].first].seen[where[i].second]);
+  std::vector<StartResult::Point> points(result->points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) points[p].position = solved.points[p];
+  for (std::size_t i = 0; i < observation_at.size(); ++i) {
+    if (solved.is_inlier[i])
+      points[observation_at[i].first].seen.push_back(
+          result->points[observation_at[i].first].seen[observation_at[i].second]);
   }
-  std::erase_if(kept, [](const StartResult::Point& p) { return p.seen.size() < 2; });
-  result->points = std::move(kept);
+  std::erase_if(points, [](const StartResult::Point& p) { return p.seen.size() < 2; });
+  result->points = std::move(points);
 }
 
 }  // namespace

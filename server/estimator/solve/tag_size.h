@@ -20,23 +20,23 @@ struct TagView {
   const CameraModel* model = nullptr;
   Rigid3 cam_from_world;
   std::array<Eigen::Vector2d, 4> undistorted_px;  // corners, clockwise as printed
-  double gate_px = 1;                             // RMS error over the corners from which on this view is wrong
+  double gate_px = 1;                             // RMS error over the corners above which this view is wrong
 };
 
 enum class TagStatus : std::uint8_t {
   kOk,
   kUndetermined,  // too few views, or all from one direction
-  kNotOnePlace,   // the views do not agree: it moved, or is printed twice
-  kNotSquare,     // in one place, but no square within the uncertainty
+  kNotOnePlace,   // the views do not agree: the tag moved, or is printed twice
+  kNotSquare,     // the corners are in one place, but form no square within the uncertainty
 };
 
 struct TagSize {
   TagStatus status = TagStatus::kUndetermined;
-  double side = 0;        // in units of the poses
-  double sigma = 0;       // its standard deviation
-  int views = 0;          // that agree
-  double error_px = 0;    // of these, RMS of one coordinate
-  double chi_square = 0;  // of the square through the corners, 5 degrees of freedom
+  double side = 0;        // length in units of the poses
+  double sigma = 0;       // standard deviation of the side
+  int views = 0;          // number of views that agree
+  double error_px = 0;    // RMS of one coordinate over the views that agree
+  double chi_square = 0;  // misfit of the square through the corners, 5 degrees of freedom
 };
 auto fields(Like<TagSize> auto& t) {
   return std::tuple(kept("status", t.status), kept("side", t.side), kept("sigma", t.sigma), kept("views", t.views),
@@ -44,14 +44,14 @@ auto fields(Like<TagSize> auto& t) {
 }
 
 struct TagSizeConfig {
-  double sigma_px = 0.3;    // of a corner at least, the pose's error included; the residuals may say more
-  double most_wrong = 0.2;  // share of the views
-  double flatness = 0.003;  // of a corner against the ideal square, of the side: paper bends
+  double sigma_px = 0.3;  // least standard deviation of a corner, the pose's error included; the residuals may raise it
+  double most_wrong = 0.2;  // largest share of wrong views
+  double flatness = 0.003;  // deviation of a corner from the ideal square, as a share of the side: paper bends
 };
 
-// The side of a tag from views whose poses are known. Each corner is triangulated from all views that agree; then a
-// square with free pose and side is fitted to the corners, weighted with their covariances (4), by Gauss-Newton. Views
-// of one camera repeat the errors of its poses: however many, they count for two, as in Map::covariance_of().
+// Measures the side of a tag from views whose poses are known. Each corner is triangulated from all views that agree;
+// then a square with free pose and side is fitted to the corners, weighted with their covariances (4), by Gauss-Newton.
+// Views of one camera repeat the errors of its poses: however many, they count for two, as in Map::covariance_of().
 TagSize measure_tag(std::span<const TagView> views, const TagSizeConfig& config);
 
 }  // namespace coslam

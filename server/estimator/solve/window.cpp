@@ -57,8 +57,8 @@ struct Coupling {
 struct System {
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
-  std::vector<Eigen::Matrix3d> own;    // of things
-  std::vector<Eigen::Vector3d> right;  // likewise
+  std::vector<Eigen::Matrix3d> thing_blocks;  // of things
+  std::vector<Eigen::Vector3d> right;         // likewise
   std::vector<std::vector<Coupling>> coupling;
   double cost = 0;
 };
@@ -95,7 +95,7 @@ class Solver {
     System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, 0};
     for (std::size_t i = 0; i < state.things.size(); ++i) {
       const WindowThing& thing = problem_.things[i];
-      s.own.push_back(thing.information);
+      s.thing_blocks.push_back(thing.information);
       s.right.emplace_back(thing.information * (thing.prior - state.things[i]));
       s.coupling.emplace_back().reserve(seen_[i].size());
       s.cost += prior_cost(i, state.things[i]);
@@ -105,7 +105,7 @@ class Solver {
       loss.add(d2);
       if (o == nullptr) return;
       const double w = cauchy_weight(d2);
-      s.own[i] += w * e.by_thing.transpose() * e.by_thing;
+      s.thing_blocks[i] += w * e.by_thing.transpose() * e.by_thing;
       s.right[i] += w * e.by_thing.transpose() * e.r;
       if (o->column < 0) return;
       const Eigen::Matrix<double, 6, 2> jw = w * e.by_pose.transpose();
@@ -181,10 +181,10 @@ class Solver {
 
 std::vector<Eigen::Matrix3d> damped_inverses(const System& s, double lambda) {
   std::vector<Eigen::Matrix3d> out;
-  for (Eigen::Matrix3d own : s.own) {
-    own.diagonal() *= 1 + lambda;
-    own.diagonal().array() += 1e-12 * (1e-12 + own.trace());
-    out.emplace_back(own.inverse());
+  for (Eigen::Matrix3d block : s.thing_blocks) {
+    block.diagonal() *= 1 + lambda;
+    block.diagonal().array() += 1e-12 * (1e-12 + block.trace());
+    out.emplace_back(block.inverse());
   }
   return out;
 }
@@ -193,7 +193,7 @@ std::vector<Eigen::Matrix3d> damped_inverses(const System& s, double lambda) {
 Eigen::VectorXd step_of_poses(const System& s, const std::vector<Eigen::Matrix3d>& inverses, double lambda) {
   Eigen::MatrixXd a = s.a;
   Eigen::VectorXd b = s.b;
-  for (std::size_t i = 0; i < s.own.size(); ++i) {
+  for (std::size_t i = 0; i < s.thing_blocks.size(); ++i) {
     for (const Coupling& c : s.coupling[i]) {
       const Matrix63 left = c.block * inverses[i];
       b.segment<6>(6 * c.column) -= left * s.right[i];

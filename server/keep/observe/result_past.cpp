@@ -137,10 +137,10 @@ void ResultPast::for_each_place(const Map& map, MapId map_id,
   Poses poses(*this, map);
   for (const SpillFile::Ticket ticket : places_) {
     const PastPlaces block = past_places_of(file_.get(ticket));
-    std::map<MapId, Since> moved;
+    std::map<MapId, MovedMap> moved;
     for (const PastPlace& place : block.places) {
       const auto [at, added] = moved.try_emplace(place.map);
-      if (added) at->second = since(map, block.put, place.map);
+      if (added) at->second = moved_map(map, block.put, place.map);
       if (at->second.map != map_id) continue;
       const FramePose* frame = poses.at(place.camera, place.set);
       if (frame == nullptr || frame->map != map_id) continue;

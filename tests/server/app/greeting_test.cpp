@@ -11,11 +11,11 @@ TEST(Greeting, TellsWhereItIsAndHowToJoin) {
   WireConfig wire;
   wire.domain = 7;
   const Greeting open = greeting(wire, {"10.88.0.1", "10.99.0.1"}, "result");
-  EXPECT_EQ(open.here, "DDS domain 7 at 10.88.0.1, 10.99.0.1, without a key; results go to result");
+  EXPECT_EQ(open.place, "DDS domain 7 at 10.88.0.1, 10.99.0.1, without a key; results go to result");
   EXPECT_EQ(open.agent, "coslam-agent --domain 7 --id NAME --source URI --calibration FILE");
   wire.key_file = "fleet.key";
   const Greeting sealed = greeting(wire, {"10.88.0.1"}, "");
-  EXPECT_EQ(sealed.here, "DDS domain 7 at 10.88.0.1, with the fleet's key; results are not kept (--out DIR)");
+  EXPECT_EQ(sealed.place, "DDS domain 7 at 10.88.0.1, with the fleet's key; results are not kept (--out DIR)");
   EXPECT_TRUE(sealed.agent.ends_with(" --set wire.key_file=fleet.key"));
 }
 

@@ -45,7 +45,7 @@ TEST(TakeIn, AMapOfTheSamePlaceBecomesPartOfTheOlderOne) {
   const std::size_t points = server.map().points().size();
   const MapServer::TakenIn taken = server.take_in(other);
   ASSERT_EQ(taken.joined.size(), 1U);
-  EXPECT_EQ(taken.joined.front().kept, known);
+  EXPECT_EQ(taken.joined.front().remaining, known);
   EXPECT_GE(taken.joined.front().images, 2);
   EXPECT_GE(taken.joined.front().points, 20);
   EXPECT_EQ(server.maps().size(), 1U);

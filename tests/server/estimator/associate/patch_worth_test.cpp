@@ -40,7 +40,7 @@ class PatchWorthTest : public testing::Test {
     }
   }
   PatchWorth worth(CameraId camera, int world_point) {
-    return PatchWorths(sim_.map, sim_.set).of(camera, sim_.track_of(camera, world_point)->id).first;
+    return PatchWorths(sim_.map, sim_.set).rank_of(camera, sim_.track_of(camera, world_point)->id).first;
   }
   // A mapped point of the world that both cameras see.
   int seen_by_both() {
@@ -90,7 +90,7 @@ TEST_F(PatchWorthTest, TellsWhatBothSeeFromWhatIsNew) {
     if (t == nullptr || sim_.track_of(cam(0), p) == nullptr) continue;
     const auto odd = static_cast<std::size_t>(p % 2);
     ++tracks.at(odd);
-    named.at(odd) += worths.of(cam(1), t->id).first != PatchWorth::kAlone ? 1 : 0;
+    named.at(odd) += worths.rank_of(cam(1), t->id).first != PatchWorth::kAlone ? 1 : 0;
   }
   EXPECT_GT(tracks[0], 30);
   EXPECT_GT(tracks[1], 30);

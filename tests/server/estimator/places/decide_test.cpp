@@ -15,7 +15,7 @@ namespace coslam {
 namespace {
 
 using test::cam;
-using enum PlaceDecision::What;
+using enum PlaceDecision::Action;
 
 // Two cameras in one map at their true poses. What the second one recognises is put together by hand: points of the
 // first, at the tracks that the second has of them.
@@ -73,47 +73,47 @@ class DecideTest : public testing::Test {
 };
 
 TEST_F(DecideTest, NothingRecognisedIsUnknown) {
-  EXPECT_EQ(decide(std::nullopt).what, kUnknown);
+  EXPECT_EQ(decide(std::nullopt).action, kUnknown);
   EXPECT_EQ(judge_.waiting(sim_.map, cam(1)), Verification::Waiting::kNothing);
 }
 
 TEST_F(DecideTest, PointsWhereTheyAreExpectedGoBeforeAll) {
   ExpectedPlace expected;
-  expected.there = seen().matches;
+  expected.in_place = seen().matches;
   const PlaceDecision d = decide(seen(5), expected);
-  EXPECT_EQ(d.what, kSeenAsExpected);
-  EXPECT_EQ(d.seen.matches, expected.there);
+  EXPECT_EQ(d.action, kSeenAsExpected);
+  EXPECT_EQ(d.seen.matches, expected.in_place);
 }
 
 TEST_F(DecideTest, TooFewForATurnOfTheMapAreLookedAtAgain) {
   const auto few = static_cast<std::size_t>(config_.min_merge_inliers) - 1;
-  EXPECT_EQ(decide(seen(few)).what, kTooFew);
-  EXPECT_EQ(decide(seen(few + 1)).what, kLink);
+  EXPECT_EQ(decide(seen(few)).action, kTooFew);
+  EXPECT_EQ(decide(seen(few + 1)).action, kLink);
 }
 
 TEST_F(DecideTest, WhatWasFoundBesideWhereItWasExpectedMayBeFew) {
   ExpectedPlace expected;
   expected.beside = seen(8);
   expected.beside->expected = true;
-  EXPECT_EQ(decide(seen(5), expected).what, kLink);
-  EXPECT_EQ(decide(std::nullopt, expected).what, kLink);
+  EXPECT_EQ(decide(seen(5), expected).action, kLink);
+  EXPECT_EQ(decide(std::nullopt, expected).action, kLink);
 }
 
 TEST_F(DecideTest, KnownPointsWhereTheyShouldBeAreLinked) {
   const PlaceDecision d = decide(seen());
-  EXPECT_EQ(d.what, kLink);
+  EXPECT_EQ(d.action, kLink);
   EXPECT_EQ(d.seen.matches, seen().matches);
 }
 
 TEST_F(DecideTest, AMapThatHasDriftedIsClosedOnceASecondImageSaysSo) {
   in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   EXPECT_EQ(judge_.waiting(sim_.map, cam(1)), Verification::Waiting::kAnywhere);
-  EXPECT_EQ(decide(seen()).what, kDoubtful) << "the same instant again is no second image";
+  EXPECT_EQ(decide(seen()).action, kDoubtful) << "the same instant again is no second image";
   step();
   const PlaceDecision d = decide(seen());
-  EXPECT_EQ(d.what, kClose);
+  EXPECT_EQ(d.action, kClose);
   EXPECT_LT((d.in_from_own * Eigen::Vector3d(0.3, 0, 0)).norm(), 0.1);
   EXPECT_EQ(judge_.waiting(sim_.map, cam(1)), Verification::Waiting::kNothing);
 }
@@ -123,25 +123,25 @@ TEST_F(DecideTest, OneOfTheTwoImagesOfALoopMayShowFewPoints) {
   in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   const auto few = static_cast<std::size_t>(config_.min_merge_inliers) - 1;
   step();
-  EXPECT_EQ(decide(seen(few)).what, kTooFew);
+  EXPECT_EQ(decide(seen(few)).action, kTooFew);
   step();
-  EXPECT_EQ(decide(seen(few)).what, kTooFew) << "twice few are few";
+  EXPECT_EQ(decide(seen(few)).action, kTooFew) << "twice few are few";
   step();
-  EXPECT_EQ(decide(seen()).what, kClose);
+  EXPECT_EQ(decide(seen()).action, kClose);
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   step();
-  EXPECT_EQ(decide(seen(few, {1, 0, 0})).what, kTooFew) << "what few points say otherwise takes nothing away";
+  EXPECT_EQ(decide(seen(few, {1, 0, 0})).action, kTooFew) << "what few points say otherwise takes nothing away";
   step();
-  EXPECT_EQ(decide(seen(few)).what, kClose);
+  EXPECT_EQ(decide(seen(few)).action, kClose);
 }
 
 TEST_F(DecideTest, ASecondImageThatSaysOtherwiseConfirmsNothing) {
   in_from_world_ = {1, Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   step();
-  EXPECT_EQ(decide(seen(1000, {1.5, 0, 0})).what, kDoubtful);
+  EXPECT_EQ(decide(seen(1000, {1.5, 0, 0})).action, kDoubtful);
 }
 
 TEST_F(DecideTest, WhenTheMapHasMovedItBeginsAnew) {
@@ -150,15 +150,15 @@ TEST_F(DecideTest, WhenTheMapHasMovedItBeginsAnew) {
   decide(seen());
   judge_.drawn_together(sim_.id);
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
 }
 
 TEST_F(DecideTest, TwoMapsAreJoinedByTheSimilarityOfBoth) {
   put_second_elsewhere();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   step();
   const PlaceDecision d = decide(seen());
-  ASSERT_EQ(d.what, kJoin);
+  ASSERT_EQ(d.action, kJoin);
   const Eigen::Vector3d somewhere(1, -1, 4);
   EXPECT_LT((d.in_from_own * (in_from_world_ * somewhere) - somewhere).norm(), 0.1);
   EXPECT_NEAR(d.in_from_own.scale, 0.5, 0.02);
@@ -170,31 +170,31 @@ TEST_F(DecideTest, ManyPointsJoinMapsThatDoNotFit) {
   const Eigen::Vector3d bent_m(1, 0, 0), elsewhere_m(3, 0, 0);
   put_second_elsewhere();
   ASSERT_GT(seen().matches.size(), 2 * kFew);
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   step();
-  EXPECT_EQ(decide(seen(kFew, bent_m)).what, kDoubtful);
+  EXPECT_EQ(decide(seen(kFew, bent_m)).action, kDoubtful);
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful) << "it was not beyond doubt before";
+  EXPECT_EQ(decide(seen()).action, kDoubtful) << "it was not beyond doubt before";
   step();
-  EXPECT_EQ(decide(seen(1000, elsewhere_m)).what, kDoubtful) << "nor is it bent so much";
+  EXPECT_EQ(decide(seen(1000, elsewhere_m)).action, kDoubtful) << "nor is it bent so much";
   step();
-  EXPECT_EQ(decide(seen(1000, elsewhere_m + bent_m)).what, kJoin);
+  EXPECT_EQ(decide(seen(1000, elsewhere_m + bent_m)).action, kJoin);
 }
 
 TEST_F(DecideTest, WhatIsSaidOfTwoMapsOutlivesALoopInOneOfThem) {
   put_second_elsewhere();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   judge_.drawn_together(sim_.id);
   step();
-  EXPECT_EQ(decide(seen()).what, kJoin);
+  EXPECT_EQ(decide(seen()).action, kJoin);
 }
 
 TEST_F(DecideTest, WhatIsSaidOfAMapDoesNotOutliveThatItIsJoinedToAnother) {
   put_second_elsewhere();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
   judge_.joined(sim_.id, MapId(77));
   step();
-  EXPECT_EQ(decide(seen()).what, kDoubtful);
+  EXPECT_EQ(decide(seen()).action, kDoubtful);
 }
 
 TEST_F(DecideTest, WithoutDepthsOfItsOwnThereIsNoScale) {
@@ -204,7 +204,7 @@ TEST_F(DecideTest, WithoutDepthsOfItsOwnThereIsNoScale) {
     if (p->map == in_) sim_.edit.remove_point(*p, Why::kTooFewViews);
   }
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(decide(seen()).what, kDoubtful);
+    EXPECT_EQ(decide(seen()).action, kDoubtful);
     step();
   }
 }
@@ -225,29 +225,29 @@ class DecideWithoutMap : public DecideTest {
 
 TEST_F(DecideWithoutMap, FewFeaturesDoNotPlaceIt) {
   const auto least = static_cast<std::size_t>(config_.min_place_inliers);
-  EXPECT_EQ(decide(seen(least - 1)).what, kTooFew);
-  EXPECT_EQ(decide(seen(least)).what, kPlace);
+  EXPECT_EQ(decide(seen(least - 1)).action, kTooFew);
+  EXPECT_EQ(decide(seen(least)).action, kPlace);
 }
 
-TEST_F(DecideWithoutMap, OneImageWithReliefPlacesACamera) { EXPECT_EQ(decide(seen()).what, kPlace); }
+TEST_F(DecideWithoutMap, OneImageWithReliefPlacesACamera) { EXPECT_EQ(decide(seen()).action, kPlace); }
 
 class DecideAtAWall : public DecideWithoutMap {
  protected:
   DecideAtAWall() : DecideWithoutMap({.layout = test::Layout::kPlane}) {}
 };
 
-TEST_F(DecideAtAWall, AFlatPlaceDoesNot) { EXPECT_EQ(decide(seen()).what, kDoubtful); }
+TEST_F(DecideAtAWall, AFlatPlaceDoesNot) { EXPECT_EQ(decide(seen()).action, kDoubtful); }
 
 // Two maps of one plane.
 class DecideOverAPlane : public DecideTest {
  protected:
   DecideOverAPlane() : DecideTest({.layout = test::Layout::kPlane}) { put_second_elsewhere(); }
-  PlaceDecision::What look(double from_m, double off_m = 0) {
+  PlaceDecision::Action look(double from_m, double off_m = 0) {
     PlaceMatch r = seen(1000, {off_m, 0, 0});
     r.median_depth = from_m;
-    const PlaceDecision::What what = decide(r).what;
+    const PlaceDecision::Action action = decide(r).action;
     step();
-    return what;
+    return action;
   }
   static constexpr double kFar_m = 6, kNear_m = 1;  // the plane is some 8 m wide
 };
