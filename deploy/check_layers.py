@@ -76,6 +76,7 @@ MAY_INCLUDE = {
     "deploy/simulation": FILES,
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],
+    "docs/examples": [*MODEL, "common/flow", "common/wire", "idl"],  # what libcoslam-dev installs
     "idl": [],
 }
 MAINS = ["agent", "server/estimator", "server/keep", "server/show"]
@@ -127,7 +128,7 @@ EXCEPTIONS = {
     ("agent/track/kernels_avx2.cpp", "immintrin.h"): "the vector unit's own instructions",
 }
 
-TOP = ["common", "agent", "server", "deploy", "tests", "idl"]
+TOP = ["common", "agent", "server", "deploy", "tests", "docs", "idl"]
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)"|(\S.*))')
 
 

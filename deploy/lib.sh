@@ -57,7 +57,7 @@ source_files() {
   if in_git; then
     git -C "$root" ls-files --cached --others --exclude-standard -- '*.h' '*.cpp'
   else
-    (cd -- "$root" && find agent common server deploy tests -type f \( -name '*.h' -o -name '*.cpp' \))
+    (cd -- "$root" && find agent common server deploy tests docs -type f \( -name '*.h' -o -name '*.cpp' \))
   fi | sort -u | while IFS= read -r file; do
     [[ ! -f $root/$file ]] || printf '%s\n' "$file"  # skip what is deleted but not committed
   done

@@ -66,6 +66,8 @@ class CheckLayers(unittest.TestCase):
         self.assert_breach("server/app/a.cpp", '#include "deploy/simulation/b.h"', "layer")
         self.assert_breach("deploy/simulation/a.h", '#include "server/estimator/map/b.h"', "layer")
         self.assert_clean("deploy/coslam/a.cpp", '#include "deploy/simulation/b.h"')
+        self.assert_breach("docs/examples/a.cpp", '#include "common/dataset/b.h"', "layer")
+        self.assert_clean("docs/examples/a.cpp", '#include "common/wire/loop.h"\n#include "idl/coslam.h"')
         self.assert_clean("agent/link/a.cpp", '#include "common/wire/reader.h"\n#include "common/flow/queue.h"')
 
     def test_core_folders_form_no_ring(self) -> None:

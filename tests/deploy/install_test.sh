@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# install_test.sh CMAKE BUILD VERSION: what is installed is whole, and a program elsewhere finds and links it.
+# install_test.sh CMAKE BUILD VERSION: what is installed is whole, and programs elsewhere find and link it. Those of
+# docs/examples are left in BUILD/test/examples.
 set -euo pipefail
 cmake=$1 build=$2 version=$3
 folder=$(mktemp -d)
@@ -72,3 +73,55 @@ build_user() {
 }
 build_user >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a program does not find or link it"; }
 "$folder/user/build/user" || fail "the program that links it fails"
+
+# The examples, from where they are installed.
+rm -rf -- "$build/test/examples"
+build_examples() {
+  "$cmake" -S "$documents/docs/examples" -B "$folder/examples" -D CMAKE_PREFIX_PATH="$prefix" -D CMAKE_BUILD_TYPE=Debug \
+    -D CMAKE_CXX_FLAGS="-Wall -Wextra -Wshadow -Werror" -D CMAKE_RUNTIME_OUTPUT_DIRECTORY="$build/test/examples" &&
+    "$cmake" --build "$folder/examples"
+}
+build_examples >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the examples cannot be built"; }
+
+# On a result of one agent that goes 3 m along x in 2 s and then 4 m along y, has no pose in the last of its images, and
+# sees somebody walk there and back, beside a point that goes alone.
+mkdir -p "$folder/result/trajectory"
+cat >"$folder/result/report.json" <<'END'
+{"agents": {"anna": {"images": {"captured": 4}, "tracked_percent": 75.0}}, "maps": [{"map": 1, "scale_known": true}]}
+END
+cat >"$folder/result/trajectory/anna.tum" <<'END'
+# t_s tx ty tz qx qy qz qw, camera to world; lengths are metres
+0.000000000 1 0 0 0 0 0 1
+2.000000000 4 0 0 0 0 0 1
+4.000000000 4 4 0 0 0 0.6 0.8
+END
+cat >"$folder/result/objects.csv" <<'END'
+t_s,object,x,y,z,vx,vy,vz,extent_x,extent_y,extent_z,members
+0.500000000,1,0,0,5,1,0,0,0.5,1.7,0.5,7 8
+1.000000000,1,0.5,0,5,0,0,-1.5,0.5,1.7,0.5,7 8 9
+1.500000000,1,0,0,5,-1,0,0,0.5,1.7,0.5,7 9
+END
+cat >"$folder/result/dynamic.csv" <<'END'
+t_s,id,x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz,views
+0.500000000,7,0,0,5,1e-4,0,0,1e-4,0,1e-4,2
+0.500000000,12,3,0,5,1e-4,0,0,1e-4,0,1e-4,2
+END
+# prints PROGRAM LINE...: on that result, these lines, runs of blanks apart.
+prints() {
+  local program=$1 line
+  "$build/test/examples/$program" "$folder/result" >"$folder/printed" || fail "the example $program fails"
+  if [[ $program == moving ]]; then
+    grep --quiet --line-regexp --fixed-strings -- "$(head -n 1 "$folder/printed")" "$documents/docs/examples/README.md" ||
+      fail "docs/examples/README.md shows another head of moving"
+  fi
+  shift
+  for line in "$@"; do
+    tr --squeeze-repeats ' ' <"$folder/printed" | grep --quiet --line-regexp --fixed-strings -- "$line" ||
+      { cat "$folder/printed"; fail "the example $program does not print '$line'"; }
+  done
+}
+prints paths 'anna 4 75.0% 7.000 m 1.750 m/s'
+prints moving '1 0.50 1.50 3 1.250 0.000 1.000' '3 points in objects, 1 alone, 2 places in all'
+rm "$folder/result/report.json"
+said=$("$build/test/examples/paths" "$folder/result" 2>&1) && fail "the example paths reads what is no result"
+[[ $said == "paths: $folder/result: there is no report.json, so this is no result" ]] || fail "the example paths says $said"

@@ -4,6 +4,7 @@
 
     commands_test.py --bin DIR --inputs DIR --prepare DOCS_INPUTS    makes what the commands read, by that program
     commands_test.py --bin DIR --inputs DIR DOCUMENT...              runs the commands of these documents
+    ... --examples DIR                                               where the programs of docs/examples lie
 
 A document has a work folder with these files, in which its commands run in their order. Servers, agents and bridges
 stay until another one takes their place, a command reads the result, or the section of the second level ends. Every
@@ -104,7 +105,7 @@ def check_tables(work: pathlib.Path, document: str, note: Note) -> None:
 def do_document(product: Product, inputs: pathlib.Path, work: pathlib.Path, document: str, note: Note) -> None:
     all_blocks = documents.blocks(document)
     check_text(product, document, note)
-    folder, beforehand = work / pathlib.Path(document).stem, {"result", "courtyard.rec"}
+    folder, beforehand = work / document.replace("/", "-"), {"result", "courtyard.rec"}
     shutil.copytree(inputs, folder)
     for name in dict.fromkeys(block.section for block in all_blocks):
         section = Section(product, folder, beforehand)
@@ -147,9 +148,10 @@ def main() -> int:
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     parser.add_argument("--inputs", type=pathlib.Path, required=True)
     parser.add_argument("--prepare", type=pathlib.Path)
+    parser.add_argument("--examples", type=pathlib.Path)
     parser.add_argument("documents", nargs="*")
     arguments = parser.parse_args()
-    product = Product(arguments.bin.resolve())
+    product = Product(arguments.bin.resolve(), arguments.examples and arguments.examples.resolve())
     if arguments.prepare:
         prepare(product, arguments.inputs, arguments.prepare)
         return 0

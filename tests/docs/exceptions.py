@@ -9,12 +9,13 @@ NOT_COMMANDS = {
     ("docs/tour.md", "AGENT"): "a diagram",
     ("docs/architecture.md", "camera ─▶ agent/capture"): "a diagram",
     ("docs/live.md", '{"t_s"'): "the form of a message",
+    ("docs/examples/README.md", "object"): "printed of a simulated man who walks; the test deploy.install prints another's",
 }
 # Blocks that show what was printed, by what they begin with: the commands before them printed the head of a table as it
 # stands there, and lines with the same first words as the others.
-SHOWN = ["agent ", "map server ", "server info: "]
+SHOWN = ["agent ", "map server ", "server info: ", "left "]
 # Languages whose blocks are code.
-NOT_RUN = {"cpp": "tests/deploy/install_test.sh builds a program that listens"}
+NOT_RUN = {"cpp": "docs/examples has it as a program, which is built and run"}
 
 # Scripts that are not run: they exist, and each option stands in their --help.
 CHECKED = {
@@ -34,7 +35,8 @@ OF_OTHERS = {
     "MicroXRCEAgent": "PX4's own agent is not installed",
     "apt": "installs; deploy/package.sh --check does so in a fresh Debian",
     "cd": "leads to the packages, which are not made here",
-    "cmake": "installs; the test deploy.install does so",
+    "cmake": "installs, and builds the examples; the test deploy.install does so",
+    "cp": "copies what the package installs",
     "curl": "asks a server at work; tests/server/show/web does so",
     "ctest": "runs this test",
     "ros2": "ROS is not installed",
@@ -43,5 +45,6 @@ OF_OTHERS = {
 }
 PROGRAMS = ["coslam", "coslam-server", "coslam-agent", "coslam-bridge"]
 STAYING = PROGRAMS[1:]
+EXAMPLES = "examples/build/"  # where docs/examples/README.md builds its programs
 # In place of a camera at work.
 FILM, CALIBRATION, BOARDS = "camera.mp4", "left.yaml", "chessboard"

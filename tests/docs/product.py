@@ -9,7 +9,7 @@ import subprocess
 import yaml
 
 from documents import SOURCE
-from exceptions import PROGRAMS, STAYING
+from exceptions import EXAMPLES, PROGRAMS, STAYING
 
 
 class Failure(Exception):
@@ -43,11 +43,15 @@ def positional(words: list[str], flags: list[str]) -> list[str]:
 class Product:
     """The programs and what they say of themselves."""
 
-    def __init__(self, binaries: pathlib.Path) -> None:
+    def __init__(self, binaries: pathlib.Path, examples: pathlib.Path | None = None) -> None:
         self.bin = binaries
+        self.examples = examples
         self.helps: dict[tuple[str, ...], str] = {}
 
     def path(self, name: str) -> str:
+        if name.startswith(EXAMPLES):
+            expect(self.examples, f"without --examples there is no {name}")
+            return f"{self.examples}/{name.removeprefix(EXAMPLES)}"
         return str(SOURCE / name if "/" in name else self.bin / name)
 
     def run(self, words: list[str], folder: pathlib.Path) -> subprocess.CompletedProcess[str]:

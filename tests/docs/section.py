@@ -17,7 +17,7 @@ import yaml
 
 import documents
 from documents import SOURCE, Block
-from exceptions import BOARDS, CALIBRATION, CHECKED, FILM, OF_OTHERS, PROGRAMS, STAYING
+from exceptions import BOARDS, CALIBRATION, CHECKED, EXAMPLES, FILM, OF_OTHERS, PROGRAMS, STAYING
 from product import Failure, Product, expect, positional, value_of
 from programs import Domain, Program
 
@@ -97,7 +97,8 @@ class Section:
             words += ["--port", "0"]
         if command == "run":
             words += ["--domain", str(self.here)]
-        if (program in STAYING and not prints_config) or command in ("status", "doctor"):
+        listens = command in ("status", "doctor") or program == f"{EXAMPLES}listen"
+        if (program in STAYING and not prints_config) or listens:
             words += [] if "--loopback" in words else ["--loopback"]
             has_domain = "--domain" in words
             words += [] if has_domain else ["--domain", str(self.fleet)]
@@ -277,6 +278,18 @@ class Section:
         for agent in (name.split()[1] for name in self.live if " " in name):
             expect(re.search(rf"^{agent} +[a-z]+ +[a-z]+ ", text, re.MULTILINE), f"no line for {agent}", text)
 
+    def example(self, words: list[str]) -> None:
+        """A program of docs/examples: one that reads a result, or one that listens."""
+        if not words[0].endswith("/listen"):
+            self.ran(words)
+            return
+        if "coslam-server" not in self.live:
+            self.supposed("coslam-server")
+            self.supposed("coslam-agent")
+        program = self.start(self.adapted(words))
+        self.said(program, r"^left +in map \d+ at ")
+        self.interrupted(program)
+
     def fleet_init(self, words: list[str]) -> None:
         self.ran(words)
         folder = words[3]
@@ -350,6 +363,9 @@ class Section:
             for name in value_of(words, "--only").split(","):
                 expect(name in known, f"{program} --list does not name {name}", known)
             return f"checked: {CHECKED[program]}"
+        if program.startswith(EXAMPLES):
+            self.example(words)
+            return "run"
         expect(program in PROGRAMS, f"no rule of tests/docs knows what to do with '{' '.join(words)}'")
         self.product.check_words(program, words[1:])
         for option in ["--out", "--record"]:
