@@ -47,7 +47,7 @@ class PatchWriter {
   // worths: decide which image patches are requested where few get through; null: all may be.
   void fill(const Map& map, const MapCamera& camera, const TrackFrame& frame, const PatchWorths* worths,
             MapPatch* patch);
-  // Answers a frame that came too late to be used: its agent only learns that it may go on.
+  // Answers a frame that came too late to be used with an empty snapshot: its agent may go on.
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
  private:

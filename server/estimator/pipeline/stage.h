@@ -14,13 +14,15 @@
 #include "common/model/map_patch.h"
 #include "server/estimator/map/edit.h"
 
+// clang-format off
 // Interface of the pipeline's stages. A stage is a value:
 //
 //   struct Example {
-//     static constexpr std::string_view kName = "example";  // name of its section of the configuration and of its
-//     times using Config = ExampleConfig;                         // with describe() beside it Config config; bool
-//     due(const Map& map) const;                       // optional: runs at some sets only ExampleReport
-//     run(ExampleEdit& edit, const FrameSet& set, const ViewGraph& graph);
+//     static constexpr std::string_view kName = "example";  // of its section of the configuration and of its times
+//     using Config = ExampleConfig;                         // with describe() beside it
+//     Config config;
+//     bool due(const Map& map) const;                       // optional: runs at some sets only
+//     ExampleReport run(ExampleEdit& edit, const FrameSet& set, const ViewGraph& graph);
 //   };
 //
 // The signature of run() says what a stage may read and write: it is given, by type,
@@ -43,6 +45,7 @@
 //   acknowledge(...): the answer to a frame that is too late to be used.
 // Other stages may read its report alone; the figures that count() of a report names are summed over the run. State
 // that outlives a set is a member of the stage, so that a copy of the stage is a copy of its state.
+// clang-format on
 namespace coslam {
 
 // Identity of this process: ids that it gave are scoped by it.

@@ -5,6 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <concepts>
+#include <string_view>
+
 #include "server/estimator/map_pipeline.h"
 
 namespace coslam {
@@ -44,6 +48,19 @@ template <class Key>
 concept MayMerge = requires(Key& key) {
   key.merge(MapId(), MapId(), Similarity3());
 };
+
+// A key lists the verbs of the narrow keys that it derives from, so that the table shows them.
+template <class Key, class Narrow>
+constexpr bool lists() {
+  return std::derived_from<Key, Narrow> && std::ranges::all_of(Narrow::kMay, [](std::string_view verb) {
+           return std::ranges::find(Key::kMay, verb) != Key::kMay.end();
+         });
+}
+static_assert(lists<LocaliseEdit, FramePoseEdit>() && lists<StartEdit, FramePoseEdit>());
+static_assert(lists<PlaceRecognitionEdit, FramePoseEdit>() && lists<PlaceRecognitionEdit, PointPositionEdit>());
+static_assert(lists<StartEdit, BundleEdit>() && lists<BundleEdit, PointPositionEdit>());
+static_assert(lists<RegisterEdit, PointPositionEdit>() && lists<ForgetEdit, LateFrameEdit>());
+static_assert(lists<ClassifyEdit, MovingPathEdit>() && lists<MapMovingEdit, MovingPathEdit>());
 
 // The keys are types: what a stage may not do does not compile.
 static_assert(MayRemovePoints<CullEdit> && !MayRemovePoints<VerifyEdit> && !MayRemovePoints<LocaliseEdit>);
