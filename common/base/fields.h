@@ -31,7 +31,7 @@ template <class T, FieldKind kKind>
 struct Field {
   static constexpr bool kIsKept = kKind != FieldKind::kNotKept;
   static constexpr bool kIsInstant = kKind == FieldKind::kInstant;
-  const char* name;
+  const char* name = nullptr;
   T& value;
   int since = 0;  // version of the file that has it first
 };

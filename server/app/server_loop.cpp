@@ -185,7 +185,7 @@ void ServerLoop::on_status(const AgentStatus& status) {
   auto last_image = std::exchange(agent->last_status.last_image, std::nullopt);
   if (status.exchange.sent_ns != 0) sets_.exchange(agent->camera, status.exchange);
   if (status.state != AgentState::kFinished || agent->ended) return;
-  if (last_image) server_.take_last_image(agent->camera, std::move(*last_image));
+  if (last_image) server_.take_last_image(agent->camera, *last_image);
   log_info("agent " + status.agent + " has ended");
   end(*agent);
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "server/estimator/map/keys.h"
 
 namespace coslam {
@@ -35,9 +37,13 @@ class MapEdit : public LocaliseEdit,
   MapEdit(const MapEdit&) = default;
   MapEdit(MapEdit&&) = default;
   ~MapEdit() = default;
-  // The map is copied once, not once for each key.
+  // The map is assigned once, not once for each key, which would take it from each other.
   MapEdit& operator=(const MapEdit& other) {
     if (this != &other) SessionPen::operator=(other);
+    return *this;
+  }
+  MapEdit& operator=(MapEdit&& other) noexcept {
+    if (this != &other) SessionPen::operator=(std::move(other));
     return *this;
   }
 

@@ -20,11 +20,6 @@ class MapPen {
   // Needed by C++ alone, because keys are virtual bases of MapEdit, which calls the other constructor.
   MapPen() : map_({}) {}
   explicit MapPen(const MapConfig& config) : map_(config) {}
-  // Assignment copies: keys that were move-assigned one by one would take the map from each other.
-  MapPen(const MapPen&) = default;
-  MapPen(MapPen&&) = default;
-  MapPen& operator=(const MapPen&) = default;
-  ~MapPen() = default;
 
   // Give write access to what Map gave out as const; only verbs use them.
   MapCamera& mutable_camera(CameraId id) { return map_.cameras_[id.value]; }
