@@ -8,6 +8,7 @@
 
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/words.h"
 #include "server/app/answers.h"
 #include "server/app/collect_facts.h"
 #include "server/app/stop_signals.h"
@@ -283,7 +284,7 @@ void ServerLoop::finish(const nlohmann::ordered_json& configuration, bool short_
   for (const std::string& warning : server_.take_warnings()) log_warn(warning);
   report_now(adjusts, configuration);
   const std::vector<std::string> problems = observers_.ended(view(), report_);
-  if (!problems.empty()) throw UserError(problems.front());
+  if (!problems.empty()) throw UserError(joined(problems, "; "));
 }
 
 std::string ServerLoop::problem() const {
