@@ -93,6 +93,7 @@ void OwnBody::look(const std::vector<Track>& live) {
   ++looks_;
   axes_ += turn_rad->normalized();
   std::vector<std::pair<Cell*, bool>> seen;  // whether something in it stood
+  seen.reserve(turned.size() + stood.size());
   for (const Pair* p : turned) seen.emplace_back(&cell_at(p->now_px.cast<float>()), false);
   for (const auto& [px, direction] : stood) {
     if (way_px(direction) >= kTurns_px * px_) seen.emplace_back(&cell_at(px), true);

@@ -36,7 +36,7 @@ YamlValue YamlValue::parse(std::istream& text, const std::filesystem::path& file
     return root;
   } catch (const YAML::Exception& e) {
     throw UserError(file.string() + ":" + std::to_string(e.mark.line + 1) +
-                    ": not valid YAML: " + e.msg.c_str() +  // up to an octet 0 in what is no text
+                    ": not valid YAML: " + e.msg.substr(0, e.msg.find('\0')) +  // up to an octet 0 in what is no text
                     but_it_is(file));
   }
 }

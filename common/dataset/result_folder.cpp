@@ -107,7 +107,7 @@ bool ResultFolder::holds_run() const {
 }
 
 bool ResultFolder::holds_more_than_inputs() const {
-  return !map_folders().empty() || std::ranges::any_of(kOfARun, [this](const std::string name) {
+  return !map_folders().empty() || std::ranges::any_of(kOfARun, [this](const std::string& name) {
     return std::ranges::find(kOfInputsToo, name) == kOfInputsToo.end() && std::filesystem::exists(run_ / name);
   });
 }
