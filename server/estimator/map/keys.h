@@ -7,9 +7,9 @@
 
 #include "server/estimator/map/session_pen.h"
 
-// Write access to the map. Each room of the estimator has a key, which is the list of the verbs that it may call: a
-// function that takes a LocaliseEdit& can call these and no others. Narrow keys are for functions that several rooms
-// call. `coslam-server --stages` prints the keys of all stages.
+// Write access to the map. Each stage of the pipeline has a key, which is the list of the verbs that it may call: a
+// function that takes a CullEdit& can call those of CullEdit and no others. Narrow keys are for functions that several
+// stages call. `coslam-server --stages` prints the keys of all stages.
 namespace coslam {
 
 // COSLAM_MAY(verb, ...) lets a key call these verbs; their names are in kMay.
