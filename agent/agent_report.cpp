@@ -22,20 +22,6 @@ Json own_body(const Agent& agent) {
       {{"percent", 100 * agent.own_body_share()}, {"columns", parts.columns}, {"rows", parts.rows}, {"cells", cells}});
 }
 
-Json times_of(const StageTimes& agent, const StageTimes& beside) {
-  Json ms = Json::object();
-  for (const StageTimes* times : {&agent, &beside}) {
-    for (const auto& [name, h] : times->stages()) {
-      ms[name] = {{"p50", h.percentile_ms(50)},
-                  {"p95", h.percentile_ms(95)},
-                  {"p99", h.percentile_ms(99)},
-                  {"mean", h.mean_ms()},
-                  {"count", h.count()}};
-    }
-  }
-  return ms;
-}
-
 }  // namespace
 
 std::string agent_report(const Agent& agent, const StageTimes& times, const AgentReportFacts& facts) {
@@ -52,7 +38,8 @@ std::string agent_report(const Agent& agent, const StageTimes& times, const Agen
   out["ms_per_frame"] = mean_frame_ms(agent);
   out["tracked_width_px"] = agent.working_width_px();
   if (agent.own_body_share() > 0) out["own_body"] = own_body(agent);
-  out["ms"] = times_of(agent.times(), times);
+  out["ms"] = json_of(agent.times());
+  out["ms"].update(json_of(times));
   out["peak_memory_mib"] = peak_memory_mib();
   if (facts.with_warnings) out["warnings"] = json_of(warnings_given());
   return out.dump();

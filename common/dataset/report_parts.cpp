@@ -25,6 +25,18 @@ ImageAccount images_of(const nlohmann::json& agent) {
   return out;
 }
 
+nlohmann::ordered_json json_of(const StageTimes& times) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::object();
+  for (const auto& [name, h] : times.stages()) {
+    out[name] = {{"p50", h.percentile_ms(50)},
+                 {"p95", h.percentile_ms(95)},
+                 {"p99", h.percentile_ms(99)},
+                 {"mean", h.mean_ms()},
+                 {"count", h.count()}};
+  }
+  return out;
+}
+
 nlohmann::ordered_json json_of(const std::vector<Warning>& warnings) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const Warning& w : warnings) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/log.h"
+#include "common/base/metrics.h"
 #include "common/model/image_account.h"
 
 // Parts of report.json that more than one program writes or reads.
@@ -15,6 +16,9 @@ namespace coslam {
 nlohmann::ordered_json json_of(const ImageAccount& images);
 // Reads the image account of an agent in a report; all 0 where it has none.
 ImageAccount images_of(const nlohmann::json& agent);
+
+// {"STAGE": {"p50": 1.2, "p95": ..., "p99": ..., "mean": ..., "count": 300}, ...}: times of stages by name, ms.
+nlohmann::ordered_json json_of(const StageTimes& times);
 
 // [{"text": "...", "count": 3}, ...], as UTF-8 whatever the texts hold.
 nlohmann::ordered_json json_of(const std::vector<Warning>& warnings);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/ids.h"
+#include "common/base/metrics.h"
 #include "common/model/image_account.h"
 #include "common/model/session.h"
 #include "server/keep/verdict.h"
@@ -31,6 +32,10 @@ struct StageTime {
   double p50 = 0, p95 = 0, p99 = 0, sum = 0;
   std::uint64_t count = 0;
 };
+inline StageTime stage_time_of(const DurationHistogram& h) {
+  return {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99), h.mean_ms() * static_cast<double>(h.count()),
+          h.count()};
+}
 
 // Facts that the server's loop knows, beside the map.
 struct LoopFacts {

@@ -18,18 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // {"stage": {"p50":, "p95":, "p99":, "mean":, "count":}}
-Json times_report(const StageTimes& times) {
-  Json out = Json::object();
-  for (const auto& [name, h] : times.stages()) {
-    out[name] = {{"p50", h.percentile_ms(50)},
-                 {"p95", h.percentile_ms(95)},
-                 {"p99", h.percentile_ms(99)},
-                 {"mean", h.mean_ms()},
-                 {"count", h.count()}};
-  }
-  return out;
-}
-
 TimeNs first_ns(const MapCamera& camera) {
   return camera.past.frames > 0 ? camera.past.first_ns : camera.frames.front().capture_ns;
 }
@@ -180,7 +168,7 @@ Json memory_report(const MemoryUse& use) {
 
 Json server_report(const MapServer& server) {
   Json out;
-  out["ms"] = times_report(server.times());
+  out["ms"] = json_of(server.times());
   out["points"] = points_report(server, server.largest_map());
   out["key_frames"] = server.map().key_frames().size();
   out["merges"] = server.counts().merges;

@@ -30,10 +30,7 @@ void SnapshotObserver::tell(Snapshot snapshot) {
 // With what telling takes of the map's thread.
 LoopFacts SnapshotObserver::facts(const ServerView& view) const {
   LoopFacts out = view.facts();
-  for (const auto& [name, h] : times_.stages()) {
-    out.watching = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
-                    h.mean_ms() * static_cast<double>(h.count()), h.count()};
-  }
+  for (const auto& [name, h] : times_.stages()) out.watching = stage_time_of(h);
   for (AgentFacts& agent : out.agents) {
     const auto settled = view.server.path_error(agent.camera);
     const auto path = settled ? settled : paths_.path_error(agent.camera);

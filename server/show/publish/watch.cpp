@@ -34,10 +34,7 @@ std::optional<double> clock_offset_s(const ClockOffset& clock) {
 }
 
 void put_times(const MapServer& server, PublicState* state) {
-  for (const auto& [name, h] : server.times().stages()) {
-    state->stages[name] = {h.percentile_ms(50), h.percentile_ms(95), h.percentile_ms(99),
-                           h.mean_ms() * static_cast<double>(h.count()), h.count()};
-  }
+  for (const auto& [name, h] : server.times().stages()) state->stages[name] = stage_time_of(h);
 }
 
 void put_groups(const Map& map, const ViewGraph& graph, PublicState* state) {
