@@ -19,7 +19,8 @@
 //   }
 //
 // Files, fingerprints, equality, sizes, renumbering and checks go through this list (each_field). A member that is not
-// in it does not compile.
+// in it does not compile. A struct with base classes names them, as `using Parts = std::tuple<Base, OtherBase>`, and
+// lists their members with its own.
 namespace coslam {
 
 template <class T, class Struct>
@@ -74,13 +75,33 @@ consteval std::size_t member_count() {
   }
 }
 
+template <class Struct>
+concept HasParts = requires {
+  typename Struct::Parts;
+};
+
+template <class Struct, class... Parts>
+consteval std::size_t member_count_with(std::type_identity<std::tuple<Parts...>> /*parts*/) {
+  return member_count<Struct>() - sizeof...(Parts) + (member_count<Parts>() + ...);
+}
+
+// Number of members, also of those in base classes, which Struct::Parts names.
+template <class Struct>
+consteval std::size_t all_member_count() {
+  if constexpr (HasParts<Struct>) {
+    return member_count_with<Struct>(std::type_identity<typename Struct::Parts>());
+  } else {
+    return member_count<Struct>();
+  }
+}
+
 }  // namespace detail
 
 // Calls visit(field) with each field of the struct, in the order of its list.
 template <HasFields T, class Visit>
 void each_field(T& value, Visit visit) {
   using Struct = std::remove_const_t<T>;
-  static_assert(std::tuple_size_v<decltype(fields(value))> == detail::member_count<Struct>(),
+  static_assert(std::tuple_size_v<decltype(fields(value))> == detail::all_member_count<Struct>(),
                 "fields() lacks a member of this struct, or has one twice");
   std::apply([&](const auto&... field) { (visit(field), ...); }, fields(value));
 }

@@ -18,12 +18,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // {"stage": {"p50":, "p95":, "p99":, "mean":, "count":}}
-TimeNs first_ns(const MapCamera& camera) {
+TimeNs first_ns(const CameraFrames& camera) {
   return camera.past.frames > 0 ? camera.past.first_ns : camera.frames.front().capture_ns;
 }
 
 // From when to when a camera had no pose, played seconds.
-Json lost_intervals(const MapCamera& camera) {
+Json lost_intervals(const CameraFrames& camera) {
   Json lost = Json::array();
   for (const auto& [from_ns, to_ns] : camera.past.lost) lost.push_back({to_seconds(from_ns), to_seconds(to_ns)});
   const FramePose* lost_from = nullptr;
@@ -49,7 +49,7 @@ Json intrinsics_report(const CameraModel& camera) {
 }
 
 // What was found to be wrong about a calibration, and what comes of it.
-Json lens_report(const MapCamera& camera) {
+Json lens_report(const CameraLens& camera) {
   const auto [model, worst_px] = corrected_calibration(camera.model, camera.lens);
   const Eigen::VectorXd radial = camera.lens.radial();
   return {{"corrected", !camera.lens.none()},

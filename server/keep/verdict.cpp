@@ -59,7 +59,7 @@ nlohmann::ordered_json json_of(const PathVerdict& path) {
           {"sigma_percent", sigma_percent ? Json(*sigma_percent) : Json()}};
 }
 
-PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images) {
+PathVerdict verdict_of(const CameraLens& camera, const PathError& path, const ImageAccount& images) {
   PathVerdict out{.verdict = {}, .length = path.length, .sigma = path.sigma};
   PathFacts facts;
   const std::uint64_t believed = images.captured() - images[ImageFate::kLeftOut];

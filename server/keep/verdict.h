@@ -44,6 +44,6 @@ struct PathVerdict {
 };
 // The form of a verdict in reports and public messages.
 nlohmann::ordered_json json_of(const PathVerdict& path);
-PathVerdict verdict_of(const MapCamera& camera, const PathError& path, const ImageAccount& images);
+PathVerdict verdict_of(const CameraLens& camera, const PathError& path, const ImageAccount& images);
 
 }  // namespace coslam

@@ -67,7 +67,7 @@ TrackedPoints tracked_points(const Map& map, MapId map_id, CameraId camera, SetI
   return out;
 }
 
-std::optional<PoseResult> solve(const Map& map, const MapCamera& camera, const PointOfTrack& points,
+std::optional<PoseResult> solve(const Map& map, const CameraLens& camera, const PointOfTrack& points,
                                 const FramePose& frame, const Rigid3& initial) {
   std::vector<PointObservation> seen;
   for (const HeldTrack& held : frame.held) {

@@ -47,7 +47,7 @@ std::string position_text(const Rigid3& cam_from_first) {
   return out;
 }
 
-std::string contradiction(const MapCamera& first, const MapCamera& camera, const Rigid3& rig, const Rigid3& seen) {
+std::string contradiction(const CameraIdentity& first, const MapCamera& camera, const Rigid3& rig, const Rigid3& seen) {
   return "the rig has " + camera.name + " " + position_text(rig) + " against " + first.name + ", the images have it " +
          position_text(seen) + slip_in(rig, seen) +
          "; as long as that is so the rig is left aside, and lengths are not metres";

@@ -42,7 +42,7 @@ PairView make_pair_view(const Map& map, const ViewEdge& edge, const Rigid3& firs
   return v;
 }
 
-bool has_pose_now(const MapCamera& c, const FrameSet& set) {
+bool has_pose_now(const CameraFrames& c, const FrameSet& set) {
   return !c.frames.empty() && c.frames.back().set == set.id && c.frames.back().valid();
 }
 

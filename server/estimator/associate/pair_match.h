@@ -40,7 +40,7 @@ struct PairView {
 // Makes the view of two cameras with a pose, at one instant.
 PairView make_pair_view(const Map& map, const ViewEdge& edge, const Rigid3& first_pose, const Rigid3& second_pose);
 // True when the camera has a pose in this set.
-bool has_pose_now(const MapCamera& c, const FrameSet& set);
+bool has_pose_now(const CameraFrames& c, const FrameSet& set);
 // Half width of the epipolar band, in pixels.
 double band_px_of(const Map& map, const PairView& view);
 // Disparity of the nearest point that both cameras see, if one is near.

@@ -75,7 +75,7 @@ bool turned(VerifyEdit& edit, const MapPoint& point, const MapCamera& camera, do
 }
 
 // Several cameras see sooner that a point moves than one, whose own motion may explain it.
-bool stood_still(const MapPoint& p, const MapCamera& camera, const VerifyConfig& config) {
+bool stood_still(const MapPoint& p, const CameraFrames& camera, const VerifyConfig& config) {
   const auto tracks = static_cast<std::uint32_t>(p.bound.size());
   const auto frames = static_cast<std::uint32_t>(camera.frames_in(config.prove_s, 4));
   return p.views >= (tracks > 1 ? tracks * frames / 2 : frames);

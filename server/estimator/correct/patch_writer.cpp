@@ -14,7 +14,7 @@ namespace coslam {
 namespace {
 
 // Agents localise on static points: what is not proven is uncertain to them.
-PointState state_for(const MapCamera& camera, const MapPoint& p) {
+PointState state_for(const CameraLocalisation& camera, const MapPoint& p) {
   return p.phase == PointPhase::kTrial && !camera.sparse ? PointState::kUncertain : told_state(p.phase);
 }
 
@@ -158,7 +158,7 @@ PatchWriter::PatchesDue PatchWriter::patches_due(const Map& map, const MapCamera
   return due;
 }
 
-MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
+MapPatch PatchWriter::next_patch(const Map& map, const CameraIdentity& camera, const TrackFrame& frame) {
   if (frame.agent_run != agent_run_) {
     agent_run_ = frame.agent_run;
     sequence_ = 0;
@@ -176,7 +176,7 @@ MapPatch PatchWriter::next_patch(const Map& map, const MapCamera& camera, const 
   return patch;
 }
 
-void PatchWriter::write_lens(const MapCamera& camera, MapPatch* patch) {
+void PatchWriter::write_lens(const CameraLens& camera, MapPatch* patch) {
   const bool news = patch->snapshot ? !camera.lens.none() : !(camera.lens == lens_);
   if (news) patch->lens = camera.lens;
   lens_ = camera.lens;

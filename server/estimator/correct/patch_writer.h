@@ -51,8 +51,8 @@ class PatchWriter {
   MapPatch acknowledge(const Map& map, const MapCamera& camera, const TrackFrame& frame);
 
  private:
-  void write_lens(const MapCamera& camera, MapPatch* patch);
-  MapPatch next_patch(const Map& map, const MapCamera& camera, const TrackFrame& frame);
+  void write_lens(const CameraLens& camera, MapPatch* patch);
+  MapPatch next_patch(const Map& map, const CameraIdentity& camera, const TrackFrame& frame);
 
   struct Sent {
     PointId point;

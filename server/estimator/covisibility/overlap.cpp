@@ -60,7 +60,7 @@ bool ViewOverlap::should_see(const MapCamera& camera, const Sight& sight, const 
   return depth > around.least / kBeside && depth < kBeside * around.most;
 }
 
-double ViewOverlap::share_seen(const MapCamera& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
+double ViewOverlap::share_seen(const CameraFrames& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
                                const Sight& seeing_sight) {
   constexpr double kMostApart = 0.6;  // cosine, between the rays
   const Eigen::Vector3d from = seen_camera.frames.back().cam_from_world.center(),

@@ -52,7 +52,7 @@ class ViewOverlap {
   const Sight& sight_of(const MapCamera& camera);
   static int cell_of(const CameraModel& model, const Eigen::Vector2d& px);
   static bool should_see(const MapCamera& camera, const Sight& sight, const Eigen::Vector3d& position);
-  static double share_seen(const MapCamera& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
+  static double share_seen(const CameraFrames& seen_camera, const Sight& seen_sight, const MapCamera& seeing_camera,
                            const Sight& seeing_sight);
 
   const Map& map_;

@@ -169,7 +169,7 @@ std::optional<Common> widest_common(const MapCamera& camera) {
 
 // Its newest frames are without a pose, for so long: by their number, and by their times, since at the beginning, with
 // gaps, how often they come is hardly known.
-bool without_map_for(const MapCamera& camera, double wait_s) {
+bool without_map_for(const CameraFrames& camera, double wait_s) {
   const auto posed =
       std::find_if(camera.frames.rbegin(), camera.frames.rend(), [](const auto& f) { return f.valid(); });
   const auto first = posed.base();

@@ -10,7 +10,7 @@ namespace coslam {
 namespace {
 
 // Of the time between two frames at an instant: 0 at the one before, 1 at the newer one.
-double share_at(const MapCamera& camera, const FramePose& before, const FramePose& now, TimeNs t_ns) {
+double share_at(const CameraFrames& camera, const FramePose& before, const FramePose& now, TimeNs t_ns) {
   return static_cast<double>(t_ns - camera.taken_ns(before)) / static_cast<double>(now.capture_ns - before.capture_ns);
 }
 
@@ -23,11 +23,11 @@ std::optional<std::size_t> ServerTrack::index_at(SetId set) const {
   return static_cast<std::size_t>(at - seen.begin());
 }
 
-int MapCamera::frames_in(double time_s, int least) const {
+int CameraFrames::frames_in(double time_s, int least) const {
   return std::max(least, static_cast<int>(std::lround(time_s / frame_interval_s)));
 }
 
-const FramePose* MapCamera::frame_at(SetId set) const {
+const FramePose* CameraFrames::frame_at(SetId set) const {
   if (frames.empty() || set > frames.back().set) return nullptr;
   // Mostly it has one in every set.
   const std::uint32_t before_newest = frames.back().set.value - set.value;
@@ -40,24 +40,24 @@ const FramePose* MapCamera::frame_at(SetId set) const {
   return at == frames.end() || at->set != set ? nullptr : &*at;
 }
 
-std::optional<Similarity3> MapCamera::moved_since(MapEpoch epoch) const {
+std::optional<Similarity3> CameraLocalisation::moved_since(MapEpoch epoch) const {
   const auto at = std::ranges::find(announced, epoch, &AnnouncedEpoch::epoch);
   return at == announced.end() ? std::nullopt : std::optional(at->moved);
 }
 
-std::span<const FramePose> MapCamera::present_frames() const {
+std::span<const FramePose> CameraFrames::present_frames() const {
   const auto first =
       std::lower_bound(frames.begin(), frames.end(), past.until, [](const FramePose& f, SetId s) { return f.set < s; });
   return {first, frames.end()};
 }
 
-int MapCamera::frames_in_map(MapId in) const {
+int CameraFrames::frames_in_map(MapId in) const {
   const auto before = past.placed.find(in);
   const auto present = std::ranges::count(present_frames(), in, &FramePose::map);
   return static_cast<int>(present) + (before == past.placed.end() ? 0 : before->second);
 }
 
-std::optional<Rigid3> MapCamera::pose_at(SetId set, TimeNs t_ns) const {
+std::optional<Rigid3> CameraFrames::pose_at(SetId set, TimeNs t_ns) const {
   constexpr TimeNs kSameInstantNs = 1'000'000;
   const FramePose* f = frame_at(set);
   if (f == nullptr || !f->valid()) return std::nullopt;

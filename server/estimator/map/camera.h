@@ -70,18 +70,33 @@ struct AnnouncedEpoch {
 };
 auto fields(Like<AnnouncedEpoch> auto& t) { return std::tuple(kept("epoch", t.epoch), kept("moved", t.moved)); }
 
-struct MapCamera {
+// Who a camera is: an agent's name, and the run of it that is heard.
+struct CameraIdentity {
   CameraId id;
   std::string name;
   RunId run;
+  SetId run_since;  // first set of this run of its agent
+  bool alive = true;
+  std::string rig;      // name of the first camera of the rig that it is fixed to; empty: it is free
+  Rigid3 cam_from_rig;  // metres
+};
+
+// How a camera's images are formed, and how exactly its tracks were measured in them.
+struct CameraLens {
   CameraModel model;     // calibration
   LensCorrection lens;   // correction of the calibration; all observations are undistorted with it
   double breathing = 0;  // largest change of its focal length found from image to image, as a share; 0: none known
   LensCorrection::Values lens_sigma = LensCorrection::Values::Zero();  // sigmas of lens.values; 0: as calibrated
-  double sigma_px = 1.0;                 // measured standard deviation of its observations
-  int sigma_frames = 0;                  // frames in which sigma_px was measured
-  std::string rig;                       // name of the first camera of the rig that it is fixed to; empty: it is free
-  Rigid3 cam_from_rig;                   // metres
+  double sigma_px = 1.0;                                               // measured standard deviation of observations
+  int sigma_frames = 0;                                                // frames in which sigma_px was measured
+
+  Eigen::Vector2d raw_px(const Eigen::Vector2d& undistorted_px) const {
+    return lens.raw_from_undistorted(model, undistorted_px);
+  }
+};
+
+// How a camera stands to the map that it is localised in, and what its agent was told of that map.
+struct CameraLocalisation {
   MapId map;                             // map in which it is localised; 0 = not placed
   bool corrected = false;                // newest pose rests on more than the agent has, which is to take it
   double scene_depth = 0;                // median of what it saw with its newest good pose; 0: not known yet
@@ -90,21 +105,20 @@ struct MapCamera {
   Similarity3 moved;                     // change of its world since the last patch to its agent
   std::deque<AnnouncedEpoch> announced;  // newest epochs of its present map
   MapId merged_from;  // map at the last patch to its agent, if that map became part of the present one since; 0 = none
-  bool alive = true;
-  SetId run_since;                             // first set of this run of its agent
+
+  // Returns how its world was moved since an epoch that its agent knows; empty when that is too long ago, or of another
+  // map.
+  std::optional<Similarity3> moved_since(MapEpoch epoch) const;
+};
+
+// Frames of a camera, with their poses, and when they were taken.
+struct CameraFrames {
   TimeNs clock_offset_ns = 0;                  // images were taken later than dated by this much
   double frame_interval_s = kUsualInterval_s;  // median of the newest intervals
   std::vector<FramePose> frames;               // sorted by set, without archived ones
   PastFramesCount past;
-  FlatMap<TrackId, ServerTrack> tracks;  // live tracks; pointers are valid until the next frame set
 
-  Eigen::Vector2d raw_px(const Eigen::Vector2d& undistorted_px) const {
-    return lens.raw_from_undistorted(model, undistorted_px);
-  }
   const FramePose* frame_at(SetId set) const;
-  // Returns how its world was moved since an epoch that its agent knows; empty when that is too long ago, or of another
-  // map.
-  std::optional<Similarity3> moved_since(MapEpoch epoch) const;
   // Frames that are not archived.
   std::span<const FramePose> present_frames() const;
   std::size_t frames_ever() const { return static_cast<std::size_t>(past.frames) + present_frames().size(); }
@@ -120,6 +134,14 @@ struct MapCamera {
   // Pose at an instant near that set, interpolated between the frame there and the one before when the image was taken
   // at another time; empty without poses in one map.
   std::optional<Rigid3> pose_at(SetId set, TimeNs t_ns) const;
+};
+
+// A camera of the map: four parts, for functions that ask for one of them, and its live tracks.
+struct MapCamera : CameraIdentity, CameraLens, CameraLocalisation, CameraFrames {
+  using Parts = std::tuple<CameraIdentity, CameraLens, CameraLocalisation, CameraFrames>;
+
+  FlatMap<TrackId, ServerTrack> tracks;  // pointers are valid until the next frame set
+
   // Predicts the view of a sighting at another instant, pose and pixel. Empty without a pose in `in`.
   std::optional<View> view_at(MapId in, SetId set, const Sighting& seen, TimeNs t_ns) const;
 };

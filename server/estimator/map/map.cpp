@@ -18,7 +18,7 @@ bool before(const KeyFrame& a, const KeyFrame& b) { return a.set < b.set; }
 class Information {
  public:
   explicit Information(const Eigen::Vector3d& position) : position_(position) {}
-  void add(const MapCamera& camera, const Rigid3& pose, double sigma_px) {
+  void add(const CameraLens& camera, const Rigid3& pose, double sigma_px) {
     Eigen::Vector2d px;
     Eigen::Matrix<double, 2, 3> j;
     if (!project_world(camera.model, pose, position_, &px, &j)) return;
@@ -116,7 +116,7 @@ void Map::put(MapPoint point) {
   for (const KeyObservation& o : p.key_observations) observed_in_[{o.set, o.camera}].push_back(id);
 }
 
-std::vector<CameraId> Map::rig_mates(const MapCamera& camera) const {
+std::vector<CameraId> Map::rig_mates(const CameraIdentity& camera) const {
   std::vector<CameraId> out;
   for (const MapCamera& c : cameras_) {
     if (!camera.rig.empty() && c.rig == camera.rig && c.id != camera.id) out.push_back(c.id);
@@ -236,7 +236,7 @@ std::vector<const MapPoint*> Map::points_observed_since(SetId set) const {
   return found(std::move(ids));
 }
 
-double Map::gate_sigma_px(const MapCamera& c) const {
+double Map::gate_sigma_px(const CameraLens& c) const {
   return std::min(std::max(2.5 * c.sigma_px, 1.0), sigma_bound_px(c));
 }
 

@@ -99,9 +99,9 @@ class Map {
 
   // Standard deviation of the gates: generous compared with the measured one, never above sigma_px of the
   // configuration.
-  double gate_sigma_px(const MapCamera& camera) const;
+  double gate_sigma_px(const CameraLens& camera) const;
   // Largest believed noise, in pixels of this camera.
-  double sigma_bound_px(const MapCamera& camera) const { return camera.model.px_from_640(config_.sigma_px); }
+  double sigma_bound_px(const CameraLens& camera) const { return camera.model.px_from_640(config_.sigma_px); }
 
   // Covariance (4) of a point from its first and last view of each track (the paper: two observations a camera), since
   // the views between them repeat the same errors. Uses key observations and the newest one of bound tracks.
@@ -111,7 +111,7 @@ class Map {
   // Covariance (4) of a point about to be made at this position from tracks of these cameras.
   Eigen::Matrix3d covariance_of(const Eigen::Vector3d& position,
                                 const std::vector<std::pair<const MapCamera*, const ServerTrack*>>& tracks) const;
-  double covariance_sigma_px(const MapCamera& camera) const {
+  double covariance_sigma_px(const CameraLens& camera) const {
     return config_.covariance_sigma_factor * camera.sigma_px;
   }
 
@@ -131,7 +131,7 @@ class Map {
   // True when lengths of that map are metres, so that cameras of a rig are where the rig has them.
   bool is_metric(MapId map) const { return metric_.contains(map); }
   // Returns the other cameras of its rig.
-  std::vector<CameraId> rig_mates(const MapCamera& camera) const;
+  std::vector<CameraId> rig_mates(const CameraIdentity& camera) const;
 
   MapId next_map() const { return MapId(next_map_); }  // next new map
   MapEpoch epoch() const { return epoch_; }

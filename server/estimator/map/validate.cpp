@@ -141,7 +141,7 @@ void check_state(const Map& map) {
   }
 }
 
-void check_track(const Map& map, const RowCheck& row, const MapCamera& c, TrackId id, const ServerTrack& t) {
+void check_track(const Map& map, const RowCheck& row, const CameraIdentity& c, TrackId id, const ServerTrack& t) {
   const std::string name = "track " + std::to_string(id.value);
   row.require(t.id == id, name + " has another id");
   const auto later = [](const TrackPoint& a, const TrackPoint& b) { return a.set >= b.set; };

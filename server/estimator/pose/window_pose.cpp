@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kOlderViews = 6;  // of a thing, with poses that are not free
 
-double sigma_px(const MapCamera& camera) { return std::max(0.3, camera.sigma_px); }
+double sigma_px(const CameraLens& camera) { return std::max(0.3, camera.sigma_px); }
 
 // Every view with a free pose, and some of those before.
 std::vector<TrackPoint> views_of_use(const std::vector<TrackPoint>& seen, SetId free_since, bool older_too) {

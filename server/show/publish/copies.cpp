@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMostOfPath = 500;  // poses
 
 // Over the last tenth of a second: longer than the noise of one pose, shorter than a turn.
-std::optional<PublicVelocity> velocity_of(const MapCamera& camera) {
+std::optional<PublicVelocity> velocity_of(const CameraFrames& camera) {
   constexpr double kLeast_s = 0.09, kMost_s = 0.5;
   const FramePose& now = camera.frames.back();
   for (auto before = camera.frames.rbegin() + 1; before != camera.frames.rend(); ++before) {
@@ -27,7 +27,7 @@ std::optional<PublicVelocity> velocity_of(const MapCamera& camera) {
   return std::nullopt;
 }
 
-std::optional<Rigid3> pose_at(const MapCamera& camera, MapId map, TimeNs capture_ns) {
+std::optional<Rigid3> pose_at(const CameraFrames& camera, MapId map, TimeNs capture_ns) {
   for (auto f = camera.frames.rbegin(); f != camera.frames.rend() && f->capture_ns >= capture_ns; ++f) {
     if (f->capture_ns == capture_ns && f->valid() && f->map == map) return f->cam_from_world;
   }
