@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// node test/picture.mjs URL FILE.png [--wait S] [--size WxH] [--theme light] [--keys ft]: what a browser shows of a server.
-// The wait is for points, at most two minutes, and then S seconds; the keys are pressed before the last of them.
+// node test/picture.mjs URL FILE.png [--wait S] [--size WxH] [--theme light] [--keys ft] [--film N]: what a browser shows
+// of a server. The wait is for points, at most two minutes, and then S seconds; the keys are pressed before the last of them.
+// A film is N pictures, FILE_000.png and so on, four a second. ImageMagick makes a moving picture of them:
+// convert -delay 25 FILE_*.png -layers optimize FILE.gif
 import { parseArgs } from "node:util";
 import { chromium } from "playwright-core";
 
@@ -15,6 +17,7 @@ const { values, positionals } = parseArgs({
     size: { type: "string", default: "1280x720" },
     theme: { type: "string", default: "dark" },
     keys: { type: "string", default: "" },
+    film: { type: "string", default: "0" },
   },
 });
 const [url, file] = positionals;
@@ -29,5 +32,10 @@ await page.waitForTimeout(1000 * Math.max(0, Number(values.wait) - 1));
 for (const key of values.keys) await page.keyboard.press(key);
 await page.waitForTimeout(1000);
 await page.screenshot({ path: file });
+for (let i = 0; i < Number(values.film); ++i) {
+  const pause = page.waitForTimeout(250);
+  await page.screenshot({ path: file.replace(/\.png$/, `_${String(i).padStart(3, "0")}.png`) });
+  await pause;
+}
 console.log(`${await page.textContent(".pill")}: ${await page.textContent(".figures")}`);
 await browser.close();
