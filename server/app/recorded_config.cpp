@@ -22,6 +22,20 @@ constexpr std::array<std::pair<const char*, const char*>, 11> kEarlierNames{{{"r
                                                                              {"moving", "announce_moving"},
                                                                              {"past", "forget"}}};
 
+// Settings that another section has since, which took them over from the stage of place recognition.
+constexpr std::array kOfDescriptorRequests{"soon_s", "least_period_s", "images_per_s"};
+
+void move_to_descriptor_requests(nlohmann::ordered_json* server) {
+  const auto places = server->find("place_recognition");
+  if (places == server->end() || !places->is_object()) return;
+  nlohmann::ordered_json moved;
+  for (const char* key : kOfDescriptorRequests) {
+    if (const auto at = places->find(key); at != places->end()) moved[key] = *at;
+    places->erase(key);
+  }
+  if (!moved.empty()) (*server)["descriptor_requests"] = std::move(moved);
+}
+
 }  // namespace
 
 RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem::path& file) {
@@ -34,6 +48,7 @@ RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem:
       server->erase(before);
       (*server)[now] = std::move(section);
     }
+    move_to_descriptor_requests(&*server);
   }
   RecordedConfig config;
   config::load_text(config, recorded.dump(), file);

@@ -12,6 +12,7 @@
 #include "server/estimator/associate/verify.h"
 #include "server/estimator/correct/announce_moving.h"
 #include "server/estimator/correct/correct.h"
+#include "server/estimator/covisibility/expected_overlap.h"
 #include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/create/map_inter.h"
 #include "server/estimator/create/map_intra.h"
@@ -23,6 +24,7 @@
 #include "server/estimator/motion/stamp_lag.h"
 #include "server/estimator/past/forget.h"
 #include "server/estimator/pipeline/pipeline.h"
+#include "server/estimator/places/descriptor_requests.h"
 #include "server/estimator/places/last_images.h"
 #include "server/estimator/places/place_recognition.h"
 #include "server/estimator/pose/inter_pose.h"
@@ -40,7 +42,9 @@ using MapPipeline = Pipeline<  //
     WideSearch,                // points that are seen again after a while, further from their prediction
     InterPose,                 // inter-camera poses of a group, when static points run out
     Start,                     // starts maps, by several cameras at once or by one alone
+    ExpectedOverlap,           // cameras that should see the same, without shared points
     PlaceRecognition,          // recognises places: cameras put into maps, maps joined, loops closed
+    DescriptorRequests,        // cameras that are asked for the descriptors of an image
     Verify,                    // checks every observation against its prediction; filter
     Classify,                  // moving points, and their positions
     ClockOffsets,              // offsets of the agents' clocks, from moving points

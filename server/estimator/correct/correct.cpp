@@ -12,7 +12,7 @@ PatchWriter& Correct::writer_of(CameraId camera, const ServerRun& server) {
 }
 
 Corrections Correct::run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server,
-                         const PlaceRecognitionReport& met, const ScaleReport& scale, const ViewGraph& graph,
+                         const DescriptorRequestsReport& asked, const ScaleReport& scale, const ViewGraph& graph,
                          Workers& workers) {
   Corrections out;
   const auto is_narrow = [](const CameraFrame& cf) { return cf.frame.narrow_link; };
@@ -20,8 +20,9 @@ Corrections Correct::run(CorrectEdit& edit, const FrameSet& set, const ServerRun
   if (std::ranges::any_of(set.frames, is_narrow)) worths.emplace(edit.map(), set);
   for (const CameraFrame& cf : set.frames) {
     const MapCamera& camera = edit.map().camera(cf.camera);
-    const auto asked = met.requests.find(cf.camera);
-    const DescriptorRequest request = asked == met.requests.end() ? DescriptorRequest::kNone : asked->second;
+    const auto asked_camera = asked.requests.find(cf.camera);
+    const DescriptorRequest request =
+        asked_camera == asked.requests.end() ? DescriptorRequest::kNone : asked_camera->second;
     MapPatch& patch = out.patches.emplace_back(writer_of(cf.camera, server).begin(edit, camera, cf.frame, request));
     patch.scale_known = scale.in_metres.contains(camera.map);
     patch.group = GroupId(static_cast<std::uint32_t>(graph.group_of(cf.camera) + 1));

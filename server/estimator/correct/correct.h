@@ -9,7 +9,7 @@
 #include "server/estimator/correct/patch_writer.h"
 #include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/pipeline/stage.h"
-#include "server/estimator/reports/place_recognition_report.h"
+#include "server/estimator/reports/descriptor_requests_report.h"
 #include "server/estimator/reports/scale_report.h"
 
 namespace coslam {
@@ -26,8 +26,9 @@ class Correct {
   explicit Correct(const CorrectConfig& stage_config) : config(stage_config) {}
   CorrectConfig config;
 
-  Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server, const PlaceRecognitionReport& met,
-                  const ScaleReport& scale, const ViewGraph& graph, Workers& workers);
+  Corrections run(CorrectEdit& edit, const FrameSet& set, const ServerRun& server,
+                  const DescriptorRequestsReport& asked, const ScaleReport& scale, const ViewGraph& graph,
+                  Workers& workers);
   // Answers a frame that came too late to be used.
   MapPatch acknowledge(const Map& map, CameraId camera, const TrackFrame& frame, const ServerRun& server);
 

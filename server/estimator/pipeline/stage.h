@@ -31,7 +31,7 @@
 //   the report of a stage before it in the same set, `const ViewGraph&`, or that of any stage from the set before,
 //   `Last<ViewGraph>`;
 //   the configuration of another stage, `const LocaliseConfig&`;
-//   another stage itself, `PlaceRecognition&`, whose state it changes;
+//   another stage itself, whose state it reads, `const PlaceRecognition&`, or changes, `PlaceRecognition&`;
 //   HeldFrames, the frames that all stages together want kept.
 // A pipeline calls these functions of the stages that have them, for state beyond a set:
 //   save(std::vector<Row>*), restore(const Tables&), take_in(const Example&, const Renumbered&): state that outlives

@@ -33,7 +33,7 @@ class AccessTable {
     if constexpr (!std::is_empty_v<typename Stage::Config>) out.settings.push_back(out.name);
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       using Arguments = typename Signature<decltype(&Stage::run)>::Arguments;
-      (add<std::remove_cvref_t<std::tuple_element_t<I, Arguments>>>(&out), ...);
+      (add<std::remove_reference_t<std::tuple_element_t<I, Arguments>>>(&out), ...);
     }
     (std::make_index_sequence<std::tuple_size_v<typename Signature<decltype(&Stage::run)>::Arguments>>());
     return out;
@@ -45,8 +45,9 @@ class AccessTable {
     return names.at(i);
   }
 
-  template <class T>
+  template <class Argument>
   static void add(StageAccess* out) {
+    using T = std::remove_const_t<Argument>;
     if constexpr (std::same_as<T, FrameSet>) {
       out->reads.emplace_back("frame set");
     } else if constexpr (std::derived_from<T, MapPen>) {
@@ -59,7 +60,8 @@ class AccessTable {
     } else if constexpr (std::same_as<T, HeldFrames>) {
       out->reads.emplace_back("frames that stages hold");
     } else if constexpr (index_of<T, Stages...>() < sizeof...(Stages)) {
-      out->writes.push_back("state of " + name_at(index_of<T, Stages...>()));
+      auto& access = std::is_const_v<Argument> ? out->reads : out->writes;
+      access.push_back("state of " + name_at(index_of<T, Stages...>()));
     } else if constexpr (std::same_as<T, Workers>) {
       // Workers share in the stage's work; it reads nothing of them.
     } else if constexpr (is_last<T>) {

@@ -79,7 +79,7 @@ void add_nodes(const Map& map, const Nodes& nodes, PoseGraph* graph) {
 
 // Drift grows from set to set while a camera is followed. Across a time in which nobody heard of it, as when the server
 // was away, its pose is what it says itself and its points are new ones: that may hide more drift than all the rest.
-double step_weight(const Map& map, const MapCamera& camera, SetId before, SetId now) {
+double step_weight(const Map& map, const CameraFrames& camera, SetId before, SetId now) {
   constexpr double kFollowed_s = 0.5;
   const std::uint32_t sets = now.value - before.value;
   const bool given_out = before < camera.past.until;  // frames in between

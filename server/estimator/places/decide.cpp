@@ -68,7 +68,7 @@ std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& i
 }
 
 // It had a pose in that map not long ago, and not far from there.
-bool where_it_was_lost(const Map& map, const MapCamera& camera, const PlaceMatch& seen) {
+bool where_it_was_lost(const Map& map, const CameraFrames& camera, const PlaceMatch& seen) {
   constexpr double kNear = 1.0;  // of the distance of what it sees
   for (std::size_t i = camera.frames.size(); i-- > 0;) {
     const FramePose& f = camera.frames[i];

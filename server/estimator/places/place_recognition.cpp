@@ -3,11 +3,8 @@
 #include "server/estimator/places/place_recognition.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
-#include "server/estimator/covisibility/disjoint_sets.h"
-#include "server/estimator/covisibility/overlap.h"
 #include "server/estimator/places/unite.h"
 
 namespace coslam {
@@ -20,24 +17,15 @@ bool together(const ViewGraph& graph, CameraId a, CameraId b) {
   return a == b || (group >= 0 && group == graph.group_of(b));
 }
 
-// Those that cameras are in.
-std::set<MapId> living_maps(const Map& map) {
-  std::set<MapId> out;
-  for (const MapCamera& c : map.cameras()) {
-    if (c.alive && !c.frames.empty() && c.map != MapId()) out.insert(c.map);
-  }
-  return out;
-}
-
 }  // namespace
 
 PlaceRecognitionReport PlaceRecognition::run(PlaceRecognitionEdit& edit, const FrameSet& set, Last<ViewGraph> last,
-                                             const LocaliseConfig& localise, const GroupingConfig& group,
-                                             Workers& workers) {
+                                             const ExpectedOverlapReport& expected, const LocaliseConfig& localise,
+                                             const AskConfig& ask, Workers& workers) {
   const Map& map = edit.map();
-  const ViewGraph& graph = last.of;
+  const Given given{last.of, expected, localise, ask};
   PlaceRecognitionReport report;
-  expect(map, set, graph, group);
+  if (map.every(map.config().match_period_s)) remembered_maps_ = places_.maps(map);
   std::vector<const CameraFrame*> described;
   for (const CameraFrame& cf : set.frames) {
     if (cf.descriptors) described.push_back(&cf);
@@ -47,90 +35,58 @@ PlaceRecognitionReport PlaceRecognition::run(PlaceRecognitionEdit& edit, const F
   for (std::size_t i = 0; i < described.size(); ++i) {
     if (i == looked) {
       looked = std::min(described.size(), i + workers.at_once());
-      workers.each(looked - i, [&](std::size_t j) { looks[i + j].emplace(look(map, *described[i + j], graph)); });
+      workers.each(looked - i, [&](std::size_t j) { looks[i + j].emplace(look(map, *described[i + j], given)); });
     }
-    if (act(edit, *looks[i], graph, localise, &report)) looked = i + 1;
+    if (act(edit, *looks[i], given, &report)) looked = i + 1;
   }
   for (const CameraFrame* cf : described) awaited_.came(*cf);
   for (const CameraFrame& cf : set.frames) awaited_.await(edit, cf);
   for (std::size_t i = 0; i < described.size(); ++i) {
     const DescribedImage& image = looks[i]->image;
     places_.add(edit, image, *described[i]->descriptors);
-    ++report.described;
-    asking_.came(image.camera.id, image.set);
-  }
-  std::set<MapId> maps = living_maps(map);
-  if (!maps.empty()) maps.insert(remembered_.begin(), remembered_.end());
-  WhyAsk why{.apart = maps.size() > 1, .parted = graph.groups.size() > 1};
-  for (const CameraFrame& cf : set.frames) {
-    why.waiting = judge_.waiting(map, cf.camera);
-    why.expects = expected_.contains(cf.camera);
-    const DescriptorRequest r = asking_.ask(map, map.camera(cf.camera), why);
-    if (r != DescriptorRequest::kNone) report.requests[cf.camera] = r;
+    report.described.emplace_back(image.set, image.camera.id);
   }
   return report;
 }
 
-// Which cameras see what a camera should see too without being held to it, by the points that two cameras see at once;
-// looked at now and then.
-void PlaceRecognition::expect(const Map& map, const FrameSet& set, const ViewGraph& graph,
-                              const GroupingConfig& group) {
-  if (!map.every(map.config().match_period_s)) return;
-  remembered_ = places_.maps(map);
-  expected_.clear();
-  DisjointSets held(map.cameras().size());
-  for (const ViewEdge& e : graph.edges) {
-    if (e.shared >= group.min_shared) held.unite(e.first.value, e.second.value);
-  }
-  ViewOverlap overlap(map);
-  for (std::size_t i = 0; i < set.frames.size(); ++i) {
-    for (std::size_t j = i + 1; j < set.frames.size(); ++j) {
-      const CameraId a = set.frames[i].camera, b = set.frames[j].camera;
-      if (held.find(a.value) == held.find(b.value)) continue;
-      if (overlap.between(a, b).least() < group.min_overlap) continue;
-      expected_[a].push_back(b);
-      expected_[b].push_back(a);
-    }
-  }
+PlaceRecognition::Look PlaceRecognition::look(const Map& map, const CameraFrame& frame, const Given& given) const {
+  const DescriptorReply& reply = *frame.descriptors;
+  Look out{awaited_.image_of(map, frame), {}, {}};
+  const MapCamera& camera = out.image.camera;
+  if (camera.map != MapId() && !out.image.frame().valid()) return out;
+  out.expected = find_expected(map, out.image, reply, given);
+  if (!out.expected.in_place.empty()) return out;
+  out.seen = places_.find(map, out.image, reply,
+                          [&](const KeyImage& i, MapId in) { return may_ask(map, camera, given, i, in); });
+  return out;
 }
 
-ExpectedPlace PlaceRecognition::find_expected(const Map& map, const DescribedImage& image,
-                                              const DescriptorReply& reply) const {
-  const auto expected_cameras = expected_.find(image.camera.id);
-  if (expected_cameras == expected_.end()) return {};
-  const std::uint32_t lately = 2 * map.sets_in(config.ask.soon_s);
+ExpectedPlace PlaceRecognition::find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
+                                              const Given& given) const {
+  const auto expected_cameras = given.expected.cameras.find(image.camera.id);
+  if (expected_cameras == given.expected.cameras.end()) return {};
+  const std::uint32_t lately = 2 * map.sets_in(given.ask.soon_s);
   const SetId first_set(image.set.value - std::min(image.set.value, lately));
   return places_.find_expected(map, image, reply, expected_cameras->second, first_set,
                                PlaceJudge::slack_px(map, image.camera));
 }
 
-bool PlaceRecognition::may_ask(const Map& map, const MapCamera& camera, const ViewGraph& graph, const KeyImage& image,
+bool PlaceRecognition::may_ask(const Map& map, const MapCamera& camera, const Given& given, const KeyImage& image,
                                MapId in) const {
   if (camera.map == MapId() || in != camera.map) return true;
   if (!map.is_recent(image.set)) return config.loops;
-  const auto expected = expected_.find(camera.id);
-  return !together(graph, camera.id, image.camera) ||
-         (expected != expected_.end() && std::ranges::find(expected->second, image.camera) != expected->second.end());
+  const auto expected = given.expected.cameras.find(camera.id);
+  return !together(given.graph, camera.id, image.camera) ||
+         (expected != given.expected.cameras.end() &&
+          std::ranges::find(expected->second, image.camera) != expected->second.end());
 }
 
-PlaceRecognition::Look PlaceRecognition::look(const Map& map, const CameraFrame& frame, const ViewGraph& graph) const {
-  const DescriptorReply& reply = *frame.descriptors;
-  Look out{awaited_.image_of(map, frame), {}, {}};
-  const MapCamera& camera = out.image.camera;
-  if (camera.map != MapId() && !out.image.frame().valid()) return out;
-  out.expected = find_expected(map, out.image, reply);
-  if (!out.expected.in_place.empty()) return out;
-  out.seen = places_.find(map, out.image, reply,
-                          [&](const KeyImage& i, MapId in) { return may_ask(map, camera, graph, i, in); });
-  return out;
-}
-
-bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const ViewGraph& graph,
-                           const LocaliseConfig& localise, PlaceRecognitionReport* report) {
+bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const Given& given,
+                           PlaceRecognitionReport* report) {
   using enum PlaceDecision::Action;
   const DescribedImage& image = look.image;
   const MapCamera& camera = image.camera;
-  const auto [action, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, graph);
+  const auto [action, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, given.graph);
   report->sightings += action != kUnknown && action != kSeenAsExpected;
   switch (action) {
     case kUnknown:
@@ -140,13 +96,13 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const V
       ++report->expected;
       return true;
     case kTooFew:
-      asking_.hint(camera.id, edit.map().now());
+      report->hinted.push_back(camera.id);
       return false;
     case kDoubtful:
       ++report->doubted;
       return false;
     case kPlace:
-      place(edit, image, seen, localise);
+      place(edit, image, seen, given.localise);
       ++report->placed;
       return true;
     case kLink:
@@ -162,7 +118,7 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const V
       return true;
     }
     case kClose:
-      if (!close(edit, image, seen, in_from_own, graph, &loops_)) return false;
+      if (!close(edit, image, seen, in_from_own, given.graph, &loops_)) return false;
       if (loops_.size() > kMostLoops) loops_.erase(loops_.begin());
       ++report->closed;
       report->adjust_since = SetId();

@@ -2,24 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
+#include <utility>
+#include <vector>
 
 #include "common/base/ids.h"
-#include "common/model/map_patch.h"
 
 namespace coslam {
 
 // Result of place recognition (server/estimator/places) for one frame set.
 struct PlaceRecognitionReport {
-  int described = 0;  // images that came with descriptors
-  int sightings = 0;  // known places recognised
+  std::vector<std::pair<SetId, CameraId>> described;  // images that came with descriptors
+  std::vector<CameraId> hinted;  // cameras that may have recognised a place, in too few features to act on it
+  int sightings = 0;             // known places recognised
   int placed = 0, merged = 0, closed = 0, linked = 0, expected = 0, doubted = 0;
   MapId to_adjust;     // map that was joined or had a loop closed last; 0 = none
   SetId adjust_since;  // first set to adjust: older ones were in that map already
-  std::map<CameraId, DescriptorRequest> requests;
 
   void count(auto&& add) const {
-    add("images_described", described);
+    add("images_described", static_cast<long>(described.size()));
     add("sightings", sightings);
     add("placed", placed);
     add("merges", merged);

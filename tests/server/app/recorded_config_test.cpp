@@ -17,7 +17,7 @@ TEST(RecordedConfig, SectionsAreFoundUnderTheirEarlierNames) {
                          {{"theta", 2.5},
                           {"refine", {{"at_end", "nothing"}}},
                           {"past", {{"whole_s", 75.0}}},
-                          {"meet", {{"loops", false}}}}}};
+                          {"meet", {{"loops", false}, {"images_per_s", 0.25}}}}}};
   const RecordedConfig config = recorded_config(head, "old.rec");
   ServerConfig server = config.server;
   EXPECT_EQ(config.agents.size(), 2U);
@@ -25,6 +25,7 @@ TEST(RecordedConfig, SectionsAreFoundUnderTheirEarlierNames) {
   EXPECT_EQ(server.map.of<BundleAdjustmentConfig>().at_end, "nothing");
   EXPECT_EQ(server.map.of<ForgetConfig>().whole_s, 75);
   EXPECT_FALSE(server.map.of<PlaceRecognitionConfig>().loops);
+  EXPECT_EQ(server.map.of<AskConfig>().images_per_s, 0.25);
 }
 
 TEST(RecordedConfig, WhatItHoldsNowIsReadAsItIs) {

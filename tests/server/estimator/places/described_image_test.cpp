@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "server/estimator/places/place_recognition.h"
+#include "tests/server/estimator/places/place_stages.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -116,8 +117,7 @@ TEST_F(DescribedImageTest, OneThatNeverSendsWhatItAnnouncesCostsLittle) {
 TEST(MeetLateTest, MapsMeetThoughDescriptorsComeLate) {
   const test::SimWorld world{{}};
   test::SimMap sim(world, test::paths_side_by_side(2), {.ends = 0.03});
-  const PlaceRecognitionConfig config;
-  PlaceRecognition meetings(config);
+  test::PlaceStages stages;
   const MapId own = sim.edit.new_map(Why::kStartedAlone, 1);
   const Similarity3 own_from_world{2, so3_exp({0.1, 0.4, 0}), {1, 2, 3}};
   std::map<std::uint32_t, std::vector<CameraFrame>> under_way;  // by the set that they come with
@@ -142,7 +142,7 @@ TEST(MeetLateTest, MapsMeetThoughDescriptorsComeLate) {
       if (second != nullptr && !second->bound())
         sim.bind(sim.create(own, own_from_world * world.position(p)), cam(1), *second);
     }
-    merged += meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {}).merged;
+    merged += stages.run(sim.edit, sim.set, view_graph(sim.map, sim.set)).merged;
   }
   ASSERT_EQ(merged, 1);
   EXPECT_EQ(sim.map.camera(cam(0)).map, sim.map.camera(cam(1)).map);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "tests/server/estimator/places/place_stages.h"
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -24,10 +25,11 @@ class MeetTest : public testing::Test {
  protected:
   explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
   const MapCamera& camera(int i) const { return sim_.map.camera(cam(i)); }
-  PlaceRecognitionReport step() { return meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}, {}); }
+  test::PlaceStagesReport step() { return stages_.run(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set)); }
 
   PlaceRecognitionConfig config_;
-  PlaceRecognition meetings_{config_};
+  const AskConfig ask_;
+  test::PlaceStages stages_{config_};
   const test::SimWorld world_{{}};
   test::SimMap sim_;
 };
@@ -38,7 +40,7 @@ TEST_F(MeetTest, ACameraWithoutAMapIsAskedWhatItSees) {
     sim_.ingest();
     asked += step().requests.contains(cam(1));
   }
-  const auto period = static_cast<int>(sim_.map.sets_in(config_.ask.least_period_s));
+  const auto period = static_cast<int>(sim_.map.sets_in(ask_.least_period_s));
   EXPECT_EQ(asked, (80 + period - 1) / period) << "no answer comes";
 }
 
@@ -47,13 +49,13 @@ TEST_F(MeetTest, APlacedOneIsAskedWhenItsViewChanges) {
   test::SimMap turning(world_, {[](double t_s) { return test::looking({0, 0, 0}, 0.5 * t_s); }});
   int asked_still = 0, asked_turning = 0;
   for (auto [sim, asked] : {std::pair(&still, &asked_still), std::pair(&turning, &asked_turning)}) {
-    PlaceRecognition meetings(config_);
+    test::PlaceStages stages(config_);
     bool wanted = true;
     for (int i = 0; i < 90; ++i) {
       sim->ingest(false, wanted);
       sim->place_truly();
       sim->add_points();
-      wanted = !meetings.run(sim->edit, sim->set, {ViewGraph()}, {}, {}).requests.empty();
+      wanted = !stages.run(sim->edit, sim->set, ViewGraph()).requests.empty();
       *asked += wanted;
     }
   }
@@ -75,7 +77,7 @@ TEST_F(MeetTest, ALateCameraIsPlaced) {
     }
     if (i < 9) step();
   }
-  const PlaceRecognitionReport report = step();
+  const test::PlaceStagesReport report = step();
   EXPECT_EQ(report.placed, 1);
   EXPECT_EQ(camera(2).map, sim_.id);
   EXPECT_THAT(camera(2).frames.back().cam_from_world, PoseNear(sim_.truth(cam(2), sim_.set.id), 0.006, 0.03));
@@ -102,13 +104,13 @@ TEST_F(MeetTest, TheMapIsTheSameHoweverManyLookAtATime) {
   };
   const auto outcome = [&](Workers& workers) {
     test::SimMap sim(world_, test::paths_side_by_side(4));
-    PlaceRecognition meetings(config_);
+    test::PlaceStages stages(config_);
     Outcome out;
     for (int i = 0; i < 10; ++i) {
       sim.ingest(false, i == 0 || i == 9);
       sim.place_truly(cam(0));
       if (i == 0) sim.add_points(0.03);
-      out.placed += meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {}, workers).placed;
+      out.placed += stages.run(sim.edit, sim.set, view_graph(sim.map, sim.set), workers).placed;
     }
     for (const MapCamera& c : sim.map.cameras()) out.poses.push_back(c.frames.back().cam_from_world);
     for (const auto& [id, p] : sim.map.points()) out.points.emplace_back(id, p.position);
@@ -133,10 +135,10 @@ TEST_F(MeetTest, ImagesOfARestlessCameraAreAskedForWithinTheBudget) {
     whirling.ingest(false, asked > 0);
     whirling.place_truly();
     whirling.add_points();
-    asked += !meetings_.run(whirling.edit, whirling.set, {ViewGraph()}, {}, {}).requests.empty();
+    asked += !stages_.run(whirling.edit, whirling.set, ViewGraph()).requests.empty();
   }
-  EXPECT_LE(asked, config_.ask.image_burst + kSeconds * config_.ask.images_per_s + 1);
-  EXPECT_GE(asked, kSeconds * config_.ask.images_per_s);
+  EXPECT_LE(asked, ask_.image_burst + kSeconds * ask_.images_per_s + 1);
+  EXPECT_GE(asked, kSeconds * ask_.images_per_s);
 }
 
 // All that is seen lies in one plane: it may be a poster that hangs elsewhere too.
@@ -144,18 +146,18 @@ TEST_F(MeetTest, APlaneAlonePlacesOnlyWhoWasLostThere) {
   const test::SimWorld wall({.layout = test::Layout::kPlane});
   for (const bool was_there : {false, true}) {
     test::SimMap sim(wall, test::paths_side_by_side(2));
-    PlaceRecognition meetings(config_);
+    test::PlaceStages stages(config_);
     for (int i = 0; i < 10; ++i) {
       sim.ingest(false, i == 0);
       sim.place_truly(cam(0));
       if (was_there) sim.place_truly(cam(1));
       if (i == 0) sim.add_points();
-      meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {});
+      stages.run(sim.edit, sim.set, view_graph(sim.map, sim.set));
     }
     if (was_there) sim.edit.leave_map(sim.map.camera(cam(1)));
     sim.ingest(false, true);
     sim.place_truly(cam(0));
-    const PlaceRecognitionReport report = meetings.run(sim.edit, sim.set, {view_graph(sim.map, sim.set)}, {}, {});
+    const test::PlaceStagesReport report = stages.run(sim.edit, sim.set, view_graph(sim.map, sim.set));
     EXPECT_GE(report.sightings, 1);
     EXPECT_EQ(report.placed, was_there ? 1 : 0);
     EXPECT_EQ(report.doubted, was_there ? 0 : 1);
@@ -170,12 +172,12 @@ TEST_F(MeetTest, ACameraThatSeesSomethingElseIsNotPlaced) {
   sim.ingest(false, true);
   sim.place_truly();
   sim.add_points();
-  meetings_.run(sim.edit, sim.set, {ViewGraph()}, {}, {});
+  stages_.run(sim.edit, sim.set, ViewGraph());
   sim.edit.add_camera("stranger", RunId(9), test::sim_camera());
   FrameSet set{SetId(1), test::kPeriodNs, {{cam(2), stranger.observe(FrameId(0), test::kPeriodNs), {}, {}}}};
   set.frames[0].descriptors = stranger.describe(set.frames[0].frame);
   sim.edit.ingest(set);
-  EXPECT_EQ(meetings_.run(sim.edit, set, {ViewGraph()}, {}, {}).placed, 0);
+  EXPECT_EQ(stages_.run(sim.edit, set, ViewGraph()).placed, 0);
   EXPECT_EQ(sim.map.camera(cam(2)).map, MapId());
 }
 
@@ -198,7 +200,7 @@ class MergeTest : public MeetTest {
     }
   }
   // The same, with descriptors, and the stage called.
-  PlaceRecognitionReport see() {
+  test::PlaceStagesReport see() {
     sim_.ingest(false, true);
     for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
     sim_.place(cam(2), own_, transform_world(sim_.truth(cam(2), sim_.set.id), own_from_world_));
@@ -248,7 +250,7 @@ TEST_F(MergeTest, AMapThatNobodyIsInAnyMoreIsStillLookedFor) {
     sim_.set.frames.erase(sim_.set.frames.begin(), sim_.set.frames.begin() + 2);
     sim_.take();
     sim_.place(cam(2), own_, camera(2).frames.end()[-2].cam_from_world);
-    const PlaceRecognitionReport report = step();
+    const test::PlaceStagesReport report = step();
     const auto request = report.requests.find(cam(2));
     asked += request != report.requests.end() && request->second == DescriptorRequest::kEverywhere;
   }
@@ -257,14 +259,14 @@ TEST_F(MergeTest, AMapThatNobodyIsInAnyMoreIsStillLookedFor) {
 
 TEST_F(MergeTest, MapsThatShowOnePlaceBecomeOneAtTheEnd) {
   EXPECT_EQ(see().merged, 0);
-  const std::vector<JoinedMaps> joined = meetings_.join_all(sim_.edit);
+  const std::vector<JoinedMaps> joined = stages_.recognition.join_all(sim_.edit);
   ASSERT_EQ(joined.size(), 1U);
   EXPECT_GE(joined[0].images, 2);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(camera(i).map, sim_.id);
   const Fit fit = fit_of(sim_, sim_.id);
   EXPECT_NEAR(fit.map_from_world.scale, 1, 0.02);
   EXPECT_LT(fit.worst_pose_m, 0.08);
-  EXPECT_TRUE(meetings_.join_all(sim_.edit).empty());
+  EXPECT_TRUE(stages_.recognition.join_all(sim_.edit).empty());
 }
 
 TEST_F(MergeTest, PointsThatAreTheSameAreFused) {
@@ -314,7 +316,7 @@ class LoopTest : public testing::Test {
       sim_.bind(sim_.create(drift(now) * world_.position(sim_.world_point(cam(0), id))), cam(0), t);
     }
     if (now % 10 == 0) sim_.edit.add_key_frame(sim_.set.id);
-    report_ = meetings_.run(sim_.edit, sim_.set, {view_graph(sim_.map, sim_.set)}, {}, {});
+    report_ = stages_.run(sim_.edit, sim_.set, view_graph(sim_.map, sim_.set));
   }
   void go_around() {
     bool wanted = true;
@@ -329,8 +331,8 @@ class LoopTest : public testing::Test {
   PlaceRecognitionConfig config_;
   const test::SimWorld world_{{}};
   test::SimMap sim_{world_, {path}};
-  PlaceRecognition meetings_{config_};
-  PlaceRecognitionReport report_;
+  test::PlaceStages stages_{config_};
+  test::PlaceStagesReport report_;
   int closed_ = 0, linked_ = 0;
 };
 
@@ -361,7 +363,7 @@ TEST_F(LoopTest, AnOldPlaceDrawsTheMapTogether) {
 
 TEST_F(LoopTest, NotWhenToldNotTo) {
   config_.loops = false;
-  meetings_ = PlaceRecognition(config_);
+  stages_ = test::PlaceStages(config_);
   go_around();
   EXPECT_EQ(closed_ + linked_, 0);
 }
@@ -414,7 +416,7 @@ class DriftTest : public MeetTest {
       }
       sim_.edit.add_key_frame(sim_.set.id);
       thin_descriptors();
-      const PlaceRecognitionReport r = step();
+      const test::PlaceStagesReport r = step();
       totals_.closed += r.closed;
       totals_.expected += r.expected;
       totals_.doubted += r.doubted;
@@ -434,7 +436,7 @@ class DriftTest : public MeetTest {
     return n;
   }
   Similarity3 off_;
-  PlaceRecognitionReport totals_;
+  test::PlaceStagesReport totals_;
 };
 
 TEST_F(DriftTest, PointsWhereTheyAreExpectedBecomeOne) {
