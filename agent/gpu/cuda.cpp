@@ -322,7 +322,7 @@ std::vector<char> cuda_machine_code(const std::string& program, int capability) 
   const std::array<const char*, 4> options{architecture.c_str(), "--device-as-default-execution-space", "--fmad=false",
                                            "--std=c++17"};
   void* made = nullptr;
-  if (compiler.create(&made, text.c_str(), "match.cl", 0, nullptr, nullptr) != 0) {
+  if (compiler.create(&made, text.c_str(), "match_program", 0, nullptr, nullptr) != 0) {
     throw DeviceFailure("nvrtcCreateProgram failed");
   }
   const std::unique_ptr<void, void (*)(void*)> owner(made, [](void* p) { compiler.destroy(&p); });

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What match.cl takes from OpenCL C, in CUDA C++: text for NVRTC, in front of it.
+// What program/*.cl take from OpenCL C, in CUDA C++: text for NVRTC, in front of them.
 // The names with underscores, since __global__ is an attribute called global.
 #define __kernel extern "C" __global__
 #define __global

@@ -17,7 +17,7 @@
 namespace coslam {
 namespace {
 
-// As in match.cl.
+// As in program/values.cl.
 struct DeviceSize {
   std::int32_t offset, cols, rows, stride;
 };

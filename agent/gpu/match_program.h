@@ -11,10 +11,10 @@ namespace coslam {
 // Shifts of the whole image that are tried along a side, with a rim of one.
 constexpr int kShiftSide = 2 * kShiftRadius + 3;
 
-extern const char* const kMatchSource;  // match.cl
+extern const char* const kMatchSource;  // program/*.cl, one after another
 extern const char* const kCudaDialect;  // cuda_dialect.cuh
 
-// match.cl with the CPU's constants in front. GROUP is for the device to define.
+// Program of all kernels: program/*.cl with the CPU's constants in front. GROUP is for the device to define.
 std::string match_program();
 
 }  // namespace coslam
