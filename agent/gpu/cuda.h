@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "agent/gpu/device.h"
 
@@ -13,8 +12,5 @@ namespace coslam {
 // The first GPU of CUDA. Driver (libcuda) and compiler (libnvrtc, 11.2 or later) are looked for when this is called:
 // nothing of CUDA is needed to build. Throws NoDevice, DeviceFailure.
 std::unique_ptr<Device> cuda_device(const std::string& program);
-
-// Machine code of a program for GPUs of a compute capability, 90 for 9.0. Needs libnvrtc alone, else throws NoDevice.
-std::vector<char> cuda_machine_code(const std::string& program, int capability);
 
 }  // namespace coslam

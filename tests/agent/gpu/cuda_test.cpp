@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "agent/gpu/cuda_compiler.h"
 #include "agent/gpu/match_program.h"
 
 namespace coslam {
