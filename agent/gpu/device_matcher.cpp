@@ -10,89 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "agent/gpu/device_values.h"
 #include "agent/gpu/match_program.h"
 #include "agent/track/cell_corners.h"
-#include "agent/track/samples.h"
 
 namespace coslam {
 namespace {
-
-// As in program/values.cl.
-struct DeviceSize {
-  std::int32_t offset, cols, rows, stride;
-};
-struct DeviceSought {
-  std::array<float, 2> from, motion;
-  std::array<float, 4> warp;
-  std::int32_t moving, key;
-};
-struct DeviceKey {
-  std::array<std::int16_t, kWindowArea> grey, dx, dy;
-  float squares;
-  std::array<float, 7> totals;
-  std::array<float, 49> inverse;
-};
-struct DeviceSighting {
-  std::int32_t found;
-  std::array<float, 2> px;
-  std::int32_t key_found;
-  std::array<float, 2> key_px;
-  float key_zncc;
-  std::array<float, 4> key_warp;
-};
-struct DeviceLimits {
-  float min_zncc, forward_backward_px, border_px;
-};
-struct DeviceCell {
-  std::int32_t x0, y0, x1, y1;
-};
-struct DeviceCorner {
-  float x, y, score;
-};
-struct DeviceCellCorners {
-  float mean_score;
-  std::int32_t count;
-  std::array<DeviceCorner, kMostCellCorners> corners;  // strongest first
-};
-
-template <class To, class From>
-To copied(const From& from) {
-  To to{};
-  std::copy_n(from.data(), to.size(), to.begin());
-  return to;
-}
-
-DeviceSought device_sought(const Sought& t, std::int32_t key) {
-  const Eigen::Matrix2f& w = t.key->warp;
-  return {copied<std::array<float, 2>>(t.from_px),
-          copied<std::array<float, 2>>(t.motion_px),
-          {w(0, 0), w(0, 1), w(1, 0), w(1, 1)},
-          t.moving,
-          key};
-}
-
-DeviceKey device_key(const KeyPatch& k) {
-  using Grey = std::array<std::int16_t, kWindowArea>;
-  return {copied<Grey>(k.grey),
-          copied<Grey>(k.dx),
-          copied<Grey>(k.dy),
-          k.squares,
-          copied<std::array<float, 7>>(k.totals),
-          copied<std::array<float, 49>>(k.inverse)};
-}
-
-TrackSighting sighting(const DeviceSighting& s) {
-  TrackSighting out;
-  if (s.found == 0) return out;
-  out.found = true;
-  out.px = {s.px[0], s.px[1]};
-  if (s.key_found == 0) return out;
-  out.key.found = true;
-  out.key.px = {s.key_px[0], s.key_px[1]};
-  out.key.zncc = s.key_zncc;
-  out.key.warp << s.key_warp[0], s.key_warp[1], s.key_warp[2], s.key_warp[3];
-  return out;
-}
 
 class MatcherOnDevice final : public Matcher {
  public:
@@ -133,9 +56,8 @@ class MatcherOnDevice final : public Matcher {
     make_room(tracks.size());
     send(tracks);
     const std::int32_t top = levels() - 1, count = static_cast<std::int32_t>(tracks.size());
-    const DeviceLimits limits = {static_cast<float>(config_.min_zncc), static_cast<float>(config_.forward_backward_px),
-                                 static_cast<float>(config_.border_px)};
-    const auto last_shift = copied<std::array<float, 2>>(last_shift_px);
+    const DeviceLimits limits = device_limits(config_);
+    const std::array<float, 2> last_shift = {last_shift_px.x(), last_shift_px.y()};
     const std::size_t group = device_->group();
     const Device::Items of_tracks = {group * tracks.size()}, of_shifts = {group * kShiftSide, kShiftSide};
     device_->run(try_shifts_, of_shifts, group, pyramid_before_, pyramid_newest_, size_buffer_, top, shifts_);
@@ -165,13 +87,7 @@ class MatcherOnDevice final : public Matcher {
 
   CellCorners corners(std::size_t cell) override {
     settle();
-    const DeviceCellCorners& found = corners_[cell];
-    CellCorners out{{}, found.mean_score};
-    for (std::int32_t i = found.count - 1; i >= 0; --i) {
-      const DeviceCorner& c = found.corners.at(static_cast<std::size_t>(i));
-      out.corners.push_back({{c.x, c.y}, c.score});
-    }
-    return out;
+    return cell_corners(corners_[cell]);
   }
 
   const Pyramid& before() const override { return before_; }
@@ -263,7 +179,7 @@ class MatcherOnDevice final : public Matcher {
     settle();
     Following out;
     out.shift_px = {seen_[0].px[0], seen_[0].px[1]};
-    for (std::size_t i = 0; i < tracks; ++i) out.sightings.push_back(sighting(seen_[i + 1]));
+    for (std::size_t i = 0; i < tracks; ++i) out.sightings.push_back(track_sighting(seen_[i + 1]));
     return out;
   }
 

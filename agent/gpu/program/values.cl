@@ -24,7 +24,7 @@ typedef struct {
   int offset, cols, rows, stride;
 } Size;
 
-// Values that kernels take and give, as in device_matcher.cpp.
+// Values that kernels take and give, as in device_values.h.
 typedef struct {
   float from_x, from_y, motion_x, motion_y;
   float warp[4];    // of the first patch, by rows
