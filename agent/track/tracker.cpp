@@ -3,16 +3,17 @@
 #include "agent/track/tracker.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <utility>
 
 #include "agent/track/corners.h"
+#include "agent/track/crowding.h"
 #include "agent/track/key_patch.h"
 #include "agent/track/motion.h"
+#include "agent/track/outline.h"
 #include "agent/track/pyramid.h"
-#include "agent/track/wide_baseline.h"
+#include "agent/track/wide_baseline_search.h"
 #include "agent/track/working_scale.h"
 #include "common/base/check.h"
 
@@ -23,28 +24,9 @@ namespace {
 constexpr float kKeyAgrees_px = 0.5f;
 // Further than this one of the two is wrong: the track slides, or no longer looks like its first patch.
 constexpr float kKeyDisagrees_px = 1.5f;
-constexpr int kMostDoubts = 3;  // images in a row in which the first patch may not be found
-// Where something moves in front of the rest, windows reach over its outline: what they follow is the outline, which is
-// no place on anything. Then their middle does not go along with them: seen from image to image it changes, in standard
-// deviation, more than half as much as it would had it stayed with the rest.
-constexpr float kOutline = 4.0f;           // twice, squared
-constexpr float kApart_px = 0.7f;          // between the two motions; less says nothing
-constexpr int kLeastComparisons = 3;       // images
-constexpr float kComparisonsKept = 0.9f;   // from image to image
-constexpr std::size_t kLeastMatches = 15;  // of features, to go by them; five by chance would be many
-constexpr int kLongestWait_images = 30;
+constexpr int kMostDoubts = 3;        // images in a row in which the first patch may not be found
 constexpr double kMuchNew = 0.33;     // of the view, by the share of tracks that ended
 constexpr float kCornerInset_px = 4;  // new corners keep off the border, where they would end at once
-
-std::ptrdiff_t count_found(const Following& f) { return std::ranges::count(f.sightings, true, &TrackSighting::found); }
-
-// So few that the image moved farther than windows can be followed.
-bool few_found(const Following& f) {
-  constexpr std::size_t kLeast = 30;  // tracks: fewer tell nothing of the image
-  constexpr double kFew = 0.3;        // of them
-  return f.sightings.size() >= kLeast &&
-         static_cast<double>(count_found(f)) < kFew * static_cast<double>(f.sightings.size());
-}
 
 CornerConfig corner_config(const TrackerConfig& config, int image_cols, const cv::Mat& mask) {
   constexpr float kLeastFree = 0.1F;  // where less is left to be seen, tracks would crowd
@@ -68,9 +50,7 @@ struct Tracker::State {
     std::unique_ptr<KeyPatch> key;
     int doubts = 0;
     bool moving = false;  // apart from the image as a whole
-    // Of its middle from image to image, summed up while it moves: if it goes with the track, or with the rest.
-    float own_difference = 0, rest_difference = 0;
-    int comparisons = 0;
+    OutlineEvidence outline;
   };
 
   State(const TrackerConfig& c, std::unique_ptr<Matcher> m) : config(c), matcher(std::move(m)) {}
@@ -83,17 +63,14 @@ struct Tracker::State {
   std::unique_ptr<CornerFinder> finder;
   cv::Mat mask;
   std::uint32_t next_id = 1, next_key = 1;
-  double ended_share = 0;     // of the tracks, in the newest image
-  int leaps_in_vain = 0;      // in succession
-  int images_until_leap = 0;  // in which looking farther would be in vain again: the lens is covered, say
+  double ended_share = 0;  // of the tracks, in the newest image
+  WideBaselineSearch search;
 
   bool masked(const Eigen::Vector2f& px) const;
   void follow();
-  void look_farther(std::vector<Sought>* sought, Following* following);
   void take_key(KeyPatch& key, const Eigen::Vector2f& px);
   bool confirm(Memory& memory, const KeyAlignment& key, Eigen::Vector2f& px);
   void tell_moving();
-  bool on_outline(Memory& memory, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const;
   void end_outlines();
   const Memory* mover_beside(const Eigen::Vector2f& px) const;
   TrackId start(const Eigen::Vector2f& px);
@@ -130,19 +107,6 @@ bool Tracker::State::masked(const Eigen::Vector2f& px) const {
   return mask.at<std::uint8_t>(y, x) == 0;
 }
 
-// Looks for all tracks where features that look alike say that they went, and takes what is found if it is more.
-void Tracker::State::look_farther(std::vector<Sought>* sought, Following* following) {
-  MotionField motions = wide_baseline_motion(matcher->before().level(0).image(), matcher->newest().level(0).image());
-  if (motions.size() < kLeastMatches) {
-    images_until_leap = std::min(kLongestWait_images, ++leaps_in_vain);
-    return;
-  }
-  leaps_in_vain = 0;
-  for (Sought& s : *sought) s.motion_px = motions.near(s.from_px);
-  Following farther = matcher->follow(*sought, shift_px);
-  if (count_found(farther) > count_found(*following)) *following = std::move(farther);
-}
-
 void Tracker::State::follow() {
   ended_share = 0;
   if (tracks.empty()) return;
@@ -152,7 +116,7 @@ void Tracker::State::follow() {
   }
   Following following = matcher->follow(sought, shift_px);
   shift_px = following.shift_px;
-  if (few_found(following) && images_until_leap-- <= 0) look_farther(&sought, &following);
+  search.improve(*matcher, std::move(sought), shift_px, &following);
   const auto sought_for = static_cast<double>(tracks.size());
   std::size_t size = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
@@ -182,28 +146,18 @@ void Tracker::State::tell_moving() {
   for (std::size_t i = 0; i < tracks.size(); ++i) memories[i].moving = moving[i];
 }
 
-// Whether what the moving track follows is an outline, as far as is known by now.
-bool Tracker::State::on_outline(Memory& m, const Eigen::Vector2f& px, const Eigen::Vector2f& rest_motion_px) const {
-  if ((m.motion_px - rest_motion_px).squaredNorm() < kApart_px * kApart_px) return false;
-  const PyramidLevel &before = matcher->before().level(0), &now = matcher->newest().level(0);
-  m.own_difference *= kComparisonsKept;
-  m.rest_difference *= kComparisonsKept;
-  m.own_difference += difference_of_middles(before, px - m.motion_px, now, px);
-  m.rest_difference += difference_of_middles(before, px - rest_motion_px, now, px);
-  return ++m.comparisons >= kLeastComparisons && m.rest_difference < kOutline * m.own_difference;
-}
-
 void Tracker::State::end_outlines() {
   MotionField rest;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!memories[i].moving) rest.add(tracks[i].raw_px - memories[i].motion_px, memories[i].motion_px);
   }
   if (rest.empty()) return;
+  const PyramidLevel &before = matcher->before().level(0), &now = matcher->newest().level(0);
   std::size_t size = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     Memory& m = memories[i];
     const Eigen::Vector2f& px = tracks[i].raw_px;
-    if (m.moving && on_outline(m, px, rest.near(px - m.motion_px))) continue;
+    if (m.moving && m.outline.add(before, now, px, m.motion_px, rest.near(px - m.motion_px))) continue;
     if (size != i) {
       tracks[size] = tracks[i];
       memories[size] = std::move(m);
@@ -301,26 +255,10 @@ std::vector<TrackId> Tracker::add(const std::vector<Eigen::Vector2f>& raw_px, fl
 }
 
 void Tracker::thin(int at_most) {
-  constexpr int kColumns = 10, kRows = 8;
   auto& tracks = state_->tracks;
   const PyramidLevel& image = state_->matcher->newest().level(0);
-  std::array<std::vector<std::size_t>, kColumns * kRows> cells;  // ascending age of ids, so the newest is last
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const int x = static_cast<int>(tracks[i].raw_px.x()) * kColumns / image.cols();
-    const int y = static_cast<int>(tracks[i].raw_px.y()) * kRows / image.rows();
-    cells[static_cast<std::size_t>(std::clamp(y, 0, kRows - 1) * kColumns + std::clamp(x, 0, kColumns - 1))].push_back(
-        i);
-  }
   const int surplus = std::min(at_most, static_cast<int>(tracks.size()) - state_->config.max_tracks);
-  std::vector<std::size_t> ended;
-  for (int n = 0; n < surplus; ++n) {
-    auto fullest =
-        std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    ended.push_back(fullest->back());
-    fullest->pop_back();
-  }
-  std::sort(ended.rbegin(), ended.rend());
-  for (const std::size_t i : ended) {
+  for (const std::size_t i : crowded_tracks(tracks, image.cols(), image.rows(), surplus)) {
     tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(i));
     state_->memories.erase(state_->memories.begin() + static_cast<std::ptrdiff_t>(i));
   }
