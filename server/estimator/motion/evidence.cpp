@@ -3,13 +3,14 @@
 #include "server/estimator/motion/evidence.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "common/geometry/robust.h"
 #include "server/estimator/associate/verify.h"
 #include "server/estimator/map/sighting.h"
+#include "server/estimator/motion/co_moving.h"
+#include "server/estimator/motion/rest_hypothesis.h"
 
 namespace coslam {
 namespace {
@@ -57,55 +58,6 @@ bool stood_still_for(const Map& map, const MapPoint& p, double time_s, double mo
   return cameras >= 2;
 }
 
-constexpr double kBehind_px = 1e9;
-
-// Largest miss of the best direction of these views: of something infinitely far.
-double far_miss_px(std::span<const View> views) {
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  for (const View& v : views) direction += world_ray(v);
-  double far_px = 0;
-  for (const View& v : views) {
-    const Eigen::Vector3d in_cam = v.cam_from_world.rotation * direction;
-    if (in_cam.z() <= 0) return kBehind_px;
-    far_px = std::max(far_px, (v.camera->project(in_cam) - v.undistorted_px).norm());
-  }
-  return far_px;
-}
-
-// Largest miss of the best static explanation of a track's newest views, near or infinitely far; pixels.
-double static_miss_px(const std::vector<View>& views) {
-  const TriangulationResult t = triangulate(views, 1.0, 0.0);
-  return std::min(t.status == TriangulationStatus::kOk ? t.max_error_px : kBehind_px, far_miss_px(views));
-}
-
-// How far the newer view is from where a thing that stood still may appear: on the epipolar line of the older view,
-// between infinitely far and `nearest` from the camera.
-double epipolar_miss_px(const View& now, const View& older, double nearest) {
-  const Eigen::Vector3d ray = world_ray(older);
-  Eigen::Vector2d near_px;
-  const Eigen::Vector3d far_in_cam = now.cam_from_world.rotation * ray;
-  if (far_in_cam.z() <= 0) return 0;
-  const Eigen::Vector2d far_px = now.camera->project(far_in_cam);
-  const Eigen::Vector3d near_point = older.cam_from_world.center() + nearest * ray;
-  if (!project_world(*now.camera, now.cam_from_world, near_point, &near_px)) return 0;
-  const Eigen::Vector2d along = near_px - far_px, off = now.undistorted_px - far_px;
-  const double share = along.squaredNorm() > 0 ? std::clamp(off.dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-  return (off - share * along).norm();
-}
-
-// Whether no static place explains the newest views up to so many pixels: neither the newest against some earlier ones,
-// nor all of them together.
-bool moves_by_more(const std::vector<View>& views, std::size_t frames, double nearest, double most_px) {
-  std::vector<View> chosen;
-  const std::size_t last = std::min(frames, views.size() - 1), step = std::max<std::size_t>(1, (last + 4) / 5);
-  for (std::size_t i = 0; i < last; i += step) chosen.push_back(views[i]);
-  chosen.push_back(views[last]);
-  for (std::size_t i = 1; i < chosen.size(); ++i) {
-    if (epipolar_miss_px(chosen[0], chosen[i], nearest) > most_px) return true;
-  }
-  return static_miss_px(chosen) > most_px;
-}
-
 // What a thing at rest may seem to have moved in the last frames.
 double still_px(const MapCamera& camera, std::size_t frames, const EvidenceConfig& config) {
   const TimeNs since_ns = camera.frames[camera.frames.size() - 1 - frames].capture_ns;
@@ -117,52 +69,6 @@ std::vector<View> newest_views(const MapCamera& camera, const ServerTrack& track
 }
 
 enum class Verdict : std::uint8_t { kYoung, kUndecided, kStill, kDoubtful, kMoves };
-
-// How far something at the median depth went in the image meanwhile.
-double parallax_px(std::span<const View> views, double median_depth) {
-  const double baseline = (views.front().cam_from_world.center() - views.back().cam_from_world.center()).norm();
-  return median_depth > 0 ? baseline / median_depth * views.front().camera->focal_px() : 0;
-}
-
-// It hardly moves in the view, while others pass by: infinitely far, or it goes along with the camera.
-bool keeps_its_distance(std::span<const View> views, double median_depth, double most_px) {
-  constexpr double kOfParallax = 0.15;
-  const double passed_px = parallax_px(views, median_depth);
-  return passed_px > 2 * most_px && far_miss_px(views) < std::max(most_px, kOfParallax * passed_px);
-}
-
-// What moved and now keeps its distance goes along with the camera, as the car ahead does. What stopped is somewhere.
-bool goes_on_with_camera(const ServerTrack& track, std::span<const View> views, double median_depth, double most_px) {
-  return track.moves() && keeps_its_distance(views, median_depth, most_px);
-}
-
-// What moves now kept its distance before, time after time without a break: since then.
-std::optional<SetId> co_moving_since(const MapCamera& camera, const ServerTrack& track, double median_depth,
-                                     const EvidenceConfig& config) {
-  std::vector<View> views;  // newest first
-  std::vector<const FramePose*> frames;
-  for (auto seen = track.seen.rbegin(); seen != track.seen.rend(); ++seen) {
-    const FramePose* f = camera.frame_at(seen->set);
-    if (f == nullptr || f->map != camera.map) continue;
-    views.push_back({&camera.model, f->cam_from_world, seen->undistorted_px.cast<double>()});
-    frames.push_back(f);
-  }
-  const TimeNs time_ns = to_ns(config.test_s);
-  const auto before = [&](std::size_t from, TimeNs by_ns) {
-    while (from < frames.size() && frames[from]->capture_ns >= camera.frames.back().capture_ns - by_ns) ++from;
-    return from;
-  };
-  std::optional<SetId> start;
-  // The newest time shows that it moves; windows that overlap by half go back from there.
-  for (int halves = 2;; ++halves) {
-    const std::size_t begin = before(0, halves * time_ns / 2), end = before(begin, (halves + 2) * time_ns / 2);
-    if (end < begin + kLeastFrames) break;
-    const auto window = std::span(views).subspan(begin, end - begin);
-    if (!keeps_its_distance(window, median_depth, camera.model.px_from_640(config.doubtful_px))) break;
-    start = frames[end - 1]->set;
-  }
-  return start;
-}
 
 // Of a track by itself.
 Verdict verdict_of(const Map& map, const MapCamera& camera, const ServerTrack& track, double median_depth,
