@@ -10,6 +10,7 @@
 #include "server/estimator/associate/verify.h"
 #include "server/estimator/map/sighting.h"
 #include "server/estimator/motion/follow.h"
+#include "server/estimator/motion/rebind.h"
 
 namespace coslam {
 namespace {

@@ -8,7 +8,7 @@
 #include "server/estimator/map/keys.h"
 #include "server/estimator/map/sighting.h"
 
-// Follows moving points from frame set to frame set: their positions, and which tracks are theirs.
+// Follows moving points from frame set to frame set: their positions, and which tracks are no longer theirs.
 namespace coslam {
 
 struct FollowConfig {
@@ -26,10 +26,6 @@ struct FollowReport {
 // moving neighbours, and stays on its one ray. A track that disagrees with the others, or with where the point was
 // carried, is unbound.
 FollowReport follow_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config);
-
-// Binds free tracks that are where a moving point should appear, and look like it, to the point: so it keeps its id
-// when a track ends, is hidden for a moment, or begins in another camera.
-void rebind_moving(ClassifyEdit& edit, const FrameSet& set, const FollowConfig& config, FollowReport* report);
 
 // Records the path of a point that has begun to move, before this set: as far back as its tracks were at one place in
 // each set, at most most_sets.

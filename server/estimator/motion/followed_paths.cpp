@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/estimator/motion/follow.h"
+#include "server/estimator/map/sighting.h"
 
 namespace coslam {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/estimator/associate/patch_match.h"
+#include "tests/server/estimator/motion/follow_body.h"
 #include "tests/support/sim_map.h"
 
 namespace coslam {
@@ -123,53 +123,6 @@ TEST(FollowMoving, APointThatNobodySeesIsForgottenInTheEnd) {
   EXPECT_EQ(world.map().find(id), nullptr);
 }
 
-// One body of 25 points that goes in a circle before cameras that move too. Its points are followed by tracks with
-// noise.
-class FollowBody : public testing::Test {
- protected:
-  explicit FollowBody(int cameras = 2) : sim_(world_, test::paths_side_by_side(cameras), {.max_tracks = 400}) {
-    sim_.advance(10, true);
-    for (int i = kStatic; i < world_.size(); ++i) {
-      if (sim_.all_follow(i)) body_.push_back(i);
-    }
-  }
-  void SetUp() override { ASSERT_EQ(body_.size(), 25U); }
-  const MapPoint& follow(int world_point) {
-    return sim_.add_point(world_point, 0.02, Eigen::Vector3d::Zero(), PointPhase::kMoving);
-  }
-  // The first point of the body, and with it all others.
-  const MapPoint& follow_all() {
-    for (std::size_t i = 1; i < body_.size(); ++i) follow(body_[i]);
-    return follow(body_[0]);
-  }
-  const ServerTrack& track(CameraId camera, int world_point) { return *sim_.track_of(camera, world_point); }
-  void unbind(CameraId camera, int world_point) {
-    sim_.edit.unbind(camera, track(camera, world_point), Why::kOutsideGate);
-  }
-  FollowReport step(bool patches = false) {
-    sim_.advance(1, patches);
-    return follow_moving(sim_.edit, sim_.set, config_);
-  }
-  double error_m(const MapPoint& p) const { return (p.position - world_.position(body_[0], sim_.set.t_ns)).norm(); }
-  // Of its truth, since then.
-  double travelled_m(TimeNs since_ns) const {
-    return (world_.position(body_[0], sim_.set.t_ns) - world_.position(body_[0], since_ns)).norm();
-  }
-  // Events of that reason so far.
-  std::vector<Event> events(Why why) const {
-    std::vector<Event> out = sim_.edit.journal().events();
-    std::erase_if(out, [&](const Event& e) { return e.why != why; });
-    return out;
-  }
-
-  static constexpr int kStatic = 300;
-  static constexpr CameraId kCam0{0}, kCam1{1}, kCam2{2};
-  const FollowConfig config_;
-  const test::SimWorld world_{{.seed = 24, .points = kStatic, .moving_points = 25}};  // all cameras see it all along
-  test::SimMap sim_;
-  std::vector<int> body_;  // world points that all cameras follow
-};
-
 TEST_F(FollowBody, EveryPointIsWhereItIsNow) {
   const MapPoint& p = follow_all();
   for (int i = 0; i < 20; ++i) {
@@ -280,48 +233,6 @@ TEST_F(FollowBody, AStrayIsLetGo) {
   EXPECT_GT(events(Why::kStray)[0].figures[0], 2 * sim_.map.gate_sigma_px(sim_.map.camera(kCam1)));
   for (int i = 0; i < 5; ++i) step();
   EXPECT_LT(error_m(p), 0.2) << "it was not dragged along";
-}
-
-TEST_F(FollowBody, AFurtherTrackIsFoundByItsLooks) {
-  const MapPoint& p = follow_all();
-  step(true);
-  unbind(kCam1, body_[0]);
-  sim_.advance(1, true);
-  FollowReport report = follow_moving(sim_.edit, sim_.set, config_);
-  rebind_moving(sim_.edit, sim_.set, config_, &report);
-  EXPECT_GE(report.bound, 1);
-  EXPECT_EQ(track(kCam1, body_[0]).point, p.id);
-  const auto bound = events(Why::kLooksLikeIt);
-  ASSERT_FALSE(bound.empty());
-  EXPECT_GT(bound.back().figures[0], sim_.map.config().zncc_min);
-  for (const int i : body_) {
-    for (const CameraId c : {kCam0, kCam1}) {
-      const MapPoint* q = sim_.map.find(track(c, i).point);
-      EXPECT_TRUE(q == nullptr || sim_.world_point(*q) == i) << "of the right point";
-    }
-  }
-}
-
-TEST_F(FollowBody, ATrackThatLooksLikeAnotherPointOrRestsIsNotTaken) {
-  const MapPoint& p = follow(body_[0]);
-  step(true);
-  unbind(kCam1, body_[0]);
-  sim_.edit.set_motion(kCam1, track(kCam1, body_[0]), TrackMotion::kResting);
-  FollowReport report;
-  rebind_moving(sim_.edit, sim_.set, config_, &report);
-  EXPECT_EQ(report.bound, 0) << "it rests";
-  sim_.edit.set_motion(kCam1, track(kCam1, body_[0]), TrackMotion::kMoving);
-  sim_.look(true);
-  sim_.patch_of(kCam1, body_[0])->grey = world_.patch(0);
-  sim_.take();
-  sim_.place_truly();
-  report = follow_moving(sim_.edit, sim_.set, config_);
-  rebind_moving(sim_.edit, sim_.set, config_, &report);
-  EXPECT_EQ(report.bound, 0) << "another look";
-  step(true);
-  rebind_moving(sim_.edit, sim_.set, config_, &report);
-  EXPECT_EQ(report.bound, 1) << "its own";
-  EXPECT_EQ(p.bound.size(), 2U);
 }
 
 class FollowBodyWithThree : public FollowBody {
