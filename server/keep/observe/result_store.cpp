@@ -3,7 +3,6 @@
 #include "server/keep/observe/result_store.h"
 
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <limits>
 #include <set>
@@ -12,100 +11,13 @@
 #include "common/base/log.h"
 #include "common/dataset/calibration.h"
 #include "server/estimator/solve/corrected_calibration.h"
+#include "server/keep/observe/result_rows.h"
 
 namespace coslam {
 namespace {
 
 constexpr std::uint32_t kTrackEvery = 10;  // frames
 constexpr std::size_t kMostLive = 8192;    // poses of one agent in one map that stay in memory
-
-std::array<std::uint8_t, 3> rgb_of(const MapPoint& p) {
-  const std::uint8_t grey = p.patches.empty() ? 128 : p.patches.front().pixels[kPatchBytes / 2];
-  return {grey, grey, grey};
-}
-
-std::vector<ResultPoint> result_points(const Map& map, MapId map_id) {
-  std::vector<ResultPoint> out;
-  for (const auto& [id, p] : map.points()) {
-    if (p.map != map_id) continue;
-    out.push_back({id, p.position, p.covariance, told_state(p.phase), p.first_ns, p.last_ns, static_cast<int>(p.views),
-                   rgb_of(p)});
-  }
-  return out;
-}
-
-// Of moving points, by the poses that cameras have now; ascending time.
-std::vector<ResultDynamicRow> moving_rows(const Map& map, MapId map_id) {
-  std::vector<ResultDynamicRow> rows;
-  for (const auto& [id, path] : map.motions()) {
-    for (const MotionSample& sample : path) {
-      const auto seen = position_of(map, map_id, sample);
-      if (seen) rows.push_back({sample.t_ns, id, seen->at.position, seen->at.covariance, seen->views});
-    }
-  }
-  std::ranges::stable_sort(rows, {}, &ResultDynamicRow::t_ns);
-  return rows;
-}
-
-// Where the members of objects were by the final poses, and how fast by their paths before and after the instant:
-// without the lag of what was known at the time. Rows and objects come in the order of time.
-class ObjectRows {
- public:
-  explicit ObjectRows(ObjectWriter* writer) : writer_(*writer) {}
-
-  void add(const ResultDynamicRow& row) {
-    newest_ns_ = row.t_ns;
-    paths_[row.id].push_back({SetId(), row.t_ns, row.position});
-    write_until(newest_ns_ - to_ns(kBeside_s) - 1);
-  }
-  void add(const std::vector<SeenObject>& objects) {
-    waiting_.insert(waiting_.end(), objects.begin(), objects.end());
-    if (!objects.empty()) known_until_ns_ = objects.back().t_ns;
-  }
-  TimeNs known_until_ns() const { return known_until_ns_; }  // of the objects
-  // No more rows come.
-  void finish() { write_until(std::numeric_limits<TimeNs>::max()); }
-
- private:
-  static constexpr double kBeside_s = 0.25, kMinSpan_s = 0.2;
-
-  void write_until(TimeNs t_ns) {
-    for (; !waiting_.empty() && waiting_.front().t_ns <= t_ns; waiting_.pop_front()) write(waiting_.front());
-    if (newest_ns_ < thinned_ns_ + to_ns(kThin_s)) return;
-    thinned_ns_ = newest_ns_;
-    const TimeNs oldest_ns =
-        (waiting_.empty() ? newest_ns_ : std::min(newest_ns_, waiting_.front().t_ns)) - to_ns(kThin_s);
-    for (auto& [id, path] : paths_) std::erase_if(path, [&](const PathSample& p) { return p.t_ns < oldest_ns; });
-    std::erase_if(paths_, [](const auto& path) { return path.second.empty(); });
-  }
-
-  void write(const SeenObject& o) {
-    std::vector<PointMotion> motions;
-    ResultObjectRow row{.t_ns = o.t_ns, .object = o.id};
-    for (const PointId id : o.members) {
-      const auto path = paths_.find(id);
-      if (path == paths_.end()) continue;
-      const auto motion =
-          motion_at(path->second, o.t_ns, o.t_ns - to_ns(kBeside_s), o.t_ns + to_ns(kBeside_s), kMinSpan_s);
-      if (!motion) continue;
-      motions.push_back(*motion);
-      row.members.push_back(id);
-    }
-    if (motions.empty()) return;
-    const BodyMotion body = body_of(motions);
-    row.position = body.centroid;
-    row.velocity_per_s = body.velocity;
-    row.extent = body.extent;
-    writer_.write(row);
-  }
-
-  static constexpr double kThin_s = 5;
-  ObjectWriter& writer_;
-  std::map<PointId, MovingPath> paths_;  // of the newest time
-  std::deque<SeenObject> waiting_;       // for what comes after them
-  static constexpr TimeNs kLongAgo_ns = std::numeric_limits<TimeNs>::min() / 2;
-  TimeNs newest_ns_ = kLongAgo_ns, thinned_ns_ = kLongAgo_ns, known_until_ns_ = kLongAgo_ns;
-};
 
 Trajectory final_trajectory(const MapServer& server, const ResultPast& past, const MapCamera& camera, MapId map_id,
                             SetId from_set) {
