@@ -3,12 +3,9 @@
 #include "server/keep/store/map_file.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
 #include <sqlite3.h>
-#include <unistd.h>
 #include <zlib.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <functional>
 #include <system_error>
@@ -16,6 +13,8 @@
 
 #include "common/base/error.h"
 #include "common/base/file_kind.h"
+#include "server/keep/store/map_file_access.h"
+#include "server/keep/store/writer_lock.h"
 
 namespace coslam {
 namespace {
@@ -33,34 +32,6 @@ const char* const kMark =
 
 std::int64_t check_sum(const void* octets, std::size_t size) {
   return static_cast<std::int64_t>(crc32_z(0, static_cast<const Bytef*>(octets), size));
-}
-
-std::filesystem::path folder_of(const std::filesystem::path& file) {
-  return file.has_parent_path() ? file.parent_path() : ".";
-}
-
-std::filesystem::path log_of(std::filesystem::path file) { return file += "-wal"; }
-
-// What was written last is in it. Readers leave an empty one behind.
-bool has_log(const std::filesystem::path& file) {
-  std::error_code error;
-  return std::filesystem::exists(log_of(file), error) && std::filesystem::file_size(log_of(file), error) > 0;
-}
-
-// What is beside a file belongs to it as well.
-std::string access_cause(const std::filesystem::path& file) {
-  const std::filesystem::path folder = folder_of(file);
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) return "cannot be there: there is no folder " + folder.string();
-  const bool exists = std::filesystem::exists(file, error);
-  if (exists && access(file.c_str(), R_OK) != 0) return "may not be read by this user";
-  for (const auto& path : {file, folder}) {
-    if ((path == file && !exists) || access(path.c_str(), W_OK) == 0) continue;
-    if (errno == EROFS) return "cannot be written: its disk is read-only";
-    return path == file ? "may not be written by this user"
-                        : "cannot be written: this user may not write in the folder " + folder.string();
-  }
-  return "cannot be opened";
 }
 
 std::string cause_of(const SQLite::Exception& e, const std::filesystem::path& file) {
@@ -82,47 +53,6 @@ std::string cause_of(const SQLite::Exception& e, const std::filesystem::path& fi
     default:
       return std::string("cannot be used: ") + e.what();
   }
-}
-
-}  // namespace
-
-namespace {
-
-// Of the one process that writes a map file: a lock on an octet behind those that SQLite locks, which readers do not
-// look at. It goes with the process.
-class WriterLock {
- public:
-  WriterLock(const std::filesystem::path& file, bool wanted) {
-    if (!wanted) return;
-    constexpr mode_t kMode = 0644;
-    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
-    if (descriptor_ < 0) return;  // SQLite says why
-    struct flock lock {};
-    lock.l_type = F_WRLCK;
-    lock.l_whence = SEEK_SET;
-    lock.l_start = 0x40000000 + 0x10000;
-    lock.l_len = 1;
-    if (fcntl(descriptor_, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES)) return;
-    close(descriptor_);
-    throw UserError("map file " + file.string() + " is in use by another process");
-  }
-  WriterLock(const WriterLock&) = delete;
-  WriterLock& operator=(const WriterLock&) = delete;
-  ~WriterLock() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-
- private:
-  int descriptor_ = -1;
-};
-
-}  // namespace
-
-namespace {
-
-// Where nothing may be written, SQLite reads a file only as one that nobody else changes.
-bool nobody_writes(const std::filesystem::path& file) {
-  return access(folder_of(file).c_str(), W_OK) != 0 && !has_log(file);
 }
 
 std::string uri_of(const std::filesystem::path& file) {
@@ -183,16 +113,6 @@ auto in_words(const std::filesystem::path& path, Do work) {
   } catch (const SQLite::Exception& e) {
     throw UserError("map file " + path.string() + " " + cause_of(e, path));
   }
-}
-
-// Throws UserError for what is no file: to open it may take for ever.
-bool holds_something(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto type = std::filesystem::status(file, error).type();
-  if (type == std::filesystem::file_type::directory) throw UserError("map file " + file.string() + " is a folder");
-  if (!std::filesystem::exists(file, error)) return false;
-  if (type != std::filesystem::file_type::regular) throw UserError("map file " + file.string() + " is no file");
-  return std::filesystem::file_size(file, error) > 0;
 }
 
 // A process writes the file, or wrote it when it was copied or when that process was killed.
