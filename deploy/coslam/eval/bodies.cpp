@@ -47,6 +47,12 @@ BodyScore& BodyScore::operator+=(const BodyScore& other) {
   return *this;
 }
 
+BodyScore sum_of(const std::map<std::string, BodyScore>& bodies) {
+  BodyScore sum;
+  for (const auto& [name, score] : bodies) sum += score;
+  return sum;
+}
+
 void BodyTracks::add(const std::string& agent, const ResultTrackRow& row, const SurfacePoint& seen) {
   if (row.point != PointId()) ++seen_on_[row.point][seen.body];
   if (seen.body.empty() || seen.velocity_m_s.norm() <= kMovingSpeed_m_s) return;

@@ -29,6 +29,9 @@ struct BodyScore {
   BodyScore& operator+=(const BodyScore& other);
 };
 
+// Sum of the scores of several bodies.
+BodyScore sum_of(const std::map<std::string, BodyScore>& bodies);
+
 using ObjectsAt = std::map<TimeNs, std::vector<ResultObjectRow>>;
 ObjectsAt read_objects(const std::filesystem::path& file);
 

@@ -9,7 +9,8 @@
 
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
-#include "deploy/coslam/eval/report.h"
+#include "deploy/coslam/eval/evaluation_json.h"
+#include "deploy/coslam/eval/evaluation_text.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::eval {

@@ -3,16 +3,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "deploy/coslam/eval/evaluation.h"
 
 namespace coslam::eval {
 
-// eval.json, see docs/configuration.md; null where a figure is not known.
+// Contents of eval.json, see docs/configuration.md; null where a figure is not known.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
-
-// The evaluation as one screen of text.
-std::string to_text(const Evaluation& evaluation);
 
 }  // namespace coslam::eval
