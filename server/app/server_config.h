@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <thread>
+
 #include "server/estimator/map_pipeline.h"
 #include "server/fleet/sync/frame_set_sync.h"
 #include "server/keep/map_keeper.h"
@@ -27,6 +30,13 @@ void describe(V& v, ServerConfig& c) {
   v.section("sync", c.sync);
   v.section("events", c.events);
   v.section("map_file", c.map_file);
+}
+
+// Number of threads that share in a frame set, as configured or by the cores of this machine.
+inline int threads_of(const ServerConfig& config) {
+  constexpr unsigned kMost = 8;
+  if (config.threads > 0) return config.threads;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1U, kMost));
 }
 
 }  // namespace coslam

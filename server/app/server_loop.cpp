@@ -3,7 +3,6 @@
 #include "server/app/server_loop.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "common/base/error.h"
@@ -20,12 +19,6 @@ constexpr TimeNs kStatusPeriod_ns = 1'000'000'000;
 // Around the start: by the word that took least, agents tell what their clocks are off by.
 constexpr TimeNs kStartingPeriod_ns = 100'000'000, kStarting_ns = 1'000'000'000;
 constexpr double kStartDelay_s = 0.3;  // between the word to start and played time 0
-
-int threads_of(const ServerConfig& config) {
-  constexpr unsigned kMost = 8;
-  if (config.threads > 0) return config.threads;
-  return static_cast<int>(std::clamp(std::thread::hardware_concurrency() / 2, 1U, kMost));
-}
 
 }  // namespace
 
