@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -36,6 +37,23 @@ std::string path_word(const nlohmann::json& agent, const char* key) {
   return path == agent.end() || !path->is_object() ? "-" : path->value(key, "-");
 }
 
+// Tells why nothing that was recognised brought the maps together.
+void print_doubts(const nlohmann::json& events) {
+  constexpr std::array<std::pair<const char*, const char*>, 5> kDoubts{
+      {{"places_in_too_few_features", "in too few features"},
+       {"places_flat", "on one flat thing alone"},
+       {"places_of_unclear_scale", "with depths that disagree"},
+       {"places_unconfirmed", "without a second image that confirms"},
+       {"places_contradicted", "with a second image that contradicts"}}};
+  std::string doubts_text;
+  for (const auto& [key, words] : kDoubts) {
+    const auto count = static_cast<long>(number(events, key));
+    if (count > 0) doubts_text += (doubts_text.empty() ? "" : ", ") + std::to_string(count) + " " + words;
+  }
+  std::printf("  %.0f images were compared with known places; not believed: %s\n", number(events, "images_described"),
+              doubts_text.empty() ? "none, as no place was recognised" : doubts_text.c_str());
+}
+
 // The others by name, so that nobody takes them for a part of the common one.
 void print_maps(const std::filesystem::path& out, const nlohmann::json& report) {
   const auto maps = report.find("maps");
@@ -50,6 +68,8 @@ void print_maps(const std::filesystem::path& out, const nlohmann::json& report) 
     const std::string map_name = &map == &maps->front() ? "common map" : "maps/" + map["map"].dump();
     std::printf("  %s: %s\n", map_name.c_str(), agents_text.c_str());
   }
+  if (const auto events = report.at("server").find("events"); events != report.at("server").end())
+    print_doubts(*events);
 }
 
 void print_lenses(const ResultFolder& result, const nlohmann::json& report) {

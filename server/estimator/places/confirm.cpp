@@ -56,8 +56,8 @@ std::pair<Verification::Part, Verification::Part> Verification::parts(const Map&
   return {{camera.map, own_first}, {camera.map, past ? std::nullopt : std::optional(other)}};
 }
 
-bool Verification::confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen,
-                             const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
+PlaceDoubt Verification::examine(const Map& map, const DescribedImage& image, const PlaceMatch& seen,
+                                 const Similarity3& in_from_own, const ViewGraph& graph, bool enough) {
   const MapCamera& camera = image.camera;
   const auto [own_part, other] = parts(map, camera, seen, graph);
   const bool forward = own_part < other;
@@ -74,6 +74,7 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
   now.many = own_part.map != other.map && seen.matches.size() >= kBeyondDoubt;
   if (own_part.map == other.map && enough && !now.relief && !seen.expected && is_far(image, seen))
     repeats(map, own_part.map);
+  PlaceDoubt doubt = PlaceDoubt::kUnconfirmed;
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
       at->second.newest.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
@@ -85,24 +86,26 @@ bool Verification::confirmed(const Map& map, const DescribedImage& image, const 
       p.enough = p.enough || enough;
       p.relief = p.relief || now.relief;
       p.depth = std::max(p.depth, now.depth);
-      if (p.newest == map.now()) return false;  // of the same instant
+      if (p.newest == map.now()) return PlaceDoubt::kUnconfirmed;  // of the same instant
       p.second_from_first = now.second_from_first;
       p.many = now.many;
-      if (!p.enough) return false;
+      if (!p.enough) return PlaceDoubt::kTooFewFeatures;
       const std::vector<const MapPoint*> all = points_in(map, seen.map, p.evidence);
       if (!seen.expected && !has_relief(all, seen.median_depth) && !flat_is_enough(map, hypothesis, all, p.depth)) {
         p.newest = map.now();  // more of it may come
         p.flat = true;
-        return false;
+        return PlaceDoubt::kFlat;
       }
       pending_.erase(at);
-      return true;
+      return PlaceDoubt::kNone;
     }
-    if (p.enough && !enough) return false;  // few points that say something else take nothing away
+    // Few points that say something else take nothing away.
+    if (p.enough && !enough) return PlaceDoubt::kTooFewFeatures;
     if (enough && p.enough && !now.relief && !p.relief) repeats(map, own_part.map), repeats(map, other.map);
+    doubt = PlaceDoubt::kContradicted;
   }
   pending_[hypothesis] = std::move(now);
-  return false;
+  return doubt;
 }
 
 void Verification::repeats(const Map& map, MapId id) { repeating_[id] = map.now(); }

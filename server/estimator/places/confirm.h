@@ -12,6 +12,7 @@
 #include "server/estimator/covisibility/grouping.h"
 #include "server/estimator/map/map.h"
 #include "server/estimator/places/key_image_database.h"
+#include "server/estimator/reports/place_recognition_report.h"
 
 namespace coslam {
 
@@ -21,10 +22,11 @@ namespace coslam {
 // anyway, and ground that covers more than any print, unless something says that it repeats itself.
 class Verification {
  public:
-  // True once, when the place is confirmed. in_from_own: transform from the camera's map as it is now to the recognised
-  // place's, which says where its part belongs. enough: the image has enough points to confirm; one of the two has to.
-  bool confirmed(const Map& map, const DescribedImage& image, const PlaceMatch& seen, const Similarity3& in_from_own,
-                 const ViewGraph& graph, bool enough);
+  // Adds an image as evidence. kNone once, when the place is confirmed. in_from_own: transform from the camera's map as
+  // it is now to the recognised place's, which says where its part belongs. enough: the image has enough points to
+  // confirm; one of the two has to.
+  PlaceDoubt examine(const Map& map, const DescribedImage& image, const PlaceMatch& seen,
+                     const Similarity3& in_from_own, const ViewGraph& graph, bool enough);
   // Type of evidence that a camera could add to a hypothesis: more of the same flat ground, in another view; a second
   // image of an expected place; a second image of a place that was not expected there.
   enum class Waiting : std::uint8_t { kNothing, kMore, kExpected, kAnywhere };

@@ -80,6 +80,14 @@ bool where_it_was_lost(const Map& map, const CameraFrames& camera, const PlaceMa
   return false;
 }
 
+PlaceDecision too_few(const PlaceMatch& seen) {
+  return {.action = PlaceDecision::kTooFew, .seen = seen, .in_from_own = {}, .doubt = PlaceDoubt::kTooFewFeatures};
+}
+
+PlaceDecision doubtful(const PlaceMatch& seen, PlaceDoubt doubt) {
+  return {.action = PlaceDecision::kDoubtful, .seen = seen, .in_from_own = {}, .doubt = doubt};
+}
+
 bool may_be_placed(const Map& map, const MapCamera& camera, const PlaceMatch& seen) {
   return has_relief(points_of(map, seen), seen.median_depth) || where_it_was_lost(map, camera, seen);
 }
@@ -107,18 +115,19 @@ PlaceDecision PlaceJudge::decide(const Map& map, const DescribedImage& image, st
   const bool enough = seen && static_cast<int>(seen->matches.size()) >= least;
   if (!enough && expected.beside) seen = std::move(expected.beside);
   if (!seen) return {PlaceDecision::kUnknown};
-  if (unplaced && !enough) return {PlaceDecision::kTooFew, *seen};
-  if (unplaced) return {may_be_placed(map, camera, *seen) ? PlaceDecision::kPlace : PlaceDecision::kDoubtful, *seen};
+  if (unplaced && !enough) return too_few(*seen);
+  if (unplaced && !may_be_placed(map, camera, *seen)) return doubtful(*seen, PlaceDoubt::kFlat);
+  if (unplaced) return {PlaceDecision::kPlace, *seen};
   // Few are not enough by themselves, but may be the one of two images of a loop.
   const bool few = !enough && !seen->expected;
-  if (few && seen->map != camera.map) return {PlaceDecision::kTooFew, *seen};
+  if (few && seen->map != camera.map) return too_few(*seen);
   if (seen->map == camera.map && as_expected(map, image, *seen, slack_px(map, camera))) {
-    return {few ? PlaceDecision::kTooFew : PlaceDecision::kLink, *seen};
+    return few ? too_few(*seen) : PlaceDecision{PlaceDecision::kLink, *seen};
   }
   const auto similarity = similarity_of(map, image, *seen);
-  if (!similarity || !verification_.confirmed(map, image, *seen, *similarity, graph, !few)) {
-    return {few ? PlaceDecision::kTooFew : PlaceDecision::kDoubtful, *seen};
-  }
+  const PlaceDoubt doubt =
+      similarity ? verification_.examine(map, image, *seen, *similarity, graph, !few) : PlaceDoubt::kScalesDisagree;
+  if (doubt != PlaceDoubt::kNone) return few ? too_few(*seen) : doubtful(*seen, doubt);
   return {seen->map == camera.map ? PlaceDecision::kClose : PlaceDecision::kJoin, *seen, *similarity};
 }
 

@@ -9,6 +9,7 @@
 #include "server/estimator/map/map.h"
 #include "server/estimator/places/confirm.h"
 #include "server/estimator/places/key_image_database.h"
+#include "server/estimator/reports/place_recognition_report.h"
 
 namespace coslam {
 
@@ -31,8 +32,9 @@ struct PlaceDecision {
   };
   using enum Action;
   Action action = kUnknown;
-  PlaceMatch seen;          // for kSeenAsExpected with matches alone
-  Similarity3 in_from_own;  // transform from the camera's map as it is now, for kJoin and kClose
+  PlaceMatch seen;                       // for kSeenAsExpected with matches alone
+  Similarity3 in_from_own;               // transform from the camera's map as it is now, for kJoin and kClose
+  PlaceDoubt doubt = PlaceDoubt::kNone;  // for kTooFew and kDoubtful
 };
 
 // Decides whether what a camera recognised is the same place, and what follows from that. Before anything moves another

@@ -9,7 +9,7 @@
 #include "server/estimator/places/locate.h"
 
 namespace coslam {
-void KeyImageDatabase::add(PlaceRecognitionEdit& edit, const DescribedImage& image, const DescriptorReply& reply) {
+void KeyImageDatabase::add(KeyImageEdit& edit, const DescribedImage& image, const DescriptorReply& reply) {
   if (reply.tracks.empty()) return;
   edit.add_key_image(image.set, image.camera.id);
   images_[index_.add(reply.descriptors)] = {image.set, image.camera.id, reply.tracks, reply.descriptors};

@@ -86,7 +86,9 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const G
   using enum PlaceDecision::Action;
   const DescribedImage& image = look.image;
   const MapCamera& camera = image.camera;
-  const auto [action, seen, in_from_own] = judge_.decide(edit.map(), image, look.seen, look.expected, given.graph);
+  const auto [action, seen, in_from_own, doubt] =
+      judge_.decide(edit.map(), image, look.seen, look.expected, given.graph);
+  if (doubt != PlaceDoubt::kNone) ++report->doubts.at(static_cast<std::size_t>(doubt));
   report->sightings += action != kUnknown && action != kSeenAsExpected;
   switch (action) {
     case kUnknown:
@@ -99,7 +101,6 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const G
       report->hinted.push_back(camera.id);
       return false;
     case kDoubtful:
-      ++report->doubted;
       return false;
     case kPlace:
       place(edit, image, seen, given.localise);
@@ -129,7 +130,7 @@ bool PlaceRecognition::act(PlaceRecognitionEdit& edit, const Look& look, const G
   return false;
 }
 
-bool PlaceRecognition::remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply) {
+bool PlaceRecognition::remember_last(KeyImageEdit& edit, CameraId id, const DescriptorReply& reply) {
   const MapCamera& camera = edit.map().camera(id);
   if (camera.run != reply.agent_run) return true;  // of a run before the present one
   if (camera.frames.empty() || camera.frames.back().frame < reply.frame) return false;

@@ -55,7 +55,7 @@ class PlaceRecognition {
                              const ExpectedOverlapReport& expected, const LocaliseConfig& localise,
                              const AskConfig& ask, Workers& workers = Workers::alone());
   // Remembers the last image of a run as a known place. False: its frame is still to come.
-  bool remember_last(PlaceRecognitionEdit& edit, CameraId id, const DescriptorReply& reply);
+  bool remember_last(KeyImageEdit& edit, CameraId id, const DescriptorReply& reply);
   // Returns the frames of the newest loop constraints, which must not be forgotten because they hold the map together.
   std::vector<ImageKey> held_frames() const;
   // Forgets key images.

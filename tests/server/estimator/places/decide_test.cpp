@@ -87,7 +87,9 @@ TEST_F(DecideTest, PointsWhereTheyAreExpectedGoBeforeAll) {
 
 TEST_F(DecideTest, TooFewForATurnOfTheMapAreLookedAtAgain) {
   const auto few = static_cast<std::size_t>(config_.min_merge_inliers) - 1;
-  EXPECT_EQ(decide(seen(few)).action, kTooFew);
+  const PlaceDecision decision = decide(seen(few));
+  EXPECT_EQ(decision.action, kTooFew);
+  EXPECT_EQ(decision.doubt, PlaceDoubt::kTooFewFeatures);
   EXPECT_EQ(decide(seen(few + 1)).action, kLink);
 }
 
@@ -110,7 +112,7 @@ TEST_F(DecideTest, AMapThatHasDriftedIsClosedOnceASecondImageSaysSo) {
   step();
   EXPECT_EQ(decide(seen()).action, kDoubtful);
   EXPECT_EQ(judge_.waiting(sim_.map, cam(1)), Verification::Waiting::kAnywhere);
-  EXPECT_EQ(decide(seen()).action, kDoubtful) << "the same instant again is no second image";
+  EXPECT_EQ(decide(seen()).doubt, PlaceDoubt::kUnconfirmed) << "the same instant again is no second image";
   step();
   const PlaceDecision d = decide(seen());
   EXPECT_EQ(d.action, kClose);
@@ -141,7 +143,9 @@ TEST_F(DecideTest, ASecondImageThatSaysOtherwiseConfirmsNothing) {
   step();
   EXPECT_EQ(decide(seen()).action, kDoubtful);
   step();
-  EXPECT_EQ(decide(seen(1000, {1.5, 0, 0})).action, kDoubtful);
+  const PlaceDecision elsewhere = decide(seen(1000, {1.5, 0, 0}));
+  EXPECT_EQ(elsewhere.action, kDoubtful);
+  EXPECT_EQ(elsewhere.doubt, PlaceDoubt::kContradicted);
 }
 
 TEST_F(DecideTest, WhenTheMapHasMovedItBeginsAnew) {
@@ -236,7 +240,11 @@ class DecideAtAWall : public DecideWithoutMap {
   DecideAtAWall() : DecideWithoutMap({.layout = test::Layout::kPlane}) {}
 };
 
-TEST_F(DecideAtAWall, AFlatPlaceDoesNot) { EXPECT_EQ(decide(seen()).action, kDoubtful); }
+TEST_F(DecideAtAWall, AFlatPlaceDoesNot) {
+  const PlaceDecision decision = decide(seen());
+  EXPECT_EQ(decision.action, kDoubtful);
+  EXPECT_EQ(decision.doubt, PlaceDoubt::kFlat);
+}
 
 // Two maps of one plane.
 class DecideOverAPlane : public DecideTest {

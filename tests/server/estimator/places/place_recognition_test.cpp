@@ -21,6 +21,8 @@ using test::Fit;
 using test::fit_of;
 using test::PoseNear;
 
+constexpr auto kUnconfirmed = static_cast<std::size_t>(PlaceDoubt::kUnconfirmed);
+
 class MeetTest : public testing::Test {
  protected:
   explicit MeetTest(int cameras = 3) : sim_(world_, test::paths_side_by_side(cameras)) {}
@@ -160,7 +162,7 @@ TEST_F(MeetTest, APlaneAlonePlacesOnlyWhoWasLostThere) {
     const test::PlaceStagesReport report = stages.run(sim.edit, sim.set, view_graph(sim.map, sim.set));
     EXPECT_GE(report.sightings, 1);
     EXPECT_EQ(report.placed, was_there ? 1 : 0);
-    EXPECT_EQ(report.doubted, was_there ? 0 : 1);
+    EXPECT_EQ(report.doubts.at(static_cast<std::size_t>(PlaceDoubt::kFlat)), was_there ? 0 : 1);
     EXPECT_EQ(sim.map.camera(cam(1)).map, was_there ? sim.id : MapId());
   }
 }
@@ -231,7 +233,7 @@ TEST_F(MergeTest, TwoMapsBecomeOneWithOneScale) {
 }
 
 TEST_F(MergeTest, WhatIsNotConfirmedSoonIsForgotten) {
-  EXPECT_GE(see().doubted, 1);
+  EXPECT_GE(see().doubts.at(kUnconfirmed), 1);
   for (int i = 0; i < 151; ++i) {  // five seconds
     sim_.ingest();
     for (int c = 0; c < 2; ++c) sim_.place_truly(cam(c));
@@ -419,7 +421,7 @@ class DriftTest : public MeetTest {
       const test::PlaceStagesReport r = step();
       totals_.closed += r.closed;
       totals_.expected += r.expected;
-      totals_.doubted += r.doubted;
+      totals_.doubts.at(kUnconfirmed) += r.doubts.at(kUnconfirmed);
     }
   }
   // Of where one camera is as the other sees it.
@@ -451,7 +453,7 @@ TEST_F(DriftTest, FewPointsThatAreAllBesideDrawTheMapTogether) {
   run(10);
   ASSERT_EQ(totals_.closed, 1);
   EXPECT_LT(kCommon, config_.decide.min_merge_inliers);
-  EXPECT_GE(totals_.doubted, 1) << "it has to be confirmed";
+  EXPECT_GE(totals_.doubts.at(kUnconfirmed), 1) << "it has to be confirmed";
   EXPECT_LT(error_m(), 0.25 * off_.translation.norm());
   EXPECT_GT(shared(), kCommon / 2);
 }
