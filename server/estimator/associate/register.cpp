@@ -92,11 +92,11 @@ bool retriangulate(PointPositionEdit& edit, const MapPoint& point) {
 RegisterReport register_tracks(RegisterEdit& edit, const FrameSet& set, Workers& workers) {
   const Map& map = edit.map();
   RegisterReport report;
-  const bool close_loops_offline = map.every(map.config().match_period_s);
+  const bool recall_too = map.every(map.config().match_period_s);
   // Rounds of both kinds, each counted by itself.
   const std::uint32_t round = map.round(map.config().match_period_s);
-  const std::vector<CameraId> cameras = cameras_in_turn(set, close_loops_offline ? round : map.now().value - round);
-  const PointsByPlace points(close_loops_offline ? static_points_around(map, cameras) : recent_static_points(map));
+  const std::vector<CameraId> cameras = cameras_in_turn(set, recall_too ? round : map.now().value - round);
+  const PointsByPlace points(recall_too ? static_points_around(map, cameras) : recent_static_points(map));
   std::vector<Candidates> of_cameras(cameras.size());
   workers.each(of_cameras.size(), [&](std::size_t i) { of_cameras[i] = collect(map, map.camera(cameras[i]), points); });
   std::set<PointId> moved;

@@ -57,6 +57,12 @@ class MovingPathEdit : public virtual SessionPen {
   COSLAM_MAY(record_motion);
 };
 
+// Remembers images whose places are to be known again. Key of places/last_images.h.
+class KeyImageEdit : public virtual SessionPen {
+ public:
+  COSLAM_MAY(add_key_image);
+};
+
 // Applies the solution of a bundle adjustment.
 class BundleEdit : public virtual PointPositionEdit {
  public:
@@ -97,7 +103,9 @@ class StartEdit : public virtual FramePoseEdit, public virtual BundleEdit {
 };
 
 // Key of places/place_recognition.h.
-class PlaceRecognitionEdit : public virtual FramePoseEdit, public virtual PointPositionEdit {
+class PlaceRecognitionEdit : public virtual FramePoseEdit,
+                             public virtual PointPositionEdit,
+                             public virtual KeyImageEdit {
  public:
   COSLAM_MAY(add_key_image, adjust_pose, bind, carry_agent, forget_view, fuse, keep_recent, merge, move_point,
              note_moved, place, raise_epoch, set_pose, transform_point);

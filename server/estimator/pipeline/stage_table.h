@@ -92,7 +92,10 @@ std::vector<StageAccess> stage_access() {
 inline std::string markdown_of(const std::vector<StageAccess>& stages) {
   const auto joined = [](const std::vector<std::string>& parts, const char* quote) {
     std::string out;
-    for (const std::string& part : parts) out += (out.empty() ? "" : ", ") + (quote + part) + quote;
+    for (const std::string& part : parts) {
+      const char* mark = part.find(' ') == std::string::npos ? quote : "";  // names of code alone
+      out += (out.empty() ? "" : ", ") + (mark + part) + mark;
+    }
     return out;
   };
   std::string out = "| stage | reads | writes | settings |\n|---|---|---|---|\n";

@@ -6,7 +6,7 @@
 
 namespace coslam {
 
-LastImagesReport LastImages::run(PlaceRecognitionEdit& edit, PlaceRecognition& places) {
+LastImagesReport LastImages::run(KeyImageEdit& edit, PlaceRecognition& places) {
   std::erase_if(waiting_, [&](const auto& image) { return places.remember_last(edit, image.first, image.second); });
   return {};
 }

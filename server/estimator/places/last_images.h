@@ -23,7 +23,7 @@ class LastImages {
 
   // Takes the descriptors of the last image of an agent's run; its frame may come later.
   void take_last_image(CameraId camera, DescriptorReply reply) { waiting_.insert_or_assign(camera, std::move(reply)); }
-  LastImagesReport run(PlaceRecognitionEdit& edit, PlaceRecognition& places);
+  LastImagesReport run(KeyImageEdit& edit, PlaceRecognition& places);
 
  private:
   std::map<CameraId, DescriptorReply> waiting_;

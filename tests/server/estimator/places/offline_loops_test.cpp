@@ -24,7 +24,7 @@ using test::PoseNear;
 constexpr int kRound = 300;  // sets, ten seconds
 
 // Turns once around while it drifts, and sees again what it saw at first: by new tracks, which become new points.
-class LookBackTest : public testing::Test {
+class OfflineLoopsTest : public testing::Test {
  protected:
   // Images are remembered at the first two of these sets and at the others, of the second visit.
   void fly(const test::SimWorld& world, const Similarity3& drift, const std::vector<int>& remembered) {
@@ -86,7 +86,7 @@ class LookBackTest : public testing::Test {
   int next_third_ = 0, first_points_ = 0;
 };
 
-TEST_F(LookBackTest, TwoImagesOfALaterVisitCloseTheLoop) {
+TEST_F(OfflineLoopsTest, TwoImagesOfALaterVisitCloseTheLoop) {
   fly(world_, drift_of_a_round_, {0, 5, kRound + 2, kRound + 8});
   ASSERT_GT((pose(kRound + 8).center() - truth(kRound + 8).center()).norm(), 0.2);
   const std::size_t before = sim_->map.points().size();
@@ -99,18 +99,18 @@ TEST_F(LookBackTest, TwoImagesOfALaterVisitCloseTheLoop) {
   EXPECT_LT(sim_->map.points().size(), before - 20) << "the points of both visits are one";
 }
 
-TEST_F(LookBackTest, OneImageIsNotEnough) {
+TEST_F(OfflineLoopsTest, OneImageIsNotEnough) {
   fly(world_, drift_of_a_round_, {0, 5, kRound + 2});
   EXPECT_FALSE(look().changed());
 }
 
-TEST_F(LookBackTest, NeitherAreTwoOfFewPoints) {
+TEST_F(OfflineLoopsTest, NeitherAreTwoOfFewPoints) {
   thirds_ = true;
   fly(world_, drift_of_a_round_, {0, 5, kRound + 2, kRound + 8});
   EXPECT_FALSE(look(3 * first_points_ / 10).changed());
 }
 
-TEST_F(LookBackTest, ThreeOfFewPointsCloseItTogether) {
+TEST_F(OfflineLoopsTest, ThreeOfFewPointsCloseItTogether) {
   thirds_ = true;
   fly(world_, drift_of_a_round_, {0, 5, kRound + 2, kRound + 5, kRound + 8});
   const auto before = static_cast<int>(sim_->map.points().size());
@@ -121,12 +121,12 @@ TEST_F(LookBackTest, ThreeOfFewPointsCloseItTogether) {
   EXPECT_LT(static_cast<int>(sim_->map.points().size()), before - first_points_ / 2) << "what each of them shows";
 }
 
-TEST_F(LookBackTest, WhatIsFlatMayHangElsewhereToo) {
+TEST_F(OfflineLoopsTest, WhatIsFlatMayHangElsewhereToo) {
   fly(test::SimWorld({.layout = test::Layout::kPlane}), drift_of_a_round_, {0, 5, kRound + 2, kRound + 8});
   EXPECT_FALSE(look().changed());
 }
 
-TEST_F(LookBackTest, WhereTheMapDidNotDriftPointsBecomeOne) {
+TEST_F(OfflineLoopsTest, WhereTheMapDidNotDriftPointsBecomeOne) {
   fly(world_, Similarity3{}, {0, 5, kRound + 2});
   const std::size_t before = sim_->map.points().size();
   const OfflineLoopsReport report = look();
@@ -137,7 +137,7 @@ TEST_F(LookBackTest, WhereTheMapDidNotDriftPointsBecomeOne) {
   EXPECT_FALSE(look().changed()) << "once";
 }
 
-TEST_F(LookBackTest, ImagesOfOneVisitTellNothingNew) {
+TEST_F(OfflineLoopsTest, ImagesOfOneVisitTellNothingNew) {
   fly(world_, drift_of_a_round_, {kRound, kRound + 2, kRound + 8});
   EXPECT_FALSE(look().changed());
 }
