@@ -36,13 +36,13 @@ namespace coslam {
 
 // Stages of a frame set, in this order.
 using MapPipeline = Pipeline<  //
-    BundleAdjustment,          // applies the solution of the last bundle adjustment
+    BundleAdjustment,          // applies the solution of the last bundle adjustment, which was planned by KeyFrames
     Localise,                  // intra-camera poses, from the points bound to each camera's tracks
     WindowPose,                // newest poses of cameras that see hardly any points, with all that they follow
     WideSearch,                // points that are seen again after a while, further from their prediction
     InterPose,                 // inter-camera poses of a group, when static points run out
     Start,                     // starts maps, by several cameras at once or by one alone
-    ExpectedOverlap,           // cameras that should see the same, without shared points
+    ExpectedOverlap,           // cameras that should see the same, with too few shared points
     PlaceRecognition,          // recognises places: cameras put into maps, maps joined, loops closed
     DescriptorRequests,        // cameras that are asked for the descriptors of an image
     Verify,                    // checks every observation against its prediction; filter

@@ -50,8 +50,8 @@ class BundleAdjustment {
 // Receives the progress in percent.
 using TellProgress = std::function<void(int percent)>;
 
-// Adjusts a map at the end of a run: all its key frames, or those after `since`, before which it was adjusted as a
-// whole already. Returns how uncertain the paths are then.
+// Adjusts a map at the end of a run: all its key frames, or those after adjusted_until, up to which it was adjusted
+// as a whole already. Returns how uncertain the paths are then.
 PathErrors adjust_whole(BundleEdit& edit, MapId map_id, const BundleAdjustmentConfig& config,
                         std::optional<SetId> adjusted_until = std::nullopt, const TellProgress& tell = {});
 

@@ -34,8 +34,8 @@ struct KeyFramesReport {
 };
 
 // Decides whether the set is a key frame, and what is adjusted then: the newest key frames of one map, each map in
-// turn; or the outline of a map that was joined or had a loop closed, or has grown by a quarter: so the map is
-// corrected while it is small, and lens errors are found.
+// turn; or the outline of a map that was joined or had a loop closed, or of each map in turn when there are a quarter
+// more key frames: so the map is corrected while it is small, and lens errors are found.
 class KeyFrames {
  public:
   static constexpr std::string_view kName = "key_frames";

@@ -25,7 +25,7 @@ const FramePose* pose_to_adjust(const Map& map, MapId map_id, SetId set, CameraI
 KeyPoses key_poses(const Map& map, MapId map_id);
 // Selects key frames evenly, the first and the newest among them.
 std::vector<SetId> outline_of(const KeyPoses& keys, int most_poses);
-// Selects the newest key frames, not before `since`, with at most most_poses poses together.
+// Selects the newest key frames, not before first_set, with at most most_poses poses together.
 KeyPoses newest_of(const KeyPoses& keys, SetId first_set, int most_poses);
 
 }  // namespace coslam

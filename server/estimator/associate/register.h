@@ -21,8 +21,8 @@ struct RegisterReport {
 };
 
 // Matches unmapped tracks of each camera with active static points (paper 5.3): smallest Mahalanobis distance (8)
-// within theta, patch correlation, and the gate at every frame of the track. The point is then triangulated anew from
-// its widest views.
+// within theta, patch correlation, and the gate at each view of the track in its last check_back_s. The point is then
+// triangulated anew from its widest views.
 RegisterReport register_tracks(RegisterEdit& edit, const FrameSet& set, Workers& workers = Workers::alone());
 
 // Triangulates a point anew from all its key views and the newest view of each bound track: its position and

@@ -36,8 +36,9 @@ class KeyImageDatabase {
   explicit KeyImageDatabase(const RecogniseConfig& config) : config_(config) {}
 
   void add(KeyImageEdit& edit, const DescribedImage& image, const DescriptorReply& reply);
-  // Finds points of the newest key images of these cameras, not older than `since`, near where the camera's pose
-  // predicts them: within gate_px, or farther off, where a drift of the map moved them. Empty when they are too few.
+  // Finds points of the newest key images of these cameras, not older than first_set, near where the camera's
+  // pose predicts them: within gate_px, or farther off, where a drift of the map moved them. Empty when they are too
+  // few.
   ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
                               const std::vector<CameraId>& cameras, SetId first_set, double gate_px) const;
   // Returns the remembered images of one map, in the order in which they came.

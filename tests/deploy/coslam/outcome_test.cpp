@@ -22,7 +22,8 @@ using testing::Not;
 class OutcomeTest : public testing::Test {
  protected:
   OutcomeTest() {
-    report_["agents"]["a"] = {{"frames", 300}, {"tracked_percent", 99.5}, {"path", {{"quality", "fair"}, {"why", "few"}}}};
+    report_["agents"]["a"] = {
+        {"frames", 300}, {"tracked_percent", 99.5}, {"path", {{"quality", "fair"}, {"why", "few"}}}};
     report_["agents"]["b"] = {{"frames", 300}};
     report_["server"]["events"] = {{"images_described", 7}};
     report_["maps"] = {{{"map", 1}, {"agents", {{"a", 298}}}}};
