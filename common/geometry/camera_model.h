@@ -3,29 +3,27 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <optional>
 
-namespace coslam {
+#include "common/geometry/lens_models.h"
 
-enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubleSphere, kOmni, kUnknown };
+namespace coslam {
 
 // Pinhole camera. Three spaces, each named in identifiers:
 //   raw px          the image as captured (distorted)
 //   undistorted px  the ideal pinhole image with the same fx, fy, cx, cy (what the estimator and the wire use)
 //   normalized      x / z, y / z in the camera frame (x right, y down, z forward)
-// radtan coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 (4, 5 or 8 used, the rest 0);
-// equidistant k1..k4 (Kannala-Brandt, as Kalibr and OpenCV fisheye); double sphere xi, alpha; omni (Mei's unified
-// sphere) xi, then radtan k1 k2 p1 p2. For the last two fx and fy are the focal lengths in the middle of the image, as
-// for every other lens: what Kalibr calls fx, fy divided by 1 + xi. Unknown: a pinhole whose focal length is a guess.
+// Coefficients are in the order of `terms` of the lens model (lens_models.h). fx and fy are the focal lengths in the
+// middle of the image, of every lens; files may give others: focal_in_files(), lens_forms.h.
 struct CameraModel {
   int width_px = 0;
   int height_px = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   DistortionModel distortion = DistortionModel::kNone;
-  std::array<double, 8> coefficients{};
+  LensTerms coefficients{};
 
+  // Whether nothing is known of the lens but a guess of its focal length.
+  bool guessed() const { return lens_traits(distortion).guess; }
   double focal_px() const { return 0.5 * (fx + fy); }
   // Lengths that are given for images of 640 pixels width, in pixels of this camera.
   double px_from_640(double px) const { return px * width_px / 640.0; }

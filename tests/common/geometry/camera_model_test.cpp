@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "tests/support/matchers.h"
 
@@ -34,7 +35,7 @@ CameraModel with(DistortionModel model, const std::array<double, 8>& coefficient
 }
 
 struct Named {
-  const char* name;
+  std::string name;
   CameraModel camera;
 };
 
@@ -88,7 +89,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Named{"double_sphere", with(DistortionModel::kDoubleSphere, {-0.25, 0.6})},
                     Named{"far_spheres", with(DistortionModel::kDoubleSphere, {0.4, 0.3})},
                     Named{"omni", with(DistortionModel::kOmni, {0.9, -0.1, 0.02, 3e-4, -2e-4})}),
-    [](const auto& p) { return std::string(p.param.name); });
+    [](const auto& p) { return p.param.name; });
+
+std::vector<Named> typical_lenses() {
+  std::vector<Named> out;
+  for (const DistortionModel model : kDistortionModels) {
+    out.push_back({std::string(lens_traits(model).name()), with(model, lens_traits(model).typical)});
+  }
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(TypicalLens, EveryModel, testing::ValuesIn(typical_lenses()),
+                         [](const auto& p) { return p.param.name; });
 
 TEST(CameraModel, RadTanIsTheFormula) {
   const CameraModel c = with(DistortionModel::kRadTan, {-0.3, 0.1, 0.01, -0.02, 0.005});

@@ -19,28 +19,15 @@ LensCorrection correction() {
   return lens;
 }
 
-// One camera of each kind of lens.
 CameraModel camera_with(DistortionModel distortion) {
-  CameraModel c{
-      .width_px = 640, .height_px = 480, .fx = 460, .fy = 458, .cx = 322, .cy = 238, .distortion = distortion};
-  switch (distortion) {
-    case DistortionModel::kRadTan:
-      c.coefficients = {-0.28, 0.07, 0.0002, 0.00002};
-      break;
-    case DistortionModel::kEquidistant:
-      c.coefficients = {0.01, -0.005, 0.002, -0.001};
-      break;
-    case DistortionModel::kDoubleSphere:
-      c.coefficients = {-0.2, 0.55};
-      break;
-    case DistortionModel::kOmni:
-      c.coefficients = {0.8, -0.1, 0.02, 0.0001, -0.0002};
-      break;
-    case DistortionModel::kNone:
-    case DistortionModel::kUnknown:
-      break;
-  }
-  return c;
+  return {.width_px = 640,
+          .height_px = 480,
+          .fx = 460,
+          .fy = 458,
+          .cx = 322,
+          .cy = 238,
+          .distortion = distortion,
+          .coefficients = lens_traits(distortion).typical};
 }
 
 class LensCorrectionTest : public testing::TestWithParam<DistortionModel> {
@@ -101,10 +88,7 @@ TEST_P(LensCorrectionTest, JacobiansNumerically) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, LensCorrectionTest,
-                         testing::Values(DistortionModel::kNone, DistortionModel::kRadTan,
-                                         DistortionModel::kEquidistant, DistortionModel::kDoubleSphere,
-                                         DistortionModel::kOmni));
+INSTANTIATE_TEST_SUITE_P(Lenses, LensCorrectionTest, testing::ValuesIn(kDistortionModels));
 
 TEST(LensCorrectionTest, OneThatFoldsTheImageIsNotInvertible) {
   const CameraModel camera = camera_with(DistortionModel::kNone);
