@@ -73,43 +73,6 @@ bool is_colmap(const std::filesystem::path& file) {
   return false;
 }
 
-const char* name_of(DistortionModel model) {
-  switch (model) {
-    case DistortionModel::kRadTan:
-      return "radtan";
-    case DistortionModel::kEquidistant:
-      return "equidistant";
-    case DistortionModel::kDoubleSphere:
-      return "double_sphere";
-    case DistortionModel::kOmni:
-      return "omni";
-    case DistortionModel::kUnknown:
-      return "unknown";
-    case DistortionModel::kNone:
-      break;
-  }
-  return "none";
-}
-
-std::size_t coefficient_count(const CameraModel& camera) {
-  const auto& k = camera.coefficients;
-  switch (camera.distortion) {
-    case DistortionModel::kRadTan:
-      if (k[5] != 0 || k[6] != 0 || k[7] != 0) return 8;
-      return k[4] != 0 ? 5 : 4;
-    case DistortionModel::kEquidistant:
-      return 4;
-    case DistortionModel::kDoubleSphere:
-      return 2;
-    case DistortionModel::kOmni:
-      return 5;
-    case DistortionModel::kNone:
-    case DistortionModel::kUnknown:
-      break;
-  }
-  return 0;
-}
-
 // The first line of the file that is not empty.
 std::string first_line(const std::filesystem::path& file) {
   std::ifstream stream(file);
@@ -173,15 +136,15 @@ ReadCalibration read_calibration(const ros::CameraInfo& info, const std::string&
 CameraModel load_calibration(const std::filesystem::path& name) { return read_calibration(name).camera; }
 
 std::string plain_text(const CameraModel& camera) {
-  const double sphere = calibration::sphere_scale(camera);
+  const double scale = focal_in_files(camera);
   std::string bent;
   for (std::size_t i = 0; i < coefficient_count(camera); ++i) {
     bent += (i == 0 ? "" : ", ") + format_double(camera.coefficients[i]);
   }
   return "width: " + std::to_string(camera.width_px) + "\nheight: " + std::to_string(camera.height_px) +
-         "\nfx: " + format_double(camera.fx * sphere) + "\nfy: " + format_double(camera.fy * sphere) +
+         "\nfx: " + format_double(camera.fx * scale) + "\nfy: " + format_double(camera.fy * scale) +
          "\ncx: " + format_double(camera.cx) + "\ncy: " + format_double(camera.cy) +
-         "\ndistortion_model: " + name_of(camera.distortion) + "\ndistortion: [" + bent + "]\n";
+         "\ndistortion_model: " + std::string(lens_traits(camera.distortion).name()) + "\ndistortion: [" + bent + "]\n";
 }
 
 void save_calibration(const std::filesystem::path& file, const CameraModel& camera) {

@@ -8,26 +8,19 @@
 namespace coslam::calibration {
 namespace {
 
-std::vector<double> numbers_of(const YamlValue& section, const std::vector<const char*>& keys) {
-  std::vector<double> out;
-  out.reserve(keys.size());
-  for (const char* key : keys) out.push_back(section.at(key).number());
-  return out;
-}
-
-void set_lens(CameraModel& camera, const YamlValue& type, const YamlValue& v) {
+void set_basalt_lens(CameraModel& camera, const YamlValue& type, const YamlValue& v) {
   const std::string name = type.text();
-  if (name == "pinhole") return;
-  if (name == "pinhole-radtan8") {
-    set_distortion(camera, v, "radtan", numbers_of(v, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}));
-  } else if (name == "kb4") {
-    set_distortion(camera, v, "equidistant", numbers_of(v, {"k1", "k2", "k3", "k4"}));
-  } else if (name == "ds") {
-    set_distortion(camera, v, "ds", numbers_of(v, {"xi", "alpha"}));
+  if (const auto found = lens_named(LensFile::kBasalt, name)) {
+    const LensTraits& lens = lens_traits(found->model);
+    std::vector<double> k;
+    for (std::size_t i = 0; i < found->form.terms; ++i) k.push_back(v.at(std::string(lens.terms[i])).number());
+    set_distortion(camera, v, std::string(lens.name()), k);
   } else if (name == "eucm") {
     set_eucm(camera, v, v.at("alpha").number(), v.at("beta").number());
   } else {
-    type.fail("the camera type '" + name + "' is not supported, only pinhole, pinhole-radtan8, kb4, ds and eucm are");
+    auto names = lens_names(LensFile::kBasalt);
+    names.emplace_back("eucm");
+    type.fail("the camera type '" + name + "' is not supported, only " + listed(names) + " are");
   }
 }
 
@@ -54,7 +47,7 @@ CameraModel read_basalt(const YamlValue& root, const std::string& camera_name) {
   camera.fy = v.at("fy").number();
   camera.cx = v.at("cx").number();
   camera.cy = v.at("cy").number();
-  set_lens(camera, lenses[at].at("camera_type"), v);
+  set_basalt_lens(camera, lenses[at].at("camera_type"), v);
   return camera;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <optional>
 
 #include "common/base/error.h"
@@ -15,29 +14,17 @@
 namespace coslam::calibration {
 namespace {
 
-struct Layout {
-  bool one_focal;
-  DistortionModel distortion;
-  int coefficients;
-};
-
 // These two are not of our lenses: the nearest one stands for them.
 constexpr const char* kThinPrism = "THIN_PRISM_FISHEYE";
 constexpr const char* kFieldOfView = "FOV";
 
-const std::map<std::string, Layout, std::less<>> kLayouts = {
-    {"SIMPLE_PINHOLE", {true, DistortionModel::kNone, 0}},
-    {"PINHOLE", {false, DistortionModel::kNone, 0}},
-    {"SIMPLE_RADIAL", {true, DistortionModel::kRadTan, 1}},
-    {"RADIAL", {true, DistortionModel::kRadTan, 2}},
-    {"OPENCV", {false, DistortionModel::kRadTan, 4}},
-    {"FULL_OPENCV", {false, DistortionModel::kRadTan, 8}},
-    {"OPENCV_FISHEYE", {false, DistortionModel::kEquidistant, 4}},
-    {"SIMPLE_RADIAL_FISHEYE", {true, DistortionModel::kEquidistant, 1}},
-    {"RADIAL_FISHEYE", {true, DistortionModel::kEquidistant, 2}},
-    {kThinPrism, {false, DistortionModel::kEquidistant, 8}},
-    {kFieldOfView, {false, DistortionModel::kNone, 1}},
-};
+std::optional<NamedLens> colmap_lens(std::string_view name) {
+  const auto found = lens_named(LensFile::kColmap, name);
+  if (found) return found;
+  if (name == kThinPrism) return NamedLens{DistortionModel::kEquidistant, {LensFile::kColmap, name, 8}};
+  if (name == kFieldOfView) return NamedLens{DistortionModel::kNone, {LensFile::kColmap, name, 1}};
+  return std::nullopt;
+}
 
 // Has k1 k2 p1 p2 k3 k4 sx1 sy1. What is left out moves places by p and s times the squared angle, at the farthest
 // corner most.
@@ -52,8 +39,8 @@ CameraModel without_prism(CameraModel camera, const std::string& place) {
 }
 
 CameraModel parse_camera(const std::vector<std::string_view>& fields, const std::string& place) {
-  const auto layout = kLayouts.find(fields[1]);
-  if (layout == kLayouts.end()) {
+  const auto lens = colmap_lens(fields[1]);
+  if (!lens) {
     throw UserError(place + "the camera model '" + std::string(fields[1]) + "' is not supported");
   }
   std::vector<double> v;
@@ -62,9 +49,9 @@ CameraModel parse_camera(const std::vector<std::string_view>& fields, const std:
     if (!number) throw UserError(place + "'" + std::string(fields[i]) + "' is not a number");
     v.push_back(*number);
   }
-  const auto& [one_focal, distortion, coefficients] = layout->second;
+  const bool one_focal = lens->form.one_focal;
   const std::size_t first = 2 + (one_focal ? 3 : 4);
-  if (v.size() != first + static_cast<std::size_t>(coefficients)) {
+  if (v.size() != first + lens->form.terms) {
     throw UserError(place + "the number of parameters does not fit the camera model");
   }
   CameraModel camera;
@@ -80,8 +67,7 @@ CameraModel parse_camera(const std::vector<std::string_view>& fields, const std:
     log_info(place + fit_said(kFieldOfView, fit));
     return fit.camera;
   }
-  camera.distortion = distortion;
-  std::copy(v.begin() + static_cast<std::ptrdiff_t>(first), v.end(), camera.coefficients.begin());
+  set_lens(camera, lens->model, {v.begin() + static_cast<std::ptrdiff_t>(first), v.end()});
   return fields[1] == kThinPrism ? without_prism(camera, place) : camera;
 }
 

@@ -72,16 +72,20 @@ void set_eucm_of(CameraModel& camera, const YamlValue& section) {
 void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   const YamlValue model = section.at("camera_model"), intrinsics = section.at("intrinsics");
   const std::string name = model.text();
-  const std::size_t before = name == "ds" ? 2 : name == "omni" ? 1 : 0;
-  if (name == "eucm") return set_eucm_of(camera, section);
-  if (before == 0 && name != "pinhole") {
-    model.fail("the camera model '" + name + "' is not supported, only pinhole, ds, omni and eucm are");
+  const auto found = lens_named(LensFile::kKalibr, name);
+  if (!found && name == "eucm") return set_eucm_of(camera, section);
+  if (!found) {
+    auto names = lens_names(LensFile::kKalibr);
+    names.emplace_back("eucm");
+    model.fail("the camera model '" + name + "' is not supported, only " + listed(names) + " are");
   }
+  const LensTraits& lens = lens_traits(found->model);
+  const std::size_t before = found->form.before;
   const auto v = intrinsics.numbers();
   if (v.size() != before + 4) {
-    intrinsics.fail(before == 2   ? "[xi, alpha, fx, fy, cx, cy] is expected"
-                    : before == 1 ? "[xi, fx, fy, cx, cy] is expected"
-                                  : "[fx, fy, cx, cy] is expected");
+    std::string terms;
+    for (std::size_t i = 0; i < before; ++i) terms += std::string(lens.terms[i]) + ", ";
+    intrinsics.fail("[" + terms + "fx, fy, cx, cy] is expected");
   }
   camera.fx = v[before], camera.fy = v[before + 1], camera.cx = v[before + 2], camera.cy = v[before + 3];
   const auto coefficients = section.find("distortion_coeffs");
@@ -94,13 +98,13 @@ void set_kalibr_lens(CameraModel& camera, const YamlValue& section) {
   }
   if (const auto distortion = section.find("distortion_model")) {
     const std::string bent = distortion->text();
-    if (bent != "none" && !(name == "omni" && bent == "radtan")) {
+    if (bent != "none" && bent != found->form.distortion) {
       distortion->fail("the distortion model '" + bent + "' is not supported with the camera model '" + name + "'");
     }
   }
-  if (before == 1) k.resize(k.empty() ? 4 : k.size());
+  if (k.empty()) k.resize(found->form.terms - before);
   k.insert(k.begin(), v.begin(), v.begin() + static_cast<std::ptrdiff_t>(before));
-  set_distortion(camera, section, name, k);
+  set_distortion(camera, section, std::string(lens.name()), k);
 }
 
 }  // namespace
@@ -156,23 +160,26 @@ CameraModel read_orb_slam(const YamlValue& root) {
   camera.cy = from.at(lens + "cy").number();
   const auto type = first_of(from, {of_camera + "type", of_camera + "model"});
   const std::string model = type ? type->text() : "PinHole";
-  const auto coefficient = [&](const char* name) {
-    const auto value = from.find(lens + name);
+  const auto coefficient = [&](std::string_view name) {
+    const auto value = from.find(lens + std::string(name));
     return value ? value->number() : 0.0;
   };
   if (model == "Rectified") return camera;
-  if (model == "KannalaBrandt8" || model == "fisheye") {
-    for (const char* foreign : {"p1", "p2"}) {
-      if (coefficient(foreign) != 0) from.at(lens + foreign).fail("is no term of the lens '" + model + "'");
-    }
-    set_distortion(camera, root, model, {coefficient("k1"), coefficient("k2"), coefficient("k3"), coefficient("k4")});
-  } else if (model == "PinHole" || model == "Pinhole" || model == "perspective") {
-    set_distortion(camera, root, "radtan",
-                   {coefficient("k1"), coefficient("k2"), coefficient("p1"), coefficient("p2"), coefficient("k3")});
-  } else {
-    type->fail("the camera model '" + model +
-               "' is not supported, only PinHole, perspective, Rectified, KannalaBrandt8 and fisheye are");
+  const auto found = lens_named(LensFile::kOrbSlam, model);
+  if (!found) {
+    auto names = lens_names(LensFile::kOrbSlam);
+    names.emplace_back("Rectified");
+    type->fail("the camera model '" + model + "' is not supported, only " + listed(names) + " are");
   }
+  const LensTraits& traits = lens_traits(found->model);
+  for (const char* tangential : {"p1", "p2"}) {
+    const bool known = std::find(traits.terms.begin(), traits.terms.end(), tangential) != traits.terms.end();
+    if (!known && coefficient(tangential) != 0)
+      from.at(lens + tangential).fail("is no term of the lens '" + model + "'");
+  }
+  std::vector<double> k;
+  for (std::size_t i = 0; i < found->form.terms; ++i) k.push_back(coefficient(traits.terms[i]));
+  set_distortion(camera, root, std::string(traits.name()), k);
   return camera;
 }
 

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/yaml_value.h"
 #include "common/dataset/lens_fit.h"
 #include "common/dataset/recorded_topic.h"
 #include "common/geometry/camera_model.h"
+#include "common/geometry/lens_forms.h"
 #include "common/ros/sensor_messages.h"
 
 // One reader per calibration dialect; each throws UserError with the place. Internal to calibration.cpp.
@@ -51,6 +53,9 @@ std::string several_cameras(const std::string& names);
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
                     const std::vector<double>& coefficients);
 
+// Gives a camera with the focal lengths of its file the lens of that file.
+void set_lens(CameraModel& camera, DistortionModel model, const std::vector<double>& coefficients);
+
 // The nearest lens of ours to one of that kind, which is said; of a camera that has its projection.
 void set_fit(CameraModel& camera, const YamlValue& place, const char* model, const RadiusOfAngle& radius);
 void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double beta);
@@ -59,7 +64,7 @@ void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double 
 inline constexpr const char* kOtherForms =
     "write the numbers of another form as width, height, fx, fy, cx, cy, distortion_model and distortion";
 
-// The focal length that files give for a lens over that of CameraModel.
-double sphere_scale(const CameraModel& camera);
+// "a, b and c" of names, each once, for errors.
+std::string listed(const std::vector<std::string_view>& names);
 
 }  // namespace coslam::calibration

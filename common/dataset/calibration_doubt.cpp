@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "common/base/printed.h"
-#include "common/dataset/calibration_dialects.h"
+#include "common/geometry/lens_forms.h"
 
 namespace coslam {
 namespace {
@@ -25,8 +25,8 @@ constexpr double kShortestPinhole = 0.15;                            // of the l
 using Projection = std::array<double, 4>;  // fx fy cx cy, as the file has them
 
 Projection projection_of(const CameraModel& c) {
-  const double sphere = calibration::sphere_scale(c);
-  return {c.fx * sphere, c.fy * sphere, c.cx, c.cy};
+  const double scale = focal_in_files(c);
+  return {c.fx * scale, c.fy * scale, c.cx, c.cy};
 }
 
 double aspect(double fx, double fy) { return std::max(fx / fy, fy / fx); }
@@ -121,8 +121,7 @@ CalibrationDoubt doubt_of_distortion(const CameraModel& c) {
 
 CalibrationDoubt doubt_of_focal(const CameraModel& c) {
   const auto [fx, fy, cx, cy] = projection_of(c);
-  const bool straight = c.distortion == DistortionModel::kNone || c.distortion == DistortionModel::kRadTan;
-  if (straight && c.fx < kShortestPinhole * std::max(c.width_px, c.height_px))
+  if (!lens_traits(c.distortion).fisheye && c.fx < kShortestPinhole * std::max(c.width_px, c.height_px))
     return {printed("a lens without the distortion of a fisheye has no focal length as short as %.1f px of %d: is it "
                     "an angle?",
                     c.fx, c.width_px),
@@ -149,7 +148,7 @@ CalibrationDoubt doubt_of_centre(const CameraModel& c) {
 }  // namespace
 
 CalibrationDoubt doubt_of(const CameraModel& camera, bool part) {
-  if (camera.distortion == DistortionModel::kUnknown) return {};
+  if (camera.guessed()) return {};
   if (const std::string order = other_order(camera); !order.empty() && !part) {
     const auto [fx, fy, cx, cy] = projection_of(camera);
     return {printed("fx fy cx cy are %.1f %.1f %.1f %.1f: are they %s?", fx, fy, cx, cy, order.c_str()), true, {}};

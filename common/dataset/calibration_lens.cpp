@@ -4,7 +4,6 @@
 // Lenses of all dialects as those of a CameraModel.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "common/base/log.h"
@@ -40,20 +39,20 @@ void set_radtan(CameraModel& camera, const YamlValue& place, std::vector<double>
   std::copy(k.begin(), k.end(), camera.coefficients.begin());
 }
 
-void set_exactly(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
-                 const std::vector<double>& k, std::size_t count) {
-  if (k.size() != count) place.fail(std::string(expected) + " are expected");
-  camera.distortion = model;
-  std::copy(k.begin(), k.end(), camera.coefficients.begin());
+std::string expected_terms(const LensTraits& lens) {
+  std::string text = std::to_string(lens.terms.size()) + " " + std::string(lens.name()) +
+                     (lens.terms.size() == 1 ? " coefficient (" : " coefficients (");
+  for (const std::string_view& term : lens.terms) text += (&term == lens.terms.begin() ? "" : " ") + std::string(term);
+  return text + (lens.terms.size() == 1 ? ") is expected" : ") are expected");
 }
 
-// The files give the focal lengths of the sphere's image, CameraModel those of the middle.
-void set_sphere(CameraModel& camera, const YamlValue& place, DistortionModel model, const char* expected,
-                const std::vector<double>& k, std::size_t count) {
-  set_exactly(camera, place, model, expected, k, count);
-  if (!(k[0] > -1)) place.fail("xi of the lens must be above -1");
-  camera.fx /= 1 + k[0];
-  camera.fy /= 1 + k[0];
+void set_exactly(CameraModel& camera, const YamlValue& place, DistortionModel model, const std::vector<double>& k) {
+  if (k.size() != lens_traits(model).terms.size()) place.fail(expected_terms(lens_traits(model)));
+  LensTerms terms{};
+  std::copy(k.begin(), k.end(), terms.begin());
+  const auto problem = visit_lens(model, [&](auto lens) { return lens.problem(terms); });
+  if (problem) place.fail(*problem);
+  set_lens(camera, model, k);
 }
 
 }  // namespace
@@ -66,45 +65,28 @@ void set_fit(CameraModel& camera, const YamlValue& place, const char* model, con
 
 void set_distortion(CameraModel& camera, const YamlValue& place, const std::string& model,
                     const std::vector<double>& coefficients) {
-  static const std::map<std::string, DistortionModel> kModels = {
-      {"none", DistortionModel::kNone},
-      {"radtan", DistortionModel::kRadTan},
-      {"radial-tangential", DistortionModel::kRadTan},
-      {"plumb_bob", DistortionModel::kRadTan},
-      {"rational_polynomial", DistortionModel::kRadTan},
-      {"equidistant", DistortionModel::kEquidistant},
-      {"equi", DistortionModel::kEquidistant},
-      {"fisheye", DistortionModel::kEquidistant},
-      {"KannalaBrandt8", DistortionModel::kEquidistant},
-      {"double_sphere", DistortionModel::kDoubleSphere},
-      {"ds", DistortionModel::kDoubleSphere},
-      {"omni", DistortionModel::kOmni},
-      {"mei", DistortionModel::kOmni},
-      {"unknown", DistortionModel::kUnknown},
-  };
-  const auto found = kModels.find(model);
-  if (found == kModels.end()) {
-    place.fail("the distortion model '" + model +
-               "' is not supported, only none, radtan, equidistant, double_sphere, omni and unknown are");
+  const auto found = lens_named(model);
+  if (!found) {
+    std::vector<std::string_view> names;
+    for (const DistortionModel known : kDistortionModels) names.push_back(lens_traits(known).name());
+    place.fail("the distortion model '" + model + "' is not supported, only " + listed(names) + " are");
   }
   camera.distortion = DistortionModel::kNone;
   camera.coefficients.fill(0);
-  switch (found->second) {
-    case DistortionModel::kNone:
-    case DistortionModel::kUnknown:
-      if (std::ranges::any_of(coefficients, [](double k) { return k != 0; }))
-        place.fail("the distortion model '" + model + "' has no coefficients");
-      camera.distortion = found->second;
-      return;
-    case DistortionModel::kRadTan:
-      return set_radtan(camera, place, coefficients);
-    case DistortionModel::kEquidistant:
-      return set_exactly(camera, place, found->second, "4 equidistant coefficients (k1 k2 k3 k4)", coefficients, 4);
-    case DistortionModel::kDoubleSphere:
-      return set_sphere(camera, place, found->second, "2 double_sphere coefficients (xi alpha)", coefficients, 2);
-    case DistortionModel::kOmni:
-      return set_sphere(camera, place, found->second, "5 omni coefficients (xi k1 k2 p1 p2)", coefficients, 5);
-  }
+  if (*found == DistortionModel::kRadTan) return set_radtan(camera, place, coefficients);
+  if (!lens_traits(*found).terms.empty()) return set_exactly(camera, place, *found, coefficients);
+  if (std::ranges::any_of(coefficients, [](double k) { return k != 0; }))
+    place.fail("the distortion model '" + model + "' has no coefficients");
+  camera.distortion = *found;
+}
+
+void set_lens(CameraModel& camera, DistortionModel model, const std::vector<double>& coefficients) {
+  camera.distortion = model;
+  camera.coefficients.fill(0);
+  std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
+  const double scale = focal_in_files(camera);
+  camera.fx /= scale;
+  camera.fy /= scale;
 }
 
 void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double beta) {
@@ -112,10 +94,12 @@ void set_eucm(CameraModel& camera, const YamlValue& place, double alpha, double 
   set_fit(camera, place, "eucm", extended_unified_lens(alpha, beta));
 }
 
-double sphere_scale(const CameraModel& camera) {
-  const bool sphere =
-      camera.distortion == DistortionModel::kDoubleSphere || camera.distortion == DistortionModel::kOmni;
-  return sphere ? 1 + camera.coefficients[0] : 1.0;
+std::string listed(const std::vector<std::string_view>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + std::string(names[i]);
+  }
+  return out;
 }
 
 }  // namespace coslam::calibration

@@ -202,20 +202,21 @@ CameraModel read_dso(const std::filesystem::path& file) {
   const std::vector<double> k(v.begin() + 4, v.end());
   if (model.empty()) model = k.size() == 1 ? "FOV" : "RadTan";
   const bool none = std::ranges::all_of(k, [](double value) { return value == 0; });
-  if (model == "Pinhole" || none) return camera;
+  const auto lens = lens_named(LensFile::kDso, model);
+  if (none || (lens && lens->form.terms == 0)) return camera;
+  if (lens && k.size() == lens->form.terms) {
+    set_lens(camera, lens->model, k);
+    return camera;
+  }
   if (model == "FOV" && k.size() == 1) {
     const FittedLens fit = fit_equidistant(camera, field_of_view_lens(k.front()));
     log_info(file.string() + ": " + fit_said(model, fit));
     return fit.camera;
   }
-  const bool radtan = model == "RadTan", equidistant = model == "EquiDistant" || model == "KannalaBrandt";
-  if ((!radtan && !equidistant) || k.size() != 4) {
-    throw UserError(file.string() + ": the lens '" + model + "' with " + std::to_string(k.size()) +
-                    " terms is not supported, only FOV with one, RadTan and EquiDistant with four are");
-  }
-  camera.distortion = radtan ? DistortionModel::kRadTan : DistortionModel::kEquidistant;
-  std::ranges::copy(k, camera.coefficients.begin());
-  return camera;
+  auto names = lens_names(LensFile::kDso);
+  names.emplace_back("FOV");
+  throw UserError(file.string() + ": the lens '" + model + "' with " + std::to_string(k.size()) +
+                  " terms is not supported, only " + listed(names) + " are, FOV with one and those with four");
 }
 
 std::string several_cameras(const std::string& names) {

@@ -217,8 +217,8 @@ TEST_F(Calibration, Colmap) {
   expect_camera(load("7 OPENCV_FISHEYE 752 480 458.5 457.5 367.5 248.5 1 2 3 4\n"), DistortionModel::kEquidistant);
   EXPECT_EQ(load("1 SIMPLE_RADIAL 752 480 400 367.5 248.5 0.1\n").fy, 400);
   EXPECT_EQ(load("1 PINHOLE 640 480 1 1 1 1\n2 PINHOLE 752 480 400 400 367 248\n", "2").width_px, 752);
-  EXPECT_THAT(error("1 DIVISION 752 480 1 2 3 4 5\n"),
-              HasSubstr("calib.yaml:1: the camera model 'DIVISION' is not supported"));
+  EXPECT_THAT(error("1 EQUIRECTANGULAR 752 480 1 2 3 4 5\n"),
+              HasSubstr("calib.yaml:1: the camera model 'EQUIRECTANGULAR' is not supported"));
   EXPECT_THAT(error("1 PINHOLE 640 480 1 1 1 1\n2 PINHOLE 752 480 400 400 367 248\n"),
               HasSubstr("several cameras in it (1, 2)"));
   EXPECT_THAT(error("1 OPENCV 752 480 1 2 3 4 5\n"), HasSubstr("number of parameters"));
@@ -235,17 +235,16 @@ TEST_F(Calibration, RefusesWhatItDoesNotKnow) {
 }
 
 TEST_F(Calibration, SavesThePlainForm) {
-  for (const auto distortion : {DistortionModel::kNone, DistortionModel::kRadTan, DistortionModel::kEquidistant,
-                                DistortionModel::kDoubleSphere, DistortionModel::kOmni}) {
-    CameraModel c{752, 480, 458.5, 457.5, 367, 248, distortion, {}};
-    if (distortion == DistortionModel::kRadTan) c.coefficients = {0.1, 0, 0.3, 0, 0, 0, 0.7, 0};
-    if (distortion == DistortionModel::kEquidistant) c.coefficients = {0.1, 1.0 / 3.0, 0.3, 0};
-    if (distortion == DistortionModel::kDoubleSphere) c.coefficients = {-0.5, 0.6};
-    if (distortion == DistortionModel::kOmni) c.coefficients = {1, 0.1, 0, 0.3, 0};
-    save_calibration(folder_ / "saved.yaml", c);
+  std::vector<std::pair<DistortionModel, LensTerms>> lenses = {
+      {DistortionModel::kRadTan, {0.1, 0, 0.3, 0, 0, 0, 0.7, 0}},
+      {DistortionModel::kEquidistant, {0.1, 1.0 / 3.0, 0.3, 0}},
+      {DistortionModel::kOmni, {1, 0.1, 0, 0.3, 0}}};
+  for (const DistortionModel model : kDistortionModels) lenses.emplace_back(model, lens_traits(model).typical);
+  for (const auto& [model, coefficients] : lenses) {
+    save_calibration(folder_ / "saved.yaml", {752, 480, 458.5, 457.5, 367, 248, model, coefficients});
     const CameraModel read = load_calibration(folder_ / "saved.yaml");
-    expect_camera(read, distortion);
-    EXPECT_EQ(read.coefficients, c.coefficients);
+    expect_camera(read, model);
+    EXPECT_EQ(read.coefficients, coefficients);
   }
 }
 
