@@ -126,7 +126,7 @@ Decoded<Hello> decode(const idl::Hello& m) {
   h.rate_hz = m.rate_hz();
   h.camera = camera_of(m);
   const Problem problem = first_of({check_sender(h.agent, h.agent_run), check_enum(m.pacing(), Pacing::kLockstep),
-                                    check_enum(m.distortion(), DistortionModel::kUnknown),
+                                    check_enum(m.distortion(), kLastDistortionModel),
                                     check_number(h.rate_hz, 0.001, 10000), check_camera(h.camera)});
   if (problem) return *problem;
   return h;

@@ -70,11 +70,11 @@ void MapServer::tell_of_lenses() {
   for (const MapCamera& c : map().cameras()) {
     const double scale = std::exp(c.lens.log_focal());
     if (std::abs(scale - 1) < kFar || !lenses_told_.insert(c.id).second) continue;
-    const bool guessed = c.model.distortion == DistortionModel::kUnknown;
     warnings_.push_back("the images of agent " + c.name + " fit a focal length of about " +
                         std::to_string(std::lround(scale * c.model.focal_px())) + " px, not the " +
                         std::to_string(std::lround(c.model.focal_px())) + " " +
-                        (guessed ? "that was guessed" : "of its calibration") + "; the map goes by the images");
+                        (c.model.guessed() ? "that was guessed" : "of its calibration") +
+                        "; the map goes by the images");
   }
   for (const MapCamera& c : map().cameras()) {
     if (c.breathing == 0 || !breathing_told_.insert(c.id).second) continue;

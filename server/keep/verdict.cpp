@@ -67,7 +67,7 @@ PathVerdict verdict_of(const CameraLens& camera, const PathError& path, const Im
     facts.tracked_share = static_cast<double>(images[ImageFate::kTracked]) / static_cast<double>(believed);
   facts.error_percent = out.sigma_percent();
   facts.breathing = camera.breathing;
-  if (camera.model.distortion != DistortionModel::kUnknown) facts.focal_ratio = std::exp(camera.lens.log_focal());
+  if (!camera.model.guessed()) facts.focal_ratio = std::exp(camera.lens.log_focal());
   out.verdict = verdict_of(facts);
   return out;
 }

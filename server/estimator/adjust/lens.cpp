@@ -40,7 +40,7 @@ LensCorrection::Values calibration_sigma(const CameraModel& camera) {
     double focal, centre, aspect, tangential, radial;
   };
   constexpr Worth kCalibration{0.005, 0.005, 0.002, 0.001, 0.01}, kGuess{0.3, 0.015, 0.005, 0.002, 0.2};
-  const Worth& worth = camera.distortion == DistortionModel::kUnknown ? kGuess : kCalibration;
+  const Worth& worth = camera.guessed() ? kGuess : kCalibration;
   const double centre_px = worth.centre * camera.width_px;
   LensCorrection::Values out;
   out.head<6>() << worth.focal, centre_px, centre_px, worth.aspect, worth.tangential, worth.tangential;

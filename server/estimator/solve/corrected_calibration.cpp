@@ -14,32 +14,14 @@ namespace {
 
 using Seen = std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>;  // normalized, raw px
 
-// The distortion terms of a lens of this kind that are free.
-std::vector<std::size_t> free_coefficients(DistortionModel distortion) {
-  switch (distortion) {
-    case DistortionModel::kRadTan:
-      return {0, 1, 2, 3, 4};
-    case DistortionModel::kEquidistant:
-      return {0, 1, 2, 3};
-    case DistortionModel::kDoubleSphere:
-      return {0, 1};
-    case DistortionModel::kOmni:
-      return {1, 2, 3, 4};
-    case DistortionModel::kNone:
-    case DistortionModel::kUnknown:
-      break;
-  }
-  return {};
-}
-
 CameraModel with_terms(const CameraModel& camera, const double* terms) {
   CameraModel out = camera;
   out.fx = terms[0];
   out.fy = terms[1];
   out.cx = terms[2];
   out.cy = terms[3];
-  const auto free = free_coefficients(camera.distortion);
-  for (std::size_t i = 0; i < free.size(); ++i) out.coefficients[free[i]] = terms[4 + i];
+  const LensTraits& lens = lens_traits(camera.distortion);
+  for (std::size_t i = lens.first_free; i < lens.end_free; ++i) out.coefficients[i] = terms[4 + i - lens.first_free];
   return out;
 }
 
@@ -77,10 +59,11 @@ CorrectedCalibration corrected_calibration(const CameraModel& camera, const Lens
   if (lens.none()) return {camera, 0};
   const Seen seen = all_over_the_image(camera, lens);
   CameraModel start = camera;
-  const bool pinhole = free_coefficients(camera.distortion).empty();
+  const bool pinhole = lens_traits(camera.distortion).end_free == 0;
   if (pinhole) start.distortion = DistortionModel::kRadTan;
   std::vector<double> terms{camera.fx, camera.fy, camera.cx, camera.cy};
-  for (const std::size_t i : free_coefficients(start.distortion)) terms.push_back(start.coefficients[i]);
+  const LensTraits& traits = lens_traits(start.distortion);
+  for (std::size_t i = traits.first_free; i < traits.end_free; ++i) terms.push_back(start.coefficients[i]);
   auto* cost = new ceres::DynamicNumericDiffCostFunction<Misses, ceres::CENTRAL>(new Misses{start, seen});
   cost->AddParameterBlock(static_cast<int>(terms.size()));
   cost->SetNumResiduals(static_cast<int>(2 * seen.size()));

@@ -197,7 +197,7 @@ TEST(CodecRejects, Hellos) {
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.fx(-500); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.cx(1281); });
   expect_rejected<M>(hello, Rejection::kNotFinite, [](M& m) { m.coefficients()[7] = kInf; });
-  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.distortion(6); });
+  expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.distortion(static_cast<std::uint8_t>(kLensModels)); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.pacing(2); });
   expect_rejected<M>(hello, Rejection::kOutOfRange, [](M& m) { m.rate_hz(0); });
 }
