@@ -149,7 +149,7 @@ int calibration(const CalibrationArguments& arguments) {
   const WrittenCalibration written = written_calibration(camera, arguments.dialect);
   if (!std::isfinite(written.miss_px))
     throw UserError(arguments.dialect + " has no lens that is anything like this one");
-  if (camera.distortion == DistortionModel::kUnknown && arguments.dialect != "plain") {
+  if (camera.guessed() && arguments.dialect != "plain") {
     log_warn("this lens is not known: it is written as one without distortion");
   }
   if (written.miss_px > 0) {

@@ -9,6 +9,7 @@
 #include "deploy/coslam/commands.h"
 #include "deploy/coslam/console.h"
 #include "deploy/simulation/scene.h"
+#include "deploy/simulation/sensor.h"
 
 namespace coslam {
 namespace {
@@ -68,8 +69,7 @@ void add_render_command(CLI::App& app, Command& chosen) {
       ->check([&options](const std::string& text) { return read_size(text, options); });
   command->add_option(
       "--lens", options.lens,
-      "pinhole, radtan, equidistant, double_sphere, omni or fisheyeN (N degrees from corner to corner, 60 to "
-      "170); default: the scene's own");
+      sim::known_lenses() + " or fisheyeN (N degrees from corner to corner, 60 to 170); default: the scene's own");
   command
       ->add_option("--turn-at-s", options.turn_at_s,
                    "the cameras stop there, turn by 180 degrees on the spot within 4 s, and go on looking back")

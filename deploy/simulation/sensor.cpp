@@ -52,7 +52,7 @@ CameraModel radtan_lens() {
   CameraModel c;
   c.fx = 462.4, c.fy = 461.1, c.cx = 322.6, c.cy = 237.8;
   c.distortion = DistortionModel::kRadTan;
-  c.coefficients = {-0.28, 0.07, 3e-4, -2e-4};
+  c.coefficients = lens_traits(c.distortion).typical;
   return c;
 }
 
@@ -68,7 +68,7 @@ CameraModel equidistant_lens() {
   CameraModel c;
   c.fx = 470.8, c.fy = 470.2, c.cx = 318.9, c.cy = 240.7;
   c.distortion = DistortionModel::kEquidistant;
-  c.coefficients = {-0.012, 0.006, -0.003, 0.0005};
+  c.coefficients = lens_traits(c.distortion).typical;
   return c;
 }
 
@@ -80,26 +80,27 @@ CameraModel wide_lens(CameraModel c, double field_deg) {
   return c;
 }
 
-CameraModel sphere_lens(DistortionModel model) {
-  CameraModel c;
+// A usual lens of this model: a fisheye has a field of 150 degrees, another one that of the first camera.
+CameraModel typical_lens(DistortionModel model) {
+  CameraModel c = radtan_lens();
   c.distortion = model;
-  c.coefficients = {-0.2, 0.6};
-  if (model == DistortionModel::kOmni) c.coefficients = {0.9, -0.1, 0.02, 3e-4, -2e-4};
-  return wide_lens(c, 150);
+  c.coefficients = lens_traits(model).typical;
+  return lens_traits(model).fisheye ? wide_lens(c, 150) : c;
+}
+
+// Name of a lens model for those who ask for simulated cameras; empty: none has it.
+std::string_view lens_name(DistortionModel model) {
+  const LensTraits& lens = lens_traits(model);
+  if (lens.guess) return {};
+  return lens.terms.empty() ? "pinhole" : lens.name();
 }
 
 CameraModel lens_of(int index, const std::string& name) {
   constexpr std::string_view kFisheye = "fisheye";
   if (name.empty()) return std::array{radtan_lens, second_radtan_lens, equidistant_lens}[index % 3]();
-  if (name == "radtan") return radtan_lens();
   if (name == "equidistant") return equidistant_lens();
-  if (name == "double_sphere") return sphere_lens(DistortionModel::kDoubleSphere);
-  if (name == "omni") return sphere_lens(DistortionModel::kOmni);
-  if (name == "pinhole") {
-    CameraModel c = radtan_lens();
-    c.distortion = DistortionModel::kNone;
-    c.coefficients = {};
-    return c;
+  for (const DistortionModel model : kDistortionModels) {
+    if (name == lens_name(model)) return typical_lens(model);
   }
   if (name.starts_with(kFisheye)) {
     const char *from = name.data() + kFisheye.size(), *end = name.data() + name.size();
@@ -109,8 +110,7 @@ CameraModel lens_of(int index, const std::string& name) {
       return wide_lens(equidistant_lens(), field_deg);
     }
   }
-  throw UserError("unknown lens '" + name +
-                  "' (known: pinhole, radtan, equidistant, double_sphere, omni, fisheye60 to fisheye170)");
+  throw UserError("unknown lens '" + name + "' (known: " + known_lenses() + ", fisheye60 to fisheye170)");
 }
 
 double gain_at(const SensorModel& s, double t_s) {
@@ -118,6 +118,15 @@ double gain_at(const SensorModel& s, double t_s) {
 }
 
 }  // namespace
+
+std::string known_lenses() {
+  std::string out;
+  for (const DistortionModel model : kDistortionModels) {
+    const std::string_view name = lens_name(model);
+    if (!name.empty()) out += (out.empty() ? "" : ", ") + std::string(name);
+  }
+  return out;
+}
 
 CameraModel simulated_camera(int index, double image_scale, const std::string& lens) {
   CameraModel c = lens_of(index, lens);

@@ -26,10 +26,12 @@ struct SensorModel {
 // A camera with 640 x 480 pixels at scale 1. Lenses:
 //   ""           that of camera `index`: each of the first three differs, further ones repeat them
 //   pinhole      without distortion
-//   radtan, equidistant
+//   radtan, ...  one of known_lenses(), each a lens model
 //   fisheyeN     equidistant, N degrees from corner to corner, 60 to 170
 // Throws UserError for another one.
 CameraModel simulated_camera(int index, double image_scale = 1.0, const std::string& lens = {});
+// Names of the lens models that cameras may have: "pinhole, radtan, ...".
+std::string known_lenses();
 SensorModel simulated_sensor(int index, std::uint64_t seed);
 
 // The 8-bit image of a radiance image. The same sensor and frame give the same noise.

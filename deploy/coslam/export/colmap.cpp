@@ -5,6 +5,7 @@
 #include "common/base/log.h"
 #include "common/base/printed.h"
 #include "common/dataset/file.h"
+#include "common/geometry/lens_forms.h"
 #include "deploy/coslam/export/colmap_adjust.h"
 #include "deploy/coslam/export/colmap_model.h"
 #include "deploy/coslam/export/export.h"
@@ -18,23 +19,17 @@ namespace {
 constexpr double kPixelCenter = 0.5;
 
 std::string camera_text(std::size_t id, const CameraModel& c) {
-  const auto& k = c.coefficients;
-  const bool high_order = k[4] != 0 || k[5] != 0 || k[6] != 0 || k[7] != 0;
-  const char* model = "PINHOLE";
-  int coefficients = 0;
-  if (c.distortion == DistortionModel::kEquidistant) {
-    model = "OPENCV_FISHEYE";
-    coefficients = 4;
-  } else if (c.distortion == DistortionModel::kDoubleSphere || c.distortion == DistortionModel::kOmni) {
-    throw UserError("COLMAP has no model for the lens of camera " + std::to_string(id) +
-                    " (double sphere or omni): add --undistort");
-  } else if (c.distortion == DistortionModel::kRadTan) {
-    model = high_order ? "FULL_OPENCV" : "OPENCV";
-    coefficients = high_order ? 8 : 4;
+  CameraModel lens = c;
+  if (c.guessed()) lens.distortion = DistortionModel::kNone;
+  const auto form = exact_form(LensFile::kColmap, lens);
+  if (!form) {
+    throw UserError("COLMAP has no model for the lens of camera " + std::to_string(id) + " (" +
+                    std::string(lens_traits(c.distortion).name()) + "): add --undistort");
   }
-  std::string text = printed("%zu %s %d %d %.10g %.10g %.10g %.10g", id, model, c.width_px, c.height_px, c.fx, c.fy,
-                             c.cx + kPixelCenter, c.cy + kPixelCenter);
-  for (int i = 0; i < coefficients; ++i) text += printed(" %.10g", k[static_cast<std::size_t>(i)]);
+  const double scale = focal_in_files(lens);
+  std::string text = printed("%zu %s %d %d %.10g %.10g %.10g %.10g", id, std::string(form->name).c_str(), c.width_px,
+                             c.height_px, c.fx * scale, c.fy * scale, c.cx + kPixelCenter, c.cy + kPixelCenter);
+  for (std::size_t i = 0; i < form->terms; ++i) text += printed(" %.10g", c.coefficients[i]);
   return text + "\n";
 }
 

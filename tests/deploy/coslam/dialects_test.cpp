@@ -53,6 +53,14 @@ class Dialects : public testing::TestWithParam<std::string> {
   const test::TempFolder folder_;
 };
 
+TEST_P(Dialects, EveryLensModelIsWrittenExactlyOrAsTheNearest) {
+  for (const DistortionModel model : kDistortionModels) {
+    const CameraModel lens = camera(model, lens_traits(model).typical);
+    const WrittenCalibration written = written_calibration(lens, GetParam());
+    EXPECT_LE(apart_px(lens, read(written.text)), written.miss_px + 0.02) << lens_traits(model).name();
+  }
+}
+
 TEST_P(Dialects, WhatIsWrittenIsReadAsTheSameCamera) {
   for (const auto& [name, lens] : kLenses) {
     const WrittenCalibration written = written_calibration(lens, GetParam());

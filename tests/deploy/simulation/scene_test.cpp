@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "common/base/error.h"
+#include "deploy/simulation/sensor.h"
 #include "deploy/simulation/simulated_scene.h"
 
 namespace coslam {
@@ -258,7 +259,7 @@ TEST(MakeScene, AnUnknownLensIsAUserErrorThatListsThem) {
       sim::make_simulated_scene("room", 1, {.lens = lens});
       FAIL() << lens;
     } catch (const UserError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("pinhole, radtan, equidistant, double_sphere, omni, fisheye60"));
+      EXPECT_THAT(error.what(), testing::HasSubstr(sim::known_lenses() + ", fisheye60"));
     }
   }
 }
