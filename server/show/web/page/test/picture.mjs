@@ -3,8 +3,8 @@
 //
 // node test/picture.mjs URL FILE.png [--wait S] [--size WxH] [--theme light] [--keys ft] [--film N]: what a browser shows
 // of a server. The wait is for points, at most two minutes, and then S seconds; the keys are pressed before the last of them.
-// A film is N pictures, FILE_000.png and so on, four a second. ImageMagick makes a moving picture of them:
-// convert -delay 25 FILE_*.png -layers optimize FILE.gif
+// A film is of a recorded run (URL?recorded): N pictures, FILE_000.png and so on, evenly from its begin to its end. ImageMagick
+// makes a moving picture of them: convert -delay 12 FILE_*.png -layers optimize FILE.gif
 import { parseArgs } from "node:util";
 import { chromium } from "playwright-core";
 
@@ -32,10 +32,13 @@ await page.waitForTimeout(1000 * Math.max(0, Number(values.wait) - 1));
 for (const key of values.keys) await page.keyboard.press(key);
 await page.waitForTimeout(1000);
 await page.screenshot({ path: file });
-for (let i = 0; i < Number(values.film); ++i) {
-  const pause = page.waitForTimeout(250);
+const films = Number(values.film);
+for (let i = 1; i <= films; ++i) {
+  const box = await page.locator(".track").boundingBox();
+  await page.mouse.click(box.x + 62 + (i / films) * (box.width - 74), box.y + 30);
+  await page.mouse.move(width - 1, 1);
+  await page.waitForTimeout(500);
   await page.screenshot({ path: file.replace(/\.png$/, `_${String(i).padStart(3, "0")}.png`) });
-  await pause;
 }
 console.log(`${await page.textContent(".pill")}: ${await page.textContent(".figures")}`);
 await browser.close();
