@@ -26,6 +26,7 @@
 #include "common/base/words.h"
 #include "common/config/program.h"
 #include "common/flow/clock.h"
+#include "common/wire/addresses.h"
 #include "common/wire/participant.h"
 #include "common/wire/peer_names.h"
 #include "common/wire/ports.h"

@@ -6,6 +6,7 @@
 
 #include "agent/link/agent_link.h"
 #include "common/wire/address_watch.h"
+#include "common/wire/addresses.h"
 #include "common/wire/participant.h"
 #include "common/wire/wire_config.h"
 

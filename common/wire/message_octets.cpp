@@ -30,7 +30,7 @@ bool read_octets(std::span<const std::uint8_t> octets, Message& message) {
   Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS);
   try {
     message.deserialize(cdr);
-  } catch (const std::exception&) {  // of several kinds, see Guarded in participant.cpp
+  } catch (const std::exception&) {  // of several kinds, see Guarded in serialisers.cpp
     return false;
   }
   return cdr.getSerializedDataLength() == octets.size();

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/wire/addresses.h"
 #include "common/wire/chained_transport.h"
-#include "common/wire/participant.h"
 
 namespace coslam {
 namespace {

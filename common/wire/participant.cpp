@@ -1,11 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/participant.h"
-#include "common/wire/peer_names.h"
 
-#include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -29,10 +25,12 @@
 #include "common/base/log.h"
 #include "common/base/text.h"
 #include "common/base/words.h"
+#include "common/wire/addresses.h"
 #include "common/wire/guard.h"
 #include "common/wire/middleware_log.h"
+#include "common/wire/peer_names.h"
 #include "common/wire/ports.h"
-#include "idl/coslamPubSubTypes.h"
+#include "common/wire/serialisers.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // The middleware deletes a reader's statistics through a base without virtual destructor; nothing of ours does.
@@ -48,36 +46,6 @@ namespace {
 constexpr std::uint64_t kDatagramOverhead = 20 + 8 + 20 + 16 + 12 + 24 + 60;
 constexpr std::uint64_t kFragmentOverhead = kDatagramOverhead + 12;
 constexpr std::uint64_t kReserved = 176;  // what the middleware keeps free of max_message_bytes for headers
-
-bool is_address(int family, const std::string& text) {
-  in6_addr address{};
-  return inet_pton(family, text.c_str(), &address) == 1;
-}
-
-using AddressList = std::unique_ptr<addrinfo, decltype([](addrinfo* list) { freeaddrinfo(list); })>;
-
-// Of a name; `error` is that of getaddrinfo().
-AddressList look_up(const std::string& name, int family, int* error) {
-  addrinfo wanted{}, *list = nullptr;
-  wanted.ai_family = family;
-  wanted.ai_socktype = SOCK_DGRAM;
-  *error = getaddrinfo(name.c_str(), nullptr, &wanted, &list);
-  return AddressList(*error == 0 ? list : nullptr);
-}
-
-// What cannot be a peer, though it may look like one to the system.
-void require_peer(const std::string& peer) {
-  const auto fail = [&](const std::string& why) { throw UserError("peer '" + peer + "' " + why); };
-  if (is_address(AF_INET6, peer)) fail("is an IPv6 address: the fleet speaks IPv4");
-  if (peer.find_first_of(":/") != peer.npos)
-    fail("is more than a name or an IPv4 address: leave out the port and the rest");
-  in_addr address{};
-  if (inet_aton(peer.c_str(), &address) == 0) return;  // a name
-  if (!is_address(AF_INET, peer)) fail("is no whole IPv4 address: four numbers are expected, as in 192.168.1.20");
-  const std::uint32_t first = ntohl(address.s_addr) >> 24U;
-  constexpr std::uint32_t kMulticast = 224;  // and what follows, up to the broadcast
-  if (first == 0 || first >= kMulticast) fail("is the address of no single machine");
-}
 
 WireConfig with_addresses(WireConfig config) {
   std::vector<std::string> peers;
@@ -182,39 +150,6 @@ void turn_off_intraprocess() {
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
 }
 
-// The generated serialiser, safe against strangers: it catches one kind of exception of its decoder only, and the
-// others would end the process from a thread of the middleware.
-template <class Generated>
-struct Guarded : Generated {
-  explicit Guarded(RejectionCounts& counts) : rejections(counts) {}
-
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
-    try {
-      if (Generated::deserialize(payload, data)) return true;
-    } catch (const std::exception&) {
-    }
-    rejections.add(Rejection::kMalformed);
-    return false;
-  }
-
-  RejectionCounts& rejections;
-};
-
-// The serialiser of a place in kTopics.
-using MakeSerialiser = dds::TopicDataType* (*)(RejectionCounts&);
-
-template <class Serialiser>
-dds::TopicDataType* make_guarded(RejectionCounts& rejections) {
-  return new Guarded<Serialiser>(rejections);
-}
-
-template <class... Types>
-constexpr std::array<MakeSerialiser, kTopicCount> makers_of(const std::tuple<Types...>&) {
-  return {&make_guarded<typename Types::Serialiser>...};
-}
-
-constexpr auto kMakeSerialiser = makers_of(kMessageTypes);
-
 }  // namespace
 
 dds::Topic* Participant::Impl::topic(std::size_t index) {
@@ -223,62 +158,9 @@ dds::Topic* Participant::Impl::topic(std::size_t index) {
   if (dds::TopicDescription* known = participant->lookup_topicdescription(name)) {
     return static_cast<dds::Topic*>(known);
   }
-  const dds::TypeSupport type(kMakeSerialiser[index](*rejections));
+  const dds::TypeSupport type(make_serialiser(index, *rejections));
   type.register_type(participant);
   return participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-}
-
-std::vector<std::string> local_addresses() {
-  std::vector<std::string> addresses;
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return addresses;
-  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
-    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr, text.data(), text.size());
-    addresses.emplace_back(text.data());
-  }
-  freeifaddrs(list);
-  return addresses;
-}
-
-std::vector<std::string> addresses_used(const WireConfig& config) {
-  if (!config.interfaces.empty()) return config.interfaces;
-  std::vector<std::string> all = local_addresses();
-  const auto is_loopback = [](const std::string& address) { return address.starts_with("127."); };
-  if (!std::ranges::all_of(all, is_loopback)) std::erase_if(all, is_loopback);
-  return all;
-}
-
-std::vector<std::string> addresses_of_peer(const std::string& peer) {
-  require_peer(peer);
-  if (is_address(AF_INET, peer)) return {peer};
-  int error = 0, error_of_ipv6 = 0;
-  const AddressList list = look_up(peer, AF_INET, &error);
-  if (error != 0 && look_up(peer, AF_INET6, &error_of_ipv6))
-    throw UserError("peer '" + peer + "' has only IPv6 addresses: the fleet speaks IPv4");
-  if (error != 0) {
-    throw UserError("peer '" + peer + "' is no IPv4 address and no name of one: " + gai_strerror(error));
-  }
-  std::vector<std::string> out;
-  for (const addrinfo* i = list.get(); i != nullptr; i = i->ai_next) {
-    std::array<char, INET_ADDRSTRLEN> text{};
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(i->ai_addr)->sin_addr, text.data(), text.size());
-    out.emplace_back(text.data());
-  }
-  return out;
-}
-
-std::vector<std::string> unknown_peers(const std::vector<std::string>& peers) {
-  std::vector<std::string> out;
-  for (const std::string& peer : peers) {
-    require_peer(peer);
-    int error = 0;
-    if (!is_address(AF_INET, peer) && !look_up(peer, AF_INET, &error) && !look_up(peer, AF_INET6, &error)) {
-      out.push_back(peer);
-    }
-  }
-  return out;
 }
 
 const char* middleware_version() { return FASTRTPS_VERSION_STR; }

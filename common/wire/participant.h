@@ -26,16 +26,6 @@ struct TopicCounts {
 // the seals where there is a key.
 std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool with_key = false);
 
-// The IPv4 addresses of this machine now.
-std::vector<std::string> local_addresses();
-
-// The local addresses by which others reach a participant with these settings; that of the loopback device where there
-// is no other.
-std::vector<std::string> addresses_used(const WireConfig& config);
-
-// The addresses of a peer as in WireConfig, which may be a name. Throws UserError.
-std::vector<std::string> addresses_of_peer(const std::string& peer);
-
 // Variables of the environment that steer the middleware, for the ROS 2 nodes beside; participants here ignore them.
 constexpr std::array<const char*, 5> kIgnoredVariables = {"ROS_DISCOVERY_SERVER", "FASTDDS_ENVIRONMENT_FILE",
                                                           "FASTDDS_DEFAULT_PROFILES_FILE",

@@ -8,6 +8,9 @@
 
 namespace coslam {
 
+// The addresses of a peer as in WireConfig, which may be a name. Throws UserError.
+std::vector<std::string> addresses_of_peer(const std::string& peer);
+
 // Peers whose names the system knows no address of now: a machine that just started has no name service yet. Throws
 // UserError of what is no peer at all.
 std::vector<std::string> unknown_peers(const std::vector<std::string>& peers);

@@ -12,8 +12,8 @@
 #include <mutex>
 #include <utility>
 
+#include "common/wire/addresses.h"
 #include "common/wire/chained_transport.h"
-#include "common/wire/participant.h"
 
 namespace coslam {
 namespace {

@@ -8,6 +8,7 @@
 #include "common/base/log.h"
 #include "common/base/printed.h"
 #include "common/config/program.h"
+#include "common/wire/addresses.h"
 #include "common/wire/codec.h"
 #include "common/wire/participant.h"
 #include "common/wire/peer_names.h"

@@ -10,8 +10,10 @@
 
 #include "common/base/error.h"
 #include "common/flow/clock.h"
+#include "common/wire/addresses.h"
 #include "common/wire/guard.h"
 #include "common/wire/participant.h"
+#include "common/wire/peer_names.h"
 #include "common/wire/ports.h"
 #include "deploy/coslam/doctor/fleet.h"
 #include "deploy/coslam/doctor/hearing.h"

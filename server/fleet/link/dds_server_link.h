@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/wire/address_watch.h"
+#include "common/wire/addresses.h"
 #include "common/wire/participant.h"
 #include "common/wire/wire_config.h"
 #include "server/fleet/link/server_link.h"

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "common/wire/participant.h"
+#include "common/wire/addresses.h"
 
 namespace coslam {
 namespace {

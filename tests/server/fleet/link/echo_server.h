@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/wire/addresses.h"
 #include "server/fleet/link/dds_server_link.h"
 #include "tests/support/eventually.h"
 
