@@ -13,6 +13,7 @@
 #include "common/wire/track_codec.h"
 #include "tests/common/wire/announcement_octets.h"
 #include "tests/common/wire/cdr_octets.h"
+#include "tests/common/wire/encoded.h"
 #include "tests/fuzz/fuzzer.h"
 #include "tests/support/moving_tracks.h"
 #include "tests/support/wire_values.h"
@@ -85,25 +86,12 @@ void fuzz::try_octets(Octets octets) {
 
 void fuzz::write_seeds(const WriteSeed& write_seed) {
   test::WireValues values(1);
-  const TrackFrame frame = values.frame("cam0", RunId(1), 5, 8);
   const auto write = [&](std::size_t topic, const Sample& octets) {
     write_seed("topic" + std::to_string(topic), static_cast<char>(topic) + std::string(octets.data(), octets.size()));
   };
-  write(topic_index<idl::TrackFrame>(), serialize(encode(frame, pixel_scale(test::vga_camera()))));
-  write(topic_index<idl::PatchReply>(), serialize(encode(values.patches(frame, 2))));
-  write(topic_index<idl::DescriptorReply>(), serialize(encode(values.descriptors(frame, 2))));
-  AgentStatus last = values.agent_status("cam0", RunId(1), AgentState::kFinished);
-  last.last_image = values.descriptors(frame, 20);
-  write(topic_index<idl::AgentStatus>(), serialize(encode(last)));
-  write(topic_index<idl::Hello>(), serialize(encode(values.hello("cam0", RunId(1)))));
-  write(topic_index<idl::MapPatch>(), serialize(encode(values.map_patch("cam0", RunId(1), 5, 12))));
-  write(topic_index<idl::MovingState>(), serialize(encode(values.moving_state())));
-  write(topic_index<idl::AgentPose>(), serialize(encode(values.agent_pose("cam0", RunId(1)))));
-  write(topic_index<idl::AgentImages>(), serialize(encode(values.agent_images("cam0", RunId(1)))));
-  write(topic_index<idl::ThumbnailRequest>(), serialize(encode(ThumbnailRequest{"cam0", RunId(1), RunId(4)})));
-  write(topic_index<idl::Thumbnail>(), serialize(encode(values.thumbnail("cam0", RunId(1)))));
-  write(topic_index<idl::PublicSample>(), serialize(encode(values.public_sample())));
-  write(topic_index<idl::ServerStatus>(), serialize(encode(values.server_status(RunId(4)))));
+  for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
+    write(topic_index<M>(), serialize(test::encoded(values.sample<V>())));
+  });
   write(kSealed, Sample(64, 'x'));
   const auto announcement = test::announcement();
   write(kHeard, Sample(announcement.begin(), announcement.end()));

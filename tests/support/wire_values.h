@@ -5,12 +5,15 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <type_traits>
 
+#include "common/model/agent_images.h"
 #include "common/model/agent_pose.h"
 #include "common/model/map_patch.h"
 #include "common/model/moving_state.h"
 #include "common/model/public_sample.h"
 #include "common/model/session.h"
+#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 
 // Random but valid values of everything that crosses the wire, for tests of the codec and the links.
@@ -32,6 +35,12 @@ inline CameraModel vga_camera() {
 class WireValues {
  public:
   explicit WireValues(std::uint64_t seed) : random_(seed) {}
+
+  // A small message of any type, with something in all that it may hold, of agent "cam0" and run 1.
+  template <class Value>
+  Value sample() {
+    return sample(std::type_identity<Value>());
+  }
 
   double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
   std::uint32_t below(std::uint32_t bound) {
@@ -205,6 +214,38 @@ class WireValues {
   }
 
  private:
+  Hello sample(std::type_identity<Hello>) { return hello("cam0", RunId(1)); }
+  TrackFrame sample(std::type_identity<TrackFrame>) { return frame("cam0", RunId(1), 5, 40); }
+  PatchReply sample(std::type_identity<PatchReply>) { return patches(sample<TrackFrame>(), 3); }
+  DescriptorReply sample(std::type_identity<DescriptorReply>) { return descriptors(sample<TrackFrame>(), 3); }
+  AgentStatus sample(std::type_identity<AgentStatus>) {
+    AgentStatus s = agent_status("cam0", RunId(1), AgentState::kFinished);
+    s.exchange = {1'700'000'000'000'000'000, 1'700'000'000'010'000'000, 1'700'000'000'500'000'000};
+    s.last_image = descriptors(sample<TrackFrame>(), 20);
+    return s;
+  }
+  MapPatch sample(std::type_identity<MapPatch>) {
+    MapPatch p = map_patch("cam0", RunId(1), 5, 10);
+    p.new_from_old.scale = 2;
+    p.continues = ContinuedMap{RunId(76), MapEpoch(2)};
+    p.placed = PlacedPose{FrameId(4), pose()};
+    p.lens.emplace().values << 0.03125, -4.5, 2.25, 0, 0.001953125, 0, -0.015625, 0.5, 0, 0, 0, 0.25;
+    p.sent_ns = 1'700'000'000'000'000'000;
+    p.uplink_wait_s = 0.25F;
+    return p;
+  }
+  MovingState sample(std::type_identity<MovingState>) { return moving_state(); }
+  AgentPose sample(std::type_identity<AgentPose>) { return agent_pose("cam0", RunId(1)); }
+  AgentImages sample(std::type_identity<AgentImages>) { return agent_images("cam0", RunId(1)); }
+  ThumbnailRequest sample(std::type_identity<ThumbnailRequest>) { return {"cam0", RunId(1), RunId(77)}; }
+  Thumbnail sample(std::type_identity<Thumbnail>) { return thumbnail("cam0", RunId(1)); }
+  PublicSample sample(std::type_identity<PublicSample>) { return public_sample(); }
+  ServerStatus sample(std::type_identity<ServerStatus>) {
+    ServerStatus s = server_status(RunId(77));
+    s.refused = {{RunId(2), "no"}};
+    return s;
+  }
+
   std::mt19937_64 random_;
 };
 
