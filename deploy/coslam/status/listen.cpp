@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <thread>
-#include <type_traits>
 
 #include "common/base/error.h"
 #include "common/wire/codec.h"
@@ -21,18 +20,18 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{3}, kWindow{2}, kAgain{1};
 
-// These are made only for those who read them or ask for them, and tell nothing of the link.
-template <class Message, class... Others>
-constexpr bool kOneOf = (std::is_same_v<Message, Others> || ...);
-template <class Message>
-constexpr bool kHeeded = !kOneOf<Message, idl::AgentPose, idl::PublicSample, idl::ThumbnailRequest, idl::Thumbnail>;
+// What the census has no place for is made only for those who read it or ask for it, and tells nothing of the link.
+template <class Value>
+concept Heeded = requires(Census& census, const Value& value) {
+  census.add(value, 0, Clock::now());
+};
 
 class Listener {
  public:
   explicit Listener(const WireConfig& config)
       : participant_(config, "coslam-status"), loop_(participant_, "status", std::chrono::milliseconds(100), [] {}) {
     for_each_message_type([this]<class M, class S, class V>(const MessageType<M, S, V>&) {
-      if constexpr (kHeeded<M>) read<M>();
+      if constexpr (Heeded<V>) read<M>();
     });
     loop_.start();
   }
