@@ -97,7 +97,7 @@ void AgentLoop::answer_who_looks(const Image& image) {
   last_thumbnail_ = now;
   Thumbnail thumbnail{hello_.agent, hello_.agent_run, image.capture_ns, {}};
   if (gives_thumbnails_) thumbnail.jpeg = thumbnail_jpeg(image.grey);
-  link_.send_thumbnail(thumbnail);
+  link_.send(thumbnail);
 }
 
 // To the log and, when something changed or a second is over, to the server.
@@ -110,7 +110,7 @@ void AgentLoop::tell_state() {
   last_pose_state_ = agent_.pose_state();
   last_verdict_ = verdict_.verdict();
   throw_if_refused();
-  link_.send_status(status(AgentState::kRunning));
+  link_.send(status(AgentState::kRunning));
 }
 
 // New answers wait for the old ones.
@@ -259,7 +259,7 @@ void AgentLoop::finish(const std::atomic<bool>& stop) {
   AgentStatus last = status(AgentState::kFinished);
   last.report_json = report();
   last.last_image = last_image();
-  link_.send_status(last);
+  link_.send(last);
 }
 
 }  // namespace coslam

@@ -9,9 +9,9 @@
 #include "common/model/agent_images.h"
 #include "common/model/map_patch.h"
 #include "common/model/session.h"
-#include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
+#include "common/wire/message_view.h"
 
 namespace coslam {
 
@@ -30,10 +30,13 @@ struct ReplyLimits {
   bool narrow_link = false;
 };
 
+// Message that goes up as it is. The hello goes by itself, and a frame goes along with replies.
+using AgentMessage = MessageView<SelectedTypes<goes_up, Hello, TrackFrame, PatchReply, DescriptorReply>>;
+
 // An agent's end of the link to the map server: over DDS (dds_agent_link.h) or in one process
 // (deploy/coslam/run/inline_link.h). The hello goes out at construction and stays available to servers that start
 // later. Nothing here waits for the network except wait_patch and wait_server_status, up to their timeout. Threads:
-// send, wait_patch and take_patches belong to one thread; everything else may be called from any.
+// send of a frame, wait_patch and take_patches belong to one thread; everything else may be called from any.
 class AgentLink {
  public:
   virtual ~AgentLink() = default;
@@ -42,10 +45,9 @@ class AgentLink {
   // descriptors_sent if it has any, from those that leave with it.
   virtual void send(TrackFrame frame, const std::optional<PatchReply>& patches,
                     const std::optional<DescriptorReply>& descriptors) = 0;
-  virtual void send_status(const AgentStatus& status) = 0;
+  virtual void send(const AgentMessage& message) = 0;
   // The server asked for a thumbnail since the last call.
   virtual bool take_thumbnail_request() { return false; }
-  virtual void send_thumbnail(const Thumbnail&) {}
   // Sets the limits of replies from now on.
   virtual void limit_replies(const ReplyLimits&) {}
   virtual RepliesWaiting waiting() const { return {}; }

@@ -5,20 +5,16 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
-#include <shared_mutex>
+#include <type_traits>
 
+#include "agent/link/agent_ends.h"
+#include "agent/link/clock_lead.h"
 #include "agent/link/inbox.h"
-#include "agent/link/reply_writers.h"
-#include "common/base/error.h"
-#include "common/base/log.h"
+#include "agent/link/reply_queue.h"
 #include "common/flow/clock.h"
-#include "common/wire/address_watch.h"
 #include "common/wire/codec.h"
-#include "common/wire/loop.h"
-#include "common/wire/participant.h"
-#include "common/wire/reply_parts.h"
+#include "common/wire/membership.h"
 #include "common/wire/track_codec.h"
 
 namespace coslam {
@@ -38,41 +34,7 @@ milliseconds heartbeat(const WireConfig& config) {
   return milliseconds(std::max(10L, std::lround(1000 * config.silent_after_s / 4)));
 }
 
-std::uint64_t sum(const std::array<TopicCounts, kTopicCount>& counts, std::uint64_t TopicCounts::*field) {
-  std::uint64_t total = 0;
-  for (const TopicCounts& c : counts) total += c.*field;
-  return total;
-}
-
-// What a link has in the domain.
-struct Ends {
-  Participant participant;
-  std::deque<Writer<idl::TrackFrame>> tracks;  // in turn
-  ReplyWriters<idl::PatchReply> patches{participant};
-  ReplyWriters<idl::DescriptorReply> descriptors{participant};
-  std::optional<Writer<idl::Hello>> hello;
-  Writer<idl::Thumbnail> thumbnail{participant};
-  Writer<idl::AgentStatus> status{
-      participant};  // after hello: its end waits for the last word, before the sign of life
-  Loop loop;         // last: stops first
-
-  Ends(const WireConfig& config, const std::string& agent, std::shared_ptr<RejectionCounts> rejections,
-       const std::function<void(Ends&)>& on_tick)
-      : participant(config, "coslam-agent " + agent, std::move(rejections)),
-        loop(participant, "agent-link", kTick, [this, on_tick] { on_tick(*this); }) {}
-
-  void forget_what_is_repeated_soon() {
-    patches.soon.forget();
-    descriptors.soon.forget();
-  }
-
-  // Both ways of every topic: where a word of discovery is lost, that takes seconds.
-  bool whole() const {
-    const auto found = [](const auto& writer) { return writer.readers() > 0; };
-    return std::ranges::all_of(tracks, found) && found(patches) && found(descriptors) && found(*hello) &&
-           found(status) && loop.writers<idl::MapPatch>() > 0;
-  }
-};
+using Ends = AgentEnds;
 
 class DdsAgentLink : public AgentLink {
  public:
@@ -81,62 +43,49 @@ class DdsAgentLink : public AgentLink {
         hello_(hello),
         encoder_(pixel_scale(hello.camera)),
         inbox_(hello.agent_run),
-        heartbeat_(heartbeat(config)) {
-    ready_.agent = hello.agent;
-    ready_.agent_run = hello.agent_run;
-    ends_ = open();
-    addresses_.emplace(addresses, [this] { return join_anew(); });
-  }
+        ready_{.agent = hello.agent, .agent_run = hello.agent_run},
+        heartbeat_(heartbeat(config)),
+        membership_({.open = [this] { return open(); },
+                     .leaving = [this](const Ends& e) { bytes_before_ = sum(bytes_before_, e.bytes()); },
+                     .left = [this] { start_anew(); },
+                     .joined_anew = [](Ends&) {}},
+                    addresses) {}
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
             const std::optional<DescriptorReply>& descriptors) override {
     last_ = {};
-    if (patches) put_parts(*patches, patches_waiting_, last_.patches);
-    if (descriptors) {
-      put_parts(*descriptors, descriptors_waiting_, last_.descriptors);
-      described_ = Clock::now();
-    }
-    last_.sent = Clock::now();
+    replies_.put(patches, descriptors, last_.sent);
     const std::optional<FrameId> known = acknowledged();
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_) write_waiting();
+    const auto ends = membership_.ends();
+    if (ends) replies_.write(ends->replies, last_.sent);
     // What waits rides with a later frame, so that this one does not wait for it.
-    const bool patches_gone = ends_ && patches && patches_waiting_.empty();
+    const bool patches_gone = ends && patches && !replies_.patches_wait();
     frame.patches_sent = patches_gone ? static_cast<std::uint16_t>(patches->patches.size()) : std::uint16_t{0};
     if (descriptors && descriptors->frame == frame.frame) {
-      const bool are_sent = ends_ && descriptors_waiting_.empty();
+      const bool are_sent = ends && !replies_.descriptors_wait();
       frame.descriptors_sent = are_sent ? DescriptorsSent::kWithFrame : DescriptorsSent::kLater;
     }
     // Joining anew: lost, as on a link that is cut.
-    if (ends_) ends_->tracks[frame.frame.value % ends_->tracks.size()].write(encoder_.encode(frame, known));
+    if (ends) ends->tracks[frame.frame.value % ends->tracks.size()].write(encoder_.encode(frame, known));
     last_.frame = std::move(frame);
   }
 
-  void send_status(const AgentStatus& status) override {
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_) say(*ends_, status);
+  void send(const AgentMessage& message) override {
+    const auto ends = membership_.ends();
+    if (ends) message.visit([&](const auto& value) { write(*ends, value); });
   }
 
   bool take_thumbnail_request() override {
     const std::lock_guard lock(mutex_);
     return inbox_.take_thumbnail_request();
   }
-  void send_thumbnail(const Thumbnail& thumbnail) override {
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_) ends_->thumbnail.write(encode(thumbnail));
-  }
 
   void limit_replies(const ReplyLimits& limits) override {
-    const bool was_narrow = limits_ && limits_->narrow_link;
-    limits_ = limits;
-    if (!limits.narrow_link || was_narrow) return;
+    if (!replies_.limit(limits)) return;
     // What waits in the queue of a narrow link would be sent again and again, and keep it full.
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_) ends_->forget_what_is_repeated_soon();
+    if (const auto ends = membership_.ends()) ends->replies.forget_soon();
   }
-  RepliesWaiting waiting() const override {
-    return {!patches_waiting_.empty(), !descriptors_waiting_.empty(), reply_bytes_};
-  }
+  RepliesWaiting waiting() const override { return replies_.waiting(); }
 
   std::optional<MapPatch> wait_patch(FrameId after_frame, milliseconds timeout) override {
     const Instant deadline = Clock::now() + timeout;
@@ -182,14 +131,12 @@ class DdsAgentLink : public AgentLink {
 
   std::optional<double> clock_ahead_s() const override {
     const std::lock_guard lock(mutex_);
-    return least_took_s_;
+    return clock_lead_.seconds();
   }
 
   LinkBytes bytes() const override {
-    const std::shared_lock lock(ends_mutex_);
-    LinkBytes all = bytes_before_;
-    if (ends_) add_bytes(*ends_, all);
-    return all;
+    const auto ends = membership_.ends();
+    return ends ? sum(bytes_before_, ends->bytes()) : bytes_before_;
   }
 
   const RejectionCounts& rejections() const override { return *rejections_; }
@@ -198,23 +145,15 @@ class DdsAgentLink : public AgentLink {
   // What went out last, for repetition.
   struct Outgoing {
     std::optional<TrackFrame> frame;
-    std::vector<idl::PatchReply> patches;
-    std::vector<idl::DescriptorReply> descriptors;
     Instant sent = Clock::now();
     int repetitions = 0;
   };
 
   std::unique_ptr<Ends> open() {
-    auto ends = std::make_unique<Ends>(config_, hello_.agent, rejections_, [this](Ends& e) { tick(e); });
-    ends->loop.read<idl::MapPatch>([this](const idl::MapPatch& m, const Sample&) { receive_patch(decode(m)); }, {},
-                                   partition_of(hello_.agent_run));
-    ends->loop.read<idl::AgentImages>([this](const idl::AgentImages& m, const Sample&) { receive(decode(m), [] {}); },
-                                      {}, partition_of(hello_.agent_run));
-    ends->loop.read<idl::ThumbnailRequest>(
-        [this](const idl::ThumbnailRequest& m, const Sample&) { receive(decode(m), [] {}); }, {},
-        partition_of(hello_.agent_run));
-    ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample& s) { receive_status(m, s); },
-                                       [this](const WriterId& w, Presence p) { server_presence(w, p); });
+    auto ends = std::make_unique<Ends>(config_, hello_.agent, rejections_, kTick, [this](Ends& e) { tick(e); });
+    for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
+      if constexpr (ReadByAgents<V>) read<M>(*ends);
+    });
     const int ways = hello_.pacing == Pacing::kLive ? kWays : 1;
     for (int i = 0; i < ways; ++i) ends->tracks.emplace_back(ends->participant);
     // Last: who has found it has found the others, which the middleware makes known in order.
@@ -224,37 +163,23 @@ class DdsAgentLink : public AgentLink {
     return ends;
   }
 
-  static void add_bytes(const Ends& ends, LinkBytes& to) {
-    const auto counts = ends.participant.counts();
-    to.up += sum(counts, &TopicCounts::sent_bytes);
-    to.down += sum(counts, &TopicCounts::received_bytes);
+  template <class Message>
+  void read(Ends& ends) {
+    constexpr Topic kTopic = topic_of<Message>();
+    Loop::OnPresence on_presence;
+    if (kTopic.sign_of_life) on_presence = [this](const WriterId& w, Presence p) { server_presence(w, p); };
+    ends.loop.read<Message>([this](const Message& m, const Sample& s) { receive(m, s); }, on_presence,
+                            kTopic.by_run ? partition_of(hello_.agent_run) : "");
   }
 
-  bool join_anew() {
-    std::unique_ptr<Ends> before;
-    {
-      const std::unique_lock lock(ends_mutex_);
-      before = std::move(ends_);
-      if (before) add_bytes(*before, bytes_before_);
-    }
-    if (before) {
-      log_info("this machine's addresses changed: joining DDS domain " + std::to_string(config_.domain) + " anew");
-      before->participant.give_up();
-      before.reset();  // says farewell: the server lets a run speak from one place only
-      const std::lock_guard lock(mutex_);
-      said_ready_ = false;
-      joined_anew_ = true;
-      set_server_alive(false);
-    }
-    try {
-      auto fresh = open();
-      const std::unique_lock lock(ends_mutex_);
-      ends_ = std::move(fresh);
-      return true;
-    } catch (const UserError& error) {
-      if (cannot_join_.pass()) log_warn(error.what());
-      return false;
-    }
+  static LinkBytes sum(const LinkBytes& a, const LinkBytes& b) { return {a.up + b.up, a.down + b.down}; }
+
+  // The server lets a run speak from one place only, and has heard the farewell.
+  void start_anew() {
+    const std::lock_guard lock(mutex_);
+    said_ready_ = false;
+    joined_anew_ = true;
+    set_server_alive(false);
   }
 
   std::optional<FrameId> acknowledged() const {
@@ -262,50 +187,13 @@ class DdsAgentLink : public AgentLink {
     return inbox_.acknowledged();
   }
 
-  template <class Reply, class Message>
-  void put_parts(const Reply& reply, std::deque<Message>& waiting, std::vector<Message>& last) {
-    for (const Reply& part : in_parts(reply)) {
-      waiting.push_back(encode(part));
-      if (!limits_) last.push_back(waiting.back());
-    }
-  }
-
-  // Descriptors first: they are rare, and where maps have not met everything hangs on them. On a narrow link they would
-  // keep patches waiting for seconds, which take little room and are asked for where they tell something. Descriptors
-  // of long ago are left: few of their tracks are there still.
-  void write_waiting() {
-    constexpr double kUnlimited = 1e12, kMostLeft = 1500;  // bytes that were not used last time
-    constexpr std::chrono::milliseconds kStale{2500};
-    reply_room_ = limits_ ? std::min(reply_room_, kMostLeft) + limits_->bytes_a_frame : kUnlimited;
-    if (Clock::now() - described_ > kStale) descriptors_waiting_.clear();
-    if (limits_ && limits_->narrow_link) write_waiting(patches_waiting_, ends_->patches);
-    write_waiting(descriptors_waiting_, ends_->descriptors);
-    write_waiting(patches_waiting_, ends_->patches);
-  }
-  template <class Message>
-  void write_waiting(std::deque<Message>& waiting, ReplyWriters<Message>& writers) {
-    Writer<Message>& writer = limits_ && !limits_->narrow_link ? writers.soon : writers.usual;
-    for (; !waiting.empty() && reply_room_ > 0; waiting.pop_front()) {
-      if (limits_ && reply_bytes_ >= limits_->up_to_bytes) return;
-      const auto bytes = static_cast<double>(writer.write(waiting.front()));
-      reply_room_ -= bytes;
-      reply_bytes_ += bytes;
-    }
-  }
-
-  // Lock-step.
-  void write_replies() {
-    for (const auto& part : last_.patches) ends_->patches.usual.write(part);
-    for (const auto& part : last_.descriptors) ends_->descriptors.usual.write(part);
-  }
-
   void send_again(Instant now) {
     last_.sent = now;
-    const std::shared_lock lock(ends_mutex_);
-    if (!last_.frame || !ends_) return;
-    if (++last_.repetitions % kRepliesEvery == 0) write_replies();
+    const auto ends = membership_.ends();
+    if (!last_.frame || !ends) return;
+    if (++last_.repetitions % kRepliesEvery == 0) replies_.write_again(ends->replies);
     // What it was coded against may be what the server lacks.
-    ends_->tracks.front().write(encoder_.encode_alone(*last_.frame));
+    ends->tracks.front().write(encoder_.encode_alone(*last_.frame));
   }
 
   // On the loop's thread from here on.
@@ -317,7 +205,7 @@ class DdsAgentLink : public AgentLink {
     }
     if (said_ready_) return;
     if (ends.whole() && server_status()) {
-      say(ends, ready_);
+      write(ends, ready_);
     } else if (joined_anew_ && ends.hello->readers() > 0 && now >= next_hello_) {
       // The server did not listen while it took this run for another process's.
       next_hello_ = now + kHelloAgain;
@@ -325,14 +213,16 @@ class DdsAgentLink : public AgentLink {
     }
   }
 
-  void say(Ends& ends, const AgentStatus& status) {
-    said_ready_ = true;
-    ends.status.write(encode(status));
+  template <class Value>
+  void write(Ends& ends, const Value& value) {
+    if constexpr (std::is_same_v<Value, AgentStatus>) said_ready_ = true;  // whatever a status says
+    auto message = encode(value);
+    ends.plain.template writer<decltype(message)>().write(message);
   }
 
   // taken(): before anybody hears of the value.
   template <class Value, class Taken>
-  void receive(Decoded<Value> value, Taken taken) {
+  void take(Decoded<Value> value, const Taken& taken) {
     std::optional<Rejection> reason;
     if (value) {
       const std::lock_guard lock(mutex_);
@@ -345,20 +235,20 @@ class DdsAgentLink : public AgentLink {
     arrived_.notify_all();
   }
 
-  void receive_patch(Decoded<MapPatch> patch) {
-    if (patch) patch->received_ns = utc_now_ns();
-    receive(std::move(patch), [] {});
+  template <class Message>
+  void receive(const Message& message, const Sample&) {
+    take(decode(message), [] {});
   }
-
-  void receive_status(const idl::ServerStatus& message, const Sample& sample) {
-    receive(decode(message), [&] {
-      const double took_s = to_seconds(utc_now_ns() - sample.written_ns);
-      const bool first = sample.writer != server_;
-      // Nothing takes less than no time, none is kept for three seconds, and the word to start is written before it.
+  void receive(const idl::MapPatch& message, const Sample&) {
+    Decoded<MapPatch> patch = decode(message);
+    if (patch) patch->received_ns = utc_now_ns();
+    take(std::move(patch), [] {});
+  }
+  void receive(const idl::ServerStatus& message, const Sample& sample) {
+    take(decode(message), [&] {
+      // The word to start is written before the start.
       const bool at_start = message.started() && message.start_utc_ns() > sample.written_ns;
-      const bool is_new = !first || took_s < 0 || took_s > 3 || at_start;
-      if (first) least_took_s_.reset();
-      if (is_new) least_took_s_ = std::min(least_took_s_.value_or(took_s), took_s);
+      clock_lead_.note(to_seconds(utc_now_ns() - sample.written_ns), sample.writer != server_, at_start);
       server_ = sample.writer;
       set_server_alive(true);
     });
@@ -380,28 +270,21 @@ class DdsAgentLink : public AgentLink {
 
   TrackEncoder encoder_;  // of the sending thread, as are the next
   Outgoing last_;
-  std::deque<idl::PatchReply> patches_waiting_;
-  std::deque<idl::DescriptorReply> descriptors_waiting_;
-  std::optional<ReplyLimits> limits_;  // none in lock-step
-  double reply_room_ = 0, reply_bytes_ = 0;
-  Instant described_{};
+  ReplyQueue replies_;
 
   mutable std::mutex mutex_;  // for the five below
   std::condition_variable arrived_;
   Inbox inbox_;
   WriterId server_;
-  std::optional<double> least_took_s_;  // of the new statuses of this server
+  ClockLead clock_lead_;
   bool server_alive_ = false;
 
-  mutable std::shared_mutex ends_mutex_;  // for the two below; held for a write at most
-  std::unique_ptr<Ends> ends_;            // none while it joins anew
-  LinkBytes bytes_before_;                // of those before
-  AgentStatus ready_;                     // nothing to tell but that it hears and is heard
+  LinkBytes bytes_before_;   // of ends that are closed; guarded as the ends are
+  const AgentStatus ready_;  // nothing to tell but that it hears and is heard
   std::atomic<bool> said_ready_{false}, joined_anew_{false};
   const milliseconds heartbeat_;
   Instant next_heartbeat_{}, next_hello_{};  // of the loop's thread
-  LogLimiter cannot_join_;
-  std::optional<AddressWatch> addresses_;  // last: stops first
+  Membership<Ends> membership_;              // last: stops first
 };
 
 }  // namespace

@@ -62,4 +62,10 @@ class Inbox {
   bool fresh_status_ = false, thumbnail_wanted_ = false;
 };
 
+// Values of messages that agents read: those that the inbox takes.
+template <class Value>
+concept ReadByAgents = requires(Inbox& inbox, Value value) {
+  inbox.add(std::move(value));
+};
+
 }  // namespace coslam

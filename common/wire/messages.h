@@ -20,9 +20,9 @@
 #include "common/model/track_frame.h"
 #include "idl/coslam.h"
 
-// Every type of message, once. Topics, QoS, writers, readers and counters follow from this list; a further type is one
-// entry here, its struct in idl/coslam.idl and its codec (codec.h). Topics are read in this order: frames first, so
-// that what an agent says about its frames does not overtake them.
+// Every type of message, once. Topics, QoS, writers, readers, counters, what links carry and the tests that hold for
+// every type follow from this list; idl/README.md tells what else a further type needs. Topics are read in this order:
+// frames first, so that what an agent says about its frames does not overtake them.
 namespace coslam {
 
 enum class Way : std::uint8_t { kUp, kDown };  // up: from an agent to the server; down: from the server
@@ -136,6 +136,25 @@ template <class Visit>
 constexpr void for_each_message_type(Visit visit) {
   std::apply([&](const auto&... type) { (visit(type), ...); }, kMessageTypes);
 }
+
+template <class Type, class... Types>
+constexpr bool kIsOneOf = (std::is_same_v<Type, Types> || ...);
+
+// Conditions of a topic, for SelectedTypes.
+constexpr bool goes_up(const Topic& topic) { return topic.way == Way::kUp; }
+constexpr bool goes_down(const Topic& topic) { return topic.way == Way::kDown; }
+constexpr bool goes_to_run(const Topic& topic) { return goes_down(topic) && topic.by_run; }
+constexpr bool goes_to_all(const Topic& topic) { return goes_down(topic) && !topic.by_run; }
+
+template <bool (*kCondition)(const Topic&), class... Excluded, class... Types>
+constexpr auto selected(const std::tuple<Types...>&) {
+  return std::tuple_cat(std::conditional_t < kCondition(topic_of<typename Types::Message>()) &&
+                            !kIsOneOf<typename Types::Value, Excluded...>,
+                        std::tuple<Types>, std::tuple < >> {}...);
+}
+// The entries of the list whose topic meets the condition, without those of the excluded values, in order: a tuple.
+template <bool (*kCondition)(const Topic&), class... Excluded>
+using SelectedTypes = decltype(selected<kCondition, Excluded...>(kMessageTypes));
 
 // Map patches for one agent run travel in a DDS partition of their own, so that the others do not get them.
 std::string partition_of(RunId agent_run);  // "run-" and 16 hex digits

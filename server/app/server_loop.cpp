@@ -228,7 +228,7 @@ void ServerLoop::send_status() {
   status.start_utc_ns = start_utc_ns_;
   link_.send_status(status);
   for (const auto& [name, agent] : roster_.agents()) {
-    if (!agent.ended) link_.send({name, agent.run, server_.run(), agent.images.so_far(), false, {}});
+    if (!agent.ended) link_.send(AgentImages{name, agent.run, server_.run(), agent.images.so_far(), false, {}});
   }
 }
 
@@ -239,7 +239,7 @@ void ServerLoop::say_images_of(const std::string& name, Roster::Agent& agent) {
   const ImageAccount images = agent.images.so_far();
   const std::string problem = roster_.expected().empty() ? Roster::problem_of(name, agent, images) : "";
   if (!problem.empty()) log_warn(problem);
-  link_.send({name, agent.run, server_.run(), images, true, problem});
+  link_.send(AgentImages{name, agent.run, server_.run(), images, true, problem});
 }
 
 void ServerLoop::report_now(bool adjusted, const nlohmann::ordered_json& configuration) {

@@ -14,7 +14,7 @@ PartSet PublicRelay::parts() const {
 void PublicRelay::put(const MessagePtr& message) {
   const Channel& channel = *message->channel;
   const bool json = channel.encoding == Encoding::kJson;
-  link_.send_public({channel.topic, json ? kJsonType : std::string(channel.type), message->t_ns, message->octets});
+  link_.send(PublicSample{channel.topic, json ? kJsonType : std::string(channel.type), message->t_ns, message->octets});
 }
 
 }  // namespace coslam

@@ -45,8 +45,11 @@ class FakeLink final : public AgentLink {
     if (descriptors) described.push_back(*descriptors);
   }
   bool take_thumbnail_request() override { return std::exchange(looked_at, false); }
-  void send_thumbnail(const Thumbnail& thumbnail) override { thumbnails.push_back(thumbnail); }
-  void send_status(const AgentStatus& status) override { statuses.push_back(status); }
+  void send(const AgentMessage& message) override {
+    message.visit([this](const auto& value) { note(value); });
+  }
+  void note(const AgentStatus& status) { statuses.push_back(status); }
+  void note(const Thumbnail& thumbnail) { thumbnails.push_back(thumbnail); }
   void limit_replies(const ReplyLimits& limits) override { found_narrow = limits.narrow_link; }
   std::optional<MapPatch> wait_patch(FrameId after_frame, std::chrono::milliseconds timeout) override {
     waited_for.push_back(after_frame);

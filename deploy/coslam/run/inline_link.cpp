@@ -27,7 +27,7 @@ class InlineAgent : public AgentLink {
 
   void send(TrackFrame frame, const std::optional<PatchReply>& patches,
             const std::optional<DescriptorReply>& descriptors) override;
-  void send_status(const AgentStatus& status) override;
+  void send(const AgentMessage& message) override;
 
   std::optional<MapPatch> wait_patch(FrameId after_frame, milliseconds) override {
     return inbox_.answered(after_frame) ? std::nullopt : inbox_.pop();
@@ -73,22 +73,18 @@ class InlineServer : public ServerLink {
     return event;
   }
 
-  void send(const MapPatch& patch) override {
-    const auto agent = agents.find(patch.agent_run);
-    if (agent == agents.end() || !sessions.knows(patch.agent_run)) return;
-    const idl::MapPatch message = encode(patch);
-    sessions.count_down(patch.agent_run, cost(message));
-    agent->second->receive(message, cost(message));
+  // What goes to all agents do not read, and nobody else can.
+  void send(const ServerMessage& message) override {
+    message.visit([this](const auto& value) {
+      if constexpr (goes_to_run(topic_of<decltype(encode(value))>())) pass_down(value);
+    });
   }
-
-  // Agents do not read these, and nobody else can.
-  void send(const MovingState&) override {}
-  void send(const AgentPose&) override {}
-  void send(const AgentImages& images) override {
-    const auto agent = agents.find(images.agent_run);
-    if (agent == agents.end()) return;
-    const idl::AgentImages message = encode(images);
-    sessions.count_down(images.agent_run, cost(message));
+  template <class Value>
+  void pass_down(const Value& value) {
+    const auto agent = agents.find(value.agent_run);
+    if (agent == agents.end() || !sessions.knows(value.agent_run)) return;
+    const auto message = encode(value);
+    sessions.count_down(value.agent_run, cost(message));
     agent->second->receive(message, cost(message));
   }
 
@@ -181,7 +177,9 @@ void InlineAgent::send(TrackFrame frame, const std::optional<PatchReply>& patche
   pass_up(encoder_.encode(frame, inbox_.acknowledged()));
 }
 
-void InlineAgent::send_status(const AgentStatus& status) { pass_up(encode(status)); }
+void InlineAgent::send(const AgentMessage& message) {
+  message.visit([this](const auto& value) { pass_up(encode(value)); });
+}
 
 std::vector<MapPatch> InlineAgent::take_patches() {
   std::vector<MapPatch> patches;

@@ -3,21 +3,19 @@
 #include "server/fleet/link/dds_server_link.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <shared_mutex>
 #include <string>
 #include <vector>
 
 #include "common/base/error.h"
-#include "common/base/log.h"
 #include "common/flow/bounded_queue.h"
-#include "common/wire/loop.h"
-#include "common/wire/participant.h"
+#include "common/wire/membership.h"
+#include "server/fleet/link/server_ends.h"
 #include "server/fleet/link/sessions.h"
+#include "server/fleet/link/settling.h"
 #include "server/fleet/link/speakers.h"
 
 namespace coslam {
@@ -28,56 +26,29 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kTick{20};
 constexpr std::size_t kQueueCapacity = 256;  // 0.7 s of twelve agents at 30 Hz
+constexpr const char* kName = "coslam-server";
 
 milliseconds in_ms(double seconds) { return milliseconds(std::lround(1000 * seconds)); }
 
-constexpr const char* kName = "coslam-server";
-
-// How long a new server says nothing, to hear of one that was here before. That there is another one is known soon;
-// what it says, and whether it just starts too, may take longer. The time differs between servers that start together,
-// so that one of them speaks first.
-milliseconds settling_time(const WireConfig& config, RunId run, bool alone) {
-  return alone ? in_ms(1.2 * config.announce_s) : in_ms(5 * config.announce_s) + milliseconds(run.value % 1024);
-}
-
-// What the link has in the domain.
-struct Ends {
-  Participant participant;
-  Writer<idl::ServerStatus> status{participant};
-  Writer<idl::MovingState> moving{participant};
-  Writer<idl::AgentPose> pose{participant};
-  Writer<idl::PublicSample> for_all{participant};
-  // Back to a run: writers in its partition.
-  struct WayBack {
-    Writer<idl::MapPatch> patches;
-    Writer<idl::AgentImages> images;
-    Writer<idl::ThumbnailRequest> thumbnails;
-    WayBack(Participant& participant, const std::string& partition)
-        : patches(participant, partition), images(participant, partition), thumbnails(participant, partition) {}
-  };
-  std::map<RunId, WayBack> ways;
-  Loop loop;  // last: stops first
-
-  Ends(const WireConfig& config, std::shared_ptr<RejectionCounts> rejections, const std::function<void(Ends&)>& on_tick)
-      : participant(config, kName, std::move(rejections)),
-        loop(participant, "server-link", kTick, [this, on_tick] { on_tick(*this); }) {}
-};
+using Ends = ServerEnds;
 
 class DdsServerLink : public ServerLink {
  public:
   DdsServerLink(const WireConfig& config, RunId server_run, const AddressWatch::Addresses& addresses)
       : config_(config),
         server_run_(server_run),
-        opened_at_(Clock::now()),
-        next_heartbeat_(opened_at_),
+        next_heartbeat_(Clock::now()),
         heartbeat_(in_ms(config.silent_after_s / 4)),
         sessions_(in_ms(2 * config.silent_after_s), *rejections_),
         events_(kQueueCapacity, QueuePolicy::kDropOldest,
-                [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }) {
-    status_.server_run = server_run;
-    ends_ = open({});
-    addresses_.emplace(addresses, [this] { return join_anew(); });
-  }
+                [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
+        settling_(config, server_run, next_heartbeat_),
+        status_{.server_run = server_run},
+        membership_({.open = [this] { return open(); },
+                     .leaving = [this](const Ends& e) { leave(e); },
+                     .left = [this] { await_runs(); },
+                     .joined_anew = [this](Ends& e) { greet(e); }},
+                    addresses) {}
 
   std::optional<ServerEvent> next_event(milliseconds timeout) override {
     auto event = events_.pop_for(timeout);
@@ -90,7 +61,7 @@ class DdsServerLink : public ServerLink {
 
   bool at_work() const override {
     const std::lock_guard lock(mutex_);
-    return settled_;
+    return settling_.settled();
   }
 
   std::string join_options() const override {
@@ -98,68 +69,36 @@ class DdsServerLink : public ServerLink {
     return "--domain " + std::to_string(config_.domain) + (loopback ? " --loopback" : "");
   }
 
-  void send(const MapPatch& patch) override {
-    idl::MapPatch message = encode(patch);
-    const std::shared_lock ends_lock(ends_mutex_);
-    const std::lock_guard lock(mutex_);
-    if (!sessions_.knows(patch.agent_run)) return;
-    last_[patch.agent_run] = std::move(message);
-    if (ends_) write_last(*ends_, patch.agent_run);
-  }
-
-  void send(const MovingState& state) override {
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_ && ends_->moving.readers() > 0) ends_->moving.write(encode(state));
-  }
-
-  void send(const AgentPose& pose) override {
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_ && ends_->pose.readers() > 0) ends_->pose.write(encode(pose));
-  }
-
-  void send(const AgentImages& images) override {
-    const std::shared_lock ends_lock(ends_mutex_);
-    const std::lock_guard lock(mutex_);
-    if (!ends_) return;
-    const auto way = ends_->ways.find(images.agent_run);
-    if (way != ends_->ways.end()) sessions_.count_down(images.agent_run, way->second.images.write(encode(images)));
+  void send(const ServerMessage& message) override {
+    message.visit([this](const auto& value) { write(value); });
   }
 
   std::optional<Thumbnail> thumbnail(const std::string& agent) override {
-    const std::shared_lock ends_lock(ends_mutex_);
+    const auto ends = membership_.ends();
     const std::lock_guard lock(mutex_);
     const Instant now = Clock::now();
-    if (const auto run = sessions_.look(agent, now); run && ends_) {
-      const auto way = ends_->ways.find(*run);
-      if (way != ends_->ways.end()) {
-        sessions_.count_down(*run, way->second.thumbnails.write(encode(ThumbnailRequest{agent, *run, server_run_})));
-      }
-    }
+    const auto run = sessions_.look(agent, now);
+    if (run && ends) write_to_run(*ends, *run, encode(ThumbnailRequest{agent, *run, server_run_}));
     return sessions_.thumbnail(agent, now);
   }
 
   bool public_wanted() const override {
-    const std::shared_lock lock(ends_mutex_);
-    return ends_ && ends_->for_all.readers() > 0;
-  }
-
-  void send_public(const PublicSample& sample) override {
-    const std::shared_lock lock(ends_mutex_);
-    if (ends_ && ends_->for_all.readers() > 0) ends_->for_all.write(encode(sample));
+    const auto ends = membership_.ends();
+    return ends && ends->all.writer<idl::PublicSample>().readers() > 0;
   }
 
   void send_status(const ServerStatus& status) override {
-    const std::shared_lock ends_lock(ends_mutex_);
+    const auto ends = membership_.ends();
     const std::lock_guard lock(mutex_);
     status_ = status;
-    if (ends_) publish_status(*ends_);
+    if (ends) publish_status(*ends);
   }
 
   void refuse(const Hello& hello, const std::string& reason) override {
-    const std::shared_lock ends_lock(ends_mutex_);
+    const auto ends = membership_.ends();
     const std::lock_guard lock(mutex_);
     sessions_.refuse(hello, reason);
-    if (ends_) after_change(*ends_);
+    if (ends) after_change(*ends);
   }
 
   LinkBytes bytes(const std::string& agent) const override {
@@ -175,12 +114,12 @@ class DdsServerLink : public ServerLink {
   const RejectionCounts& rejections() const override { return *rejections_; }
 
  private:
-  std::unique_ptr<Ends> open(std::vector<std::string> also_call) {
+  std::unique_ptr<Ends> open() {
     WireConfig config = config_;
-    config.also_call = std::move(also_call);
-    auto ends = std::make_unique<Ends>(config, rejections_, [this](Ends& e) { tick(e); });
+    config.also_call = also_call_;
+    auto ends = std::make_unique<Ends>(config, kName, rejections_, kTick, [this](Ends& e) { tick(e); });
     for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
-      if constexpr (topic_of<M>().way == Way::kUp) read<M>(*ends);
+      if constexpr (goes_up(topic_of<M>())) read<M>(*ends);
     });
     ends->loop.read<idl::ServerStatus>([this](const idl::ServerStatus& m, const Sample&) { look_for_rival(m); });
     ends->loop.start();
@@ -188,46 +127,56 @@ class DdsServerLink : public ServerLink {
   }
 
   // Agents that were told where to call this server would go on calling its old address: it calls them.
-  bool join_anew() {
-    std::unique_ptr<Ends> before;
-    {
-      const std::unique_lock lock(ends_mutex_);
-      before = std::move(ends_);
-    }
-    if (before) {
-      log_info("this machine's addresses changed: joining DDS domain " + std::to_string(config_.domain) + " anew");
-      also_call_ = before->participant.addresses_of_others();
-      before->participant.give_up();
-      before.reset();
-      const std::lock_guard lock(mutex_);
-      speakers_ = {};
-      const Instant until = Clock::now() + in_ms(config_.lease_s);
-      for (const RunId run : sessions_.runs()) {
-        sessions_.presence(run, Presence::kSilent);
-        unheard_until_[run] = until;
-      }
-    }
-    try {
-      auto fresh = open(also_call_);
-      const std::unique_lock lock(ends_mutex_);
-      ends_ = std::move(fresh);
-    } catch (const UserError& error) {
-      if (cannot_join_.pass()) log_warn(error.what());
-      return false;
-    }
-    const std::shared_lock ends_lock(ends_mutex_);
+  void leave(const Ends& ends) { also_call_ = ends.participant.addresses_of_others(); }
+
+  // Runs that are not heard again in time are gone.
+  void await_runs() {
     const std::lock_guard lock(mutex_);
-    publish_status(*ends_);
-    return true;
+    speakers_ = {};
+    const Instant until = Clock::now() + in_ms(config_.lease_s);
+    for (const RunId run : sessions_.runs()) {
+      sessions_.presence(run, Presence::kSilent);
+      unheard_until_[run] = until;
+    }
   }
 
-  void write_last(Ends& ends, RunId run) {
-    const auto way = ends.ways.find(run);
-    if (way != ends.ways.end()) sessions_.count_down(run, way->second.patches.write(last_.at(run)));
+  void greet(Ends& ends) {
+    const std::lock_guard lock(mutex_);
+    publish_status(ends);
   }
+
+  // A patch is kept: it is written again to a run that asks for it, and when this server has joined anew.
+  void write(const MapPatch& patch) {
+    idl::MapPatch message = encode(patch);
+    const auto ends = membership_.ends();
+    const std::lock_guard lock(mutex_);
+    if (!sessions_.knows(patch.agent_run)) return;
+    last_[patch.agent_run] = std::move(message);
+    if (ends) write_last(*ends, patch.agent_run);
+  }
+  template <class Value>
+  void write(const Value& value) {
+    using Message = decltype(encode(value));
+    const auto ends = membership_.ends();
+    if (!ends) return;
+    if constexpr (goes_to_run(topic_of<Message>())) {
+      const std::lock_guard lock(mutex_);
+      write_to_run(*ends, value.agent_run, encode(value));
+    } else {
+      auto& writer = ends->all.template writer<Message>();
+      if (writer.readers() > 0) writer.write(encode(value));
+    }
+  }
+
+  template <class Message>
+  void write_to_run(Ends& ends, RunId run, const Message& message) {
+    const auto way = ends.runs.find(run);
+    if (way != ends.runs.end()) sessions_.count_down(run, way->second.template writer<Message>().write(message));
+  }
+  void write_last(Ends& ends, RunId run) { write_to_run(ends, run, last_.at(run)); }
 
   void publish_status(Ends& ends) {
-    if (!settled_) return;
+    if (!settling_.settled()) return;
     ServerStatus status = status_;
     status.refused = sessions_.refused();
     published_refusals_ = status.refused.empty() ? RunId() : status.refused.back().agent_run;
@@ -264,26 +213,16 @@ class DdsServerLink : public ServerLink {
   void look_for_rival(const idl::ServerStatus& message) {
     if (message.server_run() == server_run_.value) return;
     const std::lock_guard lock(mutex_);
-    if (!settled_) {
-      events_.close();
-    } else if (rival_log_.pass()) {
-      log_error("another map server is at work in this DDS domain: agents follow the newer one; stop one of them");
-    }
+    if (settling_.yields_to_rival()) events_.close();
   }
 
-  bool may_settle(const Ends& ends, Instant now) const {
-    const bool alone = std::ranges::count(ends.participant.others(), kName) == 0;
-    return !events_.closed() && now - opened_at_ >= settling_time(config_, server_run_, alone);
-  }
+  static bool is_alone(const Ends& ends) { return std::ranges::count(ends.participant.others(), kName) == 0; }
 
   void tick(Ends& ends) {
     const std::lock_guard lock(mutex_);
     const Instant now = Clock::now();
-    if (!settled_ && may_settle(ends, now)) {
-      settled_ = true;
-      publish_status(ends);
-    }
-    if (settled_ && now >= next_heartbeat_) {
+    if (!settling_.settled() && settling_.settle(is_alone(ends), now)) publish_status(ends);
+    if (settling_.settled() && now >= next_heartbeat_) {
       next_heartbeat_ = now + heartbeat_;
       ends.status.assert_alive();
     }
@@ -299,7 +238,7 @@ class DdsServerLink : public ServerLink {
   void after_change(Ends& ends) {
     open_ways(ends);
     const auto unknown = [this](const auto& of_run) { return !sessions_.knows(of_run.first); };
-    std::erase_if(ends.ways, unknown);
+    std::erase_if(ends.runs, unknown);
     std::erase_if(last_, unknown);
     answer_repeated(ends);
     for (ServerEvent& event : sessions_.take_events()) events_.push(std::move(event));
@@ -310,10 +249,11 @@ class DdsServerLink : public ServerLink {
   // A run is let in when its reader has found our writer, since a patch sent before would be lost, and when it says
   // that it has found all that it hears and is heard by: play starts then.
   void open_ways(Ends& ends) {
-    if (!settled_) return;
-    for (const RunId run : sessions_.runs()) ends.ways.try_emplace(run, ends.participant, partition_of(run));
+    if (!settling_.settled()) return;
+    for (const RunId run : sessions_.runs()) ends.runs.try_emplace(run, ends.participant, partition_of(run));
     for (const RunId run : sessions_.waiting()) {
-      if (ends.ways.at(run).patches.readers() > 0 && sessions_.said_ready(run)) sessions_.open(run);
+      const bool is_found = ends.runs.at(run).writer<idl::MapPatch>().readers() > 0;
+      if (is_found && sessions_.said_ready(run)) sessions_.open(run);
     }
   }
 
@@ -330,7 +270,6 @@ class DdsServerLink : public ServerLink {
 
   const WireConfig config_;
   const RunId server_run_;
-  const Instant opened_at_;
   Instant next_heartbeat_;
   const milliseconds heartbeat_;
   const std::shared_ptr<RejectionCounts> rejections_ = std::make_shared<RejectionCounts>();
@@ -338,20 +277,16 @@ class DdsServerLink : public ServerLink {
   mutable std::mutex mutex_;  // for all below but the queue
   Sessions sessions_;
   BoundedQueue<ServerEvent> events_;
+  Settling settling_;
   std::map<RunId, idl::MapPatch> last_;     // to each run
   std::map<RunId, Instant> unheard_until_;  // runs of which nothing was heard since this server joined anew
   Speakers speakers_;
   ServerStatus status_;
   RunId published_refusals_;  // the newest that agents were told of
   std::uint64_t resent_ = 0;
-  bool settled_ = false;
-  LogLimiter rival_log_;
 
-  mutable std::shared_mutex ends_mutex_;  // before the other mutex; held for a write at most
-  std::unique_ptr<Ends> ends_;            // none while it joins anew
-  std::vector<std::string> also_call_;    // of the thread that joins anew
-  LogLimiter cannot_join_;
-  std::optional<AddressWatch> addresses_;  // last: stops first
+  std::vector<std::string> also_call_;  // of the thread that joins anew
+  Membership<Ends> membership_;         // last: stops first; its lock comes before the mutex
 };
 
 }  // namespace

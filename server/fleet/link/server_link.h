@@ -10,15 +10,11 @@
 #include <variant>
 
 #include "common/base/time.h"
-#include "common/model/agent_images.h"
-#include "common/model/agent_pose.h"
-#include "common/model/map_patch.h"
-#include "common/model/moving_state.h"
-#include "common/model/public_sample.h"
 #include "common/model/session.h"
 #include "common/model/thumbnail.h"
 #include "common/model/track_frame.h"
 #include "common/wire/counters.h"
+#include "common/wire/message_view.h"
 
 namespace coslam {
 
@@ -54,8 +50,11 @@ struct ServerLinkCounts {
   std::uint64_t resent_patches = 0;  // lock-step: answers to a frame that came again
 };
 
+// Message that goes down as it is. A status goes with the link's refusals, a request for a thumbnail by itself.
+using ServerMessage = MessageView<SelectedTypes<goes_down, ServerStatus, ThumbnailRequest>>;
+
 // The server's end of the links to all agents: over DDS (dds_server_link.h) or in one process (inline_link.h).
-// Threads: next_event, send, send_status and refuse belong to one thread, the map thread; the rest from any.
+// Threads: next_event, send, send_status and refuse belong to the map thread; public messages and the rest to any.
 class ServerLink {
  public:
   virtual ~ServerLink() = default;
@@ -71,16 +70,11 @@ class ServerLink {
   // The options with which coslam-agent comes here; empty: agents do not come by themselves.
   virtual std::string join_options() const { return {}; }
 
-  // Sends a patch to the run it names; ignored when that run is gone or replaced. Never waits.
-  virtual void send(const MapPatch& patch) = 0;
-  // Sends to everybody who reads it; over DDS only. Never waits.
-  virtual void send(const MovingState& state) = 0;
-  virtual void send(const AgentPose& pose) = 0;
-  // Sends to the run it names.
-  virtual void send(const AgentImages& images) = 0;
-  // Public messages, for bridges; from any thread.
+  // Sends a message; never waits. One to a run (Topic::by_run) goes to the run that it names, and is ignored when that
+  // run is gone or replaced. One to all goes to whoever reads it; over DDS only.
+  virtual void send(const ServerMessage& message) = 0;
+  // Whether a bridge reads public messages.
   virtual bool public_wanted() const { return false; }
-  virtual void send_public(const PublicSample& /*sample*/) {}
   // Returns an agent's newest image of the last 5 s, if there is one, and asks the agent for a new one, once a second
   // at most. Callable from any thread.
   virtual std::optional<Thumbnail> thumbnail(const std::string& /*agent*/) { return std::nullopt; }

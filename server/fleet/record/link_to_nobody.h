@@ -10,10 +10,7 @@ namespace coslam {
 class LinkToNobody : public ServerLink {
  public:
   bool at_work() const override { return true; }
-  void send(const MapPatch&) override {}
-  void send(const MovingState&) override {}
-  void send(const AgentPose&) override {}
-  void send(const AgentImages&) override {}
+  void send(const ServerMessage&) override {}
   void send_status(const ServerStatus&) override {}
   void refuse(const Hello&, const std::string&) override {}
   LinkBytes bytes(const std::string&) const override { return {}; }

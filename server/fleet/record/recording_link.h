@@ -63,12 +63,8 @@ class RecordingLink : public ServerLink {
   std::optional<ServerEvent> next_event(std::chrono::milliseconds timeout) override;
   bool at_work() const override { return link_.at_work(); }
   std::string join_options() const override { return link_.join_options(); }
-  void send(const MapPatch& patch) override { link_.send(patch); }
-  void send(const MovingState& state) override { link_.send(state); }
-  void send(const AgentPose& pose) override { link_.send(pose); }
-  void send(const AgentImages& images) override { link_.send(images); }
+  void send(const ServerMessage& message) override { link_.send(message); }
   bool public_wanted() const override { return link_.public_wanted(); }
-  void send_public(const PublicSample& sample) override { link_.send_public(sample); }
   std::optional<Thumbnail> thumbnail(const std::string& agent) override { return link_.thumbnail(agent); }
   void send_status(const ServerStatus& status) override { link_.send_status(status); }
   void refuse(const Hello& hello, const std::string& reason) override { link_.refuse(hello, reason); }

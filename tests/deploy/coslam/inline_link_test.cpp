@@ -58,7 +58,7 @@ TEST(InlineLink, LockstepConversation) {
     expect_same(*agent->wait_patch(FrameId(i), 0ms), patch);
     EXPECT_EQ(agent->wait_patch(FrameId(i), 1h), std::nullopt) << "answered";
   }
-  agent->send_status(values.agent_status("cam0", RunId(9), AgentState::kFinished));
+  agent->send(values.agent_status("cam0", RunId(9), AgentState::kFinished));
   agent.reset();
   EXPECT_EQ(expect_event<AgentStatus>(link.server()).state, AgentState::kFinished);
   EXPECT_EQ(expect_event<AgentGone>(link.server()).agent, "cam0");

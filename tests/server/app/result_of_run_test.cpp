@@ -29,10 +29,7 @@ class GatedLink : public ServerLink {
     return works ? inner_.next_event(timeout) : std::nullopt;
   }
   bool at_work() const override { return works; }
-  void send(const MapPatch& patch) override { inner_.send(patch); }
-  void send(const MovingState& state) override { inner_.send(state); }
-  void send(const AgentPose& pose) override { inner_.send(pose); }
-  void send(const AgentImages& images) override { inner_.send(images); }
+  void send(const ServerMessage& message) override { inner_.send(message); }
   void send_status(const ServerStatus& status) override {
     inner_.send_status(status);
     if (status.stopping && at_stop) at_stop();

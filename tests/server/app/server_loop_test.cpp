@@ -63,7 +63,7 @@ TEST_F(ServerLoopTest, TurnsAwayLockStepAmongLiveAgents) {
   const auto replay = join("replay", Pacing::kLockstep);
   EXPECT_THAT(refusal_of(*replay->server_status(), RunId(last_run_)).value_or(""), HasSubstr("lock-step"));
   AgentStatus ended = values_.agent_status("live", RunId(last_run_ - 1), AgentState::kFinished);
-  live->send_status(ended);
+  live->send(ended);
   EXPECT_TRUE(loop_.poll(0ms));
   const auto later = join("replay", Pacing::kLockstep);
   EXPECT_EQ(refusal_of(*later->server_status(), RunId(last_run_)), std::nullopt);
@@ -103,7 +103,7 @@ TEST_F(ServerLoopTest, ReportsWhatAnAgentSaysOfItself) {
   status.dropped = 7;
   status.left_out = 0;
   status.report_json = R"({"frames":77,"ms":{"track":{"p50":1.5}}})";
-  agent->send_status(status);
+  agent->send(status);
   EXPECT_TRUE(loop_.poll(0ms));
   loop_.finish({{"server", "as it was"}});
   const auto& report = loop_.report();
@@ -128,7 +128,7 @@ TEST_F(ServerLoopTest, WhereARunEndedIsAPlaceToo) {
   const std::size_t before = loop_.map_server().memory()["places"];
   AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
   status.last_image = values_.descriptors(frame, 20);
-  agent->send_status(status);
+  agent->send(status);
   EXPECT_TRUE(loop_.poll(0ms));
   loop_.finish({});
   EXPECT_GT(loop_.map_server().memory()["places"], before + 20 * kDescriptorBytes);
@@ -163,7 +163,7 @@ class PlayedByHand : public ServerLoopTest {
     AgentStatus status = values_.agent_status(name, RunId(last_run_), AgentState::kFinished);
     status.frames = images;
     status.dropped = status.left_out = 0;
-    agent.send_status(status);
+    agent.send(status);
     pass(0);
   }
   TimeNs now_ns_ = to_ns(1000.0);
@@ -214,7 +214,7 @@ TEST_F(ServerLoopTest, SaysWhatBecameOfEachImage) {
   status.frames = 35;
   status.dropped = 2;
   status.left_out = 3;
-  agent->send_status(status);
+  agent->send(status);
   EXPECT_TRUE(loop_.poll(0ms));
   loop_.finish({});
   const auto& images = loop_.report()["agents"]["cam0"]["images"];
@@ -322,7 +322,7 @@ TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
     const auto agent = join("cam0");
     AgentStatus status = values_.agent_status("cam0", RunId(last_run_), AgentState::kFinished);
     status.report_json = text;
-    agent->send_status(status);
+    agent->send(status);
     EXPECT_TRUE(loop_.poll(0ms));
     loop_.finish({});
     EXPECT_LT(loop_.report().dump().size(), 20000U) << text.substr(0, 20);

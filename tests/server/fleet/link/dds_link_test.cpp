@@ -82,7 +82,7 @@ TEST_F(DdsLinkTest, AThumbnailComesWhenSomebodyLooks) {
   std::optional<Thumbnail> seen;
   ASSERT_TRUE(server.serve_until([&] {
     seen = server.link().thumbnail("cam0");
-    if (link->take_thumbnail_request()) link->send_thumbnail(thumbnail);
+    if (link->take_thumbnail_request()) link->send(thumbnail);
     return seen.has_value();
   }));
   expect_same(*seen, thumbnail);
@@ -122,7 +122,7 @@ TEST_F(DdsLinkTest, TheLastStatusArrivesBeforeTheEnd) {
   {
     const auto agent = open_agent_link(config_, WireValues(1).hello("cam0", RunId(1)));
     ASSERT_TRUE(server.serve_until_events<Hello>(1));
-    agent->send_status(WireValues(1).agent_status("cam0", RunId(1), AgentState::kFinished));
+    agent->send(WireValues(1).agent_status("cam0", RunId(1), AgentState::kFinished));
   }
   ASSERT_TRUE(server.serve_until_events<AgentGone>(1));
   EXPECT_EQ(server.of_type<AgentStatus>().back().state, AgentState::kFinished);

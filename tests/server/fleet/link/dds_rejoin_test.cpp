@@ -32,7 +32,7 @@ TEST_F(DdsRejoinTest, AServerThatStartsLateHearsTheHello) {
   const auto agent = open_agent_link(config_, hello);
   EXPECT_EQ(agent->server_status(), std::nullopt);
   EXPECT_FALSE(agent->server_alive());
-  agent->send_status(WireValues(1).agent_status("cam0", RunId(5), AgentState::kWaiting));
+  agent->send(WireValues(1).agent_status("cam0", RunId(5), AgentState::kWaiting));
   EchoServer server(config_, kServer);
   ASSERT_TRUE(server.serve_until_events<AgentStatus>(1));
   expect_same(std::get<Hello>(server.events().at(0)), hello);

@@ -52,7 +52,7 @@ class Replay : public ::testing::Test {
     }
     test::WireValues values(1);
     for (std::size_t a = 0; a < ends.size(); ++a)
-      ends[a]->send_status(values.agent_status(names_[a], RunId(10 + a), AgentState::kFinished));
+      ends[a]->send(values.agent_status(names_[a], RunId(10 + a), AgentState::kFinished));
     EXPECT_FALSE(loop.poll(0ms));
     recording.end();
     loop.finish({});
