@@ -174,7 +174,20 @@ CameraModel read_ost(const std::filesystem::path& file) {
   return read_ros(YamlValue::parse(as_yaml, file)).model;
 }
 
-// `[Model] fx fy cx cy [terms]`, and the size; a focal length and a principal point below 1 are shares of the size.
+// A focal length and a principal point below 1 are shares of the size.
+CameraModel dso_pinhole(std::vector<double> v, const std::vector<double>& size) {
+  CameraModel camera;
+  camera.width_px = static_cast<int>(std::clamp(size[0], 0.0, 1e6));
+  camera.height_px = static_cast<int>(std::clamp(size[1], 0.0, 1e6));
+  if (v[2] < 1 && v[3] < 1) {
+    v[0] *= size[0], v[2] = v[2] * size[0] - 0.5;
+    v[1] *= size[1], v[3] = v[3] * size[1] - 0.5;
+  }
+  set_projection(camera, v);
+  return camera;
+}
+
+// `[Model] fx fy cx cy [terms]`, and the size.
 CameraModel read_dso(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::string first, second;
@@ -191,14 +204,7 @@ CameraModel read_dso(const std::filesystem::path& file) {
   for (const std::string_view field : split_fields(second)) size.push_back(parse_double(field).value_or(0));
   if (v.size() < 4 || size.size() != 2)
     throw UserError(file.string() + ": `fx fy cx cy ...` and `width height` are expected");
-  CameraModel camera;
-  camera.width_px = static_cast<int>(std::clamp(size[0], 0.0, 1e6));
-  camera.height_px = static_cast<int>(std::clamp(size[1], 0.0, 1e6));
-  if (v[2] < 1 && v[3] < 1) {
-    v[0] *= size[0], v[2] = v[2] * size[0] - 0.5;
-    v[1] *= size[1], v[3] = v[3] * size[1] - 0.5;
-  }
-  set_projection(camera, v);
+  CameraModel camera = dso_pinhole(v, size);
   const std::vector<double> k(v.begin() + 4, v.end());
   if (model.empty()) model = k.size() == 1 ? "FOV" : "RadTan";
   const bool none = std::ranges::all_of(k, [](double value) { return value == 0; });

@@ -7,6 +7,40 @@
 namespace coslam {
 namespace {
 
+// Whether the enum has a name for this number, as compilers print it.
+template <DistortionModel kModel>
+constexpr bool has_name() {
+  return std::string_view(__PRETTY_FUNCTION__).find("DistortionModel::k") != std::string_view::npos;
+}
+
+constexpr bool is_in_order() {
+  for (std::size_t i = 0; i < kLensModels; ++i) {
+    if (kDistortionModels[i] != static_cast<DistortionModel>(i)) return false;
+  }
+  return true;
+}
+
+// A name and a count each; those coefficients that are free or have typical values have names; forms have no more.
+constexpr bool is_complete(const LensTraits& t) {
+  if (t.names.size() == 0 || t.counts.size() == 0 || t.first_free > t.end_free) return false;
+  const std::size_t most = t.counts.back();
+  bool good = most == t.terms.size() && t.end_free <= most && most <= LensTerms().size();
+  for (std::size_t i = most; i < t.typical.size(); ++i) good = good && t.typical[i] == 0;
+  for (const LensForm& form : t.forms) good = good && form.terms <= most && form.before <= form.terms;
+  return good;
+}
+
+constexpr bool are_complete() {
+  for (const DistortionModel model : kDistortionModels) {
+    if (!is_complete(lens_traits(model))) return false;
+  }
+  return true;
+}
+
+static_assert(is_in_order() && has_name<kLastDistortionModel>(), "LensModels follows the enum");
+static_assert(!has_name<static_cast<DistortionModel>(kLensModels)>(), "a number of the enum has no lens model");
+static_assert(are_complete(), "a lens model without names or counts, or with terms that have no name");
+
 // How many coefficients a lens needs of its model.
 std::size_t used_terms(const CameraModel& camera) {
   std::size_t n = lens_traits(camera.distortion).terms.size();

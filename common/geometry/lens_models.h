@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/geometry/lens_base.h"
 #include "common/geometry/lens_traits.h"
 
 // Table of lens models: a number, a struct with the equations and the properties, and a place in the list LensModels
@@ -23,31 +24,8 @@ namespace coslam {
 // Number of a lens model. It crosses the wire (idl/coslam.idl) and stands in map files: a new one goes to the end.
 enum class DistortionModel : std::uint8_t { kNone, kRadTan, kEquidistant, kDoubleSphere, kOmni, kUnknown };
 
-// Equations work on normalized coordinates. n: where the ideal pinhole sees a ray; d: where the lens shows it, so that
-// d = n in the middle of the image and fx, fy are the focal lengths there.
+// In the equations n is where the ideal pinhole sees a ray, d where the lens shows it (lens_base.h).
 namespace lens {
-
-// Base of all models: what holds unless the model says otherwise.
-struct Model {
-  // Reason why there is no lens with these coefficients, one sentence, or empty.
-  static std::optional<const char*> problem(const LensTerms& /*k*/) { return std::nullopt; }
-  // Focal length that files give, over that in the middle of the image.
-  static double focal_in_files(const LensTerms& /*k*/) { return 1.0; }
-};
-
-// n scaled by a function of r2 = |n|^2.
-inline Eigen::Vector2d scale_radially(const Eigen::Vector2d& n, double scale, double scale_by_r2,
-                                      Eigen::Matrix2d* jacobian) {
-  if (jacobian != nullptr) *jacobian = scale * Eigen::Matrix2d::Identity() + 2 * scale_by_r2 * n * n.transpose();
-  return scale * n;
-}
-
-// Place where a ray meets the pinhole image, which has no place for rays at 90 degrees and beyond.
-inline std::optional<Eigen::Vector2d> normalized_of_ray(const Eigen::Vector3d& ray) {
-  constexpr double kLeastCosine = 0.0707;  // 1.5 rad
-  if (!(ray.z() > kLeastCosine * ray.norm())) return std::nullopt;
-  return ray.hnormalized();
-}
 
 struct None : Model {
   static constexpr DistortionModel kModel = DistortionModel::kNone;
@@ -306,41 +284,4 @@ constexpr const LensTraits& lens_traits(DistortionModel model) {
   return visit_lens(model, [](auto lens) -> const LensTraits& { return decltype(lens)::kTraits; });
 }
 
-namespace lens {
-
-// Whether the enum has a name for this number, as compilers print it.
-template <DistortionModel kModel>
-constexpr bool has_name() {
-  return std::string_view(__PRETTY_FUNCTION__).find("DistortionModel::k") != std::string_view::npos;
-}
-
-constexpr bool is_in_order() {
-  for (std::size_t i = 0; i < kLensModels; ++i) {
-    if (kDistortionModels[i] != static_cast<DistortionModel>(i)) return false;
-  }
-  return true;
-}
-
-// A name and a count each; those coefficients that are free or have typical values have names; forms have no more.
-constexpr bool is_complete(const LensTraits& t) {
-  if (t.names.size() == 0 || t.counts.size() == 0 || t.first_free > t.end_free) return false;
-  const std::size_t most = t.counts.back();
-  bool good = most == t.terms.size() && t.end_free <= most && most <= LensTerms().size();
-  for (std::size_t i = most; i < t.typical.size(); ++i) good = good && t.typical[i] == 0;
-  for (const LensForm& form : t.forms) good = good && form.terms <= most && form.before <= form.terms;
-  return good;
-}
-
-constexpr bool are_complete() {
-  for (const DistortionModel model : kDistortionModels) {
-    if (!is_complete(lens_traits(model))) return false;
-  }
-  return true;
-}
-
-static_assert(is_in_order() && has_name<kLastDistortionModel>(), "LensModels follows the enum");
-static_assert(!has_name<static_cast<DistortionModel>(kLensModels)>(), "a number of the enum has no lens model");
-static_assert(are_complete(), "a lens model without names or counts, or with terms that have no name");
-
-}  // namespace lens
 }  // namespace coslam
