@@ -70,6 +70,7 @@ rm -f -- "$log"
 check format "$root/deploy/lint.sh" --format
 check layers python3 "$root/deploy/check_layers.py"
 check words python3 "$root/deploy/check_words.py"
+check numbers python3 "$root/deploy/count_numbers.py"
 [[ $lint == no ]] || check lint "$root/deploy/lint.sh" --tidy "${lint_options[@]}"
 check build "$root/deploy/build.sh" --preset "$preset"
 # Without a build there are no tests, or those of another day.
