@@ -37,12 +37,21 @@ void grow(CameraModel* camera, const Eigen::Vector2d& px) {
   camera->cy = 0.5 * camera->height_px;
 }
 
+// A number or a text of a report; 0 or empty where it has something else there.
+double number_in(const nlohmann::json& section, const char* name) {
+  return section.is_object() && section.contains(name) && section[name].is_number() ? section[name].get<double>() : 0.0;
+}
+std::string text_in(const nlohmann::json& section, const char* name) {
+  return section.is_object() && section.contains(name) && section[name].is_string() ? section[name].get<std::string>()
+                                                                                    : "";
+}
+
 // The verdict on a path in a report.
 std::optional<PathVerdict> path_of(const nlohmann::json& path) {
-  if (!path.is_object()) return std::nullopt;
-  const auto quality = quality_of(path.value("quality", ""));
+  const auto quality = quality_of(text_in(path, "quality"));
   if (!quality) return std::nullopt;
-  PathVerdict out{.verdict = {*quality, path.value("why", "")}, .length = path.value("length", 0.0), .sigma = {}};
+  PathVerdict out{
+      .verdict = {*quality, text_in(path, "why")}, .length = number_in(path, "length"), .sigma = std::nullopt};
   if (const auto sigma = path.find("sigma"); sigma != path.end() && sigma->is_number())
     out.sigma = sigma->get<double>();
   return out;
@@ -88,24 +97,20 @@ class TimelineReader {
     const auto part = [&](const nlohmann::json& section, const char* name) {
       return section.is_object() && section.contains(name) ? section[name] : none;
     };
-    const auto number = [](const nlohmann::json& section, const char* name) {
-      return section.is_object() && section.contains(name) && section[name].is_number() ? section[name].get<double>()
-                                                                                        : 0.0;
-    };
     const nlohmann::json server = part(report, "server");
-    out_.scale_known = server.value("scale_known", false);
-    out_.ms_per_set = number(part(part(server, "ms"), "frame_set"), "mean");
+    out_.scale_known = part(server, "scale_known") == true;
+    out_.ms_per_set = number_in(part(part(server, "ms"), "frame_set"), "mean");
     for (ResultTimeline::Agent& agent : out_.agents) {
       const nlohmann::json agent_report = part(part(report, "agents"), agent.name.c_str());
-      agent.frame_ms = number(agent_report, "ms_per_frame");
+      agent.frame_ms = number_in(agent_report, "ms_per_frame");
       agent.path = path_of(part(agent_report, "path"));
       const nlohmann::json camera = part(agent_report, "camera");
-      agent.camera.width_px = static_cast<int>(number(camera, "width_px"));
-      agent.camera.height_px = static_cast<int>(number(camera, "height_px"));
-      agent.camera.fx = number(camera, "fx");
-      agent.camera.fy = number(camera, "fy");
-      agent.camera.cx = number(camera, "cx");
-      agent.camera.cy = number(camera, "cy");
+      agent.camera.width_px = static_cast<int>(number_in(camera, "width_px"));
+      agent.camera.height_px = static_cast<int>(number_in(camera, "height_px"));
+      agent.camera.fx = number_in(camera, "fx");
+      agent.camera.fy = number_in(camera, "fy");
+      agent.camera.cx = number_in(camera, "cx");
+      agent.camera.cy = number_in(camera, "cy");
     }
   }
 
