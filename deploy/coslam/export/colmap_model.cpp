@@ -25,12 +25,13 @@ std::vector<ResultTrackRow> track_rows(const ResultFolder& result, const std::st
 }
 
 // Which point each row shows: its own, or else the one that its track showed later, for points are made, and become
-// parts of others, after their tracks were first seen.
+// parts of others, after their tracks were first seen. An agent that was started again has other tracks.
 std::vector<PointId> shown_points(const ColmapModel& model, const std::vector<ResultTrackRow>& rows) {
   std::vector<PointId> shown(rows.size());
   std::unordered_map<TrackId, PointId> later;
   for (std::size_t i = rows.size(); i-- > 0;) {
     const ResultTrackRow& row = rows[i];
+    if (i + 1 < rows.size() && rows[i + 1].frame < row.frame) later.clear();
     if (row.state == PointState::kDynamic) continue;
     if (model.points.contains(row.point)) later[row.track] = row.point;
     if (const auto point = later.find(row.track); point != later.end()) shown[i] = point->second;
