@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <functional>
 #include <limits>
 
 #include "common/base/error.h"
@@ -87,6 +89,157 @@ TEST_F(SoundTest, ThePastIsOfThisMap) {
   places.places[0].p_in_cam.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(wrong(places), HasSubstr("past_place: places.p_in_cam is not finite"));
   EXPECT_THAT(wrong(PastPlaces{}), HasSubstr("it has no places"));
+}
+
+// Rows of a map of ours, of which one value is changed at a time.
+class HostileRows : public SoundTest {
+ protected:
+  // Problem of the rows when the first row of a table holds another value.
+  template <class Value>
+  std::string with(const char* table, const std::function<void(Value&)>& change) const {
+    Tables tables = tables_;
+    std::string& octets = tables.at(table).begin()->second;
+    Value value;
+    read_octets(octets, value);
+    change(value);
+    octets = octets_of(value);
+    return test::error_of<UserError>([&] { MapEdit(MapConfig{}).restore(tables); });
+  }
+  std::string with_camera(const std::function<void(MapCamera&)>& change) const { return with("camera", change); }
+  std::string with_frame(const std::function<void(FramePose&)>& change) const { return with("frame", change); }
+  std::string with_point(const std::function<void(MapPoint&)>& change) const { return with("point", change); }
+
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kFar = 1e12;
+};
+
+TEST_F(HostileRows, ACameraIsOneThatCanBe) {
+  EXPECT_EQ(with_camera([](MapCamera&) {}), "");
+  for (const char* name : {"", ".hidden", "a/b", "a b", "\x7f", "012345678901234567890123456789012"}) {
+    EXPECT_THAT(with_camera([&](MapCamera& c) { c.name = name; }), HasSubstr("name of a file")) << name;
+  }
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.id = CameraId(1); }), HasSubstr("lacks a camera"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.model.fx = 0; }), HasSubstr("model is no calibration"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.lens.values[0] = kFar; }), HasSubstr("lens is too far away"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.lens.values[0] = 3; }), HasSubstr("lens cannot be"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.sigma_px = -1; }), HasSubstr("sigma_px is out of range"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.sigma_px = kNan; }), HasSubstr("sigma_px is no number that can be"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.scene_depth = -1; }), HasSubstr("scene_depth is out of range"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.frame_interval_s = 0; }), HasSubstr("frame_interval_s"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.map = MapId(77); }), HasSubstr("map is a map that was never there"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.run_since = SetId(9999); }), HasSubstr("frame set of the future"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.moved.scale = 0; }), HasSubstr("moved is no similarity"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.cam_from_rig.rotation.coeffs() *= 2; }), HasSubstr("is no pose"));
+  EXPECT_THAT(with_camera([](MapCamera& c) { c.clock_offset_ns = std::numeric_limits<TimeNs>::min(); }),
+              HasSubstr("clock_offset_ns is out of time"));
+}
+
+TEST_F(HostileRows, ThePastOfACameraAddsUp) {
+  const auto past = [&](const std::function<void(PastFramesCount&)>& change) {
+    return with_camera([&](MapCamera& c) { change(c.past); });
+  };
+  EXPECT_THAT(past([](PastFramesCount& p) { p.frames = -1; }), HasSubstr("more placed than frames"));
+  EXPECT_THAT(past([](PastFramesCount& p) { p.placed[MapId(1)] = 1; }), HasSubstr("more placed than frames"));
+  EXPECT_THAT(past([](PastFramesCount& p) { p.placed[MapId(1)] = -1; }), HasSubstr("more placed than frames"));
+  EXPECT_THAT(past([](PastFramesCount& p) { p.placed[MapId(77)] = 0; }), HasSubstr("never there"));
+  EXPECT_THAT(past([](PastFramesCount& p) { p.lost.emplace_back(0, std::numeric_limits<TimeNs>::max()); }),
+              HasSubstr("past.lost is out of time"));
+  EXPECT_THAT(past([](PastFramesCount& p) { p.until = SetId(9999); }), HasSubstr("frame set of the future"));
+  EXPECT_EQ(past([](PastFramesCount& p) {
+              p.frames = 2;
+              p.placed[MapId(1)] = 2;
+            }),
+            "");
+}
+
+TEST_F(HostileRows, ATrackIsSeenInTheOrderOfTime) {
+  const auto track = [&](const std::function<void(ServerTrack&)>& change) {
+    return with_camera([&](MapCamera& c) { change(c.tracks.begin()->second); });
+  };
+  EXPECT_THAT(track([](ServerTrack& t) { t.id.value += 1000; }), HasSubstr("has another id"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.seen.push_back(t.seen.front()); }), HasSubstr("goes back in time"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.seen.back().undistorted_px.x() = std::nanf(""); }),
+              HasSubstr("undistorted_px is not finite"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.seen.back().undistorted_px.x() = 1e12F; }), HasSubstr("is too far away"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.motion = static_cast<TrackMotion>(9); }), HasSubstr("motion is of no kind"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.point = PointId(9999); }), HasSubstr("does not know of it"));
+  EXPECT_THAT(track([](ServerTrack& t) { t.co_moving_since = SetId(9999); }), HasSubstr("frame set of the future"));
+}
+
+TEST_F(HostileRows, AFrameIsOneThatCanBe) {
+  EXPECT_THAT(with_frame([](FramePose& f) { f.set.value += 1; }), HasSubstr("a frame of no camera"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.map = MapId(77); }), HasSubstr("frame 0 of camera 0: map is a map"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.cam_from_world.translation.x() = kNan; }), HasSubstr("is no pose"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.cam_from_world.translation.x() = kFar; }), HasSubstr("is no pose"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.cam_from_world.rotation.coeffs().setZero(); }), HasSubstr("is no pose"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.capture_ns = std::numeric_limits<TimeNs>::min(); }),
+              HasSubstr("capture_ns is out of time"));
+  EXPECT_THAT(with_frame([](FramePose& f) { f.zoom_taken_out = std::nanf(""); }), HasSubstr("zoom_taken_out"));
+}
+
+TEST_F(HostileRows, APointIsOneThatCanBe) {
+  EXPECT_EQ(with_point([](MapPoint&) {}), "");
+  EXPECT_THAT(with_point([](MapPoint& p) { p.map = MapId(); }), HasSubstr("point 1: map is none"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.map = MapId(77); }), HasSubstr("map is a map that was never there"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.position.y() = kNan; }), HasSubstr("position is not finite"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.position.y() = kFar; }), HasSubstr("position is too far away"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.covariance(0, 1) = kNan; }), HasSubstr("covariance is not finite"));
+  EXPECT_EQ(with_point([](MapPoint& p) { p.covariance *= kFar; }), "") << "of a point about which little is known";
+  EXPECT_THAT(with_point([](MapPoint& p) { p.phase = static_cast<PointPhase>(9); }), HasSubstr("phase is of no kind"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.last_seen = SetId(9999); }), HasSubstr("frame set of the future"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.first_ns = std::numeric_limits<TimeNs>::max(); }),
+              HasSubstr("first_ns is out of time"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.updated_from.resize(3, Eigen::Vector3d::Zero()); }),
+              HasSubstr("updated_from has more cameras than there are"));
+}
+
+TEST_F(HostileRows, WhatAPointNamesIsThere) {
+  EXPECT_THAT(with_point([](MapPoint& p) {
+                p.bound.push_back({CameraId(9), TrackId(1)});
+              }),
+              HasSubstr("bound.camera is a camera that is not there"));
+  EXPECT_THAT(with_point([](MapPoint& p) {
+                p.bound.push_back({CameraId(0), TrackId(9999)});
+              }),
+              HasSubstr("bound names track 9999, which does not know of it"));
+  EXPECT_THAT(with_point([](MapPoint& p) { p.bound.push_back(p.bound.front()); }),
+              HasSubstr("is bound to a point that does not know of it"))
+      << "twice";
+  EXPECT_THAT(with_point([](MapPoint& p) { p.bound.clear(); }), HasSubstr("is bound to a point that does not know"));
+  EXPECT_THAT(with_point([](MapPoint& p) {
+                p.key_observations.push_back({SetId(9999), CameraId(0), {}, {0, 0}});
+              }),
+              HasSubstr("key_observations.set is a frame set of the future"));
+  EXPECT_THAT(with_point([](MapPoint& p) {
+                p.key_observations.push_back({SetId(0), CameraId(9), {}, {0, 0}});
+              }),
+              HasSubstr("key_observations.camera is a camera that is not there"));
+}
+
+TEST_F(HostileRows, APathIsOfCamerasThatAreThere) {
+  sim_.edit.record_motion(PointId(1), {SetId(0), 0, {{CameraId(1), {3, 4}}}});
+  for (Row& row : MapRows().changes(sim_.map)) tables_[row.table][row.key] = std::move(row.bytes);
+  using Path = std::vector<MotionSample>;
+  const auto path = [&](const std::function<void(Path&)>& change) { return with<Path>("motion", change); };
+  EXPECT_EQ(path([](Path&) {}), "");
+  EXPECT_THAT(path([](Path& p) { p[0].seen[0].camera = CameraId(9); }),
+              HasSubstr("motion 1: seen.camera is a camera that is not there"));
+  EXPECT_THAT(path([](Path& p) { p[0].set = SetId(9999); }), HasSubstr("frame set of the future"));
+  EXPECT_THAT(path([](Path& p) { p[0].seen[0].step_px.y() = std::nanf(""); }), HasSubstr("step_px is not finite"));
+}
+
+TEST_F(SoundTest, ArchivedPlacesAndFramesHoldSomething) {
+  const auto wrong = [this](const auto& block) {
+    return test::error_of<UserError>([&] { validate(block, sim_.map); });
+  };
+  EXPECT_THAT(wrong(PastFrames{{}, CameraId(0), {}}), HasSubstr("it has no frames"));
+  PastFrames frames{{}, CameraId(0), {FramePose{SetId(0), FrameId(0), 5, MapId(9), {}, false, {}, 0}}};
+  EXPECT_THAT(wrong(frames), HasSubstr("frames.map is a map that was never there"));
+  PastPlaces places{{}, {PastPlace{.point = PointId(1), .camera = CameraId(9), .map = sim_.id}}};
+  EXPECT_THAT(wrong(places), HasSubstr("places.camera is a camera that is not there"));
+  places.places[0].camera = CameraId(1);
+  EXPECT_EQ(wrong(places), "");
+  places.put.shifted_ns = std::numeric_limits<TimeNs>::max();
+  EXPECT_THAT(wrong(places), HasSubstr("put.shifted_ns is out of time"));
 }
 
 // A count of which there are not so many octets takes no memory, and true is 1.
