@@ -7,10 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "server/estimator/associate/cull.h"
 #include "tests/support/sim_map.h"
 
-// Key frames, and what is thrown away.
 namespace coslam {
 namespace {
 
@@ -65,16 +63,6 @@ TEST_F(KeyFrameTest, WhereImagesAreSeldomEachMayBeOne) {
     keys += decide_key_frame(sim.edit, sim.set, config_);
   }
   EXPECT_GE(keys, 10) << "half a metre at 5 m";
-}
-
-TEST_F(KeyFrameTest, CullLeavesPointsThatHadNoImageToBeSeenIn) {
-  test::SimMap sim(world_, test::paths_side_by_side(1));
-  sim.period_ns = 1'000'000'000;
-  sim.advance(5);
-  const PointId unseen = sim.create({0, 0, 5}, 1).id;
-  sim.advance(3);
-  cull(sim.edit, sim.set, {});
-  EXPECT_NE(sim.map.find(unseen), nullptr);
 }
 
 TEST_F(KeyFrameTest, LosingThirtyPercentInOneCameraIsEnough) {
@@ -174,42 +162,6 @@ TEST_F(HoveringKeyFrames, OneIsEnough) {
   EXPECT_TRUE(decide());
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(step());
   EXPECT_EQ(sim_.map.key_frames().size(), 1U);
-}
-
-TEST_F(KeyFrameTest, CullRemovesWhatFailedItsProbation) {
-  const CullConfig config;
-  const auto make = [&](int views) {
-    const MapPoint& p = sim_.create({0, 0, 5}, 1);
-    for (int i = 0; i < views; ++i) sim_.edit.see(p);
-    return p.id;
-  };
-  const PointId poor = make(3), good = make(12);
-  const PointId bound_poor = sim_.map.points().begin()->first;
-  ASSERT_FALSE(sim_.map.find(bound_poor)->bound.empty());
-  for (std::uint32_t i = 1; i < sim_.map.sets_in(config.probation_s); ++i) sim_.advance();
-  EXPECT_EQ(cull(sim_.edit, sim_.set, config).removed, 0);
-  sim_.advance();
-  const int removed = cull(sim_.edit, sim_.set, config).removed;
-  EXPECT_GE(removed, 1);
-  EXPECT_EQ(sim_.map.find(poor), nullptr);
-  EXPECT_NE(sim_.map.find(good), nullptr);
-  const MapPoint* bound = sim_.map.find(bound_poor);
-  EXPECT_TRUE(bound == nullptr || !bound->bound.empty());
-}
-
-TEST_F(HoveringKeyFrames, CullKeepsFewPatchesTheFirstAndTheNewest) {
-  const MapPoint& p = sim_.map.points().begin()->second;
-  const BoundTrack seen = p.bound.front();
-  const auto first = sim_.set.id.value + 1;
-  for (int i = 0; i < 50; ++i) {
-    sim_.advance(1, true);
-    sim_.edit.give_patch(p, seen.camera, sim_.map.track(seen));
-  }
-  ASSERT_EQ(p.patches.size(), 50U);
-  cull(sim_.edit, sim_.set, {});
-  EXPECT_LE(p.patches.size(), 8U);
-  EXPECT_EQ(p.patches.front().set, SetId(first));
-  EXPECT_EQ(p.patches.back().set, sim_.set.id);
 }
 
 }  // namespace
