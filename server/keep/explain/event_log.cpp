@@ -15,7 +15,27 @@ namespace {
 constexpr double kUtc_s =
     1e8;  // no replay plays for three years: such stamps are UTC, and the run began with the first
 
-// Empty for names that this program does not know.
+// An event names what it is about.
+bool is_whole(const Event& e) {
+  switch (e.kind) {
+    case EventKind::kPointMade:
+    case EventKind::kPointBecame:
+    case EventKind::kPointRemoved:
+      return e.point != PointId();
+    case EventKind::kPointFused:
+      return e.point != PointId() && e.other != PointId() && e.point != e.other;
+    case EventKind::kTrackBound:
+      return e.camera && e.point != PointId();
+    case EventKind::kMapStarted:
+    case EventKind::kMapMerged:
+    case EventKind::kMapMoved:
+      return true;
+    default:
+      return e.camera.has_value();
+  }
+}
+
+// Empty for names that this program does not know, and for events of nothing.
 std::optional<Event> event_of(const EventRow& row, EventLog* log) {
   const auto kind = kind_of(row.kind);
   const auto why = why_of(row.why);
@@ -36,7 +56,7 @@ std::optional<Event> event_of(const EventRow& row, EventLog* log) {
   e.to = *to;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   e.figures = {row.a.value_or(kNone), row.b.value_or(kNone)};
-  return e;
+  return is_whole(e) ? std::optional(e) : std::nullopt;
 }
 
 bool is_of_map(EventKind kind) { return kind >= EventKind::kMapStarted; }

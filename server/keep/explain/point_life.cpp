@@ -14,17 +14,18 @@ constexpr const char* kPhase = "phase";
 constexpr const char* kMap = "map";
 constexpr const char* kGone = "no longer in the map";
 
-// The life of one point until it became part of another.
+// The life of one point until it became part of another, by the events before `end`.
 class OwnLife {
  public:
-  OwnLife(const EventLog& log, PointId point) : log_(log), point_(point) {
+  OwnLife(const EventLog& log, PointId point, At end) : log_(log), point_(point) {
     const std::vector<At>& events = log.of_point.at(point);
     auto of_map = log.of_maps.begin();
     for (const At at : events) {
+      if (at >= end) break;
       for (; of_map != log.of_maps.end() && *of_map < at; ++of_map) take_map(*of_map);
       take(at);
     }
-    for (; of_map != log.of_maps.end(); ++of_map) take_map(*of_map);
+    for (; of_map != log.of_maps.end() && *of_map < end; ++of_map) take_map(*of_map);
   }
 
   std::vector<Entry> entries;
@@ -76,7 +77,7 @@ class OwnLife {
             words(static_cast<PointPhase>(e.to)));
         return;
       case EventKind::kPointFused:
-        return e.point == point_ ? take_in(at, e) : become_part(at, e);
+        return e.other == point_ ? become_part(at, e) : take_in(at, e);
       case EventKind::kPointRemoved:
         alive = false;
         add(at, "It was removed " + reason(e), kPhase, kGone);
@@ -100,7 +101,7 @@ class OwnLife {
   }
 
   void take_in(At at, const Event& e) {
-    const OwnLife other(log_, e.other);
+    const OwnLife other(log_, e.other, at + 1);  // a file may have each become part of the other
     const std::string subject = "Point " + std::to_string(e.other.value);
     const TimeNs made_ns = other.entries.empty() ? 0 : other.entries.front().t_ns;
     add(at, subject + ", made at " + seconds(log_, made_ns) + ", became part of it " + reason(e));
@@ -150,8 +151,8 @@ std::optional<Life> life_of_point(const EventLog& log, PointId point) {
   if (!log.of_point.contains(point)) return std::nullopt;
   Life life{.subject = name(point), .last = point};
   At begin = 0;
-  for (;;) {
-    OwnLife own_life(log, life.last);
+  for (bool again = false;; again = true) {
+    OwnLife own_life(log, life.last, log.events.size());
     for (Entry& e : own_life.entries) {
       if (e.at <= begin && begin > 0) {  // before the other became part of it: nothing of this life yet
         e.at = begin;
@@ -160,7 +161,7 @@ std::optional<Life> life_of_point(const EventLog& log, PointId point) {
       life.entries.push_back(std::move(e));
     }
     life.alive = own_life.alive;
-    if (!own_life.into) return life;
+    if (!own_life.into || (again && own_life.into->second <= begin)) return life;
     begin = own_life.into->second;
     end_aspects(&life.entries, begin);
     life.last = own_life.into->first;
