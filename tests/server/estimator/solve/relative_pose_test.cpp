@@ -145,12 +145,6 @@ TEST_F(RelativePoseTest, ARigThatTheImagesContradictIsLeftAside) {
   }
 }
 
-TEST_F(RelativePoseTest, WithMatchesAtRandomARigIsNoReasonForAPair) {
-  look(aside_, {.points = 40, .wrong = 1});
-  tie(aside_);
-  EXPECT_FALSE(solve());
-}
-
 TEST_F(RelativePoseTest, ManySpreadMatchesWithParallaxMakeTheBestPair) {
   const auto score = [&](const Rigid3& second_from_first, const Scene& scene) {
     look(second_from_first, scene);
