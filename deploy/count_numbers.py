@@ -36,7 +36,7 @@ FOLDERS = ("server/estimator", "common/geometry")
 TABLE = "docs/lab/numbers.csv"
 COLUMNS = ("name", "file", "value", "unit", "form", "kind", "what", "without")
 # The most tuned numbers and keys that are allowed: whoever brings a figure down lowers it here.
-MOST_TUNED, MOST_KEYS = 306, 86
+MOST_TUNED, MOST_KEYS = 273, 77
 KINDS = ("tuned", "structural", "switch", "given", "derived")
 LICENCE = "# SPDX-FileCopyrightText: 2026 The CoSLAM authors\n# SPDX-License-Identifier: Apache-2.0\n"
 UNITS = {"px": "px", "m": "m", "rad": "rad", "deg": "deg", "s": "s", "ns": "ns", "percent": "%"}

@@ -8,8 +8,6 @@ namespace coslam {
 namespace {
 constexpr std::size_t kHistory = 64;
 // From which on a pose stands by itself; of the image.
-constexpr int kFirmPoints = 30;
-constexpr double kFirmHull = 0.2;
 }  // namespace
 
 PoseTracker::PoseTracker(const CameraModel& camera, const PoseTrackerConfig& config)

@@ -102,19 +102,18 @@ struct System {
 // Whitened residual norm against t = 3 (in standard deviations).
 System build(const std::vector<Residual>& residuals, double sigma_px, const std::optional<PosePrior>& prior,
              const Rigid3& pose, std::vector<bool>* is_inlier) {
-  constexpr double kTukey = 3.0 * 1.2;  // 3 sigma of one axis, for the norm of two
   System s;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const Residual& r = residuals[i];
     (*is_inlier)[i] = false;
     if (!r.valid) {
-      s.cost += tukey_rho(2 * kTukey, kTukey);
+      s.cost += tukey_rho(2 * kTukeyOfTwo, kTukeyOfTwo);
       continue;
     }
     const Eigen::Matrix2d information = (sigma_px * sigma_px * Eigen::Matrix2d::Identity() + r.point_part).inverse();
     const double d = std::sqrt(r.r.dot(information * r.r));
-    const double w = tukey_weight(d, kTukey);
-    s.cost += tukey_rho(d, kTukey);
+    const double w = tukey_weight(d, kTukeyOfTwo);
+    s.cost += tukey_rho(d, kTukeyOfTwo);
     if (w <= 0) continue;
     (*is_inlier)[i] = true;
     ++s.inliers;

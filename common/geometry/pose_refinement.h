@@ -29,9 +29,17 @@ struct RigView {
   Rigid3 cam_from_rig;
 };
 
+// Least number of points that have to agree with a pose for it to be believed.
+inline constexpr int kLeastInliers = 12;
+// Number of points, and share of the image that they cover, from which on a pose needs nothing else.
+inline constexpr int kFirmPoints = 30;
+inline constexpr double kFirmHull = 0.2;
+// Largest noise of detection and tracking that is believed, at 640 px image width.
+inline constexpr double kMostSigma_px = 3.0;
+
 struct PoseRefinementConfig {
-  double sigma_px = 3.0;        // largest believed standard deviation of an observation
-  double sigma_floor_px = 0.2;  // smallest: quantisation and sub-pixel accuracy of the tracker
+  double sigma_px = kMostSigma_px;  // largest believed standard deviation of an observation
+  double sigma_floor_px = 0.2;      // smallest: quantisation and sub-pixel accuracy of the tracker
   int max_iterations = 15;
   std::optional<PosePrior> prior;  // counts beside the observations, and in the covariance
 };

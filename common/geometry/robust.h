@@ -6,6 +6,11 @@
 
 namespace coslam {
 
+// Extent of the Tukey bi-weight for the norm of two coordinates, in standard deviations of one: 3 of one axis.
+inline constexpr double kTukeyOfTwo = 3.0 * 1.2;
+// Standard deviations beyond which an observation counts less in adjustments of points and poses together (Cauchy).
+inline constexpr double kCauchySigmas = 2.0;
+
 // Tukey bi-weight (2): rho(x) = t^2/6 (1 - [1 - (x/t)^2]^3) for |x| <= t, else t^2/6.
 double tukey_rho(double x, double t);
 // IRLS weight rho'(x) / x = [1 - (x/t)^2]^2 for |x| <= t, else 0.

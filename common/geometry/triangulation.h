@@ -11,6 +11,9 @@
 
 namespace coslam {
 
+// Rotation of a viewing ray from which on a further view tells something new of a point.
+inline constexpr double kNewView_rad = 0.02;
+
 // One view of a point.
 struct View {
   const CameraModel* camera = nullptr;

@@ -3,8 +3,11 @@
 #include "server/app/recorded_config.h"
 
 #include <array>
+#include <sstream>
 #include <string>
 #include <utility>
+
+#include "common/base/log.h"
 
 namespace coslam {
 namespace {
@@ -36,6 +39,37 @@ void move_to_descriptor_requests(nlohmann::ordered_json* server) {
   if (!moved.empty()) (*server)["descriptor_requests"] = std::move(moved);
 }
 
+// A setting of an earlier version that is a constant now, with its value.
+struct FixedSetting {
+  const char* section;
+  const char* key;
+  double value;
+};
+constexpr std::array kFixedSettings{
+    FixedSetting{"classify", "least_s", 0.23},        FixedSetting{"classify", "neighbour_share", 0.5},
+    FixedSetting{"classify", "test_s", 1.0},          FixedSetting{"correct", "moving_patch_refresh_s", 0.33},
+    FixedSetting{"inter_pose", "hull_area_min", 0.2}, FixedSetting{"map_intra", "min_track_s", 2.0},
+    FixedSetting{"objects", "min_path_s", 0.2},       FixedSetting{"window_pose", "free_s", 0.4},
+    FixedSetting{"window_pose", "seen_s", 4.0}};
+
+// Leaves out settings that are constants now, and warns where the recorded run had another value.
+void drop_fixed_settings(nlohmann::ordered_json* server) {
+  for (const FixedSetting& fixed : kFixedSettings) {
+    const auto section = server->find(fixed.section);
+    if (section == server->end() || !section->is_object()) continue;
+    const auto at = section->find(fixed.key);
+    if (at == section->end()) continue;
+    if (*at != fixed.value) {
+      std::ostringstream text;
+      text << "the recorded run had server." << fixed.section << "." << fixed.key << " = " << at->dump()
+           << ", which is no setting any more: the replay has " << fixed.value;
+      log_warn(text.str());
+    }
+    section->erase(fixed.key);
+    if (section->empty()) server->erase(fixed.section);
+  }
+}
+
 }  // namespace
 
 RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem::path& file) {
@@ -49,6 +83,7 @@ RecordedConfig recorded_config(const RecordingHead& head, const std::filesystem:
       (*server)[now] = std::move(section);
     }
     move_to_descriptor_requests(&*server);
+    drop_fixed_settings(&*server);
   }
   RecordedConfig config;
   config::load_text(config, recorded.dump(), file);

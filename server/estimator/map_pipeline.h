@@ -94,7 +94,8 @@ void describe(V& v, MapServerConfig& c) {
   v.field("zncc_min", c.map.zncc_min, {-1, 1}, "correlation of two patches that show one place");
   v.field("zncc_margin", c.map.zncc_margin, {0, 1}, "of the best match over the second best");
   v.field("min_parallax_rad", c.map.min_parallax_rad, {0, 1}, "between the views that a point is made from");
-  v.field("check_back_s", c.map.check_back_s, {0.1, 100}, "of a track, in which a point that is to be its has to fit");
+  v.field("check_back_s", c.map.check_back_s, {0.1, 100},
+          "N_min: of a track, in which a point that is to be its has to fit; points of younger ones are put on trial");
   v.field("failures", c.map.failures, {1, 100}, "gate failures in succession that unbind a track, or make it doubted");
   v.field("few_points", c.map.few_points, {0, 1000},
           "a camera that sees fewer proven points relies on those on trial and on directions too");

@@ -54,12 +54,11 @@ bool moves(const RefineJob& job, std::size_t pose) { return !job.problem.poses[p
 
 // Poses that enough points held while they were solved for. Others go with the frames before and after them.
 std::vector<bool> seen_enough(const RefineJob& job) {
-  constexpr int kLeast = 8;
   std::vector<int> seen(job.poses.size());
   for (const auto& o : job.problem.observations) ++seen[static_cast<std::size_t>(o.pose)];
   std::vector<bool> out;
   out.reserve(seen.size());
-  for (const int n : seen) out.push_back(n >= kLeast);
+  for (const int n : seen) out.push_back(n >= kLeastPointsOfPose);
   return out;
 }
 

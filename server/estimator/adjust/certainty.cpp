@@ -125,8 +125,7 @@ std::optional<RefineJob> plan_path_errors(const Map& map, MapId map_id) {
 }
 
 PathErrors path_errors(const RefineJob& job) {
-  constexpr double kAgree_sigmas = 4;
-  return path_errors(job, agreeing(job.problem, kAgree_sigmas));
+  return path_errors(job, agreeing(job.problem, job.config.outlier_sigmas));
 }
 
 }  // namespace coslam

@@ -15,7 +15,6 @@
 namespace coslam {
 namespace {
 
-constexpr int kLeastPoints = 12;
 constexpr double kLeastAgree = 0.6;  // of the points
 // Squared distance of the old pose in standard deviations of the new one, six degrees of freedom: a hundredth of a
 // percent of right poses is so far off, were the old one as uncertain.
@@ -75,9 +74,9 @@ std::optional<PoseResult> solve(const Map& map, const CameraLens& camera, const 
     if (at == points.end()) continue;
     seen.push_back({at->second->position, at->second->covariance, held.undistorted_px.cast<double>()});
   }
-  if (std::ssize(seen) < kLeastPoints) return std::nullopt;
+  if (std::ssize(seen) < kLeastInliers) return std::nullopt;
   PoseResult result = refine_pose(camera.model, seen, initial, {.sigma_px = map.sigma_bound_px(camera)});
-  const bool good = result.status == PoseStatus::kOk && result.inliers >= kLeastPoints &&
+  const bool good = result.status == PoseStatus::kOk && result.inliers >= kLeastInliers &&
                     result.inliers >= kLeastAgree * static_cast<double>(seen.size());
   return good ? std::optional(std::move(result)) : std::nullopt;
 }

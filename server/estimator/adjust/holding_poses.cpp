@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <map>
 
+#include "server/estimator/solve/bundle.h"
+
 namespace coslam {
 namespace {
 
@@ -57,10 +59,9 @@ SharedPoints shared_with_window(const Map& map, MapId map_id, SetId first) {
 
 // Those that share enough to hold, most first.
 Poses by_shared_points(const SharedPoints& shared, const Counts& counts) {
-  constexpr int kLeast = 8;
   std::vector<std::pair<int, ImageKey>> order;
   for (std::size_t pose = 0; pose < counts.size(); ++pose) {
-    if (counts[pose] < kLeast) continue;
+    if (counts[pose] < kLeastPointsOfPose) continue;
     const CameraId camera(static_cast<std::uint16_t>(pose % shared.cameras));
     order.emplace_back(-counts[pose], std::pair(shared.sets[pose / shared.cameras], camera));
   }

@@ -71,6 +71,8 @@ bool needs_key_frame(const Map& map, const SinceLast& s, const KeyFramesConfig& 
   return long_ago && s.median_turn_rad > map.config().new_view_rad;
 }
 
+std::size_t two_windows(const BundleAdjustmentConfig& refine) { return 2 * static_cast<std::size_t>(refine.window); }
+
 }  // namespace
 
 bool decide_key_frame(KeyFramesEdit& edit, const FrameSet& set, const KeyFramesConfig& config) {
@@ -125,13 +127,12 @@ bool KeyFrames::plan_job(const Map& map, bool key_frame, const BundleAdjustmentC
   const MapId map_id = outline ? outline_ : maps[static_cast<std::size_t>(plans_) % maps.size()];
   if (outline) {
     planned_ = plan_outline_since(map, map_id, outline_since_, refine, workers);
-  } else if (outline_is_due(map, map_id)) {
+  } else if (outline_is_due(map, map_id, refine)) {
     planned_ = plan_outline_since(map, map_id, SetId(), refine, workers);
     // Until then the windows reach as far, and hold the scale better.
-    constexpr std::size_t kWindows = 2;
-    if (planned_) planned_->for_lenses = map.key_frames().size() < kWindows * static_cast<std::size_t>(refine.window);
+    if (planned_) planned_->for_lenses = map.key_frames().size() < two_windows(refine);
     const bool breathes = std::ranges::any_of(map.cameras(), [](const MapCamera& c) { return c.breathing > 0; });
-    if (planned_ && (breathes || zooms_are_due(map, map_id))) planned_->zooms = true;
+    if (planned_ && (breathes || zooms_are_due(map, map_id, refine))) planned_->zooms = true;
   } else {
     planned_ = plan_refine(map, map_id, RefineExtent::kWindow, refine, workers);
   }
@@ -143,19 +144,19 @@ bool KeyFrames::plan_job(const Map& map, bool key_frame, const BundleAdjustmentC
   return planned_.has_value();
 }
 
-bool KeyFrames::outline_is_due(const Map& map, MapId map_id) {
-  constexpr std::size_t kFirst = 8, kMost = 400, kPart = 4;
+// From more key frames than a window holds, until an outline leaves out most.
+bool KeyFrames::outline_is_due(const Map& map, MapId map_id, const BundleAdjustmentConfig& refine) {
+  constexpr std::size_t kPart = 4;
   const std::size_t keys = map.key_frames().size();
-  std::size_t& due = due_.try_emplace(map_id, kFirst).first->second;
-  if (keys < due || keys > kMost) return false;
+  std::size_t& due = due_.try_emplace(map_id, refine.window).first->second;
+  if (keys < due || keys > static_cast<std::size_t>(refine.outline_poses)) return false;
   due = keys + std::max<std::size_t>(1, keys / kPart);
   return true;
 }
 
-bool KeyFrames::zooms_are_due(const Map& map, MapId map_id) {
-  constexpr std::size_t kFirst = 16;
+bool KeyFrames::zooms_are_due(const Map& map, MapId map_id, const BundleAdjustmentConfig& refine) {
   const std::size_t keys = map.key_frames().size();
-  std::size_t& due = zooms_due_.try_emplace(map_id, kFirst).first->second;
+  std::size_t& due = zooms_due_.try_emplace(map_id, two_windows(refine)).first->second;
   if (keys < due) return false;
   due = 2 * keys;
   return true;

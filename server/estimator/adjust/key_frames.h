@@ -49,8 +49,8 @@ class KeyFrames {
   std::optional<RefineJob> take_job();
 
  private:
-  bool outline_is_due(const Map& map, MapId map_id);
-  bool zooms_are_due(const Map& map, MapId map_id);
+  bool outline_is_due(const Map& map, MapId map_id, const BundleAdjustmentConfig& refine);
+  bool zooms_are_due(const Map& map, MapId map_id, const BundleAdjustmentConfig& refine);
   bool plan_job(const Map& map, bool key_frame, const BundleAdjustmentConfig& refine, Workers& workers);
 
   std::optional<RefineJob> planned_;

@@ -12,6 +12,7 @@
 #include "server/estimator/associate/recall.h"
 #include "server/estimator/associate/track_grid.h"
 #include "server/estimator/associate/turns.h"
+#include "server/estimator/map/sighting.h"
 
 namespace coslam {
 namespace {
@@ -78,7 +79,7 @@ std::optional<PointEstimate> triangulated_anew(const Map& map, const MapPoint& p
     if (t.gate_failures > 0 || f == nullptr || f->map != point.map) continue;
     views.push_back({&c.model, f->cam_from_world, t.seen.back().undistorted_px.cast<double>()});
   }
-  const TriangulationResult t = triangulate(views, 1.0, 0.01);
+  const TriangulationResult t = triangulate(views, 1.0, kLeastParallax_rad);
   if (t.status != TriangulationStatus::kOk) return std::nullopt;
   return PointEstimate{t.position, map.covariance_of(point, t.position)};
 }

@@ -32,7 +32,6 @@ void describe(V& v, CorrectConfig& c) {
   v.field("patches_per_request", c.patches_per_request, {0, 1000},
           "image patches asked for at once, at most, of tracks that move and of others each");
   v.field("patch_refresh_s", c.patch_refresh_s, {0.01, 1000}, "after which an unmapped track is asked again");
-  v.field("moving_patch_refresh_s", c.moving_patch_refresh_s, {0.01, 1000}, "the same for tracks that move");
 }
 
 // Writes the map patches of one agent: keeps what was sent, and writes the difference.

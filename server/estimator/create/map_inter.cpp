@@ -8,6 +8,7 @@
 #include "server/estimator/associate/pair_match.h"
 #include "server/estimator/associate/patch_match.h"
 #include "server/estimator/associate/verify.h"
+#include "server/estimator/map/sighting.h"
 
 namespace coslam {
 namespace {
@@ -23,8 +24,8 @@ std::vector<Feature> unmapped(const MapCamera& camera) {
 bool try_point(MapInterEdit& edit, const PairView& view, const Feature& a, const Feature& b) {
   const Map& map = edit.map();
   if (!same_centre(*a.track->patch, *b.track->patch)) return false;
-  std::vector<View> views = map.views_of(*view.first, *a.track, 6);
-  const std::vector<View> other = map.views_of(*view.second, *b.track, 6);
+  std::vector<View> views = map.views_of(*view.first, *a.track, kViewsOfTrack);
+  const std::vector<View> other = map.views_of(*view.second, *b.track, kViewsOfTrack);
   if (views.empty() || other.empty()) return false;
   views.insert(views.end(), other.begin(), other.end());
   const double sigma_px = std::max(view.first->sigma_px, view.second->sigma_px);

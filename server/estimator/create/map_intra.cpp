@@ -29,7 +29,7 @@ bool try_track(MapIntraEdit& edit, const MapCamera& camera, const ServerTrack& t
                bool in_window, MapIntraReport* report) {
   const Map& map = edit.map();
   // A track that left a point before may do so because it moves: it has to prove itself for longer.
-  const int long_enough = camera.frames_in(config.min_track_s, camera.least_views());
+  const int long_enough = camera.frames_in(map.config().check_back_s, camera.least_views());
   const int least =
       track.distrusted_before > 0 ? long_enough : camera.frames_in(config.early_track_s, camera.least_views());
   if (static_cast<int>(track.seen.size()) < least) return false;

@@ -8,7 +8,6 @@
 namespace coslam {
 
 struct MapIntraConfig {
-  double min_track_s = 2.0;  // N_min: age from which tracks become static points at once; younger ones are on trial
   // Least parallax of younger tracks: one that follows a moving thing for a moment seems to have some.
   double early_parallax_rad = 0.035;
   double early_track_s = 0.27;  // least age of a track
@@ -16,8 +15,7 @@ struct MapIntraConfig {
 
 template <class V>
 void describe(V& v, MapIntraConfig& c) {
-  v.field("min_track_s", c.min_track_s, {0.01, 100}, "N_min: points of tracks so long are not put on trial");
-  v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than N_min");
+  v.field("early_parallax_rad", c.early_parallax_rad, {0, 1}, "of a track that is shorter than check_back_s");
   v.field("early_track_s", c.early_track_s, {0.01, 100}, "younger tracks do not become points");
 }
 

@@ -44,17 +44,16 @@ std::optional<TriangulationResult> meeting_now(const Map& map, const PairView& v
 // Not far in depth from the moving points beside it in the image, if there are any: texture repeats along epipolar
 // lines, and things are compact.
 bool beside_in_depth(const Map& map, const PairView& view, const Eigen::Vector3d& position) {
-  constexpr double kBeside = 0.12;  // of the image width, and of the depth
   Eigen::Vector2d px;
   if (!project_world(view.first->model, view.first_pose, position, &px)) return false;
-  const double depth = (view.first_pose * position).z(), radius_px = kBeside * view.first->model.width_px;
+  const double depth = (view.first_pose * position).z(), radius_px = kOneThing * view.first->model.width_px;
   int alike = 0, other_count = 0;
   for (const MapPoint* p : map.moving_points()) {
     if (p->map != view.first->map || p->last_seen.value + 2 < map.now().value) continue;
     Eigen::Vector2d other_px;
     if (!project_world(view.first->model, view.first_pose, p->position, &other_px)) continue;
     if ((other_px - px).norm() > radius_px) continue;
-    (std::abs((view.first_pose * p->position).z() - depth) < kBeside * depth ? alike : other_count) += 1;
+    (std::abs((view.first_pose * p->position).z() - depth) < kOneThing * depth ? alike : other_count) += 1;
   }
   return alike >= other_count;
 }

@@ -154,8 +154,10 @@ Common common_tracks(const MapCamera& camera, SetId earlier_set) {
 }
 
 // The oldest set of which enough tracks are left.
-std::optional<Common> widest_common(const MapCamera& camera) {
-  const std::size_t enough = std::max<std::size_t>(60, camera.tracks.size() * 2 / 5);
+std::optional<Common> widest_common(const MapCamera& camera, int min_matches) {
+  // Half of them have to be inliers.
+  const std::size_t enough =
+      std::max<std::size_t>(2 * static_cast<std::size_t>(min_matches), camera.tracks.size() * 2 / 5);
   if (camera.tracks.size() < enough) return std::nullopt;
   std::vector<SetId> begins;
   for (const auto& [id, t] : camera.tracks) begins.push_back(t.seen.front().set);
@@ -180,7 +182,7 @@ bool without_map_for(const CameraFrames& camera, double wait_s) {
 // Two views of one camera at different times.
 void start_alone(StartEdit& edit, const MapCamera& camera, const FrameSet& set, const StartStageConfig& config,
                  const LocaliseConfig& localise, const BundleAdjustmentConfig& refine, StartReport* report) {
-  const std::optional<Common> common = widest_common(camera);
+  const std::optional<Common> common = widest_common(camera, config.pair.min_matches);
   if (!common || common->median_flow_px < camera.model.px_from_640(config.min_flow_px)) return;
   const StartResult result = start_from_matches(common->before, common->now, common->matches, config.pair);
   if (!result.ok) {

@@ -14,6 +14,7 @@
 #include "common/base/fields.h"
 #include "common/base/ids.h"
 #include "common/base/time.h"
+#include "common/geometry/pose_refinement.h"
 #include "common/geometry/rigid3.h"
 #include "common/geometry/triangulation.h"
 #include "common/model/rig.h"
@@ -45,8 +46,8 @@ auto fields(Like<MapMove> auto& m) {
 }
 
 struct MapConfig {
-  double sigma_px = 3.0;  // largest believed noise of detection and tracking, at 640 px image width
-  double theta = 2.0;     // Mahalanobis gate
+  double sigma_px = kMostSigma_px;  // largest believed noise of detection and tracking, at 640 px image width
+  double theta = 2.0;               // Mahalanobis gate
   // Factor on the measured noise behind point covariances. Residuals do not show what all views of a track share: its
   // drift on the surface, and the error of poses that moved with it. Measured on simulated truth, see
   // docs/lab/results.md (NEES).
@@ -56,12 +57,14 @@ struct MapConfig {
   double zncc_min = 0.7;
   double zncc_margin = 0.05;        // least difference of the best match to the second best
   double min_parallax_rad = 0.017;  // least parallax of a new point's views
-  double check_back_s = 2.0;        // time of a track over which a point has to fit before it is bound
-  int failures = 3;                 // successive gate failures of a track that count
-  int few_points = 60;              // proven points below which a camera relies on others and on directions too
-  double new_view_rad = 0.02;       // rotation of a viewing ray after which one more view of a point adds information
-  double match_period_s = 0.17;     // time between searches for tracks and points of one place, where nothing is urgent
-  std::vector<std::string> rigs;    // cameras that are fixed to another: CAMERA FIRST x y z qx qy qz qw each
+  // N_min: time of a track over which a point has to fit before it is bound; points of younger ones are on trial.
+  double check_back_s = 2.0;
+  int failures = 3;     // successive gate failures of a track that count
+  int few_points = 60;  // proven points below which a camera relies on others and on directions too
+  double new_view_rad =
+      kNewView_rad;               // rotation of a viewing ray after which one more view of a point adds information
+  double match_period_s = 0.17;   // time between searches for tracks and points of one place, where nothing is urgent
+  std::vector<std::string> rigs;  // cameras that are fixed to another: CAMERA FIRST x y z qx qy qz qw each
 };
 
 class Map {

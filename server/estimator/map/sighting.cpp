@@ -59,10 +59,9 @@ std::optional<TriangulationResult> position_of(const Map& map, const std::vector
 }
 
 std::optional<FarPoint> far_point_of(const Map& map, const MapCamera& camera, const ServerTrack& track) {
-  constexpr std::size_t kViews = 6;
   if (camera.scene_depth <= 0 || !track.free_and_resting()) return std::nullopt;
   if (static_cast<int>(track.seen.size()) < camera.frames_in(kSettled_s, kLeastFrames)) return std::nullopt;
-  const std::vector<View> views = map.views_of(camera, track, kViews);
+  const std::vector<View> views = map.views_of(camera, track, kViewsOfTrack);
   if (views.empty()) return std::nullopt;
   return far_point(views, camera.scene_depth, map.covariance_sigma_px(camera));
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -17,7 +18,12 @@ struct Seen {
   View view;  // view at the instant of the set
 };
 
-inline constexpr double kMovingParallax_rad = 0.01;
+// Least parallax of views from which a known thing is positioned anew.
+inline constexpr double kLeastParallax_rad = 0.01;
+// Number of views, spread over a track's life, that stand for all of them.
+inline constexpr std::size_t kViewsOfTrack = 6;
+// Least noise that solutions of several poses believe of an observation: what is below comes of tracks alike.
+inline constexpr double kLeastSigma_px = 0.3;
 // Age at which a track is taken for a reliable one: most that follow no single thing have ended or shown it by then.
 inline constexpr double kSettled_s = 0.13;
 

@@ -23,7 +23,7 @@ void judge_point(ClassifyEdit& edit, const MapPoint& p, ClassifyReport* report) 
   ++report->uncertain;
   const std::vector<Seen> seen = seen_now(map, p);
   const Figures cameras{static_cast<double>(seen.size()), 0};
-  if (const auto t = position_of(map, seen, kMovingParallax_rad)) {
+  if (const auto t = position_of(map, seen, kLeastParallax_rad)) {
     edit.start_moving(p, t->position, t->covariance, Why::kSeenElsewhere, cameras);
     record_past(edit, p, static_cast<std::size_t>(map.config().failures));
     ++report->dynamic;

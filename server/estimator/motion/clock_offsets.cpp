@@ -23,7 +23,7 @@ constexpr double kPrior_s = 0.02;
 constexpr double kPoseShare = 0.1;       // of a residual's variance that comes from the poses: all points have it alike
 constexpr std::size_t kMostShared = 10;  // pairs of tracks of two cameras at one instant that are looked at
 constexpr double kSystematic_s = 0.001;  // error that no number of observations takes away
-constexpr double kLeastSigma_px = 0.35;  // at 640 px image width
+constexpr double kLeastClockSigma_px = 0.35;  // at 640 px image width
 
 // Distance of the two rays' planes through the baseline, as pixels of one camera: its noise is that of the pixels.
 // Empty near the epipoles.
@@ -140,7 +140,7 @@ void ClockOffsets::observe(const Map& map, const MapPoint& point, const BoundTra
     o->weight = weight;
     Stretch& s = open_.try_emplace(pair, Stretch{pair, 0, {}}).first->second;
     if (s.seen.seen.empty()) {
-      const double least_px = a.model.px_from_640(kLeastSigma_px);
+      const double least_px = a.model.px_from_640(kLeastClockSigma_px);
       s.seen.first = first.camera.value;
       s.seen.second = second.camera.value;
       s.seen.sigma_px = std::max({least_px, a.sigma_px, b.sigma_px});

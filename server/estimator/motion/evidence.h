@@ -28,13 +28,10 @@ template <class V>
 void describe(V& v, EvidenceConfig& c) {
   v.field("still_s", c.still_s, {0.01, 100}, "a moving point that stood so long is static again");
   v.field("still_px_s", c.still_px_s, {0, 1000}, "apparent speed below which a thing stands, at 640 px image width");
-  v.field("least_s", c.least_s, {0.01, 10}, "age at which an unmapped track is tested for motion");
-  v.field("test_s", c.test_s, {0.1, 10}, "newest part of an unmapped track that is tested for motion");
   v.field("doubtful_px", c.doubtful_px, {0.5, 50},
           "that it misses every static point by, at 640 px image width: it is not mapped");
   v.field("motion_px", c.motion_px, {0.5, 50}, "the same, to be called moving");
   v.field("motion_parallax", c.motion_parallax, {0, 10}, "and at least so much of the parallax at the median depth");
-  v.field("neighbour_share", c.neighbour_share, {0, 1}, "of the tracks around it that must move too");
 }
 
 // Distance in an image, as a share of the larger image side, up to which tracks count as neighbours on one thing.

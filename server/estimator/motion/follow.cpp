@@ -19,7 +19,7 @@ std::optional<std::size_t> odd_one_out(const Map& map, const std::vector<Seen>& 
   for (std::size_t i = 0; i < seen.size(); ++i) {
     std::vector<Seen> rest = seen;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-    if (!position_of(map, rest, kMovingParallax_rad)) continue;
+    if (!position_of(map, rest, kLeastParallax_rad)) continue;
     if (odd) return std::nullopt;
     odd = i;
   }
@@ -30,6 +30,9 @@ struct Step {
   Eigen::Vector3d from, to;
 };
 
+// Of a neighbour: those within a fifth of the radius count alike.
+double weight_at(double distance2, double radius) { return 1 / (distance2 + 0.04 * radius * radius); }
+
 // How moving points near this place moved since the last set.
 std::optional<Eigen::Vector3d> step_near(const std::vector<Step>& steps, const Eigen::Vector3d& place, double radius) {
   double weights = 0;
@@ -37,7 +40,7 @@ std::optional<Eigen::Vector3d> step_near(const std::vector<Step>& steps, const E
   for (const Step& s : steps) {
     const double distance2 = (s.from - place).squaredNorm();
     if (distance2 > radius * radius) continue;
-    const double weight = 1 / (distance2 + 0.04 * radius * radius);
+    const double weight = weight_at(distance2, radius);
     weights += weight;
     sum += weight * (s.to - s.from);
   }
@@ -54,7 +57,7 @@ std::optional<Eigen::Vector2d> flow_near(const MapCamera& camera, const Eigen::V
     if (!t.moves() || n < 2 || t.seen[n - 2].set.value + 1 != t.seen[n - 1].set.value) continue;
     const double distance2 = (t.seen[n - 2].undistorted_px.cast<double>() - before_px).squaredNorm();
     if (distance2 > radius_px * radius_px) continue;
-    const double weight = 1 / (distance2 + 0.04 * radius_px * radius_px);
+    const double weight = weight_at(distance2, radius_px);
     weights += weight;
     sum += weight * (t.seen[n - 1].undistorted_px - t.seen[n - 2].undistorted_px).cast<double>();
   }
@@ -104,14 +107,14 @@ std::optional<TriangulationResult> position_now(ClassifyEdit& edit, const MapPoi
                                                 FollowReport* report) {
   const Map& map = edit.map();
   *seen = seen_now(map, p);
-  if (auto t = position_of(map, *seen, kMovingParallax_rad)) return t;
+  if (auto t = position_of(map, *seen, kLeastParallax_rad)) return t;
   const auto odd = odd_one_out(map, *seen);
   if (!odd) return std::nullopt;
   const BoundTrack b = (*seen)[*odd].track;
   edit.unbind(b.camera, map.track(b), Why::kOddOneOut, {static_cast<double>(seen->size()) - 1, 0});
   ++report->unbound;
   *seen = seen_now(map, p);
-  return position_of(map, *seen, kMovingParallax_rad);
+  return position_of(map, *seen, kLeastParallax_rad);
 }
 
 void record(ClassifyEdit& edit, const MapPoint& p, const std::vector<Seen>& seen, const FrameSet& set) {
@@ -178,7 +181,7 @@ std::optional<Eigen::Vector3d> step_of(const Map& map, const MapPoint& p, const 
   if (views.size() == 1) {
     moved = kept_to_ray(p.position, views.front());
   } else {
-    const TriangulationResult t = triangulate(views, 1.0, kMovingParallax_rad);
+    const TriangulationResult t = triangulate(views, 1.0, kLeastParallax_rad);
     if (t.status != TriangulationStatus::kOk) return std::nullopt;
     moved = t.position;
   }
@@ -237,7 +240,7 @@ void record_past(MovingPathEdit& edit, const MapPoint& point, std::size_t most_s
       seen.push_back({b, *view});
       sample.seen.push_back(sighting(map.camera(b.camera), track, *at));
     }
-    if (!position_of(map, seen, kMovingParallax_rad)) break;
+    if (!position_of(map, seen, kLeastParallax_rad)) break;
     past.push_back(std::move(sample));
   }
   for (auto s = past.rbegin(); s != past.rend(); ++s) edit.record_motion(point.id, std::move(*s));

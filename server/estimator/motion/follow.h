@@ -11,9 +11,12 @@
 // Follows moving points from frame set to frame set: their positions, and which tracks are no longer theirs.
 namespace coslam {
 
+// Extent of what moves as one, as a share of its distance from the cameras, and of the image's width.
+inline constexpr double kOneThing = 0.12;
+
 struct FollowConfig {
-  double neighbour_radius = 0.12;  // share of the distance to the cameras: moving points closer than this move alike
-  double forget_s = 2.0;           // time without two cameras on it after which a moving point is removed
+  double neighbour_radius = kOneThing;  // share of the distance: moving points closer than this move alike
+  double forget_s = 2.0;                // time without two cameras on it after which a moving point is removed
   double forget_alone_s = 0.5;  // time without two cameras and without neighbours after which a moving point is removed
   double search_px = 12.0;      // largest distance of a track from where its point should be, at 640 px image width
 };

@@ -36,7 +36,6 @@ void describe(V& v, ObjectsConfig& c) {
   v.field("reach_m", c.reach_m, {0.01, 1000}, "between neighbouring points of a body, when the scale is known");
   v.field("reach_share", c.reach_share, {0.001, 1}, "the same when it is not, of the distance from the cameras");
   v.field("path_s", c.path_s, {0.2, 10}, "newest part of the paths that is compared and gives the velocity");
-  v.field("min_path_s", c.min_path_s, {0.05, 10}, "points with shorter paths wait");
   v.field("min_speed", c.min_speed, {0, 100}, "of the reach a second, of a new object");
   v.field("min_points", c.min_points, {2, 1000}, "of a new object");
 }

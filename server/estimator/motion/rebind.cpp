@@ -55,7 +55,7 @@ bool agrees(const Map& map, const MapCamera& camera, const MapPoint& p, const Lo
   if (!view) return false;
   view->undistorted_px += look.offset_px.cast<double>();
   seen.push_back({{camera.id, look.track->id}, *view});
-  return position_of(map, seen, kMovingParallax_rad).has_value();
+  return position_of(map, seen, kLeastParallax_rad).has_value();
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr double kToldFrom_s = 0.12;               // less is found and made up 
 constexpr double kAgree_s = 0.08;                  // two searches that found one lag
 constexpr double kAgain_s = 5, kMuchLater_s = 60;  // between searches of a pair; when its clocks were found to agree
 constexpr std::size_t kMostRays = 24;              // of one image, the same tracks from image to image
-constexpr std::size_t kLeastRays = 4, kLeastSights = 50;
+constexpr std::size_t kLeastSights = 50;
 
 std::uint32_t shuffled(TrackId track) { return static_cast<std::uint32_t>(track.value * 2654435761U); }
 
@@ -53,7 +53,7 @@ void StampLag::look(const Map& map, const MapCamera& camera) {
     if (t.seen.back().set != map.now() || !(p != nullptr ? p->moves() : t.moves())) continue;
     sight.rays.push_back({id, Eigen::Vector3d::Zero()});
   }
-  if (sight.rays.size() < kLeastRays) return;
+  if (sight.rays.size() < kLeastTracks) return;
   if (sight.rays.size() > kMostRays) {
     const auto order = [](const MovingSight::Ray& r) { return shuffled(r.track); };
     std::ranges::nth_element(sight.rays, sight.rays.begin() + kMostRays, {}, order);

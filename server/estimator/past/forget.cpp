@@ -8,12 +8,12 @@
 #include "common/geometry/robust.h"
 #include "server/estimator/adjust/final_poses.h"
 #include "server/estimator/map/sighting.h"
+#include "server/estimator/solve/bundle.h"
 
 namespace coslam {
 namespace {
 
-constexpr std::size_t kLeastPoints = 8;  // for an image to be worth keeping
-constexpr std::size_t kMostAlike = 2;    // images of one place
+constexpr std::size_t kMostAlike = 2;  // images of one place
 
 // Distances of the points that an image observes.
 std::vector<double> depths_of(const Map& map, const ImageKey& image, const FramePose& frame) {
@@ -102,7 +102,7 @@ void Forget::judge_image(ForgetEdit& edit, const ImageKey& image, const std::set
   const FramePose* frame = frame_of(map, image);
   std::vector<double> depths =
       frame != nullptr && frame->valid() ? depths_of(map, image, *frame) : std::vector<double>();
-  if (depths.size() < kLeastPoints) {
+  if (std::ssize(depths) < kLeastPointsOfPose) {
     drop_image(edit, image, held, dropped);
     return;
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/estimator/associate/register.h"
+#include "server/estimator/pose/localise.h"
 #include "server/estimator/solve/pose_graph.h"
 
 namespace coslam {
@@ -80,7 +81,7 @@ void add_nodes(const Map& map, const Nodes& nodes, PoseGraph* graph) {
 // Drift grows from set to set while a camera is followed. Across a time in which nobody heard of it, as when the server
 // was away, its pose is what it says itself and its points are new ones: that may hide more drift than all the rest.
 double step_weight(const Map& map, const CameraFrames& camera, SetId before, SetId now) {
-  constexpr double kFollowed_s = 0.5;
+  constexpr double kFollowed_s = LocaliseConfig().lost_after_s;
   const std::uint32_t sets = now.value - before.value;
   const bool given_out = before < camera.past.until;  // frames in between
   const double drift = given_out || sets <= map.sets_in(kFollowed_s) ? 1.0 : sets;

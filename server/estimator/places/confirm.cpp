@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "server/estimator/places/scene_shape.h"
+#include "server/estimator/places/witness.h"
 
 namespace coslam {
 namespace {
 
-constexpr double kPending_s = 5.0;        // within which a hypothesis is to be confirmed
 constexpr double kFlat_s = 30.0;          // the same of ground, of which one image shows a part
 constexpr double kRepeats_s = 120;        // after something flat was last seen in two places
 constexpr std::size_t kBeyondDoubt = 40;  // matches of either image, in one of them not on one plane
@@ -30,12 +30,12 @@ std::vector<const MapPoint*> points_in(const Map& map, MapId map_id, const std::
 // of the maps may be as bent as young ones are; the adjustment of both together straightens it.
 bool agree(const DescribedImage& image, const PlaceMatch& seen, const Similarity3& earlier, const Similarity3& now,
            bool beyond_doubt) {
-  constexpr double kTurn_rad = 0.05, kShift = 0.1, kScale = 0.15, kBent = 3;
+  constexpr double kShift = 0.1, kBent = 3;
   const double slack = beyond_doubt ? kBent : 1;
   const Rigid3 expected = transform_world(image.frame().cam_from_world, earlier);
-  return expected.rotation.angularDistance(seen.cam_from_world.rotation) < slack * kTurn_rad &&
+  return expected.rotation.angularDistance(seen.cam_from_world.rotation) < slack * kSameTurn_rad &&
          (expected.center() - seen.cam_from_world.center()).norm() < slack * kShift * seen.median_depth &&
-         std::abs(std::log(earlier.scale / now.scale)) < slack * kScale;
+         std::abs(std::log(earlier.scale / now.scale)) < slack * kSameScale;
 }
 
 // Farther from where the camera's pose says than young maps drift. One that has drifted so far only loses that flat
@@ -77,7 +77,7 @@ PlaceDoubt Verification::examine(const Map& map, const DescribedImage& image, co
   PlaceDoubt doubt = PlaceDoubt::kUnconfirmed;
   const auto at = pending_.find(hypothesis);
   if (at != pending_.end() &&
-      at->second.newest.value + map.sets_in(at->second.flat ? kFlat_s : kPending_s) > map.now().value) {
+      at->second.newest.value + map.sets_in(at->second.flat ? kFlat_s : kOneVisit_s) > map.now().value) {
     Pending& p = at->second;
     const Similarity3 earlier = forward ? p.second_from_first : p.second_from_first.inverse();
     if (agree(image, seen, earlier, in_from_own, p.many && now.many && (p.relief || now.relief))) {
@@ -139,8 +139,8 @@ void Verification::joined(MapId one, MapId other) {
 Verification::Waiting Verification::waiting(const Map& map, CameraId camera) const {
   Waiting most = Waiting::kNothing;
   for (const auto& [hypothesis, p] : pending_) {
-    const bool more = p.flat && p.first.value + map.sets_in(kPending_s) <= map.now().value;
-    const double wait_s = more ? kFlat_s : kPending_s;
+    const bool more = p.flat && p.first.value + map.sets_in(kOneVisit_s) <= map.now().value;
+    const double wait_s = more ? kFlat_s : kOneVisit_s;
     if (!p.cameras.contains(camera) || p.newest.value + map.sets_in(wait_s) <= map.now().value) continue;
     most = std::max(most, more ? Waiting::kMore : p.expected ? Waiting::kExpected : Waiting::kAnywhere);
   }

@@ -50,7 +50,7 @@ std::optional<double> scale_of(const Map& map, const DescribedImage& image, cons
       const double other = (seen.cam_from_world * map.find(point)->position).z();
       if (depth && *depth > 0 && other > 0) ratios.push_back(std::log(other / *depth));
     }
-    if (ratios.size() >= kLeastDepthRatios) break;
+    if (ratios.size() >= kLeastPairs) break;
   }
   return depth_ratio(std::move(ratios));
 }
@@ -67,15 +67,13 @@ std::optional<Similarity3> similarity_of(const Map& map, const DescribedImage& i
   return s;
 }
 
-// It had a pose in that map not long ago, and not far from there.
+// It had a pose in that map not long ago, and nearer to there than what it sees.
 bool where_it_was_lost(const Map& map, const CameraFrames& camera, const PlaceMatch& seen) {
-  constexpr double kNear = 1.0;  // of the distance of what it sees
   for (std::size_t i = camera.frames.size(); i-- > 0;) {
     const FramePose& f = camera.frames[i];
     if (!map.is_recent(f.set)) return false;
     if (!f.valid()) continue;
-    return f.map == seen.map &&
-           (f.cam_from_world.center() - seen.cam_from_world.center()).norm() < kNear * seen.median_depth;
+    return f.map == seen.map && (f.cam_from_world.center() - seen.cam_from_world.center()).norm() < seen.median_depth;
   }
   return false;
 }

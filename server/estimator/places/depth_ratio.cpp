@@ -9,7 +9,7 @@ namespace coslam {
 
 std::optional<double> depth_ratio(std::vector<double> log_ratios) {
   constexpr double kMostSpread = 0.3;  // between the quartiles
-  if (log_ratios.size() < kLeastDepthRatios) return std::nullopt;
+  if (log_ratios.size() < kLeastPairs) return std::nullopt;
   std::ranges::sort(log_ratios);
   const std::size_t n = log_ratios.size();
   const double spread = log_ratios[n * 3 / 4] - log_ratios[n / 4];

@@ -11,14 +11,15 @@
 
 #include "common/geometry/alignment.h"
 #include "common/geometry/robust.h"
+#include "server/estimator/places/depth_ratio.h"
 #include "server/estimator/places/scene_shape.h"
 #include "server/estimator/places/witness.h"
 
 namespace coslam {
 namespace {
 
-constexpr double kNear = 0.05;  // of the distance: points that are one
-constexpr std::size_t kLeastPairs = 10;
+constexpr double kNear = 0.05;      // of the distance: points that are one
+constexpr double kOfOneMind = 0.8;  // of the images: a few of many may be mistaken
 
 // The one that most others agree with, and these.
 std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
@@ -36,10 +37,10 @@ std::vector<const Witness*> agreed(const std::vector<Witness>& all) {
 // All together give the size that each gives by itself, but for a few of many. Two prints of one room may hang nearly
 // as those of another do, but not in the same proportion to their own size.
 bool of_one_size(const Similarity3& fitted, const std::vector<const Witness*>& all) {
-  constexpr double kScale = 0.05, kMost = 0.8;
+  constexpr double kScale = 0.05;
   const auto same = std::ranges::count_if(
       all, [&](const Witness* w) { return std::abs(std::log(w->into_from_own.scale / fitted.scale)) < kScale; });
-  return static_cast<double>(same) >= kMost * static_cast<double>(all.size());
+  return static_cast<double>(same) >= kOfOneMind * static_cast<double>(all.size());
 }
 
 // Points that the images say are one: each once.
@@ -107,7 +108,6 @@ std::vector<Witness> all_witnesses(const Map& map, const KeyImageDatabase& place
 
 std::optional<JoinedMaps> join(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId map_id, MapId first) {
   constexpr std::size_t kLeastImages = 2;
-  constexpr double kOfOneMind = 0.8;  // of the images: the ground does not repeat itself
   const Map& map = edit.map();
   const std::vector<Witness> all = all_witnesses(map, places, map_id, first);
   const std::vector<const Witness*> good = agreed(all);

@@ -9,16 +9,17 @@
 
 #include "common/base/fields.h"
 #include "common/base/ids.h"
+#include "common/geometry/pose_refinement.h"
 #include "common/geometry/rigid3.h"
 
 namespace coslam {
 
 struct RecogniseConfig {
-  int min_votes = 12;      // least features of an image that look like one of the key image
-  int images = 4;          // best key images whose points are matched by appearance alone
-  int min_first = 7;       // least of these matches that agree on a pose (chance: 4 or 5), which guides the search
-  int around = 12;         // best key images whose points are then searched for near their projections
-  int min_inliers = 12;    // least inliers of the final pose
+  int min_votes = 12;  // least features of an image that look like one of the key image
+  int images = 4;      // best key images whose points are matched by appearance alone
+  int min_first = 7;   // least of these matches that agree on a pose (chance: 4 or 5), which guides the search
+  int around = 12;     // best key images whose points are then searched for near their projections
+  int min_inliers = kLeastInliers;  // least inliers of the final pose
   double min_hull = 0.08;  // least share of the image that the matched points cover: a handful does not fix a pose
   int min_expected = 5;    // least points found where the pose predicts them: enough to believe the pose
   int min_beside = 8;      // least points found all a little beside that: enough to tell how far the map has drifted

@@ -58,7 +58,7 @@ ExpectedPlace KeyImageDatabase::find_expected(const Map& map, const DescribedIma
   }
   out.in_place.clear();
   // Few have to do, so they have to agree well: chance matches lie anywhere in what was searched.
-  out.beside = locate(map, camera.id, asked, camera.map, known, near, {0.75, config_.min_beside, 0});
+  out.beside = locate(map, camera.id, asked, camera.map, known, near, {0.5 * kMatchSigma_px, config_.min_beside, 0});
   if (out.beside && 2 * out.beside->matches.size() < near.tracks.size()) out.beside.reset();
   if (out.beside) out.beside->expected = true;
   return out;

@@ -169,11 +169,12 @@ std::optional<PlaceMatch> locate_twice(const Map& map, std::span<const KeyImage*
   const CameraId id = features.camera.id;
   const auto best = images.first(std::min(images.size(), static_cast<std::size_t>(config.images)));
   const KnownPoints known = known_points(map, in, best);
-  const auto first = locate(map, id, best, in, known, match_anywhere(features, known), {1.5, config.min_first, 0});
+  const auto first =
+      locate(map, id, best, in, known, match_anywhere(features, known), {kMatchSigma_px, config.min_first, 0});
   if (!first) return std::nullopt;
   const KnownPoints around = known_points(map, in, images);
   const NearMatches near = match_near(features, first->cam_from_world, around, [](PointId) { return true; });
-  return locate(map, id, images, in, around, near, {1.5, config.min_inliers, config.min_hull});
+  return locate(map, id, images, in, around, near, {kMatchSigma_px, config.min_inliers, config.min_hull});
 }
 
 }  // namespace coslam

@@ -48,6 +48,9 @@ struct FeaturesOfImage {
 };
 FeaturesOfImage features_of(const DescribedImage& image, const DescriptorReply& reply);
 
+// Standard deviation of a match by looks, at 640 px image width.
+inline constexpr double kMatchSigma_px = 1.5;
+
 // Conditions under which a pose is believed.
 struct Agreement {
   double sigma_px;  // standard deviation of a match, at 640 px image width

@@ -19,8 +19,7 @@ namespace {
 
 constexpr std::size_t kMostImages = 400;  // the newest: earlier ones had their time
 constexpr int kMostLoops = 8;
-constexpr double kDrawn = 2;         // gates, for what a loop was closed by: the map is as good as that at first
-constexpr double kOneVisit_s = 5.0;  // between images that tell of one and the same loop
+constexpr double kDrawn = 2;  // gates, for what a loop was closed by: the map is as good as that at first
 
 // One that shows an earlier visit, with what the map makes of it now.
 struct Visit {

@@ -43,10 +43,10 @@ Witness reversed(const Witness& w, MapId own_map) {
 }
 
 bool agree(const Witness& a, const Witness& b) {
-  constexpr double kTurn_rad = 0.05, kShift = 0.15, kScale = 0.15;
+  constexpr double kShift = 0.15;
   return a.into == b.into && std::pair(a.set, a.camera) != std::pair(b.set, b.camera) &&
-         a.into_from_own.rotation.angularDistance(b.into_from_own.rotation) < kTurn_rad &&
-         std::abs(std::log(a.into_from_own.scale / b.into_from_own.scale)) < kScale &&
+         a.into_from_own.rotation.angularDistance(b.into_from_own.rotation) < kSameTurn_rad &&
+         std::abs(std::log(a.into_from_own.scale / b.into_from_own.scale)) < kSameScale &&
          (a.into_from_own * b.center - b.into_from_own * b.center).norm() < kShift * std::max(a.depth, b.depth);
 }
 

@@ -10,6 +10,11 @@
 
 namespace coslam {
 
+// Rotation, and logarithm of the scale, up to which two sights of one place say the same.
+inline constexpr double kSameTurn_rad = 0.05, kSameScale = 0.15;
+// Longest time between images that tell of one and the same meeting.
+inline constexpr double kOneVisit_s = 5.0;
+
 // Transform from a remembered image's map, or its part of one, to the map of the place that it shows again, by this
 // image alone.
 struct Witness {

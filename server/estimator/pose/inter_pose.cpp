@@ -25,14 +25,14 @@ struct Member {
   std::optional<Matrix6d> covariance{};  // of the pose that was found together
 };
 
-bool weak(const Member& m, const InterPoseConfig& config) {
+bool weak(const Member& m) {
   if (!m.camera->frames.back().valid() || m.moving > static_cast<int>(m.statics.size())) return true;
   std::vector<Eigen::Vector2d> pixels;
   for (const PointObservation& o : m.statics) pixels.push_back(o.undistorted_px);
-  return hull_fraction(pixels, m.camera->model) < config.hull_area_min;
+  return hull_fraction(pixels, m.camera->model) < kFirmHull;
 }
 
-Member look_at(const Map& map, const CameraFrame& cf, const InterPoseConfig& config) {
+Member look_at(const Map& map, const CameraFrame& cf) {
   Member m{.frame = &cf, .camera = &map.camera(cf.camera)};
   for (const auto& [id, track] : m.camera->tracks) {
     const MapPoint* p = map.find(track.point);
@@ -42,7 +42,7 @@ Member look_at(const Map& map, const CameraFrame& cf, const InterPoseConfig& con
     if (track.gate_failures > 0) continue;
     m.statics.push_back({p->position, p->covariance, track.seen.back().undistorted_px.cast<double>()});
   }
-  m.weak = weak(m, config);
+  m.weak = weak(m);
   return m;
 }
 
@@ -137,7 +137,7 @@ void solve_group(InterPoseEdit& edit, std::vector<Member>& members, const InterP
   for (Member& m : members) {
     const FramePose& f = m.camera->frames.back();
     poses.push_back(f.valid() ? f.cam_from_world : start_pose(map, *m.camera, m.frame->frame));
-    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(0.3, m.camera->sigma_px), m.statics,
+    problem.cameras.push_back({&m.camera->model, poses.back(), std::max(kLeastSigma_px, m.camera->sigma_px), m.statics,
                                m.weak ? prior_of(*m.camera, motions) : std::nullopt});
   }
   problem.moving = shared_moving(map, members, poses);
@@ -166,7 +166,7 @@ InterPoseReport inter_pose(InterPoseEdit& edit, const FrameSet& set, const ViewG
     std::vector<Member> members;
     for (const CameraFrame& cf : set.frames) {
       const bool in = std::find(group.begin(), group.end(), cf.camera) != group.end();
-      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf, config));
+      if (in && map.camera(cf.camera).map != MapId()) members.push_back(look_at(map, cf));
     }
     const bool same_map =
         std::ranges::all_of(members, [&](const Member& m) { return m.camera->map == members[0].camera->map; });

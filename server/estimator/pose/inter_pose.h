@@ -14,14 +14,12 @@ namespace coslam {
 
 struct InterPoseConfig {
   bool enabled = true;
-  double hull_area_min = 0.20;  // share of the image that a camera's static points cover; below: called
-  int min_moving = 6;           // least moving points that two cameras of the group see
+  int min_moving = 6;  // least moving points that two cameras of the group see
 };
 
 template <class V>
 void describe(V& v, InterPoseConfig& c) {
   v.field("enabled", c.enabled, "poses from static and moving points of a whole group");
-  v.field("hull_area_min", c.hull_area_min, {0, 1}, "of the image that static points cover; less: called");
   v.field("min_moving", c.min_moving, {1, 1000}, "moving points that two cameras of the group see");
 }
 

@@ -135,13 +135,9 @@ double depth_of(const std::vector<PointObservation>& observations, const PoseRes
   return static_cast<int>(depths.size()) < least ? 0 : upper_median(depths);
 }
 
-// From so many points on a pose needs nothing else; so an agent thinks, too.
-constexpr int kFirmPoints = 30;
-
 // Where an agent says that it is by points of its own, that the map has not: the server was away, or is another one.
 std::optional<Rigid3> own_word(const Map& map, const MapCamera& camera, const TrackFrame& frame) {
-  constexpr float kFirmHull = 0.2F;  // of the image
-  const bool firm = frame.pose_inliers >= kFirmPoints && frame.hull_fraction >= kFirmHull;
+  const bool firm = frame.pose_inliers >= kFirmPoints && frame.hull_fraction >= static_cast<float>(kFirmHull);
   if (!frame.on_own_points || !firm || frame.pose_state != PoseState::kTracked || map.is_posed_by_rig(camera))
     return std::nullopt;
   const auto moved = camera.moved_since(frame.epoch);

@@ -3,12 +3,13 @@
 #pragma once
 
 #include "common/base/workers.h"
+#include "common/geometry/pose_refinement.h"
 #include "server/estimator/map/keys.h"
 
 namespace coslam {
 
 struct LocaliseConfig {
-  int min_inliers = 12;
+  int min_inliers = kLeastInliers;
   double lost_after_s = 0.5;  // time without a pose after which a camera leaves its map
 };
 

@@ -74,7 +74,6 @@ std::vector<Match> matches_of(const Map& map, const MapCamera& camera, const Poi
 }  // namespace
 
 WideSearchReport wide_search(WideSearchEdit& edit, const FrameSet& set, const WideSearchConfig& config, int least) {
-  constexpr double kLeastShare = 0.5;
   WideSearchReport report;
   const Map& map = edit.map();
   std::optional<PointsByPlace> points;
@@ -100,7 +99,7 @@ WideSearchReport wide_search(WideSearchEdit& edit, const FrameSet& set, const Wi
     if (r.status != PoseStatus::kOk) continue;
     const auto agree =
         std::count(r.is_inlier.begin(), r.is_inlier.begin() + static_cast<std::ptrdiff_t>(matches.size()), true);
-    if (agree < least || static_cast<double>(agree) < kLeastShare * static_cast<double>(matches.size())) continue;
+    if (agree < least || 2 * agree < std::ssize(matches)) continue;
     edit.set_pose(camera, set.id, r.cam_from_world);
     edit.push_pose_to_agent(camera);
     ++report.cameras;

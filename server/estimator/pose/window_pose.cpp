@@ -10,13 +10,12 @@
 
 #include "common/geometry/far_point.h"
 #include "server/estimator/map/lens_step.h"
+#include "server/estimator/map/sighting.h"
 
 namespace coslam {
 namespace {
 
-constexpr std::size_t kOlderViews = 6;  // of a thing, with poses that are not free
-
-double sigma_px(const CameraLens& camera) { return std::max(0.3, camera.sigma_px); }
+double sigma_px(const CameraLens& camera) { return std::max(kLeastSigma_px, camera.sigma_px); }
 
 // Every view with a free pose, and some of those before.
 std::vector<TrackPoint> views_of_use(const std::vector<TrackPoint>& seen, SetId free_since, bool older_too) {
@@ -24,7 +23,7 @@ std::vector<TrackPoint> views_of_use(const std::vector<TrackPoint>& seen, SetId 
   const auto older = static_cast<std::size_t>(free - seen.begin());
   std::vector<TrackPoint> out;
   if (older_too) {
-    const std::size_t most = std::min(older, kOlderViews);
+    const std::size_t most = std::min(older, kViewsOfTrack);
     for (std::size_t k = 0; k < most; ++k) out.push_back(seen[most == 1 ? older - 1 : k * (older - 1) / (most - 1)]);
   }
   out.insert(out.end(), free, seen.end());

@@ -25,8 +25,6 @@ struct WindowPoseConfig {
 template <class V>
 void describe(V& v, WindowPoseConfig& c) {
   v.field("enabled", c.enabled, "newest poses of a camera that sees hardly any points, with all that it follows");
-  v.field("free_s", c.free_s, {0.01, 10}, "poses so new are solved anew");
-  v.field("seen_s", c.seen_s, {0.01, 100}, "so far back counts what is followed");
 }
 
 struct WindowPoseReport {

@@ -10,6 +10,7 @@
 #include "common/geometry/camera_model.h"
 #include "common/geometry/lens_correction.h"
 #include "common/geometry/rigid3.h"
+#include "common/geometry/robust.h"
 
 namespace coslam {
 
@@ -61,11 +62,14 @@ struct BundleProblem {
   std::vector<std::optional<Zoom>> zooms;  // one per pose, empty where zoom is 0; or none at all. Needs lenses
 };
 
+// Least number of points with which a pose takes part in an adjustment: fewer do not hold it.
+inline constexpr int kLeastPointsOfPose = 8;
+
 struct BundleConfig {
   int max_iterations = 12;
-  double function_tolerance = 1e-4;  // relative change of the cost that ends the iterations
-  double loss_sigmas = 2.0;          // Cauchy loss beyond so many standard deviations; 0: squares
-  double outlier_sigmas = 4.0;       // an observation farther off after the solution is reported as an outlier
+  double function_tolerance = 1e-4;    // relative change of the cost that ends the iterations
+  double loss_sigmas = kCauchySigmas;  // Cauchy loss beyond so many standard deviations; 0: squares
+  double outlier_sigmas = 4.0;         // an observation farther off after the solution is reported as an outlier
   std::function<void(int done)> after_iteration;  // may be empty
 };
 

@@ -22,7 +22,7 @@ struct ClockObservation {
 // Pair of tracks over a short time. Their corners are not quite the same place, which shifts all residuals alike.
 struct ClockStretch {
   int first = 0, second = 0;  // camera indices
-  double sigma_px = 0.35;     // standard deviation of a residual
+  double sigma_px = 1;        // standard deviation of a residual
   std::vector<ClockObservation> seen;
 };
 

@@ -14,7 +14,6 @@
 namespace coslam {
 namespace {
 
-constexpr double kTukey = 3.0 * 1.2;  // 3 sigma of one axis, for the norm of two
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
 struct Projected {
@@ -99,14 +98,14 @@ void add_statics(const InterPoseProblem& problem, const State& state, const std:
     const auto at = static_cast<Eigen::Index>(6 * c);
     for (const PointObservation& o : camera.statics) {
       if (!project(*camera.model, state.poses[c], rotations[c], o.point_in_world, o.undistorted_px, &p)) {
-        s.cost += tukey_rho(2 * kTukey, kTukey);
+        s.cost += tukey_rho(2 * kTukeyOfTwo, kTukeyOfTwo);
         continue;
       }
       const Eigen::Matrix2d information = (sigmas.still_px[c] * sigmas.still_px[c] * Eigen::Matrix2d::Identity() +
                                            p.by_point * o.point_covariance * p.by_point.transpose())
                                               .inverse();
-      const double d = std::sqrt(p.r.dot(information * p.r)), w = tukey_weight(d, kTukey);
-      s.cost += tukey_rho(d, kTukey);
+      const double d = std::sqrt(p.r.dot(information * p.r)), w = tukey_weight(d, kTukeyOfTwo);
+      s.cost += tukey_rho(d, kTukeyOfTwo);
       if (w <= 0) continue;
       ++s.inliers[c];
       const Eigen::Matrix<double, 6, 2> jw = p.by_pose.transpose() * (w * information);
@@ -132,11 +131,11 @@ void add_moving(const InterPoseProblem& problem, const State& state, const std::
       const auto c = static_cast<std::size_t>(camera);
       const double sigma_px = sigmas.moving_px[c];
       if (!project(*problem.cameras[c].model, state.poses[c], rotations[c], state.points[m], px, &p)) {
-        s.cost += tukey_rho(2 * kTukey, kTukey);
+        s.cost += tukey_rho(2 * kTukeyOfTwo, kTukeyOfTwo);
         continue;
       }
-      const double d = p.r.norm() / sigma_px, w = tukey_weight(d, kTukey) / (sigma_px * sigma_px);
-      s.cost += tukey_rho(d, kTukey);
+      const double d = p.r.norm() / sigma_px, w = tukey_weight(d, kTukeyOfTwo) / (sigma_px * sigma_px);
+      s.cost += tukey_rho(d, kTukeyOfTwo);
       if (w <= 0) continue;
       ++s.inliers[c];
       const auto at = static_cast<Eigen::Index>(6 * c);

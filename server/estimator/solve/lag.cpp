@@ -15,7 +15,6 @@ namespace {
 constexpr double kSpan_s = 0.2;        // over which a speed is taken
 constexpr double kInstants_s = 0.1;    // between them
 constexpr double kTolerance_s = 0.06;  // of an image that stands for an instant: at 10 Hz there is one
-constexpr std::size_t kLeastTracks = 4;
 constexpr int kLeastInstants = 15;
 constexpr double kLeastSine2 = 0.05;  // of the angle to the line between the cameras, squared
 constexpr double kLittle_rad_s = 0.005, kMuch_rad_s = 0.03;

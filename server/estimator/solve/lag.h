@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "common/base/time.h"
 
 namespace coslam {
+
+// Least number of tracks whose median tells how fast things turn.
+inline constexpr std::size_t kLeastTracks = 4;
 
 // Rays of one image towards moving points.
 struct MovingSight {

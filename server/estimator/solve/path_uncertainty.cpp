@@ -27,7 +27,7 @@ using Draws3 = Eigen::Matrix<double, 3, kDraws>;
 class Telling {
  public:
   Telling(const BundleProblem& problem, std::vector<bool> use) : use_(std::move(use)) {
-    constexpr int kLeastViews = 2, kLeastPoints = 8;
+    constexpr int kLeastViews = 2;
     // Without a point another pose may see too little, and so on.
     for (bool changed = true; changed;) {
       std::vector<int> views(problem.points.size()), points(problem.poses.size());
@@ -35,7 +35,7 @@ class Telling {
       changed = false;
       for (std::size_t i = 0; i < use_.size(); ++i) {
         const auto& o = problem.observations[i];
-        if (!use_[i] || (views[at(o.point)] >= kLeastViews && points[at(o.pose)] >= kLeastPoints)) continue;
+        if (!use_[i] || (views[at(o.point)] >= kLeastViews && points[at(o.pose)] >= kLeastPointsOfPose)) continue;
         use_[i] = false;
         changed = true;
       }

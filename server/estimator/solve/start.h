@@ -9,6 +9,7 @@
 
 #include "common/base/workers.h"
 #include "common/geometry/rigid3.h"
+#include "common/geometry/triangulation.h"
 #include "server/estimator/solve/matching.h"
 
 namespace coslam {
@@ -19,7 +20,7 @@ std::optional<Rigid3> by_rig(const FeatureImage& first, const FeatureImage& seco
 struct StartConfig {
   double sigma_px = 1.0;  // standard deviation of a keypoint, at 640 px image width
   int min_matches = 30;   // inliers of the essential matrix of the best pair; half as many for each further camera
-  double min_parallax_rad = 0.02;  // median over the pair's points
+  double min_parallax_rad = kNewView_rad;  // median over the pair's points
 };
 
 struct StartResult {

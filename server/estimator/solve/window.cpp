@@ -3,6 +3,7 @@
 #include "server/estimator/solve/window.h"
 
 #include "common/geometry/levenberg_marquardt.h"
+#include "common/geometry/robust.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -14,7 +15,6 @@
 namespace coslam {
 namespace {
 
-constexpr double kCauchy = 2.0;  // standard deviations
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
 // Sum of Cauchy's loss. A logarithm of many factors costs what one of a single factor does.
@@ -22,19 +22,19 @@ class CauchySum {
  public:
   void add(double d2) {
     constexpr double kMost = 1e200;
-    factors_ *= 1 + d2 / (kCauchy * kCauchy);
+    factors_ *= 1 + d2 / (kCauchySigmas * kCauchySigmas);
     if (factors_ > kMost) {
       sum_ += std::log(factors_);
       factors_ = 1;
     }
   }
-  double value() const { return kCauchy * kCauchy * (sum_ + std::log(factors_)); }
+  double value() const { return kCauchySigmas * kCauchySigmas * (sum_ + std::log(factors_)); }
 
  private:
   double factors_ = 1, sum_ = 0;
 };
 
-double cauchy_weight(double d2) { return 1 / (1 + d2 / (kCauchy * kCauchy)); }
+double cauchy_weight(double d2) { return 1 / (1 + d2 / (kCauchySigmas * kCauchySigmas)); }
 
 // What does not change while it is solved.
 struct Observation {

@@ -28,6 +28,21 @@ TEST(RecordedConfig, SectionsAreFoundUnderTheirEarlierNames) {
   EXPECT_EQ(server.map.of<AskConfig>().images_per_s, 0.25);
 }
 
+TEST(RecordedConfig, SettingsThatAreConstantsNowAreLeftOut) {
+  RecordingHead head;
+  head.configuration = {{"server",
+                         {{"map_intra", {{"min_track_s", 2.0}, {"early_parallax_rad", 0.04}}},
+                          {"window_pose", {{"free_s", 0.4}, {"seen_s", 4.0}}}}}};
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(recorded_config(head, "old.rec").server.map.of<MapIntraConfig>().early_parallax_rad, 0.04);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  head.configuration = {{"server", {{"objects", {{"min_path_s", 0.5}}}}}};
+  testing::internal::CaptureStderr();
+  recorded_config(head, "old.rec");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("server.objects.min_path_s = 0.5, which is no setting any more: the replay has 0.2"));
+}
+
 TEST(RecordedConfig, WhatItHoldsNowIsReadAsItIs) {
   RecordedConfig config;
   config.server.map.of<ForgetConfig>().whole_s = 90;

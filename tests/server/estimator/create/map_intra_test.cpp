@@ -89,7 +89,7 @@ TEST(MapIntra, NothingFromATurningCamera) {
 TEST(MapIntra, NothingFromMovingFeatures) {
   const test::SimWorld world({.points = 150, .moving_points = 60});
   OneCamera run(world, test::wave_path({}));
-  run.config.early_track_s = run.config.min_track_s;
+  run.config.early_track_s = run.sim.map.config().check_back_s;
   run.step(120);
   int from_static = 0, from_moving = 0;
   for (const auto& [id, p] : run.sim.map.points()) {

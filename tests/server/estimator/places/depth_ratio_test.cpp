@@ -20,8 +20,8 @@ std::vector<double> ratios(std::size_t n, double sigma, std::mt19937* random) {
 
 TEST(DepthRatio, FewTellNothing) {
   std::mt19937 random(1);
-  EXPECT_FALSE(depth_ratio(ratios(kLeastDepthRatios - 1, 0.01, &random)));
-  EXPECT_TRUE(depth_ratio(ratios(kLeastDepthRatios, 0.01, &random)));
+  EXPECT_FALSE(depth_ratio(ratios(kLeastPairs - 1, 0.01, &random)));
+  EXPECT_TRUE(depth_ratio(ratios(kLeastPairs, 0.01, &random)));
 }
 
 TEST(DepthRatio, ThoseThatDisagreeTellNothing) {
