@@ -3,6 +3,8 @@
 #include "common/dataset/calibration_dialects.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <optional>
 
 #include "common/dataset/lens_fit.h"
@@ -44,6 +46,8 @@ void set_camera_matrix(CameraModel& camera, const YamlValue& value) {
   if (std::ranges::all_of(k, [](double v) { return v == 0; }))
     value.fail(
         "this camera is not calibrated, its matrix is zero: leave the calibration out, and the lens is found out");
+  if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] == 0)
+    value.fail("the last row of a camera matrix is 0 0 1: are rows and columns exchanged?");
   if (k[1] != 0) value.fail("a camera with skew is not supported");
   camera.fx = k[0], camera.cx = k[2], camera.fy = k[4], camera.cy = k[5];
 }
@@ -128,6 +132,14 @@ CameraModel read_plain(const YamlValue& root) {
   return camera;
 }
 
+// YAML has many words for no.
+bool says_yes(const YamlValue& value) {
+  constexpr std::array kNo{"0", "false", "no", "off", "n"};
+  std::string word = value.text();
+  std::ranges::transform(word, word.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kNo, word) == kNo.end();
+}
+
 CameraModel read_opencv(const YamlValue& root) {
   CameraModel camera;
   if (const auto size = first_of(root, {"image_size", "imageSize"}); size && size->is_sequence()) {
@@ -141,7 +153,7 @@ CameraModel read_opencv(const YamlValue& root) {
                                           "dist_coeffs", "dist_coeff", "dist", "distortion", "D"});
   if (!distortion) root.fail("the key 'distortion_coefficients' is missing");
   const auto fisheye = root.find("fisheye_model");
-  const bool is_fisheye = fisheye && fisheye->text() != "0" && fisheye->text() != "false";
+  const bool is_fisheye = fisheye && says_yes(*fisheye);
   set_distortion(camera, *distortion, is_fisheye ? "equidistant" : "radtan", matrix_data(*distortion));
   return camera;
 }

@@ -78,7 +78,8 @@ std::string SpillFile::get(Ticket ticket) const {
     const ssize_t n =
         pread(descriptor_, octets.data() + done, octets.size() - done, static_cast<off_t>(place.offset + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0)
+    if (n == 0) throw UserError("the older part of the run in " + folder_.string() + " was cut off by somebody");
+    if (n < 0)
       throw UserError("the older part of the run cannot be read back from " + folder_.string() + ": " + text_of(errno));
     done += static_cast<std::size_t>(n);
   }

@@ -57,6 +57,16 @@ TEST_F(CalibrationDialects, ALensHasAsManyCoefficientsAsItsModel) {
   EXPECT_EQ(load(lens("radtan", "0, 0, 0, 0, 0, 0")).distortion, DistortionModel::kNone);
 }
 
+TEST_F(CalibrationDialects, ThereAreManyWordsForNoFisheye) {
+  const auto lens = [&](const std::string& word) {
+    return load("image_width: 752\nimage_height: 480\n" + kMatrix +
+                "distortion_coefficients: [0.01, 0.002, 0, 0]\nfisheye_model: " + word + "\n")
+        .distortion;
+  };
+  for (const char* no : {"0", "false", "False", "no", "OFF"}) EXPECT_EQ(lens(no), DistortionModel::kRadTan) << no;
+  for (const char* yes : {"1", "true", "yes"}) EXPECT_EQ(lens(yes), DistortionModel::kEquidistant) << yes;
+}
+
 TEST_F(CalibrationDialects, FocalLengthsOfSpheresAreThoseOfTheMiddle) {
   const CameraModel c = load(kPlain + "distortion_model: mei\ndistortion: [1, 0.01, 0, 0, 0]\n");
   EXPECT_EQ(c.distortion, DistortionModel::kOmni);
@@ -78,6 +88,7 @@ TEST_F(CalibrationDialects, AMatrixIsAListOrRowsOrData) {
   EXPECT_THAT(error(size + "camera_matrix: []\n"), HasSubstr("nine elements"));
   EXPECT_THAT(error(size + "camera_matrix: {rows: 3, cols: 3}\n"), HasSubstr("'data' is missing"));
   EXPECT_THAT(error(size + "camera_matrix: [458, 2, 367, 0, 457, 248, 0, 0, 1]\n"), HasSubstr("skew"));
+  EXPECT_THAT(error(size + "camera_matrix: [458, 0, 0, 0, 457, 0, 367, 248, 1]\n"), HasSubstr("rows and columns"));
   EXPECT_THAT(error("image_size: [752]\ndistortion: [0.1, 0, 0, 0]\n" + kMatrix), HasSubstr("[width, height]"));
   EXPECT_THAT(error("distortion: [0.1, 0, 0, 0]\n" + kMatrix), HasSubstr("'image_width' is missing"));
 }
