@@ -84,7 +84,7 @@ TEST(Odometry, TheVarianceOfAVelocityIsThatOfTwoPosesOverTheirTime) {
   RosNames names;
   PublicPose pose = some_pose();
   pose.covariance = some_covariance();
-  pose.velocity = PublicVelocity{{}, {}, 0.2};
+  pose.velocity = PublicVelocity{.over_s = 0.2};
   const auto told = matrix_of(odometry(pose, names).twist.covariance);
   constexpr double kFactor = 2 / (0.2 * 0.2);
   EXPECT_NEAR(told(0, 0), kFactor * 0.09, 1e-6) << "a body's x is the camera's z";
