@@ -17,8 +17,8 @@ struct JoinedMaps {
 };
 
 // Joins maps without any camera running: those from `first` on whose remembered images show a place of an older map
-// become part of it, by the points behind what looks alike. Two images of different instants have to agree, and what
-// they show must not be flat, or else be ground that covers more than any print, if nearly all of them agree.
+// become part of it, by the points behind what looks alike. Two images, recognised in different ones, have to agree,
+// and what they show must not be flat, or else be ground that covers more than any print, if nearly all of them agree.
 std::vector<JoinedMaps> join_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places, MapId first);
 // Joins each map to older ones whose places it shows, as join_maps() does.
 std::vector<JoinedMaps> join_all_maps(PlaceRecognitionEdit& edit, const KeyImageDatabase& places);

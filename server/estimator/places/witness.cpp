@@ -12,8 +12,11 @@ namespace coslam {
 
 std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen) {
   const FramePose& own_frame = *map.camera(seen.image->camera).frame_at(seen.image->set);
-  Witness out{
-      .set = seen.image->set, .camera = seen.image->camera, .into = seen.place.map, .depth = seen.place.median_depth};
+  Witness out{.set = seen.image->set,
+              .camera = seen.image->camera,
+              .place_image = {seen.place.key_set, seen.place.key_camera},
+              .into = seen.place.map,
+              .depth = seen.place.median_depth};
   std::vector<double> ratios;
   for (const auto& [track, known] : seen.place.matches) {
     const MapPoint& of_own = *map.find(seen.observed.at(track));
@@ -44,7 +47,9 @@ Witness reversed(const Witness& w, MapId own_map) {
 
 bool agree(const Witness& a, const Witness& b) {
   constexpr double kShift = 0.15;
-  return a.into == b.into && std::pair(a.set, a.camera) != std::pair(b.set, b.camera) &&
+  const ImageKey of_a(a.set, a.camera), of_b(b.set, b.camera);
+  const bool same_images = of_a == of_b || (of_a == b.place_image && of_b == a.place_image);
+  return a.into == b.into && !same_images &&
          a.into_from_own.rotation.angularDistance(b.into_from_own.rotation) < kSameTurn_rad &&
          std::abs(std::log(a.into_from_own.scale / b.into_from_own.scale)) < kSameScale &&
          (a.into_from_own * b.center - b.into_from_own * b.center).norm() < kShift * std::max(a.depth, b.depth);

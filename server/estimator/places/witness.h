@@ -20,7 +20,8 @@ inline constexpr double kOneVisit_s = 5.0;
 struct Witness {
   SetId set;
   CameraId camera;
-  MapId into;  // map of the place
+  ImageKey place_image;  // key image that it is most like
+  MapId into;            // map of the place
   Similarity3 into_from_own;
   double depth = 0;                                // median depth of the place's points
   Eigen::Vector3d center;                          // camera centre in its own map
@@ -32,7 +33,7 @@ struct Witness {
 std::optional<Witness> witness_of(const Map& map, const LoopCandidate& seen);
 // Inverts a witness: how the place's map lies to that of the image, `own`.
 Witness reversed(const Witness& w, MapId own_map);
-// Tells whether two witnesses agree, which are of different instants or of different cameras.
+// Tells whether two witnesses agree that are not of one image, or of the same two images, each recognised in the other.
 bool agree(const Witness& a, const Witness& b);
 
 }  // namespace coslam

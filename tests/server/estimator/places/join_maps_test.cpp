@@ -106,6 +106,11 @@ TEST_F(JoinMapsTest, TheMapInMetresKeepsItsFrame) {
   EXPECT_EQ(sim_.map.camera(cam(1)).frames.back().cam_from_world.translation, pose.translation);
 }
 
+TEST_F(JoinMapsTest, TwoImagesThatRecogniseEachOtherAreNotEnough) {
+  remember(1, 1);
+  EXPECT_THAT(join(), IsEmpty());
+}
+
 TEST_F(JoinMapsTest, WithoutImagesOfTheOtherMapNothingIsJoined) {
   remember(3, 0);
   EXPECT_THAT(join(), IsEmpty());

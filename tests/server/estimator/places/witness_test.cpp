@@ -13,6 +13,7 @@ namespace {
 
 const Witness kWitness{.set = SetId(90),
                        .camera = CameraId(0),
+                       .place_image = {SetId(12), CameraId(1)},
                        .into = MapId(1),
                        .into_from_own = {1.1, so3_exp({0.1, 0.8, -0.2}), {5, -2, 1}},
                        .depth = 4,
@@ -34,6 +35,19 @@ TEST(Witness, TheSameCameraConfirmsItLater) {
 
 TEST(Witness, AnotherCameraConfirmsItAtOnce) {
   EXPECT_TRUE(agrees_when([](Witness& w) { w.camera = CameraId(1); }));
+}
+
+TEST(Witness, TwoImagesThatRecogniseEachOtherAreOneEvidence) {
+  const auto of_the_other = [](Witness& w) {
+    w.set = kWitness.place_image.first;
+    w.camera = kWitness.place_image.second;
+    w.place_image = {kWitness.set, kWitness.camera};
+  };
+  EXPECT_FALSE(agrees_when(of_the_other));
+  EXPECT_TRUE(agrees_when([&](Witness& w) {
+    of_the_other(w);
+    w.place_image.first = SetId(92);
+  })) << "it recognises another one";
 }
 
 TEST(Witness, NotWhenItSaysSomethingElse) {
