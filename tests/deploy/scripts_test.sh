@@ -53,7 +53,8 @@ without() { grep -v -- "$1"; }
 checks='setup.sh --lint --test --browser
 lint.sh --format
 python3 TREE/deploy/check_layers.py
-python3 TREE/deploy/check_words.py'
+python3 TREE/deploy/check_words.py
+python3 TREE/deploy/count_numbers.py'
 run='build.sh --preset release
 ctest --test-dir TREE/build --parallel 2 --output-on-failure --no-tests=error'
 more='build.sh --preset asan --target unit_tests

@@ -351,7 +351,7 @@ class Section:
             if program == "systemctl":
                 expect((SOURCE / f"deploy/systemd/{words[-1]}.service").exists(), f"there is no service {words[-1]}")
             return f"of others: {OF_OTHERS[program]}"
-        if program in ("deploy/check_layers.py", "deploy/check_words.py") or words == ["deploy/test-field.sh", "--list"]:
+        if re.fullmatch(r"deploy/(check_layers|check_words|count_numbers)\.py", program) or words == ["deploy/test-field.sh", "--list"]:
             expect(self.ran(words) or program.endswith(".py"), "it prints nothing")
             return "run"
         if program in CHECKED:

@@ -101,7 +101,7 @@ TEST_F(ColmapFiles, ASphereIsRefusedWithWhatHelps) {
   const CameraModel sphere{kWidth_px, kHeight_px, 150, 150, 160, 120, DistortionModel::kDoubleSphere, {-0.2, 0.59}};
   write_result(sphere);
   EXPECT_THAT(test::error_of<UserError>([&] { export_colmap(map(), sequence_, out_, {}); }),
-              HasSubstr("(double sphere or omni): add --undistort"));
+              HasSubstr("(double_sphere): add --undistort"));
   const Files files = export_colmap_undistorted(map(), sequence_, out_, {});
   EXPECT_THAT(lines_of(files.at(0)).back(), HasSubstr("1 PINHOLE "));
 }
