@@ -45,9 +45,10 @@ class PlaceJudge {
   // Decides about the places that an image shows; seen: found by appearance; expected: found by the camera's pose.
   PlaceDecision decide(const Map& map, const DescribedImage& image, std::optional<PlaceMatch> seen,
                        ExpectedPlace expected, const ViewGraph& graph);
-  // Forwarded to Verification.
+  // Drops hypotheses within a map, after a loop of it was closed; and all of two maps, after they were joined.
   void drawn_together(MapId map) { verification_.drawn_together(map); }
   void joined(MapId one, MapId other) { verification_.joined(one, other); }
+  // Type of evidence that a camera could add to a hypothesis.
   Verification::Waiting waiting(const Map& map, CameraId camera) const { return verification_.waiting(map, camera); }
   // Known points this close to where they are expected need no correction of poses.
   static double slack_px(const Map& map, const MapCamera& camera) {

@@ -35,6 +35,7 @@ class KeyImageDatabase {
  public:
   explicit KeyImageDatabase(const RecogniseConfig& config) : config_(config) {}
 
+  // Remembers an image with its descriptors; nothing without any.
   void add(KeyImageEdit& edit, const DescribedImage& image, const DescriptorReply& reply);
   // Finds points of the newest key images of these cameras, not older than first_set, near where the camera's
   // pose predicts them: within gate_px, or farther off, where a drift of the map moved them. Empty when they are too

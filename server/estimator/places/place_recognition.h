@@ -89,11 +89,15 @@ class PlaceRecognition {
     ExpectedPlace expected;
     std::optional<PlaceMatch> seen;
   };
+  // Looks first where the map expects shared points; by appearance only when these are not found in place.
   Look look(const Map& map, const CameraFrame& frame, const Given& given) const;
+  // Looks for points of the cameras that should see the same, as they were seen lately.
   ExpectedPlace find_expected(const Map& map, const DescribedImage& image, const DescriptorReply& reply,
                               const Given& given) const;
+  // Tells whether a key image may be compared: one of another map, of long ago (with `loops`), or of a camera that is
+  // in another group or expected to see the same.
   bool may_ask(const Map& map, const MapCamera& camera, const Given& given, const KeyImage& image, MapId in) const;
-  // Acts on what was seen; true when that changed the map.
+  // Does to the map what the judge decides, one case for each action, and counts it; true when that changed the map.
   bool act(PlaceRecognitionEdit& edit, const Look& look, const Given& given, PlaceRecognitionReport* report);
 
   AwaitedDescriptors awaited_;
