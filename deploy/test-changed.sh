@@ -7,7 +7,7 @@
 # change concerns with sanitizers, and the fuzzers that are quickly built. What there was no time for is named, and is no
 # failure; whatever is found is one.
 #   --base REF     what changed is what differs from here (default: $COSLAM_CI_BASE, else the commit before, HEAD~1)
-#   --minutes N    for all together (default: $COSLAM_CI_EXTRA_MIN, else 12); no part takes the share of a later one
+#   --minutes N    for all together (default: $COSLAM_CI_EXTRA_MIN, else 8); no part takes the share of a later one
 #   --seconds N    the same in seconds
 #   --only PART    benchmark, tidy, asan, tsan or fuzz; may be repeated
 # Needs what deploy/setup.sh --lint --fuzz installs. Uses the build folder of the preset ci.
@@ -16,7 +16,7 @@ set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
 base=${COSLAM_CI_BASE:-HEAD~1}
-minutes=${COSLAM_CI_EXTRA_MIN:-12}
+minutes=${COSLAM_CI_EXTRA_MIN:-8}
 seconds=
 parts=()
 while [[ $# -gt 0 ]]; do
