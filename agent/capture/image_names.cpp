@@ -16,16 +16,12 @@
 #include "agent/capture/image_name.h"
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/base/words.h"
 
 namespace coslam {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 using Families = std::map<std::string, std::vector<fs::path>>;
 

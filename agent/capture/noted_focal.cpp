@@ -9,7 +9,6 @@ extern "C" {
 }
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -17,6 +16,7 @@ extern "C" {
 #include <string_view>
 
 #include "agent/capture/quiet_ffmpeg.h"
+#include "common/base/words.h"
 
 namespace coslam {
 namespace {
@@ -72,9 +72,7 @@ std::optional<double> of_exif(ExifData* exif, int width_px, int height_px) {
 std::optional<double> film_mm_of(const AVDictionary* noted) {
   const AVDictionaryEntry* entry = nullptr;
   while ((entry = av_dict_get(noted, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr) {
-    std::string key = entry->key;
-    std::ranges::transform(key, key.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (!key.ends_with("focal_length.35mm_equivalent")) continue;
+    if (!lower(entry->key).ends_with("focal_length.35mm_equivalent")) continue;
     const std::string_view value = entry->value;
     double film_mm = 0;
     const auto read = std::from_chars(value.data(), value.data() + value.size(), film_mm);

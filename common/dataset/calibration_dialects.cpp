@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 
+#include "common/base/words.h"
 #include "common/dataset/lens_fit.h"
 
 namespace coslam::calibration {
@@ -135,9 +135,7 @@ CameraModel read_plain(const YamlValue& root) {
 // YAML has many words for no.
 bool says_yes(const YamlValue& value) {
   constexpr std::array kNo{"0", "false", "no", "off", "n"};
-  std::string word = value.text();
-  std::ranges::transform(word, word.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kNo, word) == kNo.end();
+  return std::ranges::find(kNo, lower(value.text())) == kNo.end();
 }
 
 CameraModel read_opencv(const YamlValue& root) {

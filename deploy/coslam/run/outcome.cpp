@@ -16,6 +16,7 @@
 #include "common/base/log.h"
 #include "common/dataset/report_parts.h"
 #include "common/dataset/result.h"
+#include "server/estimator/reports/place_recognition_report.h"
 #include "server/show/publish/event_feed.h"
 
 namespace coslam {
@@ -39,16 +40,17 @@ std::string path_word(const nlohmann::json& agent, const char* key) {
 
 // Tells why nothing that was recognised brought the maps together.
 void print_doubts(const nlohmann::json& events) {
-  constexpr std::array<std::pair<const char*, const char*>, 5> kDoubts{
-      {{"places_in_too_few_features", "in too few features"},
-       {"places_flat", "on one flat thing alone"},
-       {"places_of_unclear_scale", "with depths that disagree"},
-       {"places_unconfirmed", "without a second image that confirms"},
-       {"places_contradicted", "with a second image that contradicts"}}};
+  // In the order of PlaceDoubt.
+  constexpr std::array<const char*, kPlaceDoubtCounts.size()> kDoubts{"",
+                                                                      "in too few features",
+                                                                      "on one flat thing alone",
+                                                                      "with depths that disagree",
+                                                                      "without a second image that confirms",
+                                                                      "with a second image that contradicts"};
   std::string doubts_text;
-  for (const auto& [key, words] : kDoubts) {
-    const auto count = static_cast<long>(number(events, key));
-    if (count > 0) doubts_text += (doubts_text.empty() ? "" : ", ") + std::to_string(count) + " " + words;
+  for (std::size_t i = 1; i < kDoubts.size(); ++i) {
+    const auto count = static_cast<long>(number(events, kPlaceDoubtCounts.at(i)));
+    if (count > 0) doubts_text += (doubts_text.empty() ? "" : ", ") + std::to_string(count) + " " + kDoubts.at(i);
   }
   std::printf("  %.0f images were compared with known places; not believed: %s\n", number(events, "images_described"),
               doubts_text.empty() ? "none, as no place was recognised" : doubts_text.c_str());

@@ -6,6 +6,7 @@
 
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
+#include "tests/common/dataset/calibration_files.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam {
@@ -15,16 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // What files of these forms have seldom, and what is wrong about them.
-class CalibrationDialects : public ::testing::Test {
- protected:
-  CameraModel load(const std::string& text, const std::string& camera = "") {
-    return load_calibration(folder_.write("calib.yaml", text).string() + (camera.empty() ? "" : "#" + camera));
-  }
-  std::string error(const std::string& text, const std::string& camera = "") {
-    return test::error_of<UserError>([&] { load(text, camera); });
-  }
-  test::TempFolder folder_;
-};
+class CalibrationDialects : public test::CalibrationFiles {};
 
 const std::string kPlain = "width: 752\nheight: 480\nfx: 458\nfy: 457\ncx: 367\ncy: 248\n";
 const std::string kMatrix = "camera_matrix: [458, 0, 367, 0, 457, 248, 0, 0, 1]\n";

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "common/base/error.h"
+#include "tests/common/dataset/calibration_files.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam {
@@ -13,16 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-class Calibration : public ::testing::Test {
- protected:
-  CameraModel load(const std::string& text, const std::string& camera = "") {
-    return load_calibration(folder_.write("calib.yaml", text).string() + (camera.empty() ? "" : "#" + camera));
-  }
-  std::string error(const std::string& text, const std::string& camera = "") {
-    return test::error_of<UserError>([&] { load(text, camera); });
-  }
-  test::TempFolder folder_;
-};
+class Calibration : public test::CalibrationFiles {};
 
 void expect_camera(const CameraModel& c, DistortionModel distortion) {
   EXPECT_EQ(c.width_px, 752);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/server/estimator/map/shared_point.h"
 #include "tests/support/map_checks.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -20,19 +21,10 @@ using test::VectorNear;
 
 constexpr CameraId kCam0(0), kCam1(1);
 
-class MapsPenTest : public testing::Test {
+class MapsPenTest : public test::SharedPointTest {
  protected:
-  MapsPenTest() {
-    sim_.advance(6);
-    while (!sim_.all_follow(shared_)) ++shared_;
-  }
-  const ServerTrack& track(CameraId id) const { return *sim_.track_of(id, shared_); }
+  MapsPenTest() : SharedPointTest(false) {}
   const MapCamera& camera(CameraId id) const { return sim_.map.camera(id); }
-
-  const test::SimWorld world_{{.points = 100}};
-  test::SimMap sim_{world_, test::paths_side_by_side(2)};
-  MapEdit& edit_ = sim_.edit;
-  int shared_ = 0;  // a world point that both cameras see
 };
 
 TEST_F(MapsPenTest, KeyFramesAreInOrderAndEachIsThereOnce) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/server/estimator/map/shared_point.h"
 #include "tests/support/map_checks.h"
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
@@ -20,18 +21,9 @@ using test::VectorNear;
 
 constexpr CameraId kCam0(0), kCam1(1);
 
-class PointPenTest : public testing::Test {
+class PointPenTest : public test::SharedPointTest {
  protected:
-  PointPenTest() {
-    sim_.advance(6, true);
-    while (!sim_.all_follow(shared_)) ++shared_;
-  }
-  const ServerTrack& track(CameraId id) const { return *sim_.track_of(id, shared_); }
-
-  const test::SimWorld world_{{.points = 100}};
-  test::SimMap sim_{world_, test::paths_side_by_side(2)};
-  MapEdit& edit_ = sim_.edit;
-  int shared_ = 0;  // a world point that both cameras see
+  PointPenTest() : SharedPointTest(true) {}
 };
 
 TEST_F(PointPenTest, ATransformTurnsAndScalesTheCovarianceToo) {

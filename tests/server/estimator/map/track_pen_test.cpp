@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/server/estimator/map/shared_point.h"
 #include "tests/support/map_checks.h"
 #include "tests/support/sim_map.h"
 
@@ -17,19 +18,9 @@ namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
 
-class TrackPenTest : public testing::Test {
+class TrackPenTest : public test::SharedPointTest {
  protected:
-  TrackPenTest() {
-    sim_.advance(6, true);
-    while (!sim_.all_follow(shared_)) ++shared_;
-    test::forget(edit_.journal());
-  }
-  const ServerTrack& track(CameraId id) const { return *sim_.track_of(id, shared_); }
-
-  const test::SimWorld world_{{.points = 100}};
-  test::SimMap sim_{world_, test::paths_side_by_side(2)};
-  MapEdit& edit_ = sim_.edit;
-  int shared_ = 0;  // a world point that both cameras see
+  TrackPenTest() : SharedPointTest(true) { test::forget(edit_.journal()); }
 };
 
 TEST_F(TrackPenTest, AMissBehindTheCameraHasNoDistance) {
