@@ -68,6 +68,7 @@ void set_distortion(CameraModel& camera, const YamlValue& place, const std::stri
   const auto found = lens_named(model);
   if (!found) {
     std::vector<std::string_view> names;
+    names.reserve(kDistortionModels.size());
     for (const DistortionModel known : kDistortionModels) names.push_back(lens_traits(known).name());
     place.fail("the distortion model '" + model + "' is not supported, only " + listed(names) + " are");
   }

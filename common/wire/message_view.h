@@ -17,8 +17,8 @@ template <class... Types>
 class MessageView<std::tuple<Types...>> {
  public:
   template <class Value>
-  requires kIsOneOf<Value, typename Types::Value...> MessageView(const Value& value)
-      : value_(&value) {}  // NOLINT: converts by intent
+  // NOLINTNEXTLINE(google-explicit-constructor): converts by intent
+  requires kIsOneOf<Value, typename Types::Value...> MessageView(const Value& value) : value_(&value) {}
 
   // Calls visit(value) with the value that the message is.
   template <class Visit>

@@ -33,8 +33,8 @@ enum class Repeat : std::uint8_t { kUsual, kSoon };
 
 // A topic and what it differs in from the others; qos.cpp has what they share. idl/README.md has the same in words.
 struct Topic {
-  const char* name;
-  Way way;
+  const char* name = nullptr;
+  Way way = Way::kUp;
   bool reliable = true;       // lost samples are sent again
   bool late_joiners = false;  // the writer keeps the newest sample for readers that come later (transient local)
   int writer_depth = 1;       // samples kept per key until sent and acknowledged; the oldest makes room
