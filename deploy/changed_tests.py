@@ -19,6 +19,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+UNITY = re.compile(r"/Unity/unity_\d+_cxx\.cxx$")  # what CMake writes to compile the files of a folder together
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -57,6 +58,14 @@ def reads(sources: list[str]) -> set[str]:
     return found
 
 
+def sources_among(build: pathlib.Path, parts: list[str]) -> list[str]:
+    """Sources of the tree, relative to the root, among what a program is made of."""
+    files: list[str] = []
+    for part in parts:
+        files += INCLUDE.findall((build / part).read_text()) if UNITY.search(part) else [part]
+    return [file.removeprefix(f"{ROOT}/") for file in files if file.startswith(f"{ROOT}/") and file.endswith(".cpp")]
+
+
 def mirrors(source: str, file: str) -> bool:
     """Whether a source of tests/ lies in the folder that tests the file's."""
     return pathlib.PurePath(source).parent == pathlib.PurePath("tests", file).parent
@@ -68,7 +77,7 @@ def concerned(build: pathlib.Path, label: str, changed: set[str], everything: bo
         parts = ask(build, "inputs", program)
         if not any("libgtest" in part for part in parts):
             continue  # what a test starts
-        sources = [part.removeprefix(f"{ROOT}/") for part in parts if part.startswith(f"{ROOT}/") and part.endswith(".cpp")]
+        sources = sources_among(build, parts)
         if not everything and not reads(sources) & changed:
             continue
         own = [source for source in sources if source.startswith("tests/") and not source.startswith("tests/support/")]

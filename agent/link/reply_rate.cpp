@@ -10,10 +10,10 @@ namespace coslam {
 namespace {
 
 constexpr double kLeast_bytes_per_s = 4e3, kMost_bytes_per_s = 10e6;  // the middleware has its own pace above
-constexpr double kSoon_s = 0.1, kLate_s = 0.3;
+constexpr double kIdleBelow_s = 0.1, kCongestedAbove_s = 0.3;
 constexpr double kDoubledAtFirst_s = 0.2, kDoubledIn_s = 2.0;
-constexpr double kSettling_s = 0.6;  // until a change shows
-constexpr double kForget_s = 1e-4;   // of the least round, a message
+constexpr double kReplySettling_s = 0.6;  // until a change shows
+constexpr double kForget_s = 1e-4;        // of the least round, a message
 
 }  // namespace
 
@@ -21,13 +21,13 @@ void ReplyRate::heard(double uplink_wait_s, double round_s, bool replies_wait, d
   least_round_s_ = least_round_s_ ? std::min(*least_round_s_ + kForget_s, round_s) : round_s;
   const double since_s = heard_ ? std::chrono::duration<double>(now - *heard_).count() : 0;
   heard_ = now;
-  if (uplink_wait_s > kLate_s) {
-    if (halved_ && now - *halved_ < std::chrono::duration<double>(kSettling_s)) return;
+  if (uplink_wait_s > kCongestedAbove_s) {
+    if (halved_ && now - *halved_ < std::chrono::duration<double>(kReplySettling_s)) return;
     // It grew fast until now and is far above what the link carries; from now on more is tried slowly.
     const double share = halved_ ? 0.5 : 0.125;
     halved_ = now;
     bytes_per_s_ = std::max(kLeast_bytes_per_s, share * bytes_per_s_);
-  } else if (uplink_wait_s < kSoon_s && replies_wait) {
+  } else if (uplink_wait_s < kIdleBelow_s && replies_wait) {
     const double doubled_in_s = halved_ ? kDoubledIn_s : kDoubledAtFirst_s;
     bytes_per_s_ = std::min(kMost_bytes_per_s, bytes_per_s_ * std::exp2(std::min(since_s / doubled_in_s, 1.0)));
   }

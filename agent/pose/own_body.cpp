@@ -16,7 +16,7 @@ constexpr int kColumns = 20, kRows = 15;
 constexpr double kLook_s = 0.3, kLongest_s = 1.0;  // between two images that are compared
 constexpr double kStands_px = 1, kTurns_px = 5;    // of an image of 640 pixels across
 constexpr double kFits = 0.3;                      // of its way, that something far away may miss the turn by
-constexpr std::size_t kFewest = 15;                // tracks that moved
+constexpr std::size_t kFewestMoved = 15;           // tracks that moved
 constexpr int kLooks = 20, kLooksOfCell = 5;
 constexpr double kLeast_s = 8;                                         // from the first of them: things pass sooner
 constexpr double kAlways = 0.9, kMostMixed = 0.1, kLeastScene = 0.15;  // shares of the cells that were looked at
@@ -72,7 +72,7 @@ OwnBody::Steps OwnBody::steps_of(const std::vector<Track>& live) const {
 
 void OwnBody::look(const std::vector<Track>& live) {
   const auto [moved, stood] = steps_of(live);
-  if (moved.size() < kFewest || stood.empty()) return;
+  if (moved.size() < kFewestMoved || stood.empty()) return;
   DirectionPairs pairs;
   pairs.reserve(moved.size());
   for (const Pair& p : moved) pairs.emplace_back(p.before, p.now);
@@ -89,7 +89,7 @@ void OwnBody::look(const std::vector<Track>& live) {
     if (way >= kTurns_px * px_ && miss < kFits * way) turned.push_back(&p);
   }
   // A camera that mostly goes ahead tells nothing: what is far away stands, too.
-  if (turned.size() < kFewest || 2 * turned.size() < moved.size()) return;
+  if (turned.size() < kFewestMoved || 2 * turned.size() < moved.size()) return;
   ++looks_;
   axes_ += turn_rad->normalized();
   std::vector<std::pair<Cell*, bool>> seen;  // whether something in it stood

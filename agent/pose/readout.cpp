@@ -16,7 +16,7 @@ namespace coslam {
 namespace {
 
 constexpr double kApart_s = 0.15;  // images that are compared: the turn has changed, and tracks are still there
-constexpr std::size_t kFewest = 30;
+constexpr std::size_t kFewestOfRow = 30;
 constexpr double kShare = 0.2;  // a view takes part in several pairs, which tell in part the same
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
@@ -100,7 +100,7 @@ void ReadoutEstimate::compare(const SeenImage& first, const SeenImage& second) {
     both.emplace_back(&at->second, &now);
     pairs.emplace_back(at->second.direction, now.direction);
   }
-  if (both.size() < kFewest) return;
+  if (both.size() < kFewestOfRow) return;
   const auto turn_rad = common_turn_rad(std::move(pairs));
   if (!turn_rad) return;
   const Eigen::Matrix3d turn = so3_exp(*turn_rad).toRotationMatrix();

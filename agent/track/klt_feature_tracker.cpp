@@ -24,7 +24,7 @@ constexpr double kSiftBorderPx = 14;
 
 // The tracker works on images of a usual size: its windows are so many pixels, whatever they show. Places outside are
 // of the raw image.
-constexpr int kHalf = 127;  // grey: darker is masked
+constexpr int kDarkBelow = 127;  // grey: darker is masked
 
 cv::Mat mask_for(const CameraModel& camera, const std::string& file) {
   cv::Mat mask = read_mask(file);
@@ -141,7 +141,7 @@ class KltFeatureTracker final : public FeatureTracker {
     const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * kReach_px + 1, 2 * kReach_px + 1));
     cv::Mat out;
     cv::erode(scaled_image(mask_, work_scale_), out, window);
-    return out > kHalf;
+    return out > kDarkBelow;
   }
 
   // Both images raw; live_before: in the one before.

@@ -14,7 +14,7 @@
 namespace coslam {
 namespace {
 
-constexpr double kHalf = 127.0 / 255;  // what is darker than this share of white is masked
+constexpr double kBrightShare = 127.0 / 255;  // what is darker than this share of white is masked
 
 double largest(const cv::Mat& image) {
   double most = 0;
@@ -51,16 +51,16 @@ cv::Mat followed(const std::string& file, const cv::Mat& image) {
       throw UserError("the mask " + file +
                       " is a picture of many grey levels: it is to be black where nothing is to be followed, and white "
                       "elsewhere");
-    return image > kHalf * largest(image);
+    return image > kBrightShare * largest(image);
   }
   cv::Mat grey, alpha;
   cv::cvtColor(image, grey, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
   if (image.channels() == 3) return followed(file, grey);
   cv::extractChannel(image, alpha, 3);
   const double full = largest(alpha);
-  const cv::Mat opaque = alpha > kHalf * full;
+  const cv::Mat opaque = alpha > kBrightShare * full;
   if (full == 0 || cv::countNonZero(opaque) == static_cast<int>(opaque.total())) return followed(file, grey);
-  return by_transparency(file, opaque, grey > kHalf * full);
+  return by_transparency(file, opaque, grey > kBrightShare * full);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ std::vector<std::string_view> split_csv(std::string_view line);
 std::optional<double> parse_double(std::string_view text);
 // The shortest text that reads back as the same number.
 std::string format_double(double value);
+std::string format_tenths(double value);  // the same, rounded to one decimal
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
 // Decimal seconds, kept exact to the nanosecond (a double would lose 100 ns on a UTC stamp).

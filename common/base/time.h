@@ -20,6 +20,9 @@ struct TimeSpan {
 };
 
 constexpr double to_seconds(TimeNs t_ns) { return static_cast<double>(t_ns) * 1e-9; }
+inline std::chrono::milliseconds to_milliseconds(double seconds) {
+  return std::chrono::milliseconds(std::lround(1000 * seconds));
+}
 inline TimeNs to_ns(double seconds) { return static_cast<TimeNs>(std::llround(seconds * 1e9)); }
 
 }  // namespace coslam

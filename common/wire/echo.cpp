@@ -24,7 +24,7 @@ static_assert(std::endian::native == std::endian::little, "integers are copied a
 // What each begins with: nothing of RTPS does, and older programs take it for nonsense.
 constexpr std::array<std::uint8_t, 4> kRequest{'C', 'S', 'L', '?'}, kAnswer{'C', 'S', 'L', '!'};
 constexpr std::size_t kNumberAt = 8, kPortAt = 16, kTimeAt = 16, kProtocolAt = 24, kNameAt = 32;
-constexpr std::size_t kMostName = kEchoBytes - kNameAt - 1;
+constexpr std::size_t kMostNameBytes = kEchoBytes - kNameAt - 1;
 
 template <class T>
 void put(EchoOctets& octets, std::size_t at, const T& value) {
@@ -58,7 +58,7 @@ EchoOctets encode(const EchoAnswer& answer) {
   put(octets, kNumberAt, answer.number);
   put(octets, kTimeAt, answer.answered_ns);
   put(octets, kProtocolAt, answer.protocol);
-  std::copy_n(answer.name.begin(), std::min(answer.name.size(), kMostName), octets.begin() + kNameAt);
+  std::copy_n(answer.name.begin(), std::min(answer.name.size(), kMostNameBytes), octets.begin() + kNameAt);
   return octets;
 }
 

@@ -27,8 +27,8 @@
 namespace coslam {
 namespace {
 
-constexpr std::size_t kSenderBytes = 8, kCounterBytes = 8, kTagBytes = 16;
-static_assert(kSenderBytes + kCounterBytes + kTagBytes == kSealBytes);
+constexpr std::size_t kSenderBytes = 8, kCounterBytes = 8, kDigestBytes = 16;
+static_assert(kSenderBytes + kCounterBytes + kDigestBytes == kSealBytes);
 static_assert(std::endian::native == std::endian::little, "integers are copied as they lie in memory");
 
 constexpr std::size_t kLeastSecret = 16, kMostSecret = 4096;
@@ -36,7 +36,9 @@ constexpr std::size_t kLeastSecret = 16, kMostSecret = 4096;
 using Octets = std::span<const std::uint8_t>;
 using Digest = std::array<std::uint8_t, 32>;
 
-Octets octets_of(std::string_view text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
+Octets octets_of_text(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 std::uint64_t integer_at(Octets octets, std::size_t at) {
   std::uint64_t value = 0;
@@ -134,7 +136,8 @@ std::string read_secret(const std::string& file) {
 }  // namespace
 
 FleetKey fleet_key(std::string_view secret, int domain) {
-  return Hmac(octets_of(secret)).digest_of(octets_of("CoSLAM fleet key 1, DDS domain " + std::to_string(domain)));
+  return Hmac(octets_of_text(secret))
+      .digest_of(octets_of_text("CoSLAM fleet key 1, DDS domain " + std::to_string(domain)));
 }
 
 FleetKey load_fleet_key(const std::string& file, int domain) { return fleet_key(read_secret(file), domain); }
@@ -158,8 +161,8 @@ void Sealer::seal(std::span<const std::uint8_t> payload, std::vector<std::uint8_
   std::memcpy(at, &impl_->sender, kSenderBytes);
   at = std::ranges::copy(payload, at + kSenderBytes).out;
   std::memcpy(at, &counter, kCounterBytes);
-  const Digest digest = impl_->hmac.digest_of(Octets(sealed).first(sealed.size() - kTagBytes));
-  std::memcpy(at + kCounterBytes, digest.data(), kTagBytes);
+  const Digest digest = impl_->hmac.digest_of(Octets(sealed).first(sealed.size() - kDigestBytes));
+  std::memcpy(at + kCounterBytes, digest.data(), kDigestBytes);
 }
 
 struct Opener::Impl {
@@ -191,10 +194,11 @@ Opener::~Opener() = default;
 
 Opened Opener::open(std::span<const std::uint8_t> sealed) {
   if (sealed.size() < kSealBytes) return {Rejection::kUnauthentic, {}};
-  const Digest digest = impl_->hmac.digest_of(sealed.first(sealed.size() - kTagBytes));
+  const Digest digest = impl_->hmac.digest_of(sealed.first(sealed.size() - kDigestBytes));
   // In a time that does not tell how much of the tag is right.
-  if (CRYPTO_memcmp(digest.data(), sealed.last(kTagBytes).data(), kTagBytes) != 0) return {Rejection::kUnauthentic, {}};
-  const std::uint64_t counter = integer_at(sealed, sealed.size() - kTagBytes - kCounterBytes);
+  if (CRYPTO_memcmp(digest.data(), sealed.last(kDigestBytes).data(), kDigestBytes) != 0)
+    return {Rejection::kUnauthentic, {}};
+  const std::uint64_t counter = integer_at(sealed, sealed.size() - kDigestBytes - kCounterBytes);
   if (!impl_->take(integer_at(sealed, 0), counter)) return {Rejection::kReplayed, {}};
   return {std::nullopt, sealed.subspan(kSenderBytes, sealed.size() - kSealBytes)};
 }

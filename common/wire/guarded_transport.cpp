@@ -17,8 +17,8 @@
 namespace coslam {
 namespace {
 
-struct Descriptor : ChainedDescriptor {
-  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, const FleetKey& k, RejectionCounts& r)
+struct GuardedDescriptor : ChainedDescriptor {
+  GuardedDescriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, const FleetKey& k, RejectionCounts& r)
       : ChainedDescriptor(std::move(carrier)), key(k), refused(r) {
     maxMessageSize -= static_cast<std::uint32_t>(kSealBytes);
   }
@@ -29,9 +29,9 @@ struct Descriptor : ChainedDescriptor {
   RejectionCounts& refused;
 };
 
-class Transport : public ChainedTransport<Descriptor> {
+class GuardedTransport : public ChainedTransport<GuardedDescriptor> {
  public:
-  explicit Transport(const Descriptor& descriptor)
+  explicit GuardedTransport(const GuardedDescriptor& descriptor)
       : ChainedTransport(descriptor), sealer_(descriptor.key), opener_(descriptor.key) {}
 
   // A seal for each destination: who is reached in two ways would take the second datagram for a replay. Debian's build
@@ -82,13 +82,13 @@ class Transport : public ChainedTransport<Descriptor> {
   LogLimiter of_no_key_{std::chrono::minutes(1)}, of_another_key_{std::chrono::minutes(1)};
 };
 
-rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+rtps::TransportInterface* GuardedDescriptor::create_transport() const { return new GuardedTransport(*this); }
 
 }  // namespace
 
 std::shared_ptr<rtps::TransportDescriptorInterface> guarded_transport(
     std::shared_ptr<rtps::TransportDescriptorInterface> carrier, const FleetKey& key, RejectionCounts& refused) {
-  return std::make_shared<Descriptor>(std::move(carrier), key, refused);
+  return std::make_shared<GuardedDescriptor>(std::move(carrier), key, refused);
 }
 
 }  // namespace coslam

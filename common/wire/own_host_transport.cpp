@@ -14,7 +14,7 @@
 namespace coslam {
 namespace {
 
-struct Descriptor : ChainedDescriptor {
+struct OwnHostDescriptor : ChainedDescriptor {
   using ChainedDescriptor::ChainedDescriptor;
   rtps::TransportInterface* create_transport() const override;
 };
@@ -42,9 +42,9 @@ class OwnAddresses {
   mutable Clock::time_point looked_{};
 };
 
-class Transport : public ChainedTransport<Descriptor> {
+class OwnHostTransport : public ChainedTransport<OwnHostDescriptor> {
  public:
-  explicit Transport(const Descriptor& descriptor) : ChainedTransport(descriptor) {}
+  explicit OwnHostTransport(const OwnHostDescriptor& descriptor) : ChainedTransport(descriptor) {}
 
   bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
             rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
@@ -66,13 +66,13 @@ class Transport : public ChainedTransport<Descriptor> {
   OwnAddresses own_addresses_;
 };
 
-rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+rtps::TransportInterface* OwnHostDescriptor::create_transport() const { return new OwnHostTransport(*this); }
 
 }  // namespace
 
 std::shared_ptr<rtps::TransportDescriptorInterface> own_host_transport(
     std::shared_ptr<rtps::TransportDescriptorInterface> carrier) {
-  return std::make_shared<Descriptor>(std::move(carrier));
+  return std::make_shared<OwnHostDescriptor>(std::move(carrier));
 }
 
 }  // namespace coslam

@@ -18,9 +18,9 @@
 namespace coslam {
 namespace {
 
-struct Descriptor : ChainedDescriptor {
-  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& p, std::vector<std::string> i,
-             std::shared_ptr<EchoAnswerer> e)
+struct SinglePathDescriptor : ChainedDescriptor {
+  SinglePathDescriptor(std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& p,
+                       std::vector<std::string> i, std::shared_ptr<EchoAnswerer> e)
       : ChainedDescriptor(std::move(carrier)), paths(p), interfaces(std::move(i)), echo(std::move(e)) {}
 
   rtps::TransportInterface* create_transport() const override;
@@ -86,9 +86,10 @@ class Sockets {
   std::map<std::uint32_t, std::pair<std::uint32_t, Clock::time_point>> routes_;
 };
 
-class Transport : public ChainedTransport<Descriptor> {
+class SinglePathTransport : public ChainedTransport<SinglePathDescriptor> {
  public:
-  explicit Transport(const Descriptor& descriptor) : ChainedTransport(descriptor), sockets_(descriptor.interfaces) {}
+  explicit SinglePathTransport(const SinglePathDescriptor& descriptor)
+      : ChainedTransport(descriptor), sockets_(descriptor.interfaces) {}
 
   bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
             rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
@@ -124,7 +125,7 @@ class Transport : public ChainedTransport<Descriptor> {
   Sockets sockets_;
 };
 
-rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+rtps::TransportInterface* SinglePathDescriptor::create_transport() const { return new SinglePathTransport(*this); }
 
 }  // namespace
 
@@ -137,7 +138,7 @@ Ipv4Endpoint ipv4_endpoint(const rtps::Locator& locator) {
 std::shared_ptr<rtps::TransportDescriptorInterface> single_path_transport(
     std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
     const std::vector<std::string>& interfaces, std::shared_ptr<EchoAnswerer> echo) {
-  return std::make_shared<Descriptor>(std::move(carrier), paths, interfaces, std::move(echo));
+  return std::make_shared<SinglePathDescriptor>(std::move(carrier), paths, interfaces, std::move(echo));
 }
 
 }  // namespace coslam

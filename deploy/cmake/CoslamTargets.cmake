@@ -22,10 +22,19 @@ if(COSLAM_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${COSLAM_CCACHE})
 endif()
 
+# The files of a folder are compiled together, since what they include costs more than what they say. Names in anonymous
+# namespaces are therefore unique in a folder. Without it a change compiles one file again: for those who develop.
+option(COSLAM_UNITY "compile the files of a folder together" ON)
+set(CMAKE_UNITY_BUILD ${COSLAM_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 12)
+
 add_library(coslam_options INTERFACE)
 target_include_directories(coslam_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/coslam>)
 target_compile_features(coslam_options INTERFACE cxx_std_20)
 set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi -Wno-missing-field-initializers)
+if(COSLAM_UNITY)
+  list(APPEND warnings -Wno-subobject-linkage)  # GCC takes each file but the first for a header
+endif()
 target_compile_options(coslam_options INTERFACE "$<BUILD_INTERFACE:${warnings}>")
 if(COSLAM_WERROR)
   target_compile_options(coslam_options INTERFACE $<BUILD_INTERFACE:-Werror>)
@@ -46,11 +55,6 @@ function(coslam_precompiled name)
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/${name}.cpp)
   target_link_libraries(${name} PRIVATE coslam_options Eigen3::Eigen)
   target_precompile_headers(${name} PRIVATE ${ARGN})
-endfunction()
-
-# Of the current folder: files in which GCC 12 warns of std::string's own code once it comes precompiled.
-function(coslam_not_precompiled)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # coslam_library(NAME SOURCES a.cpp ... DEPS other_target ...): the library of one folder.

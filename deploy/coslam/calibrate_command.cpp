@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,11 +16,10 @@
 #include "deploy/coslam/calibrate/chessboard.h"
 #include "deploy/coslam/commands.h"
 #include "deploy/coslam/console.h"
+#include "server/app/stop_signals.h"
 
 namespace coslam {
 namespace {
-
-std::atomic<bool> stop_requested{false};
 
 struct CalibrateArguments {
   std::string source;
@@ -80,7 +77,7 @@ ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessbo
   std::optional<TimeNs> searched_ns;
   bool is_new = false;  // the image before is a new view
   TimeNs before_ns = 0;
-  while (const auto image = feed->next(stop_requested)) {
+  while (const auto image = feed->next(stop_requested())) {
     if (image->fault != ImageFault::kNone) continue;
     if (is_new) views.add_next(image->grey, to_seconds(image->capture_ns - before_ns));
     is_new = false;
@@ -102,8 +99,7 @@ ChessboardViews collect_views(const CalibrateArguments& arguments, const Chessbo
 int calibrate(const CalibrateArguments& arguments) {
   const Chessboard board = parse_board(arguments.board, parse_square(arguments.square));
   require_writable(arguments.out);
-  std::signal(SIGINT, [](int) { stop_requested = true; });
-  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  catch_stop_signals();
   const ChessboardViews views = collect_views(arguments, board);
   const CalibrationFit fit = views.fit();
   save_calibration(arguments.out, fit.camera);

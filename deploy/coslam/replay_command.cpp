@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -28,13 +26,12 @@
 #include "deploy/coslam/view_flag.h"
 #include "server/app/recorded_config.h"
 #include "server/app/server_loop.h"
+#include "server/app/stop_signals.h"
 #include "server/fleet/record/recorded_link.h"
 #include "server/fleet/record/repeated_link.h"
 
 namespace coslam {
 namespace {
-
-std::atomic<bool> stop_requested{false};
 
 struct ReplayArguments {
   std::string recording;
@@ -119,7 +116,7 @@ void map_repeated(const ReplayArguments& arguments, const RecordedConfig& config
                    .clock = clock});
   const RunTold observers(shown, loop);
   Costs costs;
-  while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
+  while (!stop_requested() && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     costs.show(link.now_ns(), loop.map_server());
   }
   loop.finish(config::dump_json(config));
@@ -141,15 +138,14 @@ void map_recording(const ReplayArguments& arguments, const RecordedConfig& confi
                    .adjusting = [&](int percent) { progress.adjusting(percent); }});
   const RunTold observers(shown, loop);
   const auto whole_s = [](TimeNs t_ns) { return static_cast<int>(t_ns / 1'000'000'000); };
-  while (!stop_requested && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
+  while (!stop_requested() && !link.over() && loop.poll(std::chrono::milliseconds(20))) {
     progress.mapping(whole_s(std::min(link.now_ns(), length_ns)), whole_s(length_ns));
   }
   loop.finish(config::dump_json(config));
 }
 
 int replay(const ReplayArguments& arguments) {
-  std::signal(SIGINT, [](int) { stop_requested = true; });
-  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  catch_stop_signals();
   const double rate = parse_replay_rate(arguments.rate);
   const ViewConfig shown = view_of(arguments);
   const RecordingSummary recorded = check_recording(arguments.recording);
@@ -172,7 +168,7 @@ int replay(const ReplayArguments& arguments) {
     map_recording(arguments, config, shown, rate, recorded.t_ns);
   }
   const bool mapped = print_summary(arguments.out);
-  return mapped || stop_requested ? 0 : 1;
+  return mapped || stop_requested() ? 0 : 1;
 }
 
 }  // namespace

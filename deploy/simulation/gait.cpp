@@ -15,12 +15,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kStepsPerWaypoint = 256;
-constexpr double kRadPerDeg = std::numbers::pi / 180.0, kTurn = 2 * std::numbers::pi;
+constexpr double kDegree = std::numbers::pi / 180.0, kTurn = 2 * std::numbers::pi;
 constexpr double kUsualStrideM = 1.3;
 
 // Shares of a foot's cycle, which starts when its heel comes down.
 constexpr double kFlat = 0.12, kHeelRises = 0.33, kToeLeaves = 0.62;
-constexpr double kLandingRad = -18 * kRadPerDeg, kLeavingRad = 42 * kRadPerDeg;
+constexpr double kLandingRad = -18 * kDegree, kLeavingRad = 42 * kDegree;
 // Where in the cycle the hips are above the ankle.
 constexpr double kPassing = 0.23;
 constexpr double kFootHalfM = 0.085;
@@ -137,15 +137,14 @@ Posture Gait::at(double distance_m) const {
   const double sway_m = 0.02 * std::sin(angle), height_m = 0.893 - 0.022 * std::cos(2 * angle - 0.6);
   const double heading = path_.heading_rad(distance_m);
   const Vector2d left(-std::sin(heading), std::cos(heading)), middle = path_.at(distance_m) + sway_m * left;
-  const Turn pelvis{heading - 5 * kRadPerDeg * std::cos(angle), 2 * kRadPerDeg, 3 * kRadPerDeg * std::sin(angle)};
+  const Turn pelvis{heading - 5 * kDegree * std::cos(angle), 2 * kDegree, 3 * kDegree * std::sin(angle)};
   out.world_from_pelvis = Rigid3(pelvis.rotation(), {middle.x(), middle.y(), height_m});
-  out.torso = {9 * kRadPerDeg * std::cos(angle), (2 + std::cos(2 * angle)) * kRadPerDeg,
-               -4 * kRadPerDeg * std::sin(angle)};
-  out.head = {-4 * kRadPerDeg * std::cos(angle), -(2 + 1.5 * std::cos(2 * angle)) * kRadPerDeg, 0};
+  out.torso = {9 * kDegree * std::cos(angle), (2 + std::cos(2 * angle)) * kDegree, -4 * kDegree * std::sin(angle)};
+  out.head = {-4 * kDegree * std::cos(angle), -(2 + 1.5 * std::cos(2 * angle)) * kDegree, 0};
   for (int side = 0; side < 2; ++side) {
     const double ahead = side == 0 ? -std::cos(angle) : std::cos(angle);  // each arm goes with the other leg
-    out.arms[static_cast<std::size_t>(side)] = {(2 + 22 * ahead) * kRadPerDeg, 7 * kRadPerDeg, 10 * kRadPerDeg,
-                                                (22 + 12 * ahead) * kRadPerDeg};
+    out.arms[static_cast<std::size_t>(side)] = {(2 + 22 * ahead) * kDegree, 7 * kDegree, 10 * kDegree,
+                                                (22 + 12 * ahead) * kDegree};
     out.world_from_feet[static_cast<std::size_t>(side)] = foot(side, cycle - 0.5 * side);
   }
   return out;

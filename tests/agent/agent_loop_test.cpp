@@ -16,7 +16,7 @@
 #include "tests/support/sim_tracker.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::agent_loop_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -481,4 +481,4 @@ TEST_F(LiveAgentLoop, SaysWhyItWasTurnedAway) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::agent_loop_test

@@ -15,7 +15,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_tracker.h"
 
-namespace coslam {
+namespace coslam::agent_test {
 namespace {
 
 using test::SimTracker;
@@ -392,4 +392,4 @@ TEST(AgentConfigBounds, WhatIsLegalFitsIntoAFrame) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::agent_test

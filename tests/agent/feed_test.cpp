@@ -12,7 +12,7 @@
 
 #include "tests/support/eventually.h"
 
-namespace coslam {
+namespace coslam::feed_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -206,4 +206,4 @@ TEST_F(FeedTest, AnUntakenFeedEnds) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::feed_test

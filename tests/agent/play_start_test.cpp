@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::play_start_test {
 namespace {
 
 ServerStatus starts_at(TimeNs start_utc_ns) {
@@ -43,4 +43,4 @@ TEST(PlayStartTest, AClockThatIsWrongIsWhenSeveralWordsSaySo) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::play_start_test

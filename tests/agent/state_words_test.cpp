@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace coslam {
+namespace coslam::state_words_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -150,4 +150,4 @@ TEST_F(StateWordsTest, SaysOnceThatTheTimeOfDayWasSet) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::state_words_test

@@ -9,7 +9,7 @@
 
 #include "common/model/thumbnail.h"
 
-namespace coslam {
+namespace coslam::thumbnail_test {
 namespace {
 
 cv::Mat ramp(cv::Size size) {
@@ -45,4 +45,4 @@ TEST(Thumbnail, FitsEvenWhereTheImageIsNoise) {
 TEST(Thumbnail, NoImageGivesNone) { EXPECT_TRUE(thumbnail_jpeg({}).empty()); }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::thumbnail_test

@@ -75,6 +75,13 @@ class ChangedTests(unittest.TestCase):
         self.assertEqual(self.concerned("tests/common/b/b_test.cpp"), ["test/b_test"])
         self.assertEqual(self.concerned("tests/support/all.h"), ["test/a_test"])
 
+    def test_files_that_are_compiled_together_count_one_by_one(self) -> None:
+        unity = "build/CMakeFiles/c_test.dir/Unity/unity_0_cxx.cxx"
+        self.write(unity, "".join(f'#include "{self.tree}/{file}"\n' for file in ("tests/common/c/c_test.cpp", "common/c/c.cpp")))
+        self.inputs("c_test", unity, "libgtest_main.a")
+        self.assertEqual(self.concerned("common/c/c.cpp"), ["test/c_test", "test/b_test"])
+        self.assertEqual(self.concerned("tests/common/c/c_test.cpp"), ["test/c_test"])
+
     def test_the_wire_contract_concerns_those_that_include_what_is_made_of_it(self) -> None:
         self.assertEqual(self.concerned("idl/words.idl"), ["test/c_test", "test/b_test"])
 

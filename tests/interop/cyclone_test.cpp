@@ -22,7 +22,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::cyclone_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -109,4 +109,4 @@ TEST(Cyclone, ANodeHearsTheBridge) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::cyclone_test

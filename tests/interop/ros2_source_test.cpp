@@ -23,7 +23,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::ros2_source_test {
 namespace {
 
 using testing::AllOf;
@@ -175,4 +175,4 @@ TEST_F(Ros2Source, ACalibrationIsThatOfItsFirstMessage) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ros2_source_test

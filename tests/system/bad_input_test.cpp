@@ -16,7 +16,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::bad_input_test {
 namespace {
 
 using test::lines_with;
@@ -195,4 +195,4 @@ TEST_F(BadInput, ResultFolderThatCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bad_input_test

@@ -25,7 +25,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::bridge_test {
 namespace {
 
 using test::Program;
@@ -110,4 +110,4 @@ TEST_F(BridgeRun, ABridgeThatDiesLeavesTheMapAsItIs) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bridge_test

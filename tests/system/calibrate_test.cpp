@@ -13,7 +13,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/system/program.h"
 
-namespace coslam {
+namespace coslam::calibrate_test {
 namespace {
 
 using test::FilmedBoard;
@@ -111,4 +111,4 @@ TEST_F(Calibrate, WrongUsage) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibrate_test

@@ -12,7 +12,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::doctor_test {
 namespace {
 
 using nlohmann::json;
@@ -98,4 +98,4 @@ TEST_F(Doctor, AnotherKey) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::doctor_test

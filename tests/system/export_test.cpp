@@ -16,7 +16,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::export_test {
 namespace {
 
 TEST(ExportedRun, AnMcapFileIsReadByItsIndex) {
@@ -106,4 +106,4 @@ TEST(ExportedRun, ColmapFindsNothingToMend) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::export_test

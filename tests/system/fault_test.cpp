@@ -20,7 +20,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::fault_test {
 namespace {
 
 using test::lines_with;
@@ -195,4 +195,4 @@ TEST_F(Fault, LateAgentCatchesUp) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fault_test

@@ -16,7 +16,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::field_test {
 namespace {
 
 constexpr int kSkipped = 77;
@@ -59,4 +59,4 @@ TEST(Field, LossReorderAndAWrongClockLoseNobody) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::field_test

@@ -14,7 +14,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::liar_test {
 namespace {
 
 using nlohmann::json;
@@ -119,4 +119,4 @@ TEST_F(Lies, WhatCannotBeToldIsThinned) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::liar_test

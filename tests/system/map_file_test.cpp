@@ -12,7 +12,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::map_file_test {
 namespace {
 
 using test::Program;
@@ -94,4 +94,4 @@ TEST_F(MapFileOfRuns, WhatIsNoneIsRefusedAndKept) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_file_test

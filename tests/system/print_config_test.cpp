@@ -7,7 +7,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/system/program.h"
 
-namespace coslam {
+namespace coslam::print_config_test {
 namespace {
 
 using test::Program;
@@ -71,4 +71,4 @@ TEST(PrintConfig, OptionsKeepTheBoundsOfTheirKeys) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::print_config_test

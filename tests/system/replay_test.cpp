@@ -13,7 +13,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::replay_test {
 namespace {
 
 using test::expect_same_result;
@@ -98,4 +98,4 @@ TEST_F(Replay, OfABrokenRecording) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::replay_test

@@ -15,7 +15,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::run_test {
 namespace {
 
 using test::Program;
@@ -130,4 +130,4 @@ TEST_F(Run, ProcessesAndInlineAgree) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::run_test

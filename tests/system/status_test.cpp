@@ -12,7 +12,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::status_test {
 namespace {
 
 using test::lines_with;
@@ -71,4 +71,4 @@ TEST(Status, SaysSoWhenNobodyIsHeard) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::status_test

@@ -16,7 +16,7 @@
 #include "tests/system/program.h"
 #include "tests/system/small_scene.h"
 
-namespace coslam {
+namespace coslam::view_test {
 namespace {
 
 using test::http_get;
@@ -150,4 +150,4 @@ TEST(View, ATakenPortIsNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::view_test

@@ -11,8 +11,7 @@
 namespace coslam::doctor {
 namespace {
 
-std::string tenths(double value) { return format_double(std::round(10 * value) / 10); }
-std::string in_ms(double value_s) { return tenths(1e3 * value_s) + " ms"; }
+std::string in_ms(double value_s) { return format_tenths(1e3 * value_s) + " ms"; }
 
 Finding judge_device(const VideoDevice& device) {
   if (device.forbidden) {
@@ -30,16 +29,17 @@ std::string size_of(const SourceFacts& facts) {
 
 Finding judge_pace(const SourceFacts& facts) {
   const double hz = 1 / facts.period_s;
-  const std::string is = size_of(facts) + " at " + tenths(hz) + " Hz";
+  const std::string is = size_of(facts) + " at " + format_tenths(hz) + " Hz";
   if (facts.longest_s > 4 * facts.period_s) {
     return {Grade::kWarn, "images",
             is + ", once none for " + in_ms(facts.longest_s) + ": the camera or its cable stalls",
             facts.live ? "another port, a shorter cable, or &format=MJPG" : "record it again"};
   }
   if (facts.live && facts.nominal_hz > 0 && hz < 0.8 * facts.nominal_hz) {
-    return {Grade::kWarn, "images",
-            is + " instead of " + tenths(facts.nominal_hz) + ": a longer exposure in the dark, or the bus is full",
-            "more light, &format=MJPG after v4l2:N?size=..., or rate_hz: " + tenths(hz)};
+    return {
+        Grade::kWarn, "images",
+        is + " instead of " + format_tenths(facts.nominal_hz) + ": a longer exposure in the dark, or the bus is full",
+        "more light, &format=MJPG after v4l2:N?size=..., or rate_hz: " + format_tenths(hz)};
   }
   return {Grade::kOk, "images", is};
 }
@@ -47,7 +47,7 @@ Finding judge_pace(const SourceFacts& facts) {
 // Tells the door's verdict and, where it let them in, what they are like.
 Finding judge_picture(const SourceFacts& facts) {
   constexpr double kDark = 25, kDazzled = 230, kClipped = 0.5, kSoft = 0.004;
-  const std::string light = "light " + tenths(facts.light) + " of 255";
+  const std::string light = "light " + format_tenths(facts.light) + " of 255";
   if (2 * facts.at_fault > facts.images) {
     return {Grade::kFail, "picture",
             "not to be believed: " + std::string(words_of(facts.fault).why) + " (" + light + ")",
@@ -56,7 +56,7 @@ Finding judge_picture(const SourceFacts& facts) {
   if (facts.light < kDark)
     return {Grade::kWarn, "picture", light + ": too dark to follow much", "more light or exposure"};
   if (facts.light > kDazzled || facts.clipped > kClipped) {
-    return {Grade::kWarn, "picture", light + ", " + tenths(100 * facts.clipped) + " % black or white",
+    return {Grade::kWarn, "picture", light + ", " + format_tenths(100 * facts.clipped) + " % black or white",
             "less exposure, or none that is automatic"};
   }
   if (facts.sharpness < kSoft) {
@@ -76,8 +76,8 @@ Finding judge_stamps(const SourceFacts& facts) {
   constexpr double kLate_s = 0.5;
   if (std::abs(facts.behind_s) > kLate_s) {
     return {Grade::kWarn, "stamps",
-            "they are " + tenths(std::abs(facts.behind_s)) + " s " + (facts.behind_s > 0 ? "behind" : "ahead of") +
-                " the clock of this machine",
+            "they are " + format_tenths(std::abs(facts.behind_s)) + " s " +
+                (facts.behind_s > 0 ? "behind" : "ahead of") + " the clock of this machine",
             "one clock for all that stamps: chrony or PTP"};
   }
   return {Grade::kOk, "stamps", in_ms(std::max(0.0, facts.behind_s)) + " behind the clock of this machine"};

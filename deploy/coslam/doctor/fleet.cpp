@@ -20,8 +20,6 @@ constexpr const char* kServer = "coslam-server";
 constexpr const char* kAgent = "coslam-agent ";
 constexpr const char* kSameKey = "scp the fleet's key to all machines, and set wire.key_file (docs/security.md)";
 
-std::string tenths(double value) { return format_double(std::round(10 * value) / 10); }
-
 bool is_ours(const std::string& name) { return name.starts_with("coslam-"); }
 
 std::string who_is(const std::string& name) {
@@ -66,9 +64,9 @@ Finding judge_deaf(const Voice& voice, const FleetFacts& facts) {
 std::string measured(const Voice& voice, const Road& road) {
   const double off_s = std::abs(road.clock_ahead_s);
   return at(voice) + ", protocol " + std::to_string(voice.protocol.value_or(0)) +
-         (voice.seal == Seal::kOurs ? ", with the key, " : ", no key, ") + tenths(road.least_ms) +
+         (voice.seal == Seal::kOurs ? ", with the key, " : ", no key, ") + format_tenths(road.least_ms) +
          " ms there and back, " + std::to_string(road.all_answered()) + " of " + std::to_string(road.all_asked()) +
-         " answered, clock " + (off_s < 0.1 ? tenths(1e3 * off_s) + " ms " : tenths(off_s) + " s ") +
+         " answered, clock " + (off_s < 0.1 ? format_tenths(1e3 * off_s) + " ms " : format_tenths(off_s) + " s ") +
          (road.clock_ahead_s < 0 ? "behind" : "ahead");
 }
 
@@ -103,7 +101,7 @@ Finding judge_answering(const Voice& voice, const Road& road, const FleetFacts& 
   }
   if (std::abs(road.clock_ahead_s) > kClock_s) {
     say(Grade::kWarn,
-        "its clock is " + tenths(std::abs(road.clock_ahead_s)) + " s " +
+        "its clock is " + format_tenths(std::abs(road.clock_ahead_s)) + " s " +
             (road.clock_ahead_s > 0 ? "ahead of" : "behind") + " this machine's",
         "sudo timedatectl set-ntp true on both");
   }

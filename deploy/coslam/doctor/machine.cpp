@@ -14,8 +14,6 @@ constexpr std::uint64_t kMebibyte = 1U << 20U, kGibibyte = 1U << 30U;
 
 std::string in_mebibytes(std::uint64_t bytes) { return std::to_string(bytes / kMebibyte) + " MiB"; }
 
-std::string tenths(double value) { return format_double(std::round(10 * value) / 10); }
-
 Finding judge_buffer(const std::string& key, std::uint64_t most, std::uint64_t wanted) {
   const std::string subject = "buffers";
   if (most == 0) return {Grade::kOk, subject, "net.core." + key + " is not told here"};
@@ -31,7 +29,7 @@ Finding judge_buffer(const std::string& key, std::uint64_t most, std::uint64_t w
 Findings judge(const ProcessorFacts& facts) {
   Findings out;
   const std::string cores = std::to_string(facts.cores) + (facts.cores == 1 ? " core" : " cores");
-  const std::string load = cores + ", load " + tenths(facts.load);
+  const std::string load = cores + ", load " + format_tenths(facts.load);
   if (facts.load > facts.cores) {
     out.push_back({Grade::kWarn, "processor", load + ": other work takes what agents and server need", "top"});
   } else {

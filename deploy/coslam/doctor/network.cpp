@@ -44,7 +44,7 @@ std::string port_of(const HeldPort& held, int domain) {
                                : held.program + " (process " + std::to_string(held.pid) + ")");
 }
 
-bool is_ours(const HeldPort& held) { return held.program.starts_with("coslam"); }
+bool is_our_port(const HeldPort& held) { return held.program.starts_with("coslam"); }
 
 }  // namespace
 
@@ -103,7 +103,7 @@ Findings judge(const PortFacts& facts, const WireConfig& wire) {
     return {{Grade::kFail, subject,
              "no UDP port of domain " + number + " is free: " + port_of(facts.held.front(), facts.domain), other}};
   }
-  const auto foreign = std::ranges::find_if_not(facts.held, is_ours);
+  const auto foreign = std::ranges::find_if_not(facts.held, is_our_port);
   const bool crowded = std::ssize(facts.held) >= wire.peer_range;
   if (foreign != facts.held.end()) {
     return {{Grade::kWarn, subject,

@@ -121,10 +121,10 @@ class TrackEvaluation {
   }
 
   void add_dynamic(const ResultTrackRow& row, const SurfacePoint& seen) {
-    constexpr TimeNs kMaxGap_ns = 100'000'000;  // a few frames
+    constexpr TimeNs kMaxPathGap_ns = 100'000'000;  // a few frames
     const auto path = dynamic_.find(row.point);
     if (path == dynamic_.end()) return;
-    const auto estimate = position_at(path->second, row.t_ns, kMaxGap_ns);
+    const auto estimate = position_at(path->second, row.t_ns, kMaxPathGap_ns);
     if (!estimate) return;
     dynamic_errors_.push_back({row.point, row.t_ns, (truth_from_map_ * *estimate - seen.position).norm()});
     double& nearest_m = nearest_m_.try_emplace({row.point, row.t_ns}, seen.distance_m).first->second;

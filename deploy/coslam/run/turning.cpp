@@ -11,12 +11,12 @@
 namespace coslam {
 namespace {
 
-constexpr double kMost_s = 10, kStep_s = 0.02;
-constexpr double kOver_s = 0.2;     // an angle is taken over that long, so that the noise of poses does not count
-constexpr double kLeast_s = 4;      // in which both have poses
-constexpr double kAlike = 0.05;     // what is left of the turns of cameras that are held together, squared
-constexpr double kElsewhere = 0.2;  // that is left at lags half a second and more away, at least
-constexpr double kElsewhere_s = 0.5;
+constexpr double kMostOffset_s = 10, kStep_s = 0.02;
+constexpr double kOver_s = 0.2;      // an angle is taken over that long, so that the noise of poses does not count
+constexpr double kLeastPosed_s = 4;  // in which both have poses
+constexpr double kAlike = 0.05;      // what is left of the turns of cameras that are held together, squared
+constexpr double kElsewhere = 0.2;   // that is left at lags half a second and more away, at least
+constexpr double kOtherPeak_s = 0.5;
 constexpr double kLeast_rad = 0.01;  // an angle in the mean, far above the noise of poses
 
 struct Series {
@@ -53,7 +53,7 @@ std::optional<double> left_over(const Series& a, const Series& b, int earlier) {
     sum2 += x->squaredNorm() + y->squaredNorm();
     products += *x * y->transpose();
   }
-  if (n * kStep_s < kLeast_s || sum2 < 2 * n * kLeast_rad * kLeast_rad) return std::nullopt;
+  if (n * kStep_s < kLeastPosed_s || sum2 < 2 * n * kLeast_rad * kLeast_rad) return std::nullopt;
   // Horn's matrix, whose greatest eigenvalue is the sum of the products under the best rotation.
   const Eigen::Vector3d skew(products(1, 2) - products(2, 1), products(2, 0) - products(0, 2),
                              products(0, 1) - products(1, 0));
@@ -77,7 +77,7 @@ std::optional<double> lag_by_turning_s(const Trajectory& first, const Trajectory
     double share;
   };
   std::vector<Left> known;
-  const int most = static_cast<int>(kMost_s / kStep_s);
+  const int most = static_cast<int>(kMostOffset_s / kStep_s);
   for (int lag = -most; lag <= most; ++lag) {
     if (const auto share = left_over(a, b, lag + apart)) known.push_back({lag, *share});
   }
@@ -85,7 +85,7 @@ std::optional<double> lag_by_turning_s(const Trajectory& first, const Trajectory
   const Left best = *std::ranges::min_element(known, {}, &Left::share);
   if (best.share > kAlike) return std::nullopt;
   const bool rival = std::ranges::any_of(known, [&](const Left& other) {
-    return std::abs(other.lag - best.lag) * kStep_s > kElsewhere_s && other.share < kElsewhere;
+    return std::abs(other.lag - best.lag) * kStep_s > kOtherPeak_s && other.share < kElsewhere;
   });
   return rival ? std::nullopt : std::optional(best.lag * kStep_s);
 }

@@ -20,15 +20,15 @@
 namespace coslam {
 namespace {
 
-struct Candidate {
+struct FuseCandidate {
   double d2;
   PointId first, second;  // the second is bound to the track
   CameraId camera;
   const ServerTrack* track;
 };
 
-std::vector<Candidate> candidates_of(const Map& map, const MapCamera& camera, const PointsByPlace& points) {
-  std::vector<Candidate> out;
+std::vector<FuseCandidate> candidates_of(const Map& map, const MapCamera& camera, const PointsByPlace& points) {
+  std::vector<FuseCandidate> out;
   const Rigid3& pose = camera.frames.back().cam_from_world;
   const double gate_px = map.gate_sigma_px(camera), theta = map.config().theta;
   const TrackGrid grid(
@@ -44,7 +44,7 @@ std::vector<Candidate> candidates_of(const Map& map, const MapCamera& camera, co
     if (seen_by(*p, camera.id)) continue;
     const auto window = search_window(camera.model, pose, *p, gate_px, theta);
     if (!window) continue;
-    Candidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
+    FuseCandidate best{theta * theta, p->id, PointId(), camera.id, nullptr};
     grid.near(window->px, window->radius_px, [&](const TrackGrid::InGrid& t) {
       const Eigen::Matrix2d s = window->covariance + t.covariance + gate_px * gate_px * Eigen::Matrix2d::Identity();
       const Eigen::Vector2d r = t.px - window->px;
@@ -103,7 +103,7 @@ struct Joint {
 };
 
 // Empty when they are two, as far as that can be told.
-std::optional<Joint> as_one(const Map& map, const Candidate& c) {
+std::optional<Joint> as_one(const Map& map, const FuseCandidate& c) {
   const MapPoint *p = map.find(c.first), *q = map.find(c.second);
   if (p == nullptr || q == nullptr || c.track->point != c.second || seen_apart(*p, *q)) return std::nullopt;
   const MapCamera& camera = map.camera(c.camera);
@@ -117,7 +117,8 @@ std::optional<Joint> as_one(const Map& map, const Candidate& c) {
 }
 
 // Of each, as the map is now.
-std::vector<std::optional<Joint>> as_one(const Map& map, const std::vector<Candidate>& candidates, Workers& workers) {
+std::vector<std::optional<Joint>> as_one(const Map& map, const std::vector<FuseCandidate>& candidates,
+                                         Workers& workers) {
   constexpr std::size_t kPart = 16;
   std::vector<std::optional<Joint>> out(candidates.size());
   workers.each((candidates.size() + kPart - 1) / kPart, [&](std::size_t part) {
@@ -134,19 +135,19 @@ FuseReport fuse_points(FuseEdit& edit, const FrameSet& set, Workers& workers) {
   FuseReport report;
   const std::vector<CameraId> cameras = cameras_in_turn(set, map.round(map.config().match_period_s));
   const PointsByPlace points(static_points_around(map, cameras));
-  std::vector<std::vector<Candidate>> of_cameras(cameras.size());
+  std::vector<std::vector<FuseCandidate>> of_cameras(cameras.size());
   workers.each(of_cameras.size(), [&](std::size_t i) {
     const MapCamera& camera = map.camera(cameras[i]);
     if (camera.frames.back().valid()) of_cameras[i] = candidates_of(map, camera, points);
   });
-  std::vector<Candidate> candidates;
+  std::vector<FuseCandidate> candidates;
   for (const auto& of_camera : of_cameras) candidates.insert(candidates.end(), of_camera.begin(), of_camera.end());
   report.candidates = static_cast<int>(candidates.size());
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
   const std::vector<std::optional<Joint>> joints = as_one(map, candidates, workers);
   std::unordered_set<PointId> changed;  // since then
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Candidate& c = candidates[i];
+    const FuseCandidate& c = candidates[i];
     const bool anew = changed.contains(c.first) || changed.contains(c.second);
     const std::optional<Joint> joint = anew ? as_one(map, c) : joints[i];
     if (!joint) continue;

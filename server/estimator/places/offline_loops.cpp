@@ -18,7 +18,7 @@ namespace coslam {
 namespace {
 
 constexpr std::size_t kMostImages = 400;  // the newest: earlier ones had their time
-constexpr int kMostLoops = 8;
+constexpr int kMostOfflineLoops = 8;
 constexpr double kDrawn = 2;  // gates, for what a loop was closed by: the map is as good as that at first
 
 // One that shows an earlier visit, with what the map makes of it now.
@@ -189,7 +189,7 @@ OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImag
                                        int min_inliers, std::vector<LoopConstraint>* loops) {
   const Map& map = edit.map();
   OfflineLoopsReport report;
-  for (int round = 0; round <= kMostLoops; ++round) {
+  for (int round = 0; round <= kMostOfflineLoops; ++round) {
     std::vector<Visit> visits = find_visits(map, places, map_id);
     for (Visit& v : visits) {
       if (!all_there(map, v.seen)) continue;
@@ -202,7 +202,7 @@ OfflineLoopsReport close_loops_offline(PlaceRecognitionEdit& edit, const KeyImag
     for (Visit& v : visits) {
       if (v.witness && !all_there(map, v.seen)) v.witness.reset();
     }
-    const Confirmed best = round < kMostLoops ? most_confirmed(map, visits, min_inliers) : Confirmed();
+    const Confirmed best = round < kMostOfflineLoops ? most_confirmed(map, visits, min_inliers) : Confirmed();
     if (best.empty()) break;
     const auto loop = constraint_of(map, best);
     if (!loop || !close_loop(edit, map_id, *loop, *loops, {})) break;

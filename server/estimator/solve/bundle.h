@@ -14,6 +14,9 @@
 
 namespace coslam {
 
+// Freedoms of a map that no image tells: translation, rotation, scale.
+inline constexpr int kGaugeFreedoms = 7;
+
 using LensMatrix = Eigen::Matrix<double, LensCorrection::kTerms, LensCorrection::kTerms>;
 
 // Bundle adjustment problem: poses and points that minimise the robust reprojection error. Plain arrays, so that the

@@ -21,14 +21,14 @@ double weight(double sigmas, bool huber) {
   return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0;
 }
 
-struct System {
+struct OffsetSystem {
   Eigen::MatrixXd a;  // instruments by rates
   Eigen::VectorXd b;  // instruments by residuals
   Eigen::MatrixXd c;  // instruments by instruments: the covariance of b
 };
 
 // Adds a stretch with its shift eliminated.
-void add(const ClockStretch& s, const Eigen::VectorXd& offsets, bool huber, System* system) {
+void add(const ClockStretch& s, const Eigen::VectorXd& offsets, bool huber, OffsetSystem* system) {
   const Eigen::Vector2d at(offsets[s.first], offsets[s.second]);
   const double sigma2 = s.sigma_px * s.sigma_px;
   double weights = 1 / (kShift * kShift * sigma2), residuals = 0;
@@ -76,8 +76,8 @@ std::vector<ClockOffset> solve_clock_offsets(int cameras, std::span<const ClockS
   Eigen::VectorXd offsets = Eigen::VectorXd::Zero(cameras);
   Eigen::MatrixXd covariance;
   for (int round = 0; round < kRounds; ++round) {
-    System system{Eigen::MatrixXd::Zero(cameras, cameras), Eigen::VectorXd::Zero(cameras),
-                  Eigen::MatrixXd::Zero(cameras, cameras)};
+    OffsetSystem system{Eigen::MatrixXd::Zero(cameras, cameras), Eigen::VectorXd::Zero(cameras),
+                        Eigen::MatrixXd::Zero(cameras, cameras)};
     for (const ClockStretch& s : stretches) add(s, offsets, round < kHuberRounds, &system);
     for (int i = 0; i < cameras; ++i) {
       const double known = first[static_cast<std::size_t>(i)] == i ? kFixed : 1 / (prior_s * prior_s);

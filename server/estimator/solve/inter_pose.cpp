@@ -34,12 +34,12 @@ bool project(const CameraModel& camera, const Rigid3& pose, const Eigen::Matrix3
   return true;
 }
 
-struct State {
+struct InterPoseState {
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> points;
 };
 
-struct System {
+struct InterPoseSystem {
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
   std::vector<Eigen::Matrix3d> point_blocks;  // of moving points
@@ -62,7 +62,7 @@ bool alike(const Sigmas& a, const Sigmas& b) {
 // Scale of each camera's residuals, not below its sigma: the start may be far off, and the loss follows the residuals
 // down. Those of moving points have a scale of their own: their tracks drift, and cameras follow neighbouring corners.
 // By camera, too: one whose few static points put it far off has all its moving points far off, and needs them.
-Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
+Sigmas measured_sigmas(const InterPoseProblem& problem, const InterPoseState& state) {
   const std::size_t cameras = problem.cameras.size();
   std::vector<std::vector<double>> still(cameras), moving(cameras);
   const auto add = [&](std::size_t c, const Eigen::Vector3d& point, const Eigen::Vector2d& px,
@@ -89,9 +89,9 @@ Sigmas measured_sigmas(const InterPoseProblem& problem, const State& state) {
 }
 
 // Adds what static points and priors say of each camera's pose.
-void add_statics(const InterPoseProblem& problem, const State& state, const std::vector<Eigen::Matrix3d>& rotations,
-                 const Sigmas& sigmas, System* system) {
-  System& s = *system;
+void add_statics(const InterPoseProblem& problem, const InterPoseState& state,
+                 const std::vector<Eigen::Matrix3d>& rotations, const Sigmas& sigmas, InterPoseSystem* system) {
+  InterPoseSystem& s = *system;
   Projected p;
   for (std::size_t c = 0; c < problem.cameras.size(); ++c) {
     const auto& camera = problem.cameras[c];
@@ -122,9 +122,9 @@ void add_statics(const InterPoseProblem& problem, const State& state, const std:
 }
 
 // Adds what moving points say, whose positions are unknown like the poses.
-void add_moving(const InterPoseProblem& problem, const State& state, const std::vector<Eigen::Matrix3d>& rotations,
-                const Sigmas& sigmas, System* system) {
-  System& s = *system;
+void add_moving(const InterPoseProblem& problem, const InterPoseState& state,
+                const std::vector<Eigen::Matrix3d>& rotations, const Sigmas& sigmas, InterPoseSystem* system) {
+  InterPoseSystem& s = *system;
   Projected p;
   for (std::size_t m = 0; m < problem.moving.size(); ++m) {
     for (const auto& [camera, px] : problem.moving[m].seen) {
@@ -148,9 +148,9 @@ void add_moving(const InterPoseProblem& problem, const State& state, const std::
   }
 }
 
-System build(const InterPoseProblem& problem, const State& state, const Sigmas& sigmas) {
+InterPoseSystem build(const InterPoseProblem& problem, const InterPoseState& state, const Sigmas& sigmas) {
   const auto n = static_cast<Eigen::Index>(6 * problem.cameras.size());
-  System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
+  InterPoseSystem s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, {}, 0};
   s.point_blocks.assign(problem.moving.size(), Eigen::Matrix3d::Zero());
   s.right.assign(problem.moving.size(), Eigen::Vector3d::Zero());
   s.coupling.resize(problem.moving.size());
@@ -169,7 +169,7 @@ Eigen::Matrix3d damped_inverse(Eigen::Matrix3d block, double lambda) {
 }
 
 // Takes the moving points out: what is left speaks of the poses alone.
-void eliminate(const System& s, double lambda, Eigen::MatrixXd* a, Eigen::VectorXd* b) {
+void eliminate(const InterPoseSystem& s, double lambda, Eigen::MatrixXd* a, Eigen::VectorXd* b) {
   *a = s.a;
   *b = s.b;
   for (std::size_t m = 0; m < s.point_blocks.size(); ++m) {
@@ -183,8 +183,9 @@ void eliminate(const System& s, double lambda, Eigen::MatrixXd* a, Eigen::Vector
   }
 }
 
-State stepped(const System& s, const State& state, const Eigen::VectorXd& step, double lambda) {
-  State next = state;
+InterPoseState stepped(const InterPoseSystem& s, const InterPoseState& state, const Eigen::VectorXd& step,
+                       double lambda) {
+  InterPoseState next = state;
   for (std::size_t c = 0; c < state.poses.size(); ++c) {
     next.poses[c] = retract(state.poses[c], step.segment<6>(static_cast<Eigen::Index>(6 * c)));
   }
@@ -200,11 +201,11 @@ State stepped(const System& s, const State& state, const Eigen::VectorXd& step, 
 
 InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterations) {
   InterPoseResult result;
-  State state;
+  InterPoseState state;
   for (const auto& c : problem.cameras) state.poses.push_back(c.cam_from_world);
   for (const auto& m : problem.moving) state.points.push_back(m.position);
   Sigmas sigmas = measured_sigmas(problem, state);
-  System s = build(problem, state, sigmas);
+  InterPoseSystem s = build(problem, state, sigmas);
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
   result.iterations = levenberg_marquardt({}, max_iterations, [&](double lambda) {
@@ -212,7 +213,7 @@ InterPoseResult solve_inter_pose(const InterPoseProblem& problem, int max_iterat
     a.diagonal() *= 1 + lambda;
     const Eigen::VectorXd step = a.ldlt().solve(b);
     if (!step.allFinite()) return LmStep::kImpossible;
-    const State next = stepped(s, state, step, lambda);
+    const InterPoseState next = stepped(s, state, step, lambda);
     const double cost = build(problem, next, sigmas).cost;
     if (cost > s.cost * (1 + 1e-9)) return LmStep::kFailed;
     const double improved = s.cost - cost;

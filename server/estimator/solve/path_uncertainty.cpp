@@ -17,7 +17,6 @@ namespace coslam {
 namespace {
 
 constexpr int kDraws = 100;
-constexpr int kGauge = 7;  // translation, rotation, scale
 constexpr double kHardlyDamped = 1e14;
 
 using Draws6 = Eigen::Matrix<double, 6, kDraws>;
@@ -89,9 +88,9 @@ DrawnGradients draw(const BundleProblem& problem, const BundleStructure& s, cons
 }
 
 // How the translation of a pose changes when the whole map does a little: shifted, turned, scaled.
-Eigen::Matrix<double, 3, kGauge> gauge_motion(const Rigid3& cam_from_world) {
+Eigen::Matrix<double, 3, kGaugeFreedoms> centre_gauge_motion(const Rigid3& cam_from_world) {
   const Eigen::Matrix3d r = cam_from_world.rotation.toRotationMatrix();
-  Eigen::Matrix<double, 3, kGauge> n;
+  Eigen::Matrix<double, 3, kGaugeFreedoms> n;
   n << r, skew(cam_from_world.translation) * r, cam_from_world.translation;
   return n;
 }
@@ -99,19 +98,20 @@ Eigen::Matrix<double, 3, kGauge> gauge_motion(const Rigid3& cam_from_world) {
 // Takes out what a similarity of the whole map would do: least squares over all centres. by_column: draws of each
 // pose's six local coordinates, of which the last three move its centre.
 void align(const BundleProblem& problem, const BundleStructure& s, Eigen::MatrixXd* draws) {
-  Eigen::Matrix<double, kGauge, kGauge> normal = Eigen::Matrix<double, kGauge, kGauge>::Zero();
-  Eigen::Matrix<double, kGauge, kDraws> right = Eigen::Matrix<double, kGauge, kDraws>::Zero();
+  Eigen::Matrix<double, kGaugeFreedoms, kGaugeFreedoms> normal =
+      Eigen::Matrix<double, kGaugeFreedoms, kGaugeFreedoms>::Zero();
+  Eigen::Matrix<double, kGaugeFreedoms, kDraws> right = Eigen::Matrix<double, kGaugeFreedoms, kDraws>::Zero();
   const auto each = [&](auto&& visit) {
     for (std::size_t i = 0; i < problem.poses.size(); ++i) {
       const int column = s.column_of[i];
-      if (column >= 0) visit(gauge_motion(problem.poses[i].cam_from_world), 6 * column + 3);
+      if (column >= 0) visit(centre_gauge_motion(problem.poses[i].cam_from_world), 6 * column + 3);
     }
   };
   each([&](const auto& motion, int row) {
     normal += motion.transpose() * motion;
     right += motion.transpose() * draws->middleRows<3>(row);
   });
-  const Eigen::Matrix<double, kGauge, kDraws> change = normal.completeOrthogonalDecomposition().solve(right);
+  const Eigen::Matrix<double, kGaugeFreedoms, kDraws> change = normal.completeOrthogonalDecomposition().solve(right);
   each([&](const auto& motion, int row) { draws->middleRows<3>(row) -= motion * change; });
 }
 

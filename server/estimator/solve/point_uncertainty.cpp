@@ -14,7 +14,6 @@ namespace coslam {
 namespace {
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
-constexpr int kGauge = 7;  // translation, rotation, scale
 
 // All of one point: its diagonal block and its coupling to each pose.
 struct PointBlocks {
@@ -35,9 +34,9 @@ std::vector<int> choose(const BundleProblem& problem, std::size_t most) {
 }
 
 // Small motions of the whole map as seen by one pose: how its six local coordinates change.
-Eigen::Matrix<double, 6, kGauge> gauge_motion(const Rigid3& cam_from_world) {
+Eigen::Matrix<double, 6, kGaugeFreedoms> gauge_motion(const Rigid3& cam_from_world) {
   const Eigen::Matrix3d r = cam_from_world.rotation.toRotationMatrix();
-  Eigen::Matrix<double, 6, kGauge> n = Eigen::Matrix<double, 6, kGauge>::Zero();
+  Eigen::Matrix<double, 6, kGaugeFreedoms> n = Eigen::Matrix<double, 6, kGaugeFreedoms>::Zero();
   n.block<3, 3>(3, 0) = r;
   n.block<3, 3>(0, 3) = r;
   n.block<3, 3>(3, 3) = skew(cam_from_world.translation) * r;
@@ -49,7 +48,7 @@ Eigen::Matrix<double, 6, kGauge> gauge_motion(const Rigid3& cam_from_world) {
 Eigen::MatrixXd pose_covariance(Eigen::MatrixXd information, const BundleProblem& problem,
                                 const std::vector<int>& index, bool floats) {
   if (floats) {
-    Eigen::MatrixXd constraint = Eigen::MatrixXd::Zero(information.rows(), kGauge);
+    Eigen::MatrixXd constraint = Eigen::MatrixXd::Zero(information.rows(), kGaugeFreedoms);
     for (std::size_t i = 0; i < index.size(); ++i) {
       if (index[i] < 0) continue;
       auto rows = constraint.middleRows<6>(6 * index[i]);
@@ -57,7 +56,7 @@ Eigen::MatrixXd pose_covariance(Eigen::MatrixXd information, const BundleProblem
       rows.topRows<3>().setZero();  // centres only
     }
     const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(constraint).householderQ() *
-                              Eigen::MatrixXd::Identity(information.rows(), kGauge);
+                              Eigen::MatrixXd::Identity(information.rows(), kGaugeFreedoms);
     information += 1e3 * information.diagonal().maxCoeff() * q * q.transpose();
   }
   information.diagonal().array() *= 1 + 1e-12;

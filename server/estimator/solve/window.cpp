@@ -44,7 +44,7 @@ struct Observation {
   Eigen::Matrix2d whiten;  // from undistorted px to standard deviations
 };
 
-struct State {
+struct WindowState {
   std::vector<Rigid3> poses;
   std::vector<Eigen::Vector3d> things;
 };
@@ -54,7 +54,7 @@ struct Coupling {
   Matrix63 block;
 };
 
-struct System {
+struct WindowSystem {
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
   std::vector<Eigen::Matrix3d> thing_blocks;  // of things
@@ -84,15 +84,15 @@ class Solver {
     }
   }
 
-  State start() const {
-    State state{problem_.cam_from_world, {}};
+  WindowState start() const {
+    WindowState state{problem_.cam_from_world, {}};
     for (const WindowThing& thing : problem_.things) state.things.push_back(thing.theta);
     return state;
   }
 
-  System build(const State& state) const {
+  WindowSystem build(const WindowState& state) const {
     const Eigen::Index n = 6 * free_;
-    System s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, 0};
+    WindowSystem s{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, {}, {}, 0};
     for (std::size_t i = 0; i < state.things.size(); ++i) {
       const WindowThing& thing = problem_.things[i];
       s.thing_blocks.push_back(thing.information);
@@ -118,9 +118,9 @@ class Solver {
     return s;
   }
 
-  State stepped(const System& s, const State& state, const Eigen::VectorXd& step,
-                const std::vector<Eigen::Matrix3d>& inverses) const {
-    State next = state;
+  WindowState stepped(const WindowSystem& s, const WindowState& state, const Eigen::VectorXd& step,
+                      const std::vector<Eigen::Matrix3d>& inverses) const {
+    WindowState next = state;
     for (std::size_t k = 0, column = 0; k < next.poses.size(); ++k) {
       if (!problem_.is_free[k]) continue;
       next.poses[k] = retract(state.poses[k], step.segment<6>(static_cast<Eigen::Index>(6 * column++)));
@@ -143,8 +143,8 @@ class Solver {
   // A place times its inverse depth is w = ray + inverse depth * centre of its frame, and a camera sees it at
   // R w + inverse depth * t. What is not in front of it is as wrong as can be, and says nothing of where to go.
   template <class Visit>
-  void for_each(const State& state, Visit visit) const {
-    constexpr double kBehind = 1e4, kLeastDepth = 1e-3;
+  void for_each(const WindowState& state, Visit visit) const {
+    constexpr double kWhereBehind = 1e4, kLeastDepth = 1e-3;
     std::vector<Eigen::Matrix3d> rotations;
     for (const Rigid3& pose : state.poses) rotations.push_back(pose.rotation.toRotationMatrix());
     Residual e;
@@ -159,7 +159,7 @@ class Solver {
         const Eigen::Vector3d& t = state.poses[static_cast<std::size_t>(o.pose)].translation;
         const Eigen::Vector3d x = r * w + inverse_depth * t;
         if (x.z() < kLeastDepth) {
-          visit(i, nullptr, e, kBehind);
+          visit(i, nullptr, e, kWhereBehind);
           continue;
         }
         const Eigen::Matrix<double, 2, 3> j = o.whiten * problem_.camera->project_jacobian(x);
@@ -179,7 +179,7 @@ class Solver {
   std::vector<std::vector<Observation>> seen_;
 };
 
-std::vector<Eigen::Matrix3d> damped_inverses(const System& s, double lambda) {
+std::vector<Eigen::Matrix3d> damped_inverses(const WindowSystem& s, double lambda) {
   std::vector<Eigen::Matrix3d> out;
   for (Eigen::Matrix3d block : s.thing_blocks) {
     block.diagonal() *= 1 + lambda;
@@ -190,7 +190,7 @@ std::vector<Eigen::Matrix3d> damped_inverses(const System& s, double lambda) {
 }
 
 // What is left when the things are taken out speaks of the poses alone.
-Eigen::VectorXd step_of_poses(const System& s, const std::vector<Eigen::Matrix3d>& inverses, double lambda) {
+Eigen::VectorXd step_of_poses(const WindowSystem& s, const std::vector<Eigen::Matrix3d>& inverses, double lambda) {
   Eigen::MatrixXd a = s.a;
   Eigen::VectorXd b = s.b;
   for (std::size_t i = 0; i < s.thing_blocks.size(); ++i) {
@@ -211,16 +211,16 @@ Eigen::VectorXd step_of_poses(const System& s, const std::vector<Eigen::Matrix3d
 WindowResult solve_window(const WindowProblem& problem, int max_iterations) {
   constexpr double kSettled = 1e-5;
   const Solver solver(problem);
-  State state = solver.start();
-  System s = solver.build(state);
+  WindowState state = solver.start();
+  WindowSystem s = solver.build(state);
   WindowResult result;
   result.cost_before = s.cost;
   result.iterations = levenberg_marquardt({}, max_iterations, [&](double lambda) {
     const auto inverses = damped_inverses(s, lambda);
     const Eigen::VectorXd step = step_of_poses(s, inverses, lambda);
     if (!step.allFinite()) return LmStep::kImpossible;
-    const State next = solver.stepped(s, state, step, inverses);
-    System t = solver.build(next);
+    const WindowState next = solver.stepped(s, state, step, inverses);
+    WindowSystem t = solver.build(next);
     if (!(t.cost <= s.cost)) return LmStep::kFailed;
     const bool settled = s.cost - t.cost < kSettled * s.cost;
     state = next;

@@ -28,8 +28,6 @@ constexpr milliseconds kTick{20};
 constexpr std::size_t kQueueCapacity = 256;  // 0.7 s of twelve agents at 30 Hz
 constexpr const char* kName = "coslam-server";
 
-milliseconds in_ms(double seconds) { return milliseconds(std::lround(1000 * seconds)); }
-
 using Ends = ServerEnds;
 
 class DdsServerLink : public ServerLink {
@@ -38,8 +36,8 @@ class DdsServerLink : public ServerLink {
       : config_(config),
         server_run_(server_run),
         next_heartbeat_(Clock::now()),
-        heartbeat_(in_ms(config.silent_after_s / 4)),
-        sessions_(in_ms(2 * config.silent_after_s), *rejections_),
+        heartbeat_(to_milliseconds(config.silent_after_s / 4)),
+        sessions_(to_milliseconds(2 * config.silent_after_s), *rejections_),
         events_(kQueueCapacity, QueuePolicy::kDropOldest,
                 [](const ServerEvent& e) { return std::holds_alternative<JoinedFrame>(e); }),
         settling_(config, server_run, next_heartbeat_),
@@ -133,7 +131,7 @@ class DdsServerLink : public ServerLink {
   void await_runs() {
     const std::lock_guard lock(mutex_);
     speakers_ = {};
-    const Instant until = Clock::now() + in_ms(config_.lease_s);
+    const Instant until = Clock::now() + to_milliseconds(config_.lease_s);
     for (const RunId run : sessions_.runs()) {
       sessions_.presence(run, Presence::kSilent);
       unheard_until_[run] = until;

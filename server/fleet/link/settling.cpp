@@ -2,21 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/fleet/link/settling.h"
 
-#include <cmath>
-
 namespace coslam {
-namespace {
-
-std::chrono::milliseconds in_ms(double seconds) { return std::chrono::milliseconds(std::lround(1000 * seconds)); }
-
-}  // namespace
 
 // That there is another server is known soon; what it says, and whether it just starts too, may take longer. The time
 // differs between servers that start together, so that one of them speaks first.
 Settling::Settling(const WireConfig& config, RunId run, Instant opened_at)
     : opened_at_(opened_at),
-      silence_alone_(in_ms(1.2 * config.announce_s)),
-      silence_(in_ms(5 * config.announce_s) + std::chrono::milliseconds(run.value % 1024)) {}
+      silence_alone_(to_milliseconds(1.2 * config.announce_s)),
+      silence_(to_milliseconds(5 * config.announce_s) + std::chrono::milliseconds(run.value % 1024)) {}
 
 bool Settling::settle(bool alone, Instant now) {
   if (state_ != State::kSilent || now - opened_at_ < (alone ? silence_alone_ : silence_)) return false;

@@ -17,9 +17,9 @@ constexpr double kBehind_s = 2.5;   // more lag than ever by so much, steadily: 
 constexpr double kRecent_s = 1.0;   // a lag heard of so long ago still tells
 constexpr double kSteady_s = 0.25;  // spread of lags of a clock that was set once
 constexpr double kLookAhead_s = 1.0, kLookBehind_s = 2.0;  // how long to look at lags before they are believed
-constexpr std::size_t kLeastFrames = 5;
+constexpr std::size_t kLeastLags = 5;
 constexpr double kNoTimes_s = 3.0;  // of unsteady lags
-constexpr double kForget = 0.1, kDrift = 1e-3, kAnyFall = 1e9;
+constexpr double kForgetShare = 0.1, kDrift = 1e-3, kAnyFall = 1e9;
 constexpr double kWorthCorrecting_s = 0.001, kWorthSaying_s = 0.02;
 
 std::string in_words(double seconds) {
@@ -101,7 +101,7 @@ bool StampWatch::correct(Agent& agent, std::optional<double> others_s, double la
     if (now_s - h.now_s <= look_s) lags_s.push_back(h.lag_s);
   }
   const double held_s = now_s - agent.held.front().now_s;
-  if (held_s < look_s || lags_s.size() < kLeastFrames) return false;
+  if (held_s < look_s || lags_s.size() < kLeastLags) return false;
   const auto [least, most] = std::ranges::minmax(lags_s);
   if (most - least > kSteady_s) {
     if (least > expected_s && !agent.trusted) return true;  // a slow link, and nobody else is hurt by late frames
@@ -169,9 +169,9 @@ std::optional<TimeNs> StampWatch::place(CameraId camera, TimeNs capture_ns, Time
   agent.lag_s = lag_s;
   agent.heard_s = now_s;
   // Recordings may play faster than time.
-  agent.alone.add(lag_s, now_s, kForget, kAnyFall);
-  agent.ever.add(lag_s, now_s, kDrift, kForget);
-  if (others_s) agent.beside_others.add(lag_s - *others_s, now_s, kForget, kForget);
+  agent.alone.add(lag_s, now_s, kForgetShare, kAnyFall);
+  agent.ever.add(lag_s, now_s, kDrift, kForgetShare);
+  if (others_s) agent.beside_others.add(lag_s - *others_s, now_s, kForgetShare, kForgetShare);
   if (agent.newest_ns && t_ns < *agent.newest_ns + agent.least_step_ns) return refuse();
   agent.newest_ns = t_ns;
   return t_ns;

@@ -27,7 +27,7 @@ CameraId camera_of(const EventLog& log, const std::string& agent) {
   throw UserError("the run had no camera " + agent + "; it had " + (known.empty() ? "none" : known));
 }
 
-TrackKey track_of(const EventLog& log, const std::string& id) {
+TrackKey asked_track(const EventLog& log, const std::string& id) {
   const std::size_t slash = id.find('/');
   if (slash == std::string::npos) throw UsageError("`" + id + "` is no track: AGENT/TRACK is expected, as in cam0/17");
   const TrackId track(number_of(id.substr(slash + 1), "track"));
@@ -45,7 +45,7 @@ std::string caution_of(const EventLog& log) {
 Life life_of(const EventLog& log, const Question& question) {
   std::optional<Life> life;
   if (question.kind == "point") life = life_of_point(log, PointId(number_of(question.id, "point")));
-  if (question.kind == "track") life = life_of_track(log, track_of(log, question.id));
+  if (question.kind == "track") life = life_of_track(log, asked_track(log, question.id));
   if (question.kind == "camera") life = life_of_camera(log, camera_of(log, question.id));
   if (life) return *life;
   const std::string caution = caution_of(log);

@@ -50,7 +50,7 @@ using Aspects = std::map<std::string, const Entry*>;
 
 bool is_track(const std::string& aspect) { return aspect.find('/') != std::string::npos; }
 
-std::string words(const Aspects& is) {
+std::string state_words(const Aspects& is) {
   std::string text, tracks;
   for (auto at = is.rbegin(); at != is.rend(); ++at) {  // phase before map, pose before place
     if (!is_track(at->first)) text += (text.empty() ? "" : ", ") + at->second->now;
@@ -104,7 +104,7 @@ std::string told_at(const EventLog& log, const Life& life, TimeNs t_ns) {
     const auto first = std::ranges::find(life.entries, true, &Entry::in_text);
     return first == life.entries.end() ? text : text + line(log, first->t_ns, first->text);
   }
-  return at + " was " + words(is) + ".\n" + lines(log, is);
+  return at + " was " + state_words(is) + ".\n" + lines(log, is);
 }
 
 }  // namespace coslam::explain

@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace coslam {
+namespace coslam::alternation_test {
 namespace {
 
 class AlternationTest : public testing::Test {
@@ -137,4 +137,4 @@ TEST_F(AlternationTest, NeverLeavesOutAllForLong) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::alternation_test

@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::camera_mode_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(CameraMode, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::camera_mode_test

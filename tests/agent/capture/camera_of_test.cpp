@@ -11,7 +11,7 @@
 #include "common/dataset/calibration.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::camera_of_test {
 namespace {
 
 class CameraOf : public ::testing::Test {
@@ -77,4 +77,4 @@ TEST_F(CameraOf, NamesASourceThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::camera_of_test

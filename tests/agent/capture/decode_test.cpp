@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <set>
 
-namespace coslam {
+namespace coslam::decode_test {
 namespace {
 
 // Levels from `low` to `high`, as thermal and other deep sensors give them.
@@ -70,4 +70,4 @@ TEST(GreyReader, TakesWhatIsGreyAndSaysWhatItSpreads) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::decode_test

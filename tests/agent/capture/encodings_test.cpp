@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace coslam {
+namespace coslam::encodings_test {
 namespace {
 
 // 4 x 2 pixels of this encoding, in rows of so many octets, which count up.
@@ -169,4 +169,4 @@ TEST(Encodings, WhereBothOrdersAreAsGoodTheOneThatIsSaidCounts) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::encodings_test

@@ -9,7 +9,7 @@
 
 #include "tests/agent/capture/interlaced.h"
 
-namespace coslam {
+namespace coslam::fields_test {
 namespace {
 
 using test::interlaced;
@@ -61,4 +61,4 @@ TEST(FieldOrder, TheFirstFieldIsLeft) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fields_test

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace coslam {
+namespace coslam::fixed_pattern_test {
 namespace {
 
 class FixedPatternTest : public testing::Test {
@@ -54,4 +54,4 @@ TEST_F(FixedPatternTest, WhatMovesWithTheCameraInOnePlaceIsNoPattern) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fixed_pattern_test

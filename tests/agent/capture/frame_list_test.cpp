@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::frame_list_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -105,4 +105,4 @@ TEST_F(FrameLists, Utf16IsSaid) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::frame_list_test

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace coslam {
+namespace coslam::image_check_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -276,4 +276,4 @@ TEST_F(ImageVerdictTest, ACameraThatNeverGaveAGoodImage) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::image_check_test

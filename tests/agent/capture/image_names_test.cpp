@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::image_names_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -153,4 +153,4 @@ TEST(ImageNames, NumbersOfAClockAreTimes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::image_names_test

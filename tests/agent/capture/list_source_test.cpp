@@ -11,7 +11,7 @@
 #include "common/base/log.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::list_source_test {
 namespace {
 
 using ::testing::AllOf;
@@ -326,4 +326,4 @@ TEST_F(Lists, SayARateThatNobodyTold) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::list_source_test

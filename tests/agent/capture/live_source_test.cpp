@@ -17,7 +17,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::live_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -181,4 +181,4 @@ TEST(Live, PlaysAGstreamerPipelineToItsEnd) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::live_source_test

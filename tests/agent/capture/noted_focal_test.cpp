@@ -15,7 +15,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/video_with_sound.h"
 
-namespace coslam {
+namespace coslam::noted_focal_test {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
@@ -117,4 +117,4 @@ TEST_F(NotedFocal, IsEmptyWhereNothingIsNotedOrNothingThatCanBe) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::noted_focal_test

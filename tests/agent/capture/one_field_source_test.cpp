@@ -11,7 +11,7 @@
 #include "tests/agent/capture/interlaced.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::one_field_source_test {
 namespace {
 
 class OneFieldSourceTest : public testing::Test {
@@ -59,4 +59,4 @@ TEST_F(OneFieldSourceTest, ImagesThatAreReadAheadArePassedOverToo) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::one_field_source_test

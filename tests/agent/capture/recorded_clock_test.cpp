@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace coslam {
+namespace coslam::recorded_clock_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -72,4 +72,4 @@ TEST(RecordedClocks, BurstsAreSaid) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_clock_test

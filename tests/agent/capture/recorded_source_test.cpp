@@ -20,7 +20,7 @@
 #include "tests/common/recording/ros1_octets.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::recorded_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -338,4 +338,4 @@ TEST_F(RecordedIn, TopicsInOtherFormsAreListedWithWhatConvertsThem) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_source_test

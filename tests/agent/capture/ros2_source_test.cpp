@@ -21,7 +21,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::ros2_source_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -149,4 +149,4 @@ TEST(Ros2Domain, IsThatOfTheNameOrOfTheVariable) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ros2_source_test

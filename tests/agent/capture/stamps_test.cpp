@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::stamps_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -188,4 +188,4 @@ TEST(SourceTimes, SpansThatNoClockHasAreRefused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stamps_test

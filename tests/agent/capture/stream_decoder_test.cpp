@@ -16,7 +16,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::stream_decoder_test {
 namespace {
 
 class StreamDecoderTest : public testing::Test {
@@ -158,4 +158,4 @@ TEST_F(StreamDecoderTest, StopsForGood) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stream_decoder_test

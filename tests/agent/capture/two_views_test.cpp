@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace coslam {
+namespace coslam::two_views_test {
 namespace {
 
 // Something with corners all over.
@@ -37,4 +37,4 @@ TEST(TwoViews, AreNotSeenInAPictureOfOneCamera) {
 TEST(TwoViews, AreCutApartByItsWidth) { EXPECT_NE(how_to_split(1280).find("videocrop right=640"), std::string::npos); }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::two_views_test

@@ -14,7 +14,7 @@
 #include "tests/agent/capture/encoded_video.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::video_packets_test {
 namespace {
 
 constexpr int kWidth = 64, kHeight = 48, kFrames = 12;
@@ -102,4 +102,4 @@ TEST(VideoPackets, ATopicOfThemIsASource) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::video_packets_test

@@ -16,7 +16,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::video_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -215,4 +215,4 @@ TEST_F(Video, WrongSize) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::video_source_test

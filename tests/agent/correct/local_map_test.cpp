@@ -6,7 +6,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::local_map_test {
 namespace {
 
 using test::VectorNear;
@@ -254,4 +254,4 @@ TEST_F(LocalMapTest, PassesRequestsOn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::local_map_test

@@ -11,7 +11,7 @@
 #include "agent/gpu/cuda_compiler.h"
 #include "agent/gpu/match_program.h"
 
-namespace coslam {
+namespace coslam::cuda_test {
 namespace {
 
 // The compiler needs no GPU. 8.7 is a Jetson Orin's.
@@ -36,4 +36,4 @@ TEST(Cuda, WithoutAGpuThereIsNoDevice) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::cuda_test

@@ -15,7 +15,7 @@
 #include "tests/support/synthetic_view.h"
 #include "tests/support/tracking_devices.h"
 
-namespace coslam {
+namespace coslam::device_matcher_test {
 namespace {
 
 // A plane under a camera that moves, turns, zooms and changes its exposure, with a block that passes in front.
@@ -130,4 +130,4 @@ TEST_P(OnDevice, BearsWhatTheCpuBears) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::device_matcher_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::gpu_node_test {
 namespace {
 
 TEST(GpuNode, IsFoundByItsDriversName) {
@@ -39,4 +39,4 @@ TEST(GpuNode, MayBeThereWhereNobodyCanLook) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::gpu_node_test

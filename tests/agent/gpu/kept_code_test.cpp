@@ -8,7 +8,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::kept_code_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,4 +57,4 @@ TEST(KeptCode, AFolderThatCannotBeWrittenKeepsNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::kept_code_test

@@ -16,7 +16,7 @@
 #include "tests/support/synthetic_view.h"
 #include "tests/support/tracking_devices.h"
 
-namespace coslam {
+namespace coslam::matcher_for_test {
 namespace {
 
 // A device that fails at one of the calls, and each one after it.
@@ -137,4 +137,4 @@ TEST(MatcherFor, EveryDeviceThatIsKnownIsMadeOrNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::matcher_for_test

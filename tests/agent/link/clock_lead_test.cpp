@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::clock_lead_test {
 namespace {
 
 TEST(ClockLeadTest, FirstStatusMayHaveBeenKept) {
@@ -40,4 +40,4 @@ TEST(ClockLeadTest, NewServerBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::clock_lead_test

@@ -9,7 +9,7 @@
 #include "common/base/error.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::inbox_test {
 namespace {
 
 const RunId kMe(9);
@@ -160,4 +160,4 @@ TEST(RequireValid, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::inbox_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::link_governor_test {
 namespace {
 
 constexpr double kRate_hz = 30;
@@ -86,4 +86,4 @@ TEST_F(LinkGovernorTest, TheAgentsOwnDelayIsNotTheLinks) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::link_governor_test

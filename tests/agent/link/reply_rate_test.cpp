@@ -8,7 +8,7 @@
 #include <chrono>
 #include <deque>
 
-namespace coslam {
+namespace coslam::reply_rate_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1, kRound_s = 0.1;
@@ -92,4 +92,4 @@ TEST(ReplyRateTest, NeverStops) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::reply_rate_test

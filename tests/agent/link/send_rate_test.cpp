@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <deque>
 
-namespace coslam {
+namespace coslam::send_rate_test {
 namespace {
 
 using std::chrono::duration_cast;
@@ -206,4 +206,4 @@ TEST(SendRate, TriesNoMoreWhileRepliesWait) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::send_rate_test

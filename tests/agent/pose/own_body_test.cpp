@@ -10,7 +10,7 @@
 
 #include "common/geometry/rigid3.h"
 
-namespace coslam {
+namespace coslam::own_body_test {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
@@ -128,4 +128,4 @@ TEST_F(OwnBodyTest, ARoadThatIsNowSeenAndNowPassedBySomethingIsNotOne) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::own_body_test

@@ -10,7 +10,7 @@
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::pose_tracker_test {
 namespace {
 
 using test::PoseNear;
@@ -273,4 +273,4 @@ TEST_F(PoseTrackerTest, DirectionsHoldItWherePointsDoNot) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pose_tracker_test

@@ -12,7 +12,7 @@
 #include "common/geometry/rigid3.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::readout_test {
 namespace {
 
 constexpr double kPeriod_s = 1.0 / 30;
@@ -132,4 +132,4 @@ TEST(ReadoutEstimate, ImagesWithoutTracksOrWithOneStampBreakNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::readout_test

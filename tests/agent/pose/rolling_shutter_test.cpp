@@ -12,7 +12,7 @@
 #include "common/geometry/rigid3.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::rolling_shutter_test {
 namespace {
 
 constexpr double kReadout_s = 0.03, kPeriod_s = 1.0 / 30;
@@ -195,4 +195,4 @@ TEST(RollingShutter, WithoutTracksInCommonNothingIsChanged) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rolling_shutter_test

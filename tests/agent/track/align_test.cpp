@@ -7,7 +7,7 @@
 #include "agent/track/window.h"
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::align_test {
 namespace {
 
 const cv::Size kImage(320, 240);
@@ -108,4 +108,4 @@ TEST(Align, BestGuessIsTheOneThatLooksAlike) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::align_test

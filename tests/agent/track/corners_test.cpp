@@ -8,7 +8,7 @@
 
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::corners_test {
 namespace {
 
 const cv::Size kImage(640, 480);
@@ -109,4 +109,4 @@ TEST(Corners, FindNoMoreThanWanted) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::corners_test

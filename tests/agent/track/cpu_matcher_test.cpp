@@ -8,7 +8,7 @@
 #include "agent/track/matcher.h"
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::cpu_matcher_test {
 namespace {
 
 using test::plane_texture;
@@ -163,4 +163,4 @@ TEST_F(CpuMatcherTest, AnImageOfOneGreyHasNeitherCornersNorTracks) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::cpu_matcher_test

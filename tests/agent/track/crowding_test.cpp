@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace coslam {
+namespace coslam::crowding_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -37,4 +37,4 @@ TEST(Crowding, NoneGoesWhereNoneIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::crowding_test

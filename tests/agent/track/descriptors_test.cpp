@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace coslam {
+namespace coslam::descriptors_test {
 namespace {
 
 constexpr double kBorderPx = 14;
@@ -127,4 +127,4 @@ TEST_F(DescriptorsTest, AnEmptyOrEvenImageHasNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::descriptors_test

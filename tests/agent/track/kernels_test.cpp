@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace coslam {
+namespace coslam::kernels_test {
 namespace {
 
 constexpr int kSide = 96;
@@ -119,4 +119,4 @@ TEST_P(KernelsTest, SumUpWhatIsThere) {
 INSTANTIATE_TEST_SUITE_P(Contrast, KernelsTest, testing::Values(3, 60, 127, 128));
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::kernels_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::key_patch_test {
 namespace {
 
 const cv::Size kImage(320, 240);
@@ -65,4 +65,4 @@ TEST(KeyPatch, ElsewhereItCorrelatesLittle) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::key_patch_test

@@ -14,7 +14,7 @@
 #include "tests/support/synthetic_view.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::klt_feature_tracker_test {
 namespace {
 
 CameraModel camera_of(const cv::Size& image) {
@@ -226,4 +226,4 @@ TEST_F(KltFeatureTrackerInTheDark, FeaturesOfASmallerImageAreFoundInTheFullOne) 
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::klt_feature_tracker_test

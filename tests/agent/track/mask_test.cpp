@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::mask_test {
 namespace {
 
 using testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST_F(MaskTest, WhatItLeavesOutIsSaid) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::mask_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::motion_test {
 namespace {
 
 TEST(GlobalShift, IsFoundWithoutAStartUnderOtherExposure) {
@@ -69,4 +69,4 @@ TEST(MotionField, TakesWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::motion_test

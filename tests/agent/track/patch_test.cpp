@@ -4,7 +4,7 @@
 
 #include "agent/track/tracker.h"
 
-namespace coslam {
+namespace coslam::patch_test {
 namespace {
 
 // grey = 20 + x / 4 + y / 8, which scaling and interpolation reproduce exactly.
@@ -53,4 +53,4 @@ TEST(Patch, RepeatsTheBorder) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::patch_test

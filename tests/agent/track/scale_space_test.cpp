@@ -12,7 +12,7 @@
 
 #include "agent/track/scale_kernels.h"
 
-namespace coslam {
+namespace coslam::scale_space_test {
 namespace {
 
 constexpr float kLeast = 0.005F;
@@ -126,4 +126,4 @@ TEST(ScaleKernelsTest, AnEvenImageStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::scale_space_test

@@ -12,7 +12,7 @@
 #include "common/base/error.h"
 #include "common/geometry/rigid3.h"
 
-namespace coslam {
+namespace coslam::tags_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -178,4 +178,4 @@ TEST(TagFinder, AHiddenCornerIsNoCorner) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::tags_test

@@ -11,7 +11,7 @@
 #include "agent/track/tracker.h"
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::tracker_motion_test {
 namespace {
 
 const cv::Size kImage(640, 480);
@@ -133,4 +133,4 @@ TEST(TrackerMotion, FastTurnThatStartsAndReversesAtOnce) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::tracker_motion_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::tracker_test {
 namespace {
 
 const cv::Size kImage(640, 480);
@@ -254,4 +254,4 @@ TEST(Tracker, GoesOnInImagesOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::tracker_test

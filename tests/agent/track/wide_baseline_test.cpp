@@ -6,7 +6,7 @@
 
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::wide_baseline_test {
 namespace {
 
 const cv::Size kImage(640, 480);
@@ -48,4 +48,4 @@ TEST(WideBaseline, OfAnotherPlaceNextToNothingIsFound) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::wide_baseline_test

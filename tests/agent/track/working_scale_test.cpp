@@ -9,7 +9,7 @@
 #include "agent/track/tracker.h"
 #include "tests/support/synthetic_view.h"
 
-namespace coslam {
+namespace coslam::working_scale_test {
 namespace {
 
 TEST(WorkingScale, StartsAtTheFinest) {
@@ -127,4 +127,4 @@ TEST(ScaledImage, IsWhereItWas) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::working_scale_test

@@ -11,7 +11,7 @@
 
 #include "common/base/time.h"
 
-namespace coslam {
+namespace coslam::fields_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -59,4 +59,4 @@ TEST(Fields, MembersAreCounted) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fields_test

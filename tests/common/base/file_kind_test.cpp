@@ -6,7 +6,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::file_kind_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST_F(FileKind, WhyAFileCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::file_kind_test

@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace coslam {
+namespace coslam::flat_map_test {
 namespace {
 
 using testing::ElementsAre;
@@ -25,4 +25,4 @@ TEST(FlatMapTest, KeepsItsOrderAndLosesWhatIsErased) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::flat_map_test

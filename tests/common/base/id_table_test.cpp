@@ -9,7 +9,7 @@
 
 #include "common/base/ids.h"
 
-namespace coslam {
+namespace coslam::id_table_test {
 namespace {
 
 TEST(IdTable, FindsWhatAMapFinds) {
@@ -43,4 +43,4 @@ TEST(IdTable, WhatIsGoneTakesLittle) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::id_table_test

@@ -10,7 +10,7 @@
 #include "common/base/check.h"
 #include "common/base/time.h"
 
-namespace coslam {
+namespace coslam::ids_test {
 namespace {
 
 template <class A, class B>
@@ -51,4 +51,4 @@ TEST(CheckDeathTest, SaysWhereAndWhy) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ids_test

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace coslam {
+namespace coslam::log_test {
 namespace {
 
 std::string logged(LogFormat format) {
@@ -46,4 +46,4 @@ TEST(Log, WarningsThatDifferInTheirFiguresAreOne) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::log_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::metrics_test {
 namespace {
 
 TEST(DurationHistogram, EmptyIsZero) {
@@ -60,4 +60,4 @@ TEST(PeakMemory, IsThatOfAProcess) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::metrics_test

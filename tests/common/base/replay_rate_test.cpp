@@ -6,7 +6,7 @@
 
 #include "common/base/error.h"
 
-namespace coslam {
+namespace coslam::replay_rate_test {
 namespace {
 
 TEST(ReplayRate, IsAFactorOrMax) {
@@ -23,4 +23,4 @@ TEST(ReplayRate, NothingElse) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::replay_rate_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::text_test {
 namespace {
 
 TEST(Text, SecondsKeepNanoseconds) {
@@ -66,4 +66,4 @@ TEST(Text, FindsTheNearestWord) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::text_test

@@ -9,7 +9,7 @@
 
 #include "tests/common/recording/bag_file.h"
 
-namespace coslam {
+namespace coslam::compression_test {
 namespace {
 
 std::string sample(std::size_t size) {
@@ -99,4 +99,4 @@ TEST(Zstd, AStreamComesInPieces) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::compression_test

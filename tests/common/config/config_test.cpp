@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::config_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -253,4 +253,4 @@ TEST(ConfigDeathTest, WrongDeclarationsAreBugs) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::config_test

@@ -11,7 +11,7 @@
 #include "common/base/version.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::program_test {
 namespace {
 
 using ::testing::AllOf;
@@ -167,4 +167,4 @@ TEST(RunProgram, AnExceptionIsASentenceAndAnExitCode) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::program_test

@@ -14,7 +14,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::rigs_test {
 namespace {
 
 using testing::ElementsAre;
@@ -91,4 +91,4 @@ TEST_F(RigsInAFile, WhatIsWrongIsNamedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rigs_test

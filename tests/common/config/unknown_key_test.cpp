@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace coslam::config {
+namespace coslam::config::unknown_key_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -99,4 +99,4 @@ TEST(UnknownKey, ReasonsInFile) {
 }
 
 }  // namespace
-}  // namespace coslam::config
+}  // namespace coslam::config::unknown_key_test

@@ -8,7 +8,7 @@
 #include "common/dataset/calibration.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::calibration_colmap_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -94,4 +94,4 @@ TEST_F(CalibrationOfColmap, OfSeveralCamerasOneIsNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibration_colmap_test

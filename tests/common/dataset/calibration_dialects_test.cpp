@@ -9,7 +9,7 @@
 #include "tests/common/dataset/calibration_files.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::calibration_dialects_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -169,4 +169,4 @@ TEST_F(CalibrationDialects, ACameraOfAFileWithOneIsNotNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibration_dialects_test

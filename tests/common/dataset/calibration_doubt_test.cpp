@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace coslam {
+namespace coslam::calibration_doubt_test {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST(CalibrationDoubt, FocalLengthsThatAreNotInPixelsAreAProblem) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibration_doubt_test

@@ -11,7 +11,7 @@
 #include "common/dataset/lens_fit.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::calibration_programs_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -277,4 +277,4 @@ TEST(LensFit, FieldOfViewAndExtendedUnifiedLensesAreMetToATenthOfAPixel) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibration_programs_test

@@ -8,7 +8,7 @@
 #include "tests/common/dataset/calibration_files.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::calibration_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -241,4 +241,4 @@ TEST_F(Calibration, SavesThePlainForm) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::calibration_test

@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::event_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST_F(EventFile, LeavesOutALineThatWasCutOff) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::event_file_test

@@ -11,7 +11,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -157,4 +157,4 @@ TEST_F(OutputFileTest, SaysWhyItCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::file_test

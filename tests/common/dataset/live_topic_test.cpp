@@ -8,7 +8,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::live_topic_test {
 namespace {
 
 using testing::ElementsAre;
@@ -38,4 +38,4 @@ TEST(LiveTopic, OtherFormsAreNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::live_topic_test

@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::recorded_topic_test {
 namespace {
 
 using ::testing::AllOf;
@@ -111,4 +111,4 @@ TEST(FindTopic, SaysWhatMakesAFormReadable) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_topic_test

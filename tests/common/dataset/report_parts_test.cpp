@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::report_parts_test {
 namespace {
 
 TEST(ReportParts, AccountsOfImagesAreReadAsWritten) {
@@ -28,4 +28,4 @@ TEST(ReportParts, WarningsAreReadAsWritten) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::report_parts_test

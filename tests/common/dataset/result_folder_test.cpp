@@ -9,7 +9,7 @@
 #include "common/dataset/trajectory.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::result_folder_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -145,4 +145,4 @@ TEST_F(ResultFolderTest, RemovesARunAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::result_folder_test

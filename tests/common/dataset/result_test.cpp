@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::result_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -177,4 +177,4 @@ TEST_F(Result, SaysWhatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::result_test

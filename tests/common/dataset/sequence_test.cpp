@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::sequence_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -235,4 +235,4 @@ TEST_F(RigInSequence, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::sequence_test

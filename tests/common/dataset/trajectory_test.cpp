@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::trajectory_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -69,4 +69,4 @@ TEST(Trajectory, InterpolatesBetweenNeighbours) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::trajectory_test

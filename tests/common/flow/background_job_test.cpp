@@ -7,7 +7,7 @@
 #include <future>
 #include <memory>
 
-namespace coslam {
+namespace coslam::background_job_test {
 namespace {
 
 TEST(BackgroundJob, IsBusyUntilItsResultIsTaken) {
@@ -38,4 +38,4 @@ TEST(BackgroundJob, EndsAfterTheJobInWork) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::background_job_test

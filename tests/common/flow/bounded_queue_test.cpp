@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace coslam {
+namespace coslam::bounded_queue_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -120,4 +120,4 @@ TEST(BoundedQueue, CarriesMoveOnlyItems) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bounded_queue_test

@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-namespace coslam {
+namespace coslam::clock_test {
 namespace {
 
 constexpr TimeNs kSecond_ns = 1'000'000'000;
@@ -28,4 +28,4 @@ TEST(Clock, UtcGoesOnAsMonotonicTimeDoes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::clock_test

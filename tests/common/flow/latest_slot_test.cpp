@@ -6,7 +6,7 @@
 
 #include <thread>
 
-namespace coslam {
+namespace coslam::latest_slot_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -51,4 +51,4 @@ TEST(LatestSlot, TakeForEndsAtTheTimeout) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::latest_slot_test

@@ -6,7 +6,7 @@
 
 #include <thread>
 
-namespace coslam {
+namespace coslam::merging_slot_test {
 namespace {
 
 struct Sum {
@@ -52,4 +52,4 @@ TEST(MergingSlot, NothingIsLostBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::merging_slot_test

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace coslam {
+namespace coslam::worker_pool_test {
 namespace {
 
 class WorkerPoolTest : public testing::TestWithParam<int> {};
@@ -59,4 +59,4 @@ TEST(WorkerPool, HasSoManyThreadsWithTheCallers) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::worker_pool_test

@@ -12,7 +12,7 @@
 #include "common/base/log.h"
 #include "common/flow/bounded_queue.h"
 
-namespace coslam {
+namespace coslam::worker_test {
 namespace {
 
 TEST(Worker, DestructorStopsAndJoins) {
@@ -65,4 +65,4 @@ TEST(WorkerDeathTest, AnEscapedExceptionEndsTheProcess) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::worker_test

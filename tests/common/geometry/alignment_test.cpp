@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace coslam {
+namespace coslam::alignment_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -95,4 +95,4 @@ TEST(Alignment, SaysWhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::alignment_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::camera_model_test {
 namespace {
 
 using test::VectorNear;
@@ -212,4 +212,4 @@ TEST(CameraModel, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::camera_model_test

@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::far_point_test {
 namespace {
 
 using test::looking;
@@ -125,4 +125,4 @@ TEST(FarPoint, LeavesTheWayThatTheCameraWentToOthers) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::far_point_test

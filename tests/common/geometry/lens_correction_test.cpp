@@ -8,7 +8,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::lens_correction_test {
 namespace {
 
 using test::VectorNear;
@@ -99,4 +99,4 @@ TEST(LensCorrectionTest, OneThatFoldsTheImageIsNotInvertible) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::lens_correction_test

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-namespace coslam {
+namespace coslam::lens_forms_test {
 namespace {
 
 CameraModel with(DistortionModel model, const LensTerms& coefficients = {}) {
@@ -76,4 +76,4 @@ TEST(LensForms, FilesOfSpheresHaveTheFocalLengthOfTheSphere) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::lens_forms_test

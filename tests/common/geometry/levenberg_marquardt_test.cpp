@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace coslam {
+namespace coslam::levenberg_marquardt_test {
 namespace {
 
 // Rosenbrock's valley as two residuals: 10 (y - x^2) and 1 - x. Its minimum is at (1, 1).
@@ -85,4 +85,4 @@ TEST(LevenbergMarquardt, EndsAtEquationsWithoutASolution) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::levenberg_marquardt_test

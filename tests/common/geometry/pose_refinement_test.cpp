@@ -14,7 +14,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::pose_refinement_test {
 namespace {
 
 using test::looking;
@@ -322,4 +322,4 @@ TEST(RefinePose, AWrongPriorDoesNotStandAgainstManyPoints) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pose_refinement_test

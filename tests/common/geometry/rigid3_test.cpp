@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::rigid3_test {
 namespace {
 
 using test::PoseNear;
@@ -139,4 +139,4 @@ TEST(TransformWorld, ComposesLikeSimilarities) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rigid3_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace coslam {
+namespace coslam::robust_test {
 namespace {
 
 TEST(Tukey, RhoIsFlatBeyondTheThreshold) {
@@ -72,4 +72,4 @@ TEST(RobustSigma, FewValues) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::robust_test

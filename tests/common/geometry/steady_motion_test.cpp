@@ -12,7 +12,7 @@
 #include "common/geometry/robust.h"
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::steady_motion_test {
 namespace {
 
 using test::PoseNear;
@@ -195,4 +195,4 @@ TEST(PriorTerm, IsTheSlopeOfItsCost) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::steady_motion_test

@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::triangulation_test {
 namespace {
 
 using test::looking;
@@ -162,4 +162,4 @@ TEST(WorldRay, PointsFromTheCameraToThePoint) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::triangulation_test

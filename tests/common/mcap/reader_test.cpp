@@ -10,7 +10,7 @@
 #include "tests/common/recording/bag_file.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::mcap {
+namespace coslam::mcap::reader_test {
 namespace {
 
 using coslam::test::TempFolder;
@@ -222,4 +222,4 @@ TEST(Reader, SaysWhichCompressionIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace coslam::mcap
+}  // namespace coslam::mcap::reader_test

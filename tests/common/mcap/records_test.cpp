@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam::mcap {
+namespace coslam::mcap::records_test {
 namespace {
 
 TEST(Records, AreAnOctetALengthAndTheContent) {
@@ -39,4 +39,4 @@ TEST(Records, WhatIsCutOffIsNotOk) {
 }
 
 }  // namespace
-}  // namespace coslam::mcap
+}  // namespace coslam::mcap::records_test

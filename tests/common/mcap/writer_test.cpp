@@ -6,7 +6,7 @@
 
 #include "tests/common/mcap/mcap_file.h"
 
-namespace coslam::mcap {
+namespace coslam::mcap::writer_test {
 namespace {
 
 struct Found {
@@ -119,4 +119,4 @@ TEST(Writer, StatisticsCountWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace coslam::mcap
+}  // namespace coslam::mcap::writer_test

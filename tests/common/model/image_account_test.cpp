@@ -6,7 +6,7 @@
 
 #include <set>
 
-namespace coslam {
+namespace coslam::image_account_test {
 namespace {
 
 TEST(ImageAccount, EachFateHasAnotherName) {
@@ -35,4 +35,4 @@ TEST(ImageAccount, SaysWhatIsNotTracked) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::image_account_test

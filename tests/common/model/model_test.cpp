@@ -12,7 +12,7 @@
 #include "tests/support/sim_tracker.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::model_test {
 namespace {
 
 CameraModel camera_of(int width_px, int height_px) {
@@ -121,4 +121,4 @@ TEST(PatchSteps, AtMostSixteenEachOfAPowerOfTwoAndTwiceIsOnce) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::model_test

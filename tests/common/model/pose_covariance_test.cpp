@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace coslam {
+namespace coslam::pose_covariance_test {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -92,4 +92,4 @@ TEST(PoseCovariance, WhateverIsValidIsFinite) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pose_covariance_test

@@ -7,7 +7,7 @@
 
 #include "common/base/error.h"
 
-namespace coslam {
+namespace coslam::rig_test {
 namespace {
 
 using testing::HasSubstr;
@@ -33,4 +33,4 @@ TEST(Rig, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rig_test

@@ -9,7 +9,7 @@
 #include "tests/common/recording/played.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::recording {
+namespace coslam::recording::bag_reader_test {
 namespace {
 
 using coslam::test::TempFolder;
@@ -137,4 +137,4 @@ TEST(BagReader, SaysWhatIsNotRead) {
 }
 
 }  // namespace
-}  // namespace coslam::recording
+}  // namespace coslam::recording::bag_reader_test

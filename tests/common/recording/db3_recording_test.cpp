@@ -11,7 +11,7 @@
 #include "tests/common/recording/played.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::recording {
+namespace coslam::recording::db3_recording_test {
 namespace {
 
 using coslam::test::TempFolder;
@@ -131,4 +131,4 @@ TEST(Db3Recording, SaysWhatAFileIsNot) {
 }
 
 }  // namespace
-}  // namespace coslam::recording
+}  // namespace coslam::recording::db3_recording_test

@@ -9,7 +9,7 @@
 #include "common/ros/cdr.h"
 #include "common/ros/foxglove_messages.h"
 
-namespace coslam::recording {
+namespace coslam::recording::message_reader_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -202,4 +202,4 @@ TEST(Base64, OfEveryLength) {
 }
 
 }  // namespace
-}  // namespace coslam::recording
+}  // namespace coslam::recording::message_reader_test

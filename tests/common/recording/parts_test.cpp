@@ -11,7 +11,7 @@
 #include "tests/common/recording/played.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::recording {
+namespace coslam::recording::parts_test {
 namespace {
 
 using coslam::test::error_of;
@@ -126,4 +126,4 @@ TEST_F(Parts, MetadataWithoutTheWordsOfRosbag2IsNone) {
 }
 
 }  // namespace
-}  // namespace coslam::recording
+}  // namespace coslam::recording::parts_test

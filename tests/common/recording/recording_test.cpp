@@ -14,7 +14,7 @@
 #include "tests/common/recording/played.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::recording {
+namespace coslam::recording::recording_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,4 +217,4 @@ TEST_F(Recordings, WhatLooksLikeOne) {
 }
 
 }  // namespace
-}  // namespace coslam::recording
+}  // namespace coslam::recording::recording_test

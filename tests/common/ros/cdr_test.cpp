@@ -8,7 +8,7 @@
 
 #include "common/ros/messages.h"
 
-namespace coslam::ros {
+namespace coslam::ros::cdr_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -145,4 +145,4 @@ TEST(Cdr, TakesTextsWithoutTheirZero) {
 }
 
 }  // namespace
-}  // namespace coslam::ros
+}  // namespace coslam::ros::cdr_test

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace coslam::ros {
+namespace coslam::ros::convert_test {
 namespace {
 
 TEST(Convert, TimesKeepTheirNanoseconds) {
@@ -45,4 +45,4 @@ TEST(Convert, TheCovarianceIsThatOfTheCameraInTheWorld) {
 }
 
 }  // namespace
-}  // namespace coslam::ros
+}  // namespace coslam::ros::convert_test

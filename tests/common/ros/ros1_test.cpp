@@ -7,7 +7,7 @@
 #include "common/ros/messages.h"
 #include "tests/common/recording/ros1_octets.h"
 
-namespace coslam::ros {
+namespace coslam::ros::ros1_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -62,4 +62,4 @@ TEST(Ros1, CountsThatLieTakeNoMemory) {
 }
 
 }  // namespace
-}  // namespace coslam::ros
+}  // namespace coslam::ros::ros1_test

@@ -6,7 +6,7 @@
 
 #include "common/ros/messages.h"
 
-namespace coslam::ros {
+namespace coslam::ros::type_test {
 namespace {
 
 TEST(Type, HasTheNamesOfToolsAndOfNodes) {
@@ -49,4 +49,4 @@ TEST(Type, TheDefinitionSaysWhatIsAListAndHowLong) {
 }
 
 }  // namespace
-}  // namespace coslam::ros
+}  // namespace coslam::ros::type_test

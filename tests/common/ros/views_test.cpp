@@ -8,7 +8,7 @@
 
 #include "common/ros/convert.h"
 
-namespace coslam::ros {
+namespace coslam::ros::views_test {
 namespace {
 
 template <class T>
@@ -74,4 +74,4 @@ TEST(Views, AnObjectIsABoxAndAnArrowToWhereItIsInASecond) {
 }
 
 }  // namespace
-}  // namespace coslam::ros
+}  // namespace coslam::ros::views_test

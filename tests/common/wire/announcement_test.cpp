@@ -8,7 +8,7 @@
 
 #include "tests/common/wire/announcement_octets.h"
 
-namespace coslam {
+namespace coslam::announcement_test {
 namespace {
 
 using test::announcement;
@@ -51,4 +51,4 @@ TEST(Announcement, NonsenseHurtsNobody) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::announcement_test

@@ -15,7 +15,7 @@
 #include "tests/support/moving_tracks.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::codec_fuzz_test {
 namespace {
 
 using test::deserialize;
@@ -101,4 +101,4 @@ TEST(FrameFuzz, IsUsableOrRejectedWithAReference) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::codec_fuzz_test

@@ -14,7 +14,7 @@
 #include "tests/common/wire/every_message.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::codec_rejection_test {
 namespace {
 
 using test::WireValues;
@@ -350,4 +350,4 @@ TEST(CodecRejects, MovingStatesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::codec_rejection_test

@@ -9,7 +9,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::codec_round_trip_test {
 namespace {
 
 using test::expect_same;
@@ -229,4 +229,4 @@ TEST(CodecSize, ABoundPointCostsThirtyBytes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::codec_round_trip_test

@@ -15,7 +15,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::echo_test {
 namespace {
 
 using test::Octets;
@@ -114,4 +114,4 @@ TEST(EchoOctets, SurviveTheWay) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::echo_test

@@ -19,7 +19,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::endpoint_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -242,4 +242,4 @@ TEST(Endpoint, PacedTopicsArriveWhole) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::endpoint_test

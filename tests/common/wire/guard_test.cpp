@@ -14,7 +14,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::guard_test {
 namespace {
 
 using test::error_of;
@@ -196,9 +196,9 @@ TEST_F(KeyFile, IsTheSecretWithoutTheEndOfItsLine) {
 
 TEST_F(KeyFile, HasSixteenTo4096Bytes) {
   EXPECT_EQ(error(write(std::string(16, 'x'))), "");
-  EXPECT_EQ(error(write(std::string(4096, 'x') + "\n")), "");
+  EXPECT_EQ(error(write(std::string(4096, 'x').append("\n"))), "");
   EXPECT_THAT(error(write("")), HasSubstr("fleet.key' holds less than 16 bytes"));
-  EXPECT_THAT(error(write(std::string(15, 'x') + "\n")), HasSubstr("holds less than 16 bytes"));
+  EXPECT_THAT(error(write(std::string(15, 'x').append("\n"))), HasSubstr("holds less than 16 bytes"));
   EXPECT_THAT(error(write(std::string(4097, 'x'))), HasSubstr("fleet.key' holds more than 4096 bytes"));
   EXPECT_THAT(error(write(std::string(9000, 'x'))), HasSubstr("holds more than 4096 bytes"));
 }
@@ -216,4 +216,4 @@ TEST_F(KeyFile, MustBeAFile) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::guard_test

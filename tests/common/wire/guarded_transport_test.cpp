@@ -21,7 +21,7 @@
 #include "tests/support/test_domain.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::guarded_transport_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -251,4 +251,4 @@ TEST_F(GuardedTransport, WithoutKeyOneDatagramStopsAProcess) {
 TEST_F(GuardedTransport, WithKeyItDoesNot) { EXPECT_EQ(end_of_child(with_key(), port(1)), std::nullopt); }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::guarded_transport_test

@@ -8,7 +8,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::message_octets_test {
 namespace {
 
 TEST(MessageOctets, AreThoseOfOneMessage) {
@@ -25,4 +25,4 @@ TEST(MessageOctets, AreThoseOfOneMessage) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::message_octets_test

@@ -15,7 +15,7 @@
 
 #include "idl/coslamPubSubTypes.h"
 
-namespace coslam {
+namespace coslam::messages_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(MessageTypes, FramesAreReadBeforeWhatIsSaidAboutThem) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::messages_test

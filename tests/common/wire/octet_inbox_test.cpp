@@ -21,7 +21,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::octet_inbox_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -201,4 +201,4 @@ TEST_F(Inbox, ANodeWithTheMiddlewaresDefaultsIsHeard) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::octet_inbox_test

@@ -13,7 +13,7 @@
 
 #include "common/wire/addresses.h"
 
-namespace coslam {
+namespace coslam::own_host_transport_test {
 namespace {
 
 namespace rtps = eprosima::fastdds::rtps;
@@ -68,4 +68,4 @@ TEST_F(OwnHost, ItsAddressesAreReachedOnTheLoopbackDevice) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::own_host_transport_test

@@ -12,7 +12,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::participant_test {
 namespace {
 
 using test::TestDomain;
@@ -124,4 +124,4 @@ TEST(LinkBytes, CountsTheSealsWhereThereIsAKey) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::participant_test

@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 
-namespace coslam {
+namespace coslam::peer_names_test {
 namespace {
 
 using testing::ElementsAre;
@@ -47,4 +47,4 @@ TEST(PeerNames, ThatAreKnownAreNotWaitedFor) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::peer_names_test

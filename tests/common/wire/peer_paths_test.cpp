@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-namespace coslam {
+namespace coslam::peer_paths_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,4 +111,4 @@ TEST_F(TwoWays, WhoHasGoneIsForgotten) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::peer_paths_test

@@ -13,7 +13,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::reply_parts_test {
 namespace {
 
 using test::WireValues;
@@ -89,4 +89,4 @@ TEST_F(ReplyPartsTest, TheOldestMakesRoom) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::reply_parts_test

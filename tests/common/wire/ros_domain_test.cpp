@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::ros_domain_test {
 namespace {
 
 TEST(RosDomain, IsThatOfTheVariable) {
@@ -37,4 +37,4 @@ TEST(RosDomain, IsJoinedOnTheLoopbackUnlessToldOtherwise) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ros_domain_test

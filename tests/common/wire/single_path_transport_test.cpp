@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace coslam {
+namespace coslam::single_path_transport_test {
 namespace {
 
 namespace rtps = eprosima::fastdds::rtps;
@@ -135,4 +135,4 @@ TEST_F(SinglePath, AnEndpointHasTheOctetsOfItsAddressInOrder) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::single_path_transport_test

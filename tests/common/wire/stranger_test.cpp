@@ -22,7 +22,7 @@
 #include "tests/support/test_domain.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::stranger_test {
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
@@ -107,4 +107,4 @@ TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stranger_test

@@ -11,7 +11,7 @@
 
 #include "common/wire/bits.h"
 
-namespace coslam {
+namespace coslam::track_bits_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -203,4 +203,4 @@ TEST_F(TrackBits, AChangedBitNeverGivesTracksThatNobodyCouldHave) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::track_bits_test

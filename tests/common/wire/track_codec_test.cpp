@@ -10,7 +10,7 @@
 #include "tests/support/moving_tracks.h"
 #include "tests/support/wire_equal.h"
 
-namespace coslam {
+namespace coslam::track_codec_test {
 namespace {
 
 using test::expect_same;
@@ -203,4 +203,4 @@ TEST(TrackEncoder, TheWorstFramesFitTheirBound) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::track_codec_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace coslam {
+namespace coslam::track_motion_test {
 namespace {
 
 int apart(Units a, Units b) { return std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)); }
@@ -124,4 +124,4 @@ TEST_F(TrackMotion, TracksBeyondTheFirst512AreNoNeighbours) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::track_motion_test

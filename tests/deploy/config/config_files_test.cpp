@@ -8,7 +8,7 @@
 #include "server/show/bridge/bridge_config.h"
 
 // The commented files in deploy/config say what the defaults are.
-namespace coslam {
+namespace coslam::config_files_test {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(COSLAM_SOURCE) / "deploy/config";
@@ -27,4 +27,4 @@ TEST(ConfigFiles, HoldTheDefaults) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::config_files_test

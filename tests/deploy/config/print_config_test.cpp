@@ -13,7 +13,7 @@
 #include "server/app/server_options.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::print_config_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(UnknownKeys, OfTheServersFile) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::print_config_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam::eval {
+namespace coslam::eval::bodies_test {
 namespace {
 
 constexpr TimeNs kFrame_ns = 33'333'333;
@@ -84,4 +84,4 @@ TEST(BodyScore, Adds) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::bodies_test

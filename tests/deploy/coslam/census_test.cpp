@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace coslam {
+namespace coslam::census_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -115,4 +115,4 @@ TEST(Census, ALineForEachObject) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::census_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/board_film.h"
 
-namespace coslam {
+namespace coslam::chessboard_test {
 namespace {
 
 using test::BoardFilm;
@@ -79,4 +79,4 @@ TEST(ChessboardViews, APhoneHeldUpsideDownIsReadFromBelow) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::chessboard_test

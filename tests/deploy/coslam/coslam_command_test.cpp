@@ -13,7 +13,7 @@
 #include "common/dataset/trajectory.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::coslam_command_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -255,4 +255,4 @@ TEST_F(CoslamCommand, Export) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::coslam_command_test

@@ -10,7 +10,7 @@
 #include "common/dataset/calibration.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::dialects_test {
 namespace {
 
 CameraModel camera(DistortionModel model, std::array<double, 8> k = {}) {
@@ -89,4 +89,4 @@ TEST(WrittenCalibration, SaysWhichLensesHaveNoExactForm) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::dialects_test

@@ -7,7 +7,7 @@
 #include "common/dataset/trajectory.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::doubts_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -71,4 +71,4 @@ TEST(Doubts, TruthThatIsTooFastForMetres) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::doubts_test

@@ -13,7 +13,7 @@
 #include "deploy/coslam/eval/evaluation_text.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::evaluation_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -284,4 +284,4 @@ TEST_F(ResultOfWall, TextFitsAScreen) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::evaluation_test

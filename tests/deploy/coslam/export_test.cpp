@@ -12,7 +12,7 @@
 #include "common/dataset/trajectory.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::export_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -230,4 +230,4 @@ TEST_F(Export, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::export_test

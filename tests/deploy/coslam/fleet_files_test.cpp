@@ -12,7 +12,7 @@
 #include "server/app/server_options.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::fleet_files_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -75,4 +75,4 @@ TEST(FleetFiles, WhatComesNext) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fleet_files_test

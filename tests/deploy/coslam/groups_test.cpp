@@ -8,7 +8,7 @@
 #include "deploy/coslam/eval/evaluation.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::groups_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -157,4 +157,4 @@ TEST(EvaluateMaps, AgentsThatDoNotFitTogetherAreAWrongMerge) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::groups_test

@@ -10,7 +10,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::inline_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -126,4 +126,4 @@ TEST(InlineLink, RefusedByTheServer) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::inline_link_test

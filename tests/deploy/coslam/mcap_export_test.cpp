@@ -12,7 +12,7 @@
 #include "deploy/coslam/export/result_events.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::mcap_export_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -190,4 +190,4 @@ TEST_F(McapExport, WhoIsLostIsNotWhoSentNothing) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::mcap_export_test

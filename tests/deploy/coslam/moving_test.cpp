@@ -10,7 +10,7 @@
 #include "deploy/coslam/eval/statistics.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::moving_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -106,4 +106,4 @@ TEST(DynamicErrors, FollowTheNearestMarkedPoint) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::moving_test

@@ -8,7 +8,7 @@
 #include "common/dataset/result_folder.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::other_lenses_test {
 namespace {
 
 TEST(OtherLensesTest, LeavesAsideWhatTheImagesDoNotFit) {
@@ -30,4 +30,4 @@ TEST(OtherLensesTest, LeavesAsideWhatTheImagesDoNotFit) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::other_lenses_test

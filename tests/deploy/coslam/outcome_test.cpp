@@ -13,7 +13,7 @@
 #include "common/dataset/result.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::outcome_test {
 namespace {
 
 using testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST_F(OutcomeTest, ARunIsReplacedOnlyWhenForced) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::outcome_test

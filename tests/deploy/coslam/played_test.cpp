@@ -7,7 +7,7 @@
 #include "common/dataset/result.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::played_test {
 namespace {
 
 using testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST_F(PlayedTest, WithoutAReportNothingIsNoted) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::played_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace coslam::eval {
+namespace coslam::eval::points_test {
 namespace {
 
 TEST(StaticTruth, TakesTheMedianAndLeavesOutWhatScatters) {
@@ -95,4 +95,4 @@ TEST(PointAccuracy, SingularCovariancesHaveNoNees) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::points_test

@@ -11,7 +11,7 @@
 #include "tests/support/video_with_sound.h"
 #include "tests/support/world_sound.h"
 
-namespace coslam {
+namespace coslam::sound_test {
 namespace {
 
 constexpr int kRate_hz = Sound::kRate_hz;
@@ -72,4 +72,4 @@ TEST(SoundOf, AVideoWithoutAndWhatIsNoneIsEmpty) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::sound_test

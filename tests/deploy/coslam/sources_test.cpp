@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::sources_test {
 namespace {
 
 using testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST_F(Sources, ImagesOneByOneAreNoCameras) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::sources_test

@@ -11,7 +11,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/world_sound.h"
 
-namespace coslam {
+namespace coslam::starts_test {
 namespace {
 
 constexpr int kRate_hz = 16000;
@@ -127,4 +127,4 @@ TEST_F(StartsTest, AreWrittenForTheNextTime) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::starts_test

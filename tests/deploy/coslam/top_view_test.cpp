@@ -13,7 +13,7 @@
 #include "deploy/coslam/plot/projection.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::plot {
+namespace coslam::plot::top_view_test {
 namespace {
 
 // A flat world: wide in x, less in z, nearly nothing in y, which points down.
@@ -97,4 +97,4 @@ TEST(TopView, ShowsWhatMoves) {
 }
 
 }  // namespace
-}  // namespace coslam::plot
+}  // namespace coslam::plot::top_view_test

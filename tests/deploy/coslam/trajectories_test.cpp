@@ -9,7 +9,7 @@
 
 #include "deploy/coslam/eval/statistics.h"
 
-namespace coslam::eval {
+namespace coslam::eval::trajectories_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -173,4 +173,4 @@ TEST(RelativePose, NeedsNoAlignment) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::trajectories_test

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::truth_test {
 namespace {
 
 using test::VectorNear;
@@ -175,4 +175,4 @@ TEST_F(Truth, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::truth_test

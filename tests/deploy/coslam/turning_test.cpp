@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace coslam {
+namespace coslam::turning_test {
 namespace {
 
 using Angle = std::function<double(double)>;  // rad, by time
@@ -57,4 +57,4 @@ TEST(LagByTurning, OfCamerasThatDoNotTurnOrHaveNoPosesIsNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::turning_test

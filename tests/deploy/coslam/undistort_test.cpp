@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace coslam::exporting {
+namespace coslam::exporting::undistort_test {
 namespace {
 
 const CameraModel kBarrel{752, 480, 458.654, 457.296, 367.2, 248.4, DistortionModel::kRadTan, {-0.283, 0.074, 0, 0}};
@@ -78,4 +78,4 @@ TEST(UndistortModel, DropsWhatThePinholeDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::undistort_test

@@ -11,7 +11,7 @@
 
 #include "deploy/simulation/cart.h"
 
-namespace coslam::sim {
+namespace coslam::sim::gait_test {
 namespace {
 
 GroundPath oval() {
@@ -124,4 +124,4 @@ TEST(Cart, ItsWheelsRollOnTheFloor) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::gait_test

@@ -11,7 +11,7 @@
 #include "deploy/simulation/simulated_scene.h"
 #include "deploy/simulation/view_overlap.h"
 
-namespace coslam::sim {
+namespace coslam::sim::groups_test {
 namespace {
 
 using Group = std::set<int>;
@@ -171,4 +171,4 @@ TEST(SwarmScene, TroopsPartThreeTimesAndMeetThreeTimes) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::groups_test

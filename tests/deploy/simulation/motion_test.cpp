@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-namespace coslam::sim {
+namespace coslam::sim::motion_test {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
@@ -137,4 +137,4 @@ TEST(HandShake, HasTheStatedSizeAndIsDifferentForEverySeed) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::motion_test

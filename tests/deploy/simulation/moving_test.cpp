@@ -14,7 +14,7 @@
 #include "deploy/simulation/renderer.h"
 #include "deploy/simulation/simulated_scene.h"
 
-namespace coslam::sim {
+namespace coslam::sim::moving_test {
 namespace {
 
 constexpr int kThreads = 2;
@@ -284,4 +284,4 @@ TEST(Garden, PeopleDoNotWalkThroughEachOther) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::moving_test

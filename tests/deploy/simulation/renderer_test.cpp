@@ -16,7 +16,7 @@
 #include "deploy/simulation/sensor.h"
 #include "deploy/simulation/simulated_scene.h"
 
-namespace coslam::sim {
+namespace coslam::sim::renderer_test {
 namespace {
 
 constexpr int kThreads = 2;
@@ -274,4 +274,4 @@ TEST_P(SceneFrames, EveryViewHasHundredsOfCornersInAllParts) {
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneFrames, testing::Values("room", "wall"), [](const auto& p) { return p.param; });
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::renderer_test

@@ -14,7 +14,7 @@
 #include "deploy/simulation/sensor.h"
 #include "deploy/simulation/simulated_scene.h"
 
-namespace coslam {
+namespace coslam::scene_test {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
@@ -331,4 +331,4 @@ TEST(RoomScene, SeedChangesTheThingsButNotThePlan) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::scene_test

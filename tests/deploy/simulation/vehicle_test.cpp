@@ -11,7 +11,7 @@
 
 #include "deploy/simulation/person.h"
 
-namespace coslam::sim {
+namespace coslam::sim::vehicle_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -89,4 +89,4 @@ TEST(Drive, StartsFromRestKeepsTheLimitsAndItsBrakes) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::vehicle_test

@@ -16,7 +16,7 @@
 #include "common/base/error.h"
 #include "deploy/simulation/scene.h"
 
-namespace coslam::sim {
+namespace coslam::sim::writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ TEST_F(WriterTest, ACachedSequenceIsRenderedOnce) {
 }
 
 }  // namespace
-}  // namespace coslam::sim
+}  // namespace coslam::sim::writer_test

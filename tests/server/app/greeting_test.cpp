@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::greeting_test {
 namespace {
 
 TEST(Greeting, TellsWhereItIsAndHowToJoin) {
@@ -25,4 +25,4 @@ TEST(Greeting, OnThisMachineAlone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::greeting_test

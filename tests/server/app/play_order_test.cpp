@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::play_order_test {
 namespace {
 
 class PlayOrderTest : public testing::Test {
@@ -54,4 +54,4 @@ TEST_F(PlayOrderTest, ARecordingBesideCamerasBeginsAtItsBeginning) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::play_order_test

@@ -8,7 +8,7 @@
 #include "common/base/error.h"
 #include "common/base/log.h"
 
-namespace coslam {
+namespace coslam::recorded_config_test {
 namespace {
 
 TEST(RecordedConfig, SectionsAreFoundUnderTheirEarlierNames) {
@@ -57,4 +57,4 @@ TEST(RecordedConfig, AnUnknownSectionIsRefused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_config_test

@@ -14,7 +14,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::result_of_run_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,4 +130,4 @@ TEST_F(ResultOfRun, ThatHasNoRoomIsAnErrorAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::result_of_run_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::roster_test {
 namespace {
 
 using testing::ElementsAre;
@@ -85,4 +85,4 @@ TEST(Roster, OneThatJoinsLateIsToldHowManyImagesItMissed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::roster_test

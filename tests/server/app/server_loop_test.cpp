@@ -8,7 +8,7 @@
 #include "deploy/coslam/run/inline_link.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::server_loop_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -331,4 +331,4 @@ TEST_F(ServerLoopTest, NonsenseForAReportIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::server_loop_test

@@ -6,7 +6,7 @@
 
 #include <csignal>
 
-namespace coslam {
+namespace coslam::stop_signals_test {
 namespace {
 
 using ::testing::ExitedWithCode;
@@ -48,4 +48,4 @@ TEST(StopSignals, DoNotEndWhatComesAfter) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stop_signals_test

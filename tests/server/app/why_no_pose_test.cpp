@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace coslam {
+namespace coslam::why_no_pose_test {
 namespace {
 
 using testing::HasSubstr;
@@ -56,4 +56,4 @@ TEST_F(WhyNoPose, OfARecordingThatCameLate) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::why_no_pose_test

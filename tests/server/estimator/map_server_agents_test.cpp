@@ -13,7 +13,7 @@
 #include "tests/support/sim_run.h"
 
 // Agents that join late, stop, stall, restart and lose their way.
-namespace coslam {
+namespace coslam::map_server_agents_test {
 namespace {
 
 using test::SimRun;
@@ -388,4 +388,4 @@ TEST(AgentsApart, TwoMapsInMetres) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_agents_test

@@ -12,7 +12,7 @@
 #include "tests/support/sim_run.h"
 
 // Whole simulated runs: what becomes of calibrations that are wrong, and of those that are not.
-namespace coslam {
+namespace coslam::map_server_lens_test {
 namespace {
 
 using test::PoseNear;
@@ -50,4 +50,4 @@ TEST(MapServer, LensesThatAreAsCalibratedStay) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_lens_test

@@ -9,7 +9,7 @@
 #include "tests/support/sim_run.h"
 
 // Maps of two servers become those of one.
-namespace coslam {
+namespace coslam::map_server_merge_test {
 namespace {
 
 using test::SimRun;
@@ -100,4 +100,4 @@ TEST(TakeIn, ItsTimeComesAfter) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_merge_test

@@ -11,7 +11,7 @@
 #include "tests/support/sim_run.h"
 
 // The whole server in a world where things move, against truth.
-namespace coslam {
+namespace coslam::map_server_moving_test {
 namespace {
 
 using test::SimRun;
@@ -190,4 +190,4 @@ TEST_P(MovingWorld, BodiesAreObjects) {
 INSTANTIATE_TEST_SUITE_P(Seeds, MovingWorld, testing::Range(1U, 4U));
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_moving_test

@@ -16,7 +16,7 @@
 #include "tests/support/sim_run.h"
 
 // Whole simulated runs: what the map is worth. Agents that come and go are in map_server_agents_test.cpp.
-namespace coslam {
+namespace coslam::map_server_test {
 namespace {
 
 using test::expect_same;
@@ -393,4 +393,4 @@ TEST(MapServer, OneRefinementAtATime) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_test

@@ -7,7 +7,7 @@
 #include "tests/support/map_checks.h"
 #include "tests/support/sim_run.h"
 
-namespace coslam {
+namespace coslam::map_server_threads_test {
 namespace {
 
 // Agents' poses and tracks follow from the patches that they get, so these are the same as well.
@@ -30,4 +30,4 @@ TEST(MapServerThreads, OneOrSeveralMakeTheSameMapToTheBit) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_server_threads_test

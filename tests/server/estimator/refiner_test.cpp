@@ -9,7 +9,7 @@
 #include "common/geometry/camera_model.h"
 #include "tests/support/eventually.h"
 
-namespace coslam {
+namespace coslam::refiner_test {
 namespace {
 
 const CameraModel kCamera{640, 480, 500, 500, 320, 240, DistortionModel::kNone, {}};
@@ -128,4 +128,4 @@ TEST(Refiner, EndsWhileAJobIsInWork) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::refiner_test

@@ -14,7 +14,7 @@
 #include "tests/support/map_checks.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::map_file_versions_test {
 namespace {
 
 class MapFileVersions : public testing::TestWithParam<int> {
@@ -61,4 +61,4 @@ TEST_P(MapFileVersions, IsOfThisVersionOnceItIsWrittenTo) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_file_versions_test

@@ -14,7 +14,7 @@
 #include "server/fleet/record/link_to_nobody.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::report_test {
 namespace {
 
 using testing::Each;
@@ -216,4 +216,4 @@ TEST(FaultsOfAnAgent, AreNoneWhereItTellsNoNumbers) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::report_test

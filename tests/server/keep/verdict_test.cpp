@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::verdict_test {
 namespace {
 
 using testing::HasSubstr;
@@ -51,4 +51,4 @@ TEST(Verdict, IsPoorWhereNothingTellsThePath) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::verdict_test

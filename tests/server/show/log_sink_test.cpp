@@ -7,7 +7,7 @@
 
 #include "common/base/log.h"
 
-namespace coslam {
+namespace coslam::log_sink_test {
 namespace {
 
 using testing::HasSubstr;
@@ -28,4 +28,4 @@ TEST(LogSink, SaysWhatHappensButNotWhoComesAndGoes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::log_sink_test

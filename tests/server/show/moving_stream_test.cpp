@@ -17,7 +17,7 @@
 #include "tests/support/sim_run.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam {
+namespace coslam::moving_stream_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -91,4 +91,4 @@ TEST(MovingStream, APlannerHearsOfTheObjects) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::moving_stream_test

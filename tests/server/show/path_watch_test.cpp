@@ -9,7 +9,7 @@
 
 #include "tests/support/sim_run.h"
 
-namespace coslam {
+namespace coslam::path_watch_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -68,4 +68,4 @@ TEST_F(PathWatchTest, LooksSeldom) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::path_watch_test

@@ -7,7 +7,7 @@
 
 #include "deploy/coslam/calibrate/dialects.h"
 
-namespace coslam {
+namespace coslam::nearest_camera_test {
 namespace {
 
 const CameraModel kFisheye{640, 480, 280, 282, 322, 237, DistortionModel::kEquidistant, {0.01, -0.002, 0, 0}};
@@ -85,4 +85,4 @@ TEST(NearestCameraOf, WhereNoRayHasAPlaceNothingIsNear) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::nearest_camera_test

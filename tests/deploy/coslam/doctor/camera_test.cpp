@@ -4,7 +4,7 @@
 
 #include "tests/deploy/coslam/doctor/said.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::camera_test {
 namespace {
 
 using ::testing::Each;
@@ -95,4 +95,4 @@ TEST(DoctorCamera, PaceStampsAndTime) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::camera_test

@@ -7,7 +7,7 @@
 #include "tests/deploy/coslam/doctor/said.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::files_test {
 namespace {
 
 class DoctorFiles : public ::testing::Test {
@@ -57,4 +57,4 @@ TEST_F(DoctorFiles, ConfigWithASlip) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::files_test

@@ -7,7 +7,7 @@
 #include "deploy/coslam/doctor/udp.h"
 #include "tests/deploy/coslam/doctor/said.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::fleet_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -206,4 +206,4 @@ TEST(Hearing, OneThatIsCalledAndAnnouncesItselfIsOne) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::fleet_test

@@ -16,7 +16,7 @@
 #include "deploy/coslam/doctor/machine.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::machine_facts_test {
 namespace {
 
 using ::testing::Contains;
@@ -126,4 +126,4 @@ TEST(MachineFacts, ARelativeFolderIsWhereTheProgramRuns) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::machine_facts_test

@@ -5,7 +5,7 @@
 #include "tests/deploy/coslam/doctor/said.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::machine_test {
 namespace {
 
 constexpr std::uint64_t kMebibyte = 1U << 20U;
@@ -79,4 +79,4 @@ TEST(DoctorMachine, DiskOfThisTest) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::machine_test

@@ -8,7 +8,7 @@
 #include "tests/support/all_ports.h"
 #include "tests/support/test_domain.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::network_test {
 namespace {
 
 using ::testing::Each;
@@ -124,4 +124,4 @@ TEST(Udp, TellsWhatTheNetworkAnswers) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::network_test

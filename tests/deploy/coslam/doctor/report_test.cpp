@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace coslam::doctor {
+namespace coslam::doctor::report_test {
 namespace {
 
 const Findings kSome = {{Grade::kOk, "eth0", "10.0.0.5, MTU 1500"},
@@ -38,4 +38,4 @@ TEST(DoctorReport, Json) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::report_test

@@ -12,7 +12,7 @@
 #include "tests/support/synthetic_view.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::doctor {
+namespace coslam::doctor::source_facts_test {
 namespace {
 
 using coslam::test::plane_texture;
@@ -118,4 +118,4 @@ TEST_F(LookAtSource, OneImageHasNoPace) {
 }
 
 }  // namespace
-}  // namespace coslam::doctor
+}  // namespace coslam::doctor::source_facts_test

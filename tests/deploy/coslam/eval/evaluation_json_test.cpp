@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace coslam::eval {
+namespace coslam::eval::evaluation_json_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -149,4 +149,4 @@ TEST(EvaluationJson, FiguresOfTheWholeAreTaken) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::evaluation_json_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace coslam::eval {
+namespace coslam::eval::evaluation_text_test {
 namespace {
 
 using ::testing::AllOf;
@@ -189,4 +189,4 @@ TEST(EvaluationText, PointsAndTheRelativePoseHaveALineEach) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::evaluation_text_test

@@ -10,7 +10,7 @@
 #include "deploy/coslam/eval/evaluation.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::eval {
+namespace coslam::eval::paths_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -199,4 +199,4 @@ TEST_F(LoadedPaths, AResultOfOtherAgentsIsNamedWithItsSequence) {
 }
 
 }  // namespace
-}  // namespace coslam::eval
+}  // namespace coslam::eval::paths_test

@@ -10,10 +10,8 @@
 #include "common/geometry/alignment.h"
 #include "tests/deploy/coslam/export/simulated_model.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::colmap_adjust_test {
 namespace {
-
-using test::simulated_model;
 
 // As if the run had left its poses and points a little off.
 void disturb(ColmapModel* model) {
@@ -115,4 +113,4 @@ TEST(ColmapAdjust, OneImageOrNoneIsLeftAsItIs) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::colmap_adjust_test

@@ -15,12 +15,11 @@
 #include "tests/deploy/coslam/export/simulated_model.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::colmap_model_test {
 namespace {
 
 using coslam::test::error_of;
 using coslam::test::TempFolder;
-using test::simulated_model;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -34,7 +33,7 @@ std::vector<std::string> names_of(const ColmapModel& model) {
 ColmapModel images_of(const std::vector<std::vector<PlayedImage>>& cameras, std::uint32_t frames) {
   ColmapModel model;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    model.cameras.push_back({{.name = std::string(1, static_cast<char>('a' + c))}, test::kPinhole, cameras[c]});
+    model.cameras.push_back({{.name = std::string(1, static_cast<char>('a' + c))}, kPinhole, cameras[c]});
     for (std::uint32_t f = 0; f < frames; ++f) model.images.push_back({.camera = c, .frame = FrameId(f)});
   }
   return model;
@@ -157,7 +156,7 @@ TEST(NamesOfImages, ThoseOfACameraWithOneFileTwiceAreNumbers) {
 class ReadColmapModel : public ::testing::Test {
  protected:
   ReadColmapModel() {
-    save_calibration(temp_ / "calib.yaml", test::kPinhole);
+    save_calibration(temp_ / "calib.yaml", kPinhole);
     sequence_.rate_hz = 20;
     sequence_.agents.push_back({.name = "a", .calibration = temp_ / "calib.yaml"});
     sequence_.agents.push_back({.name = "absent", .calibration = temp_ / "none.yaml"});
@@ -180,9 +179,7 @@ class ReadColmapModel : public ::testing::Test {
 
   static Rigid3 pose_of(int frame) { return {Eigen::Quaterniond::Identity(), {-0.02 * frame, 0, 0}}; }
   static Eigen::Vector3d place_of(std::uint32_t id) { return {0.2 * id - 1, 0.1 * (id % 5), 3 + 0.1 * (id % 3)}; }
-  static Eigen::Vector2d px_of(int frame, std::uint32_t id) {
-    return test::kPinhole.project(pose_of(frame) * place_of(id));
-  }
+  static Eigen::Vector2d px_of(int frame, std::uint32_t id) { return kPinhole.project(pose_of(frame) * place_of(id)); }
   static void write_frame(TrackWriter* tracks, int frame, std::optional<PointState> state = PointState::kStatic) {
     for (std::uint32_t id = 1; id <= 11; ++id) {
       tracks->write({FrameId(static_cast<std::uint32_t>(frame)), frame * 50'000'000LL, TrackId(id), px_of(frame, id),
@@ -261,8 +258,8 @@ TEST_F(ReadColmapModel, TheLensIsTheOneThatWasFound) {
   write_frame(&tracks, 0);
   write_frame(&tracks, 10);
   tracks.close();
-  EXPECT_EQ(read().cameras[0].model.fx, test::kPinhole.fx);
-  CameraModel found = test::kPinhole;
+  EXPECT_EQ(read().cameras[0].model.fx, kPinhole.fx);
+  CameraModel found = kPinhole;
   found.fx = 505;
   save_calibration(result_.calibration("a"), found);
   EXPECT_EQ(read().cameras[0].model.fx, 505);
@@ -295,4 +292,4 @@ TEST_F(ReadColmapModel, ImagesBetweenMoveAsTheirNeighboursDid) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::colmap_model_test

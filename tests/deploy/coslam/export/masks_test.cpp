@@ -9,7 +9,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::masks_test {
 namespace {
 
 // A pinhole of 640 x 480 px at the origin; what is black has been found to move.
@@ -130,4 +130,4 @@ TEST_F(Masks, EveryImageHasOneAndWhatCannotBeWrittenIsTold) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::masks_test

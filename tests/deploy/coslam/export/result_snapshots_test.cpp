@@ -9,7 +9,7 @@
 #include "common/dataset/event_file.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::result_snapshots_test {
 namespace {
 
 constexpr TimeNs kFrame_ns = 100'000'000;
@@ -210,4 +210,4 @@ TEST_F(Snapshots, AResultWithoutPosesHasNone) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::result_snapshots_test

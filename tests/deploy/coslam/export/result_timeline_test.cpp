@@ -9,7 +9,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::exporting {
+namespace coslam::exporting::result_timeline_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -183,4 +183,4 @@ TEST_F(Timeline, ABrokenFileIsTold) {
 }
 
 }  // namespace
-}  // namespace coslam::exporting
+}  // namespace coslam::exporting::result_timeline_test

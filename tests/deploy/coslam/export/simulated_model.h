@@ -6,7 +6,7 @@
 
 #include "deploy/coslam/export/colmap_model.h"
 
-namespace coslam::exporting::test {
+namespace coslam::exporting {
 
 inline const CameraModel kBarrel{752, 480, 458, 457, 367, 248, DistortionModel::kRadTan, {-0.28, 0.07, 0, 0}};
 inline const CameraModel kPinhole{640, 480, 500, 510, 312, 250, DistortionModel::kNone, {}};
@@ -45,4 +45,4 @@ inline ColmapModel simulated_model(std::size_t images, int points, double noise_
   return model;
 }
 
-}  // namespace coslam::exporting::test
+}  // namespace coslam::exporting

@@ -14,7 +14,7 @@
 #include "tests/server/estimator/adjust/drifted_map.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::certainty_test {
 namespace {
 
 class CertaintyTest : public RefineTest {
@@ -97,4 +97,4 @@ TEST_F(CertaintyTest, AnAdjustedMapKnowsHowGoodItIs) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::certainty_test

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::final_poses_test {
 namespace {
 
 using test::PoseNear;
@@ -125,4 +125,4 @@ TEST_F(SettleTest, LeavesOtherMapsAlone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::final_poses_test

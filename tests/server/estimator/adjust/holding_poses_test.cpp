@@ -9,7 +9,7 @@
 #include "server/estimator/adjust/refine.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::holding_poses_test {
 namespace {
 
 // One camera has many points, the other few of its own.
@@ -41,4 +41,4 @@ TEST(HoldingPoses, EachCameraIsHeldByPosesThatSeeWhatItSees) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::holding_poses_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::key_frames_test {
 namespace {
 
 class KeyFrameTest : public testing::Test {
@@ -165,4 +165,4 @@ TEST_F(HoveringKeyFrames, OneIsEnough) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::key_frames_test

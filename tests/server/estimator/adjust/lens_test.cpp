@@ -9,7 +9,7 @@
 #include "server/estimator/adjust/bundle_adjustment.h"
 #include "tests/server/estimator/adjust/drifted_map.h"
 
-namespace coslam {
+namespace coslam::lens_test {
 namespace {
 
 using LensTest = RefineTest;
@@ -83,4 +83,4 @@ TEST_F(LensTest, LensesThatAreGivenAreNotSolvedFor) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::lens_test

@@ -18,7 +18,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::refine_test {
 namespace {
 
 using test::PoseNear;
@@ -345,4 +345,4 @@ TEST_F(RefineTest, TheFirstWindowHasNoHistoryAndFloats) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::refine_test

@@ -17,7 +17,7 @@
 #include "tests/support/temp_folder.h"
 
 // Rigs and known baselines. Tags are in tag_scale_test.cpp.
-namespace coslam {
+namespace coslam::scale_test {
 namespace {
 
 using testing::ElementsAre;
@@ -219,4 +219,4 @@ TEST_F(ScaleTest, DamagedRowsAreRefused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::scale_test

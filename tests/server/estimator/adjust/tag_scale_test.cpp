@@ -12,7 +12,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::tag_scale_test {
 namespace {
 
 using testing::ElementsAre;
@@ -185,4 +185,4 @@ TEST_F(TagScaleTest, AMapThatBecamePartOfAnotherGivesItsTagsToThat) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::tag_scale_test

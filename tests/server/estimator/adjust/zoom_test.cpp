@@ -9,7 +9,7 @@
 
 #include "tests/server/estimator/adjust/drifted_map.h"
 
-namespace coslam {
+namespace coslam::zoom_test {
 namespace {
 
 class ZoomTest : public RefineTest {
@@ -82,4 +82,4 @@ TEST_F(ZoomTest, LensesThatAreGivenDoNotBreathe) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::zoom_test

@@ -10,7 +10,7 @@
 #include "tests/support/map_checks.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::cull_test {
 namespace {
 
 class CullTest : public testing::Test {
@@ -123,4 +123,4 @@ TEST(CullStill, KeepsFewPatchesTheFirstAndTheNewest) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::cull_test

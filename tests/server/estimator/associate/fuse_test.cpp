@@ -9,7 +9,7 @@
 #include "common/geometry/triangulation.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::fuse_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -145,4 +145,4 @@ TEST_F(FuseTest, OnlyStaticPointsOfTheSameMap) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fuse_test

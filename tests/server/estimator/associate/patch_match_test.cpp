@@ -13,7 +13,7 @@
 #include "server/estimator/map/edit.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::patch_match_test {
 namespace {
 
 const test::SimWorld kWorld({.points = 200});
@@ -210,4 +210,4 @@ TEST_F(FitPatchTest, WithoutAPatchThereIsNothingToSay) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::patch_match_test

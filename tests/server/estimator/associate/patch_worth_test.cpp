@@ -8,7 +8,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::patch_worth_test {
 namespace {
 
 CameraId cam(int number) { return CameraId(static_cast<std::uint16_t>(number)); }
@@ -99,4 +99,4 @@ TEST_F(PatchWorthTest, TellsWhatBothSeeFromWhatIsNew) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::patch_worth_test

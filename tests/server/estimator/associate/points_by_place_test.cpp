@@ -11,7 +11,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::points_by_place_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -126,4 +126,4 @@ TEST_F(PointsByPlaceTest, AGridVisitsAllThatAreNear) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::points_by_place_test

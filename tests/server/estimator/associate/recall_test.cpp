@@ -10,7 +10,7 @@
 #include "server/estimator/associate/register.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::recall_test {
 namespace {
 
 constexpr CameraId kCam0(0);
@@ -107,4 +107,4 @@ TEST_F(RecallTest, ItsTracksFindTheirPointsAgain) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recall_test

@@ -9,7 +9,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::register_test {
 namespace {
 
 using test::VectorNear;
@@ -171,4 +171,4 @@ TEST_F(RegisterTest, RetriangulateUsesBothCameras) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::register_test

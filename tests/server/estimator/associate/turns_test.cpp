@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace coslam {
+namespace coslam::turns_test {
 namespace {
 
 FrameSet set_of(std::size_t cameras) {
@@ -37,4 +37,4 @@ TEST(Turns, OfManyAsManyLookAtOnceAndEachAsOften) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::turns_test

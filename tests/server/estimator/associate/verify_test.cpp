@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::verify_test {
 namespace {
 
 using test::looking;
@@ -219,4 +219,4 @@ TEST_F(VerifyTest, ThePastIsAsFarBackAsItIsTrusted) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::verify_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::announce_moving_test {
 namespace {
 
 class MovingWriterTest : public testing::Test {
@@ -75,4 +75,4 @@ TEST_F(MovingWriterTest, APointThatIsNotSeenNowIsNotTold) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::announce_moving_test

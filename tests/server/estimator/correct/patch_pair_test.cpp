@@ -15,7 +15,7 @@
 #include "tests/support/sim_map.h"
 
 // PatchWriter and LocalMap as a pair over a channel that loses, delays and repeats, while the map lives.
-namespace coslam {
+namespace coslam::patch_pair_test {
 namespace {
 
 constexpr CameraId kCam(0);
@@ -225,4 +225,4 @@ TEST(PatchPair, EpochsRebaseTheAgent) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::patch_pair_test

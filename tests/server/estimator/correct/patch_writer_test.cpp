@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::patch_writer_test {
 namespace {
 
 using testing::Contains;
@@ -369,4 +369,4 @@ TEST_F(PatchWriterTest, WherePointsAreFewDirectionsAreTold) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::patch_writer_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::pose_writer_test {
 namespace {
 
 class PoseWriterTest : public testing::Test {
@@ -52,4 +52,4 @@ TEST_F(PoseWriterTest, ACovarianceIsThatOfTheAgentInTheMap) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pose_writer_test

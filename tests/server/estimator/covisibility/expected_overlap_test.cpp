@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::expected_overlap_test {
 namespace {
 
 using testing::ElementsAre;
@@ -66,4 +66,4 @@ TEST_F(ExpectedOverlapTest, WhatWasFoundHoldsUntilTheNextLook) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::expected_overlap_test

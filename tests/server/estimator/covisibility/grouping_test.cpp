@@ -10,7 +10,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::grouping_test {
 namespace {
 
 using testing::ElementsAre;
@@ -234,4 +234,4 @@ TEST_F(OverlappingGroupTest, AnOverlapKeepsThem) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::grouping_test

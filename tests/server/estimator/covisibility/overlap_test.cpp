@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::overlap_test {
 namespace {
 
 CameraId cam(int i) { return CameraId(static_cast<std::uint16_t>(i)); }
@@ -102,4 +102,4 @@ TEST(OverlapOfLenses, AllThatALongLensCanShowOfAWideOnesViewIsTheWhole) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::overlap_test

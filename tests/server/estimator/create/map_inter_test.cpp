@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::map_inter_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -217,4 +217,4 @@ TEST_F(Lookalike, TwoThatLookAlikeAreAmbiguous) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_inter_test

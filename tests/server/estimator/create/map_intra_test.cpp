@@ -8,7 +8,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::map_intra_test {
 namespace {
 
 using test::looking;
@@ -172,4 +172,4 @@ TEST(MapIntra, FramesWithoutAPoseDoNotCount) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_intra_test

@@ -12,7 +12,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::map_moving_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -218,4 +218,4 @@ TEST_F(OnePairMoving, IsRefusedWhenItHasNotLeftItsPlace) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_moving_test

@@ -11,7 +11,7 @@
 #include "tests/support/map_fit.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::start_test {
 namespace {
 
 using test::cam;
@@ -236,4 +236,4 @@ TEST_F(StartAlone, NotFromAPureTurn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::start_test

@@ -12,7 +12,7 @@
 #include "tests/support/sim_map.h"
 
 // What agents were told, and poses that come from elsewhere. How poses are lost and found is in edit_test.cpp.
-namespace coslam {
+namespace coslam::camera_pen_test {
 namespace {
 
 using test::PoseNear;
@@ -135,4 +135,4 @@ TEST_F(CameraPenTest, ImagesThatAreDatedWronglyAreReportedAndLeftAlone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::camera_pen_test

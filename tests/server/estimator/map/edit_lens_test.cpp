@@ -11,7 +11,7 @@
 #include "tests/support/same_fields.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::edit_lens_test {
 namespace {
 
 using test::VectorNear;
@@ -168,4 +168,4 @@ TEST_F(EditLensTest, OutlivesTheServer) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::edit_lens_test

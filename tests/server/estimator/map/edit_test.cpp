@@ -11,7 +11,7 @@
 #include "tests/support/sim_map.h"
 
 // What every verb does and notes. Phases and motions are in states_test.cpp.
-namespace coslam {
+namespace coslam::edit_test {
 namespace {
 
 using test::observed;
@@ -390,4 +390,4 @@ TEST(MapEditValue, IsAssignedWhole) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::edit_test

@@ -8,7 +8,7 @@
 
 #include "server/estimator/map/map.h"
 
-namespace coslam {
+namespace coslam::fingerprint_test {
 namespace {
 
 MapPoint point() {
@@ -46,4 +46,4 @@ TEST(Fingerprint, TellsOfAFrame) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::fingerprint_test

@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // Maps of one server beside those of another. That places common to both join them is in map_server_merge_test.cpp.
-namespace coslam {
+namespace coslam::import_pen_test {
 namespace {
 
 using test::PoseNear;
@@ -166,4 +166,4 @@ TEST_F(TakenInTest, AnEmptyMapBecomesTheOther) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::import_pen_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace coslam {
+namespace coslam::journal_test {
 namespace {
 
 // As they stand in files.
@@ -93,4 +93,4 @@ TEST(Journal, SwitchedOffItKeepsNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::journal_test

@@ -12,7 +12,7 @@
 #include "tests/support/sim_map.h"
 
 // Paths of what moves, and zooms at the ends of a run. What else a lens moves is in edit_lens_test.cpp.
-namespace coslam {
+namespace coslam::lens_pen_test {
 namespace {
 
 using test::VectorNear;
@@ -87,4 +87,4 @@ TEST_F(LensPenTest, AnotherCalibrationForgetsWhatWasWrongAboutTheFirst) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::lens_pen_test

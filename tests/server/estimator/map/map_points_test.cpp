@@ -7,7 +7,7 @@
 #include "tests/support/sim_map.h"
 
 // What happens to points: bindings, key observations, fusion.
-namespace coslam {
+namespace coslam::map_points_test {
 namespace {
 
 using test::expect_consistent;
@@ -190,4 +190,4 @@ TEST_F(MapPointsTest, BindingsStayConsistentOverARun) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_points_test

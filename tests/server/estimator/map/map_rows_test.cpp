@@ -21,7 +21,7 @@
 
 // Which rows are written when, and rows that are not ours. Random maps are in random_edits_test.cpp, whole files of
 // older versions in keep/map_file_versions_test.cpp.
-namespace coslam {
+namespace coslam::map_rows_test {
 namespace {
 
 using testing::HasSubstr;
@@ -206,4 +206,4 @@ TEST(ForeignRows, MovesAreSimilaritiesOfMapsThatWere) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_rows_test

@@ -9,7 +9,7 @@
 #include "tests/support/sim_map.h"
 
 // Cameras, frame sets and tracks. Points are in map_points_test.cpp.
-namespace coslam {
+namespace coslam::map_test {
 namespace {
 
 // Measures the same standard deviation in so many frames that nothing else counts.
@@ -252,4 +252,4 @@ TEST_F(TwoMaps, MergeMakesOneMap) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_test

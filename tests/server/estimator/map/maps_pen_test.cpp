@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // Key frames, and maps as wholes. What a merge tells is in edit_test.cpp, where it puts things in map_test.cpp.
-namespace coslam {
+namespace coslam::maps_pen_test {
 namespace {
 
 using test::observed;
@@ -125,4 +125,4 @@ TEST_F(MapsPenTest, EveryMoveOfAMapIsRememberedForWhatWasArchivedBefore) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::maps_pen_test

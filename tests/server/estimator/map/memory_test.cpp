@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::memory_test {
 namespace {
 
 TEST(Memory, AnEmptyMapHoldsNothing) {
@@ -45,4 +45,4 @@ TEST(Memory, PosesGrowByTheirOwnSizeAndTracksDoNotGrowWithoutEnd) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::memory_test

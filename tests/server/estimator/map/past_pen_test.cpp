@@ -12,7 +12,7 @@
 #include "tests/support/sim_map.h"
 
 // What leaves the memory of a long run, and what stays. Whole runs that forget are in past/forget_test.cpp.
-namespace coslam {
+namespace coslam::past_pen_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -198,4 +198,4 @@ TEST_F(PastPenTest, PathsLeaveUpToASetInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::past_pen_test

@@ -14,7 +14,7 @@
 #include "tests/support/sim_map.h"
 
 // Corner cases of verbs on points. What each does is in edit_test.cpp and map_points_test.cpp.
-namespace coslam {
+namespace coslam::point_pen_test {
 namespace {
 
 using test::VectorNear;
@@ -127,4 +127,4 @@ TEST_F(PointPenTest, OnlyTheOneObservationIsDropped) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::point_pen_test

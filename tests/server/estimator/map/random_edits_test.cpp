@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // Hundreds of edits, and what the map says of itself afterwards.
-namespace coslam {
+namespace coslam::random_edits_test {
 namespace {
 
 // Edits at random, honest ones among them, in a world with few points, so that they meet. What the map is asked is
@@ -283,4 +283,4 @@ TEST(RandomEditsJournal, IsTheSameMapWithAndWithout) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::random_edits_test

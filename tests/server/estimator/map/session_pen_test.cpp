@@ -14,7 +14,7 @@
 #include "tests/support/sim_map.h"
 
 // Cameras of a rig, what frames hold, and times. Tracks and restarts are in map_test.cpp and edit_test.cpp.
-namespace coslam {
+namespace coslam::session_pen_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -146,4 +146,4 @@ TEST_F(SessionPenTest, ARunBeginsWithTheNextSet) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::session_pen_test

@@ -11,7 +11,7 @@
 #include "tests/support/sim_map.h"
 
 // The two machines of the map, one transition after the other.
-namespace coslam {
+namespace coslam::states_test {
 namespace {
 
 using enum PointPhase;
@@ -223,4 +223,4 @@ TEST(ToldStates, AreThoseOfFilesAndAgents) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::states_test

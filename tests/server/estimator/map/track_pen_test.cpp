@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // Corner cases of verbs on tracks. What each does is in edit_test.cpp and map_points_test.cpp.
-namespace coslam {
+namespace coslam::track_pen_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -96,4 +96,4 @@ TEST_F(TrackPenTest, AnEndTellsHowLongItWasFollowed) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::track_pen_test

@@ -14,7 +14,7 @@
 #include "tests/support/sim_map.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::validate_test {
 namespace {
 
 using testing::HasSubstr;
@@ -263,4 +263,4 @@ TEST(OctetsOfRows, CountsAreNotBelieved) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::validate_test

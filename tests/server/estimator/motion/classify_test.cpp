@@ -13,7 +13,7 @@
 #include "server/estimator/associate/verify.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::classify_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1), kCam2(2);
@@ -365,4 +365,4 @@ TEST_P(ClassifyCorners, ThatSlideByAPartOfTheParallaxDoNotMove) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::classify_test

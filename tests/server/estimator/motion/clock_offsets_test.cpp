@@ -7,7 +7,7 @@
 #include "server/estimator/motion/follow.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::clock_offsets_test {
 namespace {
 
 constexpr CameraId kFirst(0), kSecond(1), kThird(2);
@@ -101,4 +101,4 @@ TEST_F(ClockTest, SwitchedOffNothingIsEstimated) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::clock_offsets_test

@@ -11,7 +11,7 @@
 #include "tests/support/sim_world.h"
 
 // Things that go along with a camera, as the car ahead does. How tracks are judged by it is in evidence_test.cpp.
-namespace coslam {
+namespace coslam::co_moving_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -125,4 +125,4 @@ TEST_F(CoMoving, PosesOfAnotherMapDoNotCount) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::co_moving_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::evidence_test {
 namespace {
 
 constexpr CameraId kCam0(0), kCam1(1);
@@ -252,4 +252,4 @@ TEST_F(EvidenceTest, NotWhatWasSeenTogetherForTooShort) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::evidence_test

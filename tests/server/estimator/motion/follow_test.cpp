@@ -10,7 +10,7 @@
 #include "tests/server/estimator/motion/follow_body.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::follow_test {
 namespace {
 
 using test::kPeriodNs;
@@ -254,4 +254,4 @@ TEST_F(FollowBodyWithThree, TheOddOneOutIsLetGo) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::follow_test

@@ -10,7 +10,7 @@
 #include "server/estimator/motion/follow.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::followed_paths_test {
 namespace {
 
 using test::kPeriodNs;
@@ -153,4 +153,4 @@ TEST_F(FollowedPathsTest, WhatStopsOrIsGoneHasNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::followed_paths_test

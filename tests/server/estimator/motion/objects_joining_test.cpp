@@ -12,7 +12,7 @@
 #include "server/estimator/motion/objects.h"
 
 // Which moving points become one object, by exact paths. Bodies with noise are in objects_test.cpp.
-namespace coslam {
+namespace coslam::objects_joining_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -108,4 +108,4 @@ TEST_F(ObjectsJoining, OnePairThatKeepsItsDistanceByChanceJoinsNoBodies) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::objects_joining_test

@@ -17,7 +17,7 @@
 #include "tests/support/sim_map.h"
 
 // Moving points with the noise of two cameras that look along y, against the bodies that they are on.
-namespace coslam {
+namespace coslam::objects_test {
 namespace {
 
 using test::median;
@@ -334,4 +334,4 @@ TEST_F(ObjectsOfAMap, PathsFollowTheMapWhenItIsMoved) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::objects_test

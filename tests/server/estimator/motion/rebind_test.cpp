@@ -6,7 +6,7 @@
 
 #include "tests/server/estimator/motion/follow_body.h"
 
-namespace coslam {
+namespace coslam::rebind_test {
 namespace {
 
 using RebindMoving = FollowBody;
@@ -54,4 +54,4 @@ TEST_F(RebindMoving, ATrackThatLooksLikeAnotherPointOrRestsIsNotTaken) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rebind_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::rest_hypothesis_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -107,4 +107,4 @@ TEST_F(RestHypothesis, ACameraThatOnlyTurnsSeesWhetherAThingMoves) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rest_hypothesis_test

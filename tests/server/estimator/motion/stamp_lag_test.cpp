@@ -6,7 +6,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::stamp_lag_test {
 namespace {
 
 constexpr CameraId kFirst(0), kSecond(1), kThird(2);
@@ -75,4 +75,4 @@ TEST_F(LagFinderTest, AnAgentThatBeginsAnewHasAnotherClock) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stamp_lag_test

@@ -14,7 +14,7 @@
 #include "tests/support/sim_run.h"
 
 // A long run in a place that it knows: what stays in memory, and what is given out.
-namespace coslam {
+namespace coslam::forget_test {
 namespace {
 
 using test::SimRun;
@@ -196,4 +196,4 @@ TEST(PastFrames, AreWhereTheMapHasThemNow) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::forget_test

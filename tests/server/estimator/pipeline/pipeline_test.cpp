@@ -8,7 +8,7 @@
 #include "tests/support/sim_run.h"
 #include "tests/support/wire_equal.h"
 
-namespace coslam {
+namespace coslam::pipeline_test {
 namespace {
 
 struct FirstConfig {
@@ -151,4 +151,4 @@ TEST(MapServerIsAValue, ACopyGoesOnLikeTheOriginal) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pipeline_test

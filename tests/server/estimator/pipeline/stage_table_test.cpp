@@ -11,7 +11,7 @@
 
 #include "server/estimator/map_pipeline.h"
 
-namespace coslam {
+namespace coslam::stage_table_test {
 namespace {
 
 using testing::AllOf;
@@ -68,4 +68,4 @@ static_assert(MayMerge<PlaceRecognitionEdit> && !MayMerge<CullEdit> && !MayMerge
 static_assert(MayRemovePoints<MapEdit> && MayMerge<MapEdit>);
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stage_table_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::ask_test {
 namespace {
 
 using Waiting = Verification::Waiting;
@@ -159,4 +159,4 @@ TEST_F(AskTest, ACameraThatShouldSeeWhatAnotherSeesIsAskedSoon) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ask_test

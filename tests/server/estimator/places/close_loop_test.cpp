@@ -12,7 +12,7 @@
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::close_loop_test {
 namespace {
 
 using test::cam;
@@ -227,4 +227,4 @@ TEST_F(CloseLoopTest, WithoutASolutionTheMapIsAsBefore) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::close_loop_test

@@ -11,7 +11,7 @@
 #include "tests/support/sim_map.h"
 
 // What one image says of two maps, until another one says the same. What follows from it is in decide_test.cpp.
-namespace coslam {
+namespace coslam::confirm_test {
 namespace {
 
 using test::cam;
@@ -190,4 +190,4 @@ TEST_F(ConfirmAtAWall, ThatAMapRepeatsItselfIsKnownOfTheMapItBecamePartOf) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::confirm_test

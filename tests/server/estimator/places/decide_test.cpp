@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::decide_test {
 namespace {
 
 using test::cam;
@@ -276,4 +276,4 @@ TEST_F(DecideOverAPlane, GroundThatRepeatsItselfDoesNot) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::decide_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace coslam {
+namespace coslam::depth_ratio_test {
 namespace {
 
 std::vector<double> ratios(std::size_t n, double sigma, std::mt19937* random) {
@@ -39,4 +39,4 @@ TEST(DepthRatio, AnOutlierInSixDoesNotMoveIt) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::depth_ratio_test

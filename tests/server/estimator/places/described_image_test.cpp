@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::described_image_test {
 namespace {
 
 using test::cam;
@@ -149,4 +149,4 @@ TEST(MeetLateTest, MapsMeetThoughDescriptorsComeLate) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::described_image_test

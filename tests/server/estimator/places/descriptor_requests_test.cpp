@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // What of the map and of other stages makes a request. How often one is made is in ask_test.cpp.
-namespace coslam {
+namespace coslam::descriptor_requests_test {
 namespace {
 
 using test::cam;
@@ -120,4 +120,4 @@ TEST_F(DescriptorRequestsTest, ACameraWithoutAMapDescribesAllItSees) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::descriptor_requests_test

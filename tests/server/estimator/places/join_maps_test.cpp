@@ -13,7 +13,7 @@
 #include "tests/support/sim_map.h"
 
 // Maps that are joined by their remembered images, without any camera running.
-namespace coslam {
+namespace coslam::join_maps_test {
 namespace {
 
 using test::cam;
@@ -157,4 +157,4 @@ TEST_F(JoinMapsApart, WhatLooksElsewhereStaysAMapOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::join_maps_test

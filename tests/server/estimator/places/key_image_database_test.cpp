@@ -14,7 +14,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::key_image_database_test {
 namespace {
 
 using test::cam;
@@ -128,4 +128,4 @@ TEST_F(PlaceMemoryTest, TellsWhoseMapsItRemembers) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::key_image_database_test

@@ -5,7 +5,7 @@
 #include "server/estimator/places/place_recognition.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::last_image_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -63,4 +63,4 @@ TEST_F(LastImageTest, OneOfARunBeforeIsNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::last_image_test

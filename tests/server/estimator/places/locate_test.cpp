@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::locate_test {
 namespace {
 
 using test::cam;
@@ -146,4 +146,4 @@ TEST_F(LocateTest, TwiceIsFromLooksAloneToAPose) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::locate_test

@@ -15,7 +15,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::offline_loops_test {
 namespace {
 
 using test::cam;
@@ -143,4 +143,4 @@ TEST_F(OfflineLoopsTest, ImagesOfOneVisitTellNothingNew) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::offline_loops_test

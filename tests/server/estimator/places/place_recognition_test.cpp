@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::place_recognition_test {
 namespace {
 
 using test::cam;
@@ -465,4 +465,4 @@ TEST_F(DriftTest, PointsThatDoNotAgreeMoveNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::place_recognition_test

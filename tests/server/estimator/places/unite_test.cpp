@@ -11,7 +11,7 @@
 #include "tests/support/map_fit.h"
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::unite_test {
 namespace {
 
 using test::cam;
@@ -184,4 +184,4 @@ TEST_F(UniteTest, ALoopThatCannotBeClosedChangesNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::unite_test

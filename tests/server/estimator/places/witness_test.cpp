@@ -8,7 +8,7 @@
 
 #include "common/geometry/rigid3.h"
 
-namespace coslam {
+namespace coslam::witness_test {
 namespace {
 
 const Witness kWitness{.set = SetId(90),
@@ -66,4 +66,4 @@ TEST(Witness, NotWhenItSaysSomethingElse) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::witness_test

@@ -7,7 +7,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::inter_pose_test {
 namespace {
 
 using test::PoseNear;
@@ -77,4 +77,4 @@ TEST_F(InterPoseTest, SwitchedOffTheCameraStaysLost) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::inter_pose_test

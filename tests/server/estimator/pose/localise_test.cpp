@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::localise_test {
 namespace {
 
 using test::PoseNear;
@@ -222,4 +222,4 @@ TEST_F(LocaliseTest, APastPoseFromTheTracksThatLive) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::localise_test

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::wide_search_test {
 namespace {
 
 using test::PoseNear;
@@ -97,4 +97,4 @@ TEST_F(FindAgainTest, PointsOnTrialAreNotLookedFor) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::wide_search_test

@@ -11,7 +11,7 @@
 #include "server/estimator/pose/localise.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::window_pose_test {
 namespace {
 
 constexpr CameraId kCam(0);
@@ -125,4 +125,4 @@ TEST_F(WindowPoseTest, SwitchedOffItDoesNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::window_pose_test

@@ -10,7 +10,7 @@
 
 #include "common/model/track_frame.h"
 
-namespace coslam {
+namespace coslam::appearance_test {
 namespace {
 
 using Descriptors = std::vector<std::uint8_t>;
@@ -79,4 +79,4 @@ TEST(AppearanceIndex, EmptyImagesAreHarmless) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::appearance_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::bundle_structure_test {
 namespace {
 
 // Problems at random: who sees what, what is fixed, tied, breathes or has a lens. Positions do not matter.
@@ -198,4 +198,4 @@ TEST(BundleStructureEmpty, NothingToSolveHasNoColumns) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bundle_structure_test

@@ -15,7 +15,7 @@
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::bundle_test {
 namespace {
 
 using test::looking;
@@ -420,4 +420,4 @@ TEST(BundleLongTest, AWholeRun) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bundle_test

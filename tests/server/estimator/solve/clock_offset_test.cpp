@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace coslam {
+namespace coslam::clock_offset_test {
 namespace {
 
 constexpr double kPrior_s = 0.02;
@@ -92,4 +92,4 @@ TEST(ClockOffsets, WithoutAnythingSeenAreUnknown) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::clock_offset_test

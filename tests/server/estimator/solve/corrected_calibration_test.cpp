@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace coslam {
+namespace coslam::corrected_calibration_test {
 namespace {
 
 LensCorrection correction(double scale = 1) {
@@ -47,4 +47,4 @@ TEST(CorrectedCalibrationTest, NothingWrongIsTheCalibrationItself) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::corrected_calibration_test

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::inter_pose_test {
 namespace {
 
 using test::PoseNear;
@@ -128,4 +128,4 @@ TEST_F(InterPoseSolve, APriorHoldsACameraThatLittleElseHolds) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::inter_pose_test

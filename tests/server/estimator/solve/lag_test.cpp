@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace coslam {
+namespace coslam::lag_test {
 namespace {
 
 using Where = std::function<Eigen::Vector3d(double)>;  // of a body, by time
@@ -89,4 +89,4 @@ TEST(Lag, TheyAgreeMostAtTheLagAndLessBothWays) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::lag_test

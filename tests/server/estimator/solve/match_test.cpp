@@ -15,7 +15,7 @@
 #include "tests/support/sim_world.h"
 
 // match_descriptors and place_camera.
-namespace coslam {
+namespace coslam::match_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -142,4 +142,4 @@ TEST(PlaceCamera, TheSameTwice) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::match_test

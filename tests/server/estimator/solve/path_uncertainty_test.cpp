@@ -11,7 +11,7 @@
 #include "common/geometry/alignment.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::path_uncertainty_test {
 namespace {
 
 constexpr double kSigmaPx = 0.5;
@@ -115,4 +115,4 @@ TEST(PathUncertainty, AgreeingObservationsAreThoseThatFit) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::path_uncertainty_test

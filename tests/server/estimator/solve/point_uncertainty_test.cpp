@@ -13,7 +13,7 @@
 #include "common/geometry/triangulation.h"
 #include "tests/support/sim_map.h"
 
-namespace coslam {
+namespace coslam::point_uncertainty_test {
 namespace {
 
 constexpr double kSigmaPx = 0.5;
@@ -105,4 +105,4 @@ TEST_F(PointUncertaintyTest, UnusedObservationsDoNotCount) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::point_uncertainty_test

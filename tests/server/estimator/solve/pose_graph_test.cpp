@@ -8,7 +8,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::pose_graph_test {
 namespace {
 
 using test::PoseNear;
@@ -136,4 +136,4 @@ TEST(PoseGraph, TwoGroupsMeetAndBothGiveWay) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::pose_graph_test

@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::relative_pose_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -158,4 +158,4 @@ TEST_F(RelativePoseTest, ManySpreadMatchesWithParallaxMakeTheBestPair) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::relative_pose_test

@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::reprojection_test {
 namespace {
 
 Vector6d random_tangent(std::mt19937& random, double most) {
@@ -144,4 +144,4 @@ TEST(TieTest, DerivativesNumerically) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::reprojection_test

@@ -13,7 +13,7 @@
 #include "tests/support/sim_tracker.h"
 
 // start_map and start_from_matches: the first map from images of one instant.
-namespace coslam {
+namespace coslam::start_map_test {
 namespace {
 
 using test::looking;
@@ -280,4 +280,4 @@ TEST(StartMap, WithoutARigNothingIsMetric) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::start_map_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::tag_size_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -134,4 +134,4 @@ TEST_F(TagSizes, FollowsTheScaleOfTheMap) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::tag_size_test

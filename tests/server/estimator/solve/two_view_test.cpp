@@ -11,7 +11,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace coslam {
+namespace coslam::two_view_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -134,4 +134,4 @@ TEST(TwoViewMotion, ThereIsNoneOfTooFew) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::two_view_test

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/sim_world.h"
 
-namespace coslam {
+namespace coslam::window_test {
 namespace {
 
 using test::PoseNear;
@@ -192,4 +192,4 @@ TEST(PlaceOf, WhatIsBehindIsNoStart) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::window_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::admission_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -142,4 +142,4 @@ TEST_F(AdmissionTest, RoomIsBoundedAndThatOfGoneAgentsIsReused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::admission_test

@@ -15,7 +15,7 @@
 #include "tests/server/fleet/link/speech.h"
 #include "tests/support/planner.h"
 
-namespace coslam {
+namespace coslam::dds_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -325,4 +325,4 @@ TEST_F(DdsLinkTest, TheInlineLinkCarriesTheSameBitsAndBytes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::dds_link_test

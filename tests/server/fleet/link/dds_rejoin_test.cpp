@@ -11,7 +11,7 @@
 #include "common/base/error.h"
 #include "tests/server/fleet/link/speech.h"
 
-namespace coslam {
+namespace coslam::dds_rejoin_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -189,4 +189,4 @@ TEST_F(DdsRejoinTest, OfTwoServersThatStartTogetherOneStepsBack) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::dds_rejoin_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::frame_joiner_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -210,4 +210,4 @@ TEST_F(FrameJoinerTest, AFloodIsBounded) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::frame_joiner_test

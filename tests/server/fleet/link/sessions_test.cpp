@@ -11,7 +11,7 @@
 #include "common/wire/codec.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::sessions_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -234,4 +234,4 @@ TEST_F(SessionsTest, AThumbnailIsTakenFromTheRunThatWasAsked) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::sessions_test

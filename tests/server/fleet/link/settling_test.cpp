@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::settling_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -41,4 +41,4 @@ TEST_F(SettlingTest, StaysWhenAnotherComesLater) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::settling_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::speakers_test {
 namespace {
 
 // The last octet tells the writers of a process from each other.
@@ -41,4 +41,4 @@ TEST(SpeakersTest, WhoIsGoneMayComeBack) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::speakers_test

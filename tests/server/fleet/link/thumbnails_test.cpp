@@ -6,7 +6,7 @@
 
 #include <chrono>
 
-namespace coslam {
+namespace coslam::thumbnails_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -50,4 +50,4 @@ TEST(Thumbnails, AreForgottenAfterFiveSeconds) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::thumbnails_test

@@ -10,7 +10,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::recorded_event_test {
 namespace {
 
 using test::expect_same;
@@ -159,4 +159,4 @@ TEST(RecordedHead, TrustsNothing) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_event_test

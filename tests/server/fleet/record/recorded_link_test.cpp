@@ -16,7 +16,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::recorded_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -210,4 +210,4 @@ TEST_F(RecordedLinkTest, OrTheMachinesTimesARate) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recorded_link_test

@@ -11,7 +11,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::recording_file_test {
 namespace {
 
 using test::error_of;
@@ -138,4 +138,4 @@ TEST_F(RecordingFile, NeverOverwrites) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recording_file_test

@@ -14,7 +14,7 @@
 #include "tests/support/wire_equal.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::recording_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -153,4 +153,4 @@ TEST_F(RecordingLinkTest, NoRoomAtAllIsSaidAtTheStart) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recording_link_test

@@ -8,7 +8,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::recording_test {
 namespace {
 
 using test::error_of;
@@ -69,4 +69,4 @@ TEST_F(RecordingTest, NeedsItsHead) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::recording_test

@@ -13,7 +13,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::repeated_link_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -188,4 +188,4 @@ TEST_F(RepeatedLinkTest, ARecordingWithoutFramesIsRefused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::repeated_link_test

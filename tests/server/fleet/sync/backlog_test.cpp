@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-namespace coslam {
+namespace coslam::backlog_test {
 namespace {
 
 using testing::ElementsAre;
@@ -75,4 +75,4 @@ TEST_F(BacklogTest, WhatWasAskedForRidesWithTheNextFrameOfItsAgent) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::backlog_test

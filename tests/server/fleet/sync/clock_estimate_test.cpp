@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace coslam {
+namespace coslam::clock_estimate_test {
 namespace {
 
 constexpr TimeNs kUtc_ns = 1'700'000'000'000'000'000;
@@ -91,4 +91,4 @@ TEST_F(ClockEstimateTest, LeavesNonsenseOut) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::clock_estimate_test

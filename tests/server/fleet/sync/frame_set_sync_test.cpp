@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace coslam {
+namespace coslam::frame_set_sync_test {
 namespace {
 
 using testing::ElementsAre;
@@ -324,4 +324,4 @@ TEST_F(SyncTest, AnAgentThatRestartsBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::frame_set_sync_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::image_tally_test {
 namespace {
 
 AgentStatus said(std::uint32_t sent, std::uint32_t not_sent, std::uint32_t left_out) {
@@ -103,4 +103,4 @@ TEST_F(ImageTallyTest, WhatIsUnderWayIsNotLost) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::image_tally_test

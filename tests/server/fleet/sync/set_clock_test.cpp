@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::set_clock_test {
 namespace {
 
 constexpr CameraId kA(0), kB(1);
@@ -91,4 +91,4 @@ TEST_F(SetClockTest, AFrameOfBeforeTheLastSetIsLate) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::set_clock_test

@@ -12,7 +12,7 @@
 #include <map>
 #include <random>
 
-namespace coslam {
+namespace coslam::stamp_watch_test {
 namespace {
 
 using testing::HasSubstr;
@@ -234,4 +234,4 @@ TEST(StampWatchRates, TenTimesTheAnnouncedRateIsThinned) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::stamp_watch_test

@@ -5,7 +5,7 @@
 #include "tests/server/keep/explain/story.h"
 
 // Restarts, findings about images, and maps of others. A whole life is in explain_test.cpp.
-namespace coslam::explain {
+namespace coslam::explain::camera_life_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -68,4 +68,4 @@ TEST_F(CameraLife, WhatComesToItsMapIsTold) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::camera_life_test

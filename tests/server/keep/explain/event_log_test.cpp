@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::explain {
+namespace coslam::explain::event_log_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -84,4 +84,4 @@ TEST_F(EventLogTest, AnEventNamesWhatItIsAbout) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::event_log_test

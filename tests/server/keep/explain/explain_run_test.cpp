@@ -13,7 +13,7 @@
 #include "tests/support/sim_run.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::explain {
+namespace coslam::explain::explain_run_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -140,4 +140,4 @@ TEST_F(ExplainedRun, EveryCameraIsWhereTheMapHasIt) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::explain_run_test

@@ -11,7 +11,7 @@
 #include "tests/server/keep/explain/story.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam::explain {
+namespace coslam::explain::explain_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -298,4 +298,4 @@ TEST_F(Answers, RefuseWhatNobodyKnows) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::explain_test

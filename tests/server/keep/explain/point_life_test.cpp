@@ -7,7 +7,7 @@
 #include "tests/server/keep/explain/story.h"
 
 // Lives that are cut off, short or impossible. Those of whole runs are in explain_test.cpp.
-namespace coslam::explain {
+namespace coslam::explain::point_life_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -79,4 +79,4 @@ TEST_F(PointLife, APointThatBecamePartOfItselfHasAnEnd) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::point_life_test

@@ -7,7 +7,7 @@
 #include "tests/server/keep/explain/story.h"
 
 // Beginnings and ends, and what befell the point meanwhile. The states of a track are in explain_test.cpp.
-namespace coslam::explain {
+namespace coslam::explain::track_life_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST_F(TrackLife, TracksOfTwoCamerasMayHaveOneNumber) {
 }
 
 }  // namespace
-}  // namespace coslam::explain
+}  // namespace coslam::explain::track_life_test

@@ -10,7 +10,7 @@
 #include "server/estimator/map/edit.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::event_store_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -134,4 +134,4 @@ TEST_F(EventStoreTest, SwitchedOffMakesNoFile) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::event_store_test

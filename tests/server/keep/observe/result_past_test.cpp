@@ -10,7 +10,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::result_past_test {
 namespace {
 
 using testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST(ResultPast, KeepsLivePosesAndObjects) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::result_past_test

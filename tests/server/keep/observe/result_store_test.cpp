@@ -15,7 +15,7 @@
 #include "tests/support/sim_run.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::result_store_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -153,4 +153,4 @@ TEST_F(ResultStoreTest, AFullDiskCostsOnlyWhatHasNoRoom) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::result_store_test

@@ -8,7 +8,7 @@
 #include "common/dataset/result_folder.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::run_folder_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -58,4 +58,4 @@ TEST(RunFolder, SaysWhyItCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::run_folder_test

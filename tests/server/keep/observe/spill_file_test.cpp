@@ -11,7 +11,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::spill_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -112,4 +112,4 @@ TEST(SpillFile, OnAFullDiskNothingIsLostAndWritingGoesOnLater) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::spill_file_test

@@ -10,7 +10,7 @@
 #include "tests/support/sim_map.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::track_store_test {
 namespace {
 
 constexpr CameraId kCam0(0);
@@ -89,4 +89,4 @@ TEST_F(TrackStoreTest, AFullDiskLeavesTheFileAsItWas) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::track_store_test

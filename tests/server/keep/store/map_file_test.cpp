@@ -14,7 +14,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::map_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -260,4 +260,4 @@ TEST_F(MapFileTest, GivesRoomBack) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::map_file_test

@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::saver_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -102,4 +102,4 @@ TEST(Saver, EndsThoughTheDiskStaysFull) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::saver_test

@@ -21,7 +21,7 @@
 #include "tests/support/test_domain.h"
 #include "tests/support/wire_values.h"
 
-namespace coslam {
+namespace coslam::bridge_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -169,4 +169,4 @@ TEST_F(BridgeTest, WhatCanNeverWorkIsRefused) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::bridge_test

@@ -10,7 +10,7 @@
 
 #include "common/ros/cdr.h"
 
-namespace coslam {
+namespace coslam::px4_odometry_test {
 namespace {
 
 constexpr TimeNs kFrame_ns = 33'333'333;
@@ -244,4 +244,4 @@ TEST(MapLevel, TheUprightAxesAreAheadLeftAndUp) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::px4_odometry_test

@@ -7,7 +7,7 @@
 #include "common/ros/cdr.h"
 #include "common/ros/std_messages.h"
 
-namespace coslam {
+namespace coslam::ros_topics_test {
 namespace {
 
 TEST(RosTopics, HaveTheNamesThatNodesGiveThem) {
@@ -42,4 +42,4 @@ TEST(RosTopics, WhatIsNotKnownIsNotHandedOn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ros_topics_test

@@ -6,7 +6,7 @@
 
 #include "server/estimator/map/edit.h"
 
-namespace coslam {
+namespace coslam::event_feed_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -117,4 +117,4 @@ TEST_F(HappeningsTest, GroupsMergeAndSplit) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::event_feed_test

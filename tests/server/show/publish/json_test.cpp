@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace coslam {
+namespace coslam::json_test {
 namespace {
 
 using nlohmann::json;
@@ -154,4 +154,4 @@ TEST(JsonSchemas, AreJsonThatNamesEveryKey) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::json_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/sim_run.h"
 
-namespace coslam {
+namespace coslam::main_map_test {
 namespace {
 
 // Looks to its side, at nothing that a camera on the other side sees.
@@ -62,4 +62,4 @@ TEST(MainMap, GoesWithTheMapThatItBecamePartOf) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::main_map_test

@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-namespace coslam {
+namespace coslam::metrics_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -58,4 +58,4 @@ TEST(Metrics, CountEveryLoss) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::metrics_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::names_test {
 namespace {
 
 TEST(RosNames, KeepsWhatIsGoodAndReplacesTheRest) {
@@ -31,4 +31,4 @@ TEST(Frames, MapsThatHaveNotMetHaveRootsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::names_test

@@ -8,7 +8,7 @@
 
 #include "common/ros/convert.h"
 
-namespace coslam {
+namespace coslam::odom_frames_test {
 namespace {
 
 // A walk along a curve, in a map.
@@ -78,4 +78,4 @@ TEST(OdomFrames, StandsStillWhereNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::odom_frames_test

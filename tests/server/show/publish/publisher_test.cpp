@@ -12,7 +12,7 @@
 #include "common/ros/messages.h"
 #include "common/ros/type.h"
 
-namespace coslam {
+namespace coslam::publisher_test {
 namespace {
 
 using nlohmann::json;
@@ -289,4 +289,4 @@ TEST_F(PublisherTest, EventsAndImagePlanes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::publisher_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::rates_test {
 namespace {
 
 struct Sums {
@@ -65,4 +65,4 @@ TEST(Rates, TheTimeOfAFrameSetIsThatOfTheNewestOnes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::rates_test

@@ -10,7 +10,7 @@
 
 #include "common/ros/convert.h"
 
-namespace coslam {
+namespace coslam::ros_messages_test {
 namespace {
 
 constexpr double kUnknown = 1e5;  // variances beyond it say that nobody knows
@@ -131,4 +131,4 @@ TEST(MovingMessages, AnEmptyInstantHasEmptyMessages) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::ros_messages_test

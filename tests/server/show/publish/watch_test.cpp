@@ -7,7 +7,7 @@
 #include "tests/support/sim_map.h"
 #include "tests/support/sim_run.h"
 
-namespace coslam {
+namespace coslam::watch_test {
 namespace {
 
 LoopFacts facts_of(const Map& map) {
@@ -194,4 +194,4 @@ TEST(Snapshot, ANewerOneReplacesParts) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::watch_test

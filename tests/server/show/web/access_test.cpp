@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::access_test {
 namespace {
 
 TEST(Access, WithATokenWhoeverKnowsItMayRead) {
@@ -38,4 +38,4 @@ TEST(Access, TokensAreDrawn) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::access_test

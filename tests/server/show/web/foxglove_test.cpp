@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace coslam {
+namespace coslam::foxglove_test {
 namespace {
 
 using nlohmann::json;
@@ -70,4 +70,4 @@ TEST(Foxglove, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::foxglove_test

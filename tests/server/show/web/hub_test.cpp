@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace coslam {
+namespace coslam::hub_test {
 namespace {
 
 using nlohmann::json;
@@ -124,4 +124,4 @@ TEST_F(HubTest, AnswersWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::hub_test

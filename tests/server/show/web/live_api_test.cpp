@@ -11,7 +11,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::live_api_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -156,4 +156,4 @@ TEST_F(LiveApiTest, ExplainsFromTheResult) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::live_api_test

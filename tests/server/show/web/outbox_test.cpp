@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::outbox_test {
 namespace {
 
 ChannelPtr channel(const std::string& topic, std::size_t keep = 0) {
@@ -85,4 +85,4 @@ TEST(Outbox, WhoeverAsksForMoreAnswersThanItReadsIsTold) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::outbox_test

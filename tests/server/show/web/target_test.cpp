@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace coslam {
+namespace coslam::target_test {
 namespace {
 
 TEST(Target, PathAndQuery) {
@@ -49,4 +49,4 @@ TEST(Target, NothingClimbsOut) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::target_test

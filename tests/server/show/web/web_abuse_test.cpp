@@ -10,7 +10,7 @@
 #include "tests/server/show/web/web_client.h"
 #include "tests/support/eventually.h"
 
-namespace coslam {
+namespace coslam::web_abuse_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -179,4 +179,4 @@ TEST(WebAbuse, ASlowViewerLosesOldMessagesAndGetsNewOnes) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::web_abuse_test

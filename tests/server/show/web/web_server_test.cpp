@@ -11,7 +11,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/temp_folder.h"
 
-namespace coslam {
+namespace coslam::web_server_test {
 namespace {
 
 using test::http_get;
@@ -177,4 +177,4 @@ TEST(WebServer, AnswersMayComeFromElsewhereAndTooLate) {
 }
 
 }  // namespace
-}  // namespace coslam
+}  // namespace coslam::web_server_test
