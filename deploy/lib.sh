@@ -39,6 +39,9 @@ build_dir() {
   esac
 }
 
+# The sysroot of arm64 that deploy/sysroot.sh makes.
+sysroot_dir() { printf '%s\n' "${COSLAM_SYSROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/coslam-arm64}"; }
+
 # Parallel compilers: one a core, but no more than the free memory feeds (1.5 GiB each).
 build_jobs() {
   local jobs free_kib

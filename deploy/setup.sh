@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
-# deploy/setup.sh [--lint] [--test] [--browser] [--package] [--fuzz] [--list]
+# deploy/setup.sh [--lint] [--test] [--browser] [--package] [--fuzz] [--arm64] [--list]
 #
 # Installs the Debian packages of deploy/packages.txt that are missing; does nothing when there are none.
 #   --lint      also those that the format, layer and lint checks need
@@ -9,6 +9,7 @@
 #   --browser   also the browser that the page is tested in (300 MB)
 #   --package   also those that packages are made and checked with
 #   --fuzz      also the compiler that fuzzers are built with
+#   --arm64     also those that deploy/build.sh --arch arm64 needs: compiler, emulator, what makes the sysroot
 #   --list      only print the names of the missing packages
 # Without npm, for the page, the browser, the compiler of fuzzers and the other programs all else works: if they cannot be
 # had, it says so and goes on.
@@ -28,6 +29,7 @@ while [[ $# -gt 0 ]]; do
     --browser) command -v chromium >/dev/null || optional+=(browser) ;;
     --package) sets+=(package) ;;
     --fuzz) optional+=(fuzz) ;;
+    --arm64) sets+=(arm64) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;

@@ -36,6 +36,8 @@ if(COSLAM_UNITY)
   list(APPEND warnings -Wno-subobject-linkage)  # GCC takes each file but the first for a header
 endif()
 target_compile_options(coslam_options INTERFACE "$<BUILD_INTERFACE:${warnings}>")
+# Every processor computes the same: no product is added without being rounded first, and char has a sign.
+target_compile_options(coslam_options INTERFACE "$<BUILD_INTERFACE:-ffp-contract=off;-fsigned-char>")
 if(COSLAM_WERROR)
   target_compile_options(coslam_options INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()

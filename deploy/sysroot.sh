@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The CoSLAM authors
+# SPDX-License-Identifier: Apache-2.0
+# deploy/sysroot.sh [--force]
+#
+# Makes the sysroot that deploy/build.sh --arch arm64 builds against: the libraries of deploy/packages.txt of Debian 12 for
+# arm64, unpacked into a folder of their own (1.4 GB). The packages of this machine stay as they are, and nothing of arm64
+# is run. Does nothing when the sysroot has what is needed.
+#   --force   makes it again
+# COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR source=lib.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
+
+force=no
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --force) force=yes ;;
+    -h | --help) show_help && exit 0 ;;
+    *) die_usage "unknown option '$1'" ;;
+  esac
+  shift
+done
+
+sysroot=$(sysroot_dir)
+# Libraries and headers of the sets that programs are built and run with.
+wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print $1 }' \
+  "$root/deploy/packages.txt" | sort | paste --serial --delimiters=,)
+note=$sysroot/coslam-packages
+if [[ $force == no && -f $note && $(<"$note") == "$wanted" ]]; then
+  step "sysroot: all packages are there"
+  exit 0
+fi
+command -v mmdebstrap >/dev/null || die "there is no mmdebstrap: deploy/setup.sh --arm64 installs it"
+
+step "sysroot: Debian 12 for arm64, in $sysroot"
+mkdir -p -- "$(dirname -- "$sysroot")"
+made=$(mktemp -d -- "$sysroot.XXXXXX")
+# shellcheck disable=SC2064  # the folder of now
+trap "rm -rf --one-file-system -- '$made'" EXIT
+mmdebstrap --quiet --mode="$([[ $EUID -eq 0 ]] && echo root || echo unshare)" --variant=extract --architectures=arm64 \
+  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="$wanted" bookworm "$made/tree.tar" \
+  "${COSLAM_MIRROR:-http://deb.debian.org/debian}" || die "mmdebstrap could not get the packages: it says why above"
+mkdir -- "$made/tree"
+tar --extract --file="$made/tree.tar" --directory="$made/tree" --exclude='./dev/*' --no-same-owner
+rm -- "$made/tree.tar"
+
+# Links that begin at the top would leave the sysroot.
+while IFS= read -r -d '' link; do
+  to=$(readlink -- "$link")
+  [[ -e $made/tree$to ]] || continue
+  ln --symbolic --force --no-dereference --relative -- "$made/tree$to" "$link"
+done < <(find "$made/tree" -type l -lname '/*' -print0)
+
+# The BLAS and LAPACK that Debian's own scripts would have chosen.
+libraries=$made/tree/usr/lib/aarch64-linux-gnu
+for name in libopenblas.so.0 libblas.so.3 liblapack.so.3; do
+  [[ -e $libraries/openblas-serial/$name ]] || die "the packages have no $name"
+  ln --symbolic --force -- "openblas-serial/$name" "$libraries/$name"
+done
+ln --symbolic --force -- libblas.so.3 "$libraries/libblas.so"
+ln --symbolic --force -- liblapack.so.3 "$libraries/liblapack.so"
+# CMake files of packages that name libraries from the top of the file system.
+find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
+  sed --in-place --regexp-extended 's:(["; ])/usr/(lib|include|share):\1${CMAKE_SYSROOT}/usr/\2:g' {} +
+printf '%s\n' "$wanted" >"$made/tree/coslam-packages"
+chmod 755 -- "$made/tree"
+rm -rf --one-file-system -- "$sysroot"
+mv -- "$made/tree" "$sysroot"
