@@ -125,7 +125,8 @@ EXCEPTIONS = {
     ("common/base/log.cpp", "nlohmann/json.hpp"): "escapes what a line of JSON says",
     ("common/base/metrics.cpp", "sys/resource.h"): "peak memory of the process",
     ("common/base/text.cpp", "ctime"): "a date as text; reads no clock",
-    ("agent/track/kernels_avx2.cpp", "immintrin.h"): "the vector unit's own instructions",
+    ("agent/track/lanes_avx2.h", "immintrin.h"): "the vector unit's own instructions",
+    ("agent/track/lanes_neon.h", "arm_neon.h"): "the same",
 }
 
 TOP = ["common", "agent", "server", "deploy", "tests", "docs", "idl"]

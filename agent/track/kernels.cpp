@@ -128,6 +128,11 @@ WarpedSums warped(const WarpedSample& first, Values grey, Values dx, Values dy) 
           .row_dy = dot(by_row, dy)};
 }
 
+const Kernels*& kernels_in_use() {
+  static const Kernels* in_use = vector_kernels() != nullptr ? vector_kernels() : &portable_kernels();
+  return in_use;
+}
+
 }  // namespace
 
 const Kernels& portable_kernels() {
@@ -135,9 +140,8 @@ const Kernels& portable_kernels() {
   return kPortable;
 }
 
-const Kernels& kernels() {
-  static const Kernels& best = avx2_kernels() != nullptr ? *avx2_kernels() : portable_kernels();
-  return best;
-}
+const Kernels& kernels() { return *kernels_in_use(); }
+
+void use_kernels(const Kernels& chosen) { kernels_in_use() = &chosen; }
 
 }  // namespace coslam

@@ -60,8 +60,10 @@ struct Kernels {  // templates: kWindowArea values each
 };
 
 const Kernels& portable_kernels();
-const Kernels* avx2_kernels();  // null where they are not built, or this processor has no AVX2
+const Kernels* vector_kernels();  // by AVX2 or NEON; null where this processor has neither
 // The best that this processor can do.
 const Kernels& kernels();
+// Has kernels() give these, for comparisons: before anything is tracked.
+void use_kernels(const Kernels& chosen);
 
 }  // namespace coslam
