@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "common/base/log.h"
-#include "common/wire/chained_transport.h"
 
 namespace coslam {
 namespace {
@@ -37,22 +36,22 @@ class GuardedTransport : public ChainedTransport<GuardedDescriptor> {
   // A seal for each destination: who is reached in two ways would take the second datagram for a replay. Debian's build
   // writes statistics into the end of what it sends, just before it does: not into sealed ones, where the first octet
   // of its empty statistics is not at its place.
-  bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
-            rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
-    thread_local std::vector<std::uint8_t> sealed;
+  bool forward(const Outgoing& datagram, rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end) override {
+    thread_local std::vector<std::uint8_t> room, sealed;
     thread_local std::vector<rtps::Locator> destination;
+    const std::span<const rtps::octet> octets = datagram.octets(room);
     bool sent = true;
     for (; *begin != *end; ++*begin) {
       destination.assign(1, **begin);
       rtps::Locators first(destination.cbegin()), last(destination.cend());
-      sealer_.seal({data, size}, sealed);
-      sent &= carrier->send(sealed.data(), static_cast<std::uint32_t>(sealed.size()), &first, &last, timeout);
+      sealer_.seal(octets, sealed);
+      sent &= datagram.send(sealed, &first, &last);
     }
     return sent;
   }
 
   // On several threads of the middleware.
-  void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
+  void receive(rtps::TransportReceiverInterface* receiver, const rtps::octet* data, std::uint32_t size,
                const rtps::Locator& local, const rtps::Locator& remote) override {
     const Opened opened = opener_.open({data, size});
     if (!opened.refused) {
@@ -64,7 +63,7 @@ class GuardedTransport : public ChainedTransport<GuardedDescriptor> {
   }
 
  private:
-  void complain(std::span<const octet> datagram, const rtps::Locator& remote) {
+  void complain(std::span<const rtps::octet> datagram, const rtps::Locator& remote) {
     constexpr std::string_view kUnsealed = "RTPS";
     const bool unsealed = std::ranges::equal(datagram.first(std::min(datagram.size(), kUnsealed.size())), kUnsealed);
     {
@@ -72,7 +71,7 @@ class GuardedTransport : public ChainedTransport<GuardedDescriptor> {
       if (!(unsealed ? of_no_key_ : of_another_key_).pass()) return;
     }
     log_warn("datagrams " + std::string(unsealed ? "without a key" : "with another key than the fleet's") +
-             " arrive, the last one from " + IPLocator::toIPv4string(remote) +
+             " arrive, the last one from " + rtps::IPLocator::toIPv4string(remote) +
              "; refused so far: " + std::to_string(descriptor_.refused[Rejection::kUnauthentic]));
   }
 

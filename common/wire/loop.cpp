@@ -26,7 +26,7 @@ namespace {
 
 WriterId id_of(const dds::InstanceHandle_t& handle) {
   WriterId id;
-  std::copy_n(static_cast<const eprosima::fastrtps::rtps::octet*>(handle.value), id.guid.size(), id.guid.begin());
+  std::copy_n(static_cast<const rtps::octet*>(handle.value), id.guid.size(), id.guid.begin());
   return id;
 }
 
@@ -43,7 +43,7 @@ class PresenceNotes : public dds::DataReaderListener {
 
   int writers() const { return writers_; }
 
-  void on_liveliness_changed(dds::DataReader*, const eprosima::fastrtps::LivelinessChangedStatus& s) override {
+  void on_liveliness_changed(dds::DataReader*, const dds::LivelinessChangedStatus& s) override {
     if (s.not_alive_count_change > 0) note(s.last_publication_handle, Presence::kSilent);
     if (s.alive_count_change > 0) note(s.last_publication_handle, Presence::kAlive);
   }
@@ -106,7 +106,7 @@ class Source {
 
   void take_samples() {
     dds::SampleInfo info;
-    while (reader_->take_next_sample(inlet_->place(), &info) == ReturnCode_t::RETCODE_OK) {
+    while (reader_->take_next_sample(inlet_->place(), &info) == kTaken) {
       if (!info.valid_data) continue;
       const std::uint64_t bytes = participant_.cost(inlet_->bytes());
       auto& counts = participant_.counts[topic_];

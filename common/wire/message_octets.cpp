@@ -2,38 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/message_octets.h"
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
 #include <exception>
-#include <string>
+
+#include "common/wire/middleware.h"
 
 namespace coslam {
 
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
-
 template <class Message>
 std::vector<std::uint8_t> octets_of(const Message& message) {
-  std::vector<std::uint8_t> octets(Message::getCdrSerializedSize(message));
-  FastBuffer buffer(reinterpret_cast<char*>(octets.data()), octets.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS);
-  message.serialize(cdr);
-  octets.resize(cdr.getSerializedDataLength());
+  std::vector<std::uint8_t> octets(cdr_bytes(message));
+  octets.resize(write_cdr(message, octets));
   return octets;
 }
 
 template <class Message>
 bool read_octets(std::span<const std::uint8_t> octets, Message& message) {
-  std::string copy(octets.begin(), octets.end());  // the reader's interface asks for what may be written
-  FastBuffer buffer(copy.data(), copy.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS);
+  std::vector<std::uint8_t> copy(octets.begin(), octets.end());  // the reader's interface asks for what may be written
   try {
-    message.deserialize(cdr);
+    return read_cdr(copy, message) == octets.size();
   } catch (const std::exception&) {  // of several kinds, see Guarded in serialisers.cpp
     return false;
   }
-  return cdr.getSerializedDataLength() == octets.size();
+}
+
+template <class Message>
+std::size_t sample_bytes(const Message& message) {
+  constexpr std::size_t kEncapsulation = 4;
+  return cdr_bytes(message) + kEncapsulation;
 }
 
 template std::vector<std::uint8_t> octets_of(const idl::Hello&);
@@ -46,5 +41,19 @@ template bool read_octets(std::span<const std::uint8_t>, idl::TrackFrame&);
 template bool read_octets(std::span<const std::uint8_t>, idl::PatchReply&);
 template bool read_octets(std::span<const std::uint8_t>, idl::DescriptorReply&);
 template bool read_octets(std::span<const std::uint8_t>, idl::AgentStatus&);
+
+template std::size_t sample_bytes(const idl::Hello&);
+template std::size_t sample_bytes(const idl::TrackFrame&);
+template std::size_t sample_bytes(const idl::PatchReply&);
+template std::size_t sample_bytes(const idl::DescriptorReply&);
+template std::size_t sample_bytes(const idl::AgentStatus&);
+template std::size_t sample_bytes(const idl::MapPatch&);
+template std::size_t sample_bytes(const idl::MovingState&);
+template std::size_t sample_bytes(const idl::AgentPose&);
+template std::size_t sample_bytes(const idl::AgentImages&);
+template std::size_t sample_bytes(const idl::ThumbnailRequest&);
+template std::size_t sample_bytes(const idl::Thumbnail&);
+template std::size_t sample_bytes(const idl::PublicSample&);
+template std::size_t sample_bytes(const idl::ServerStatus&);
 
 }  // namespace coslam

@@ -160,10 +160,8 @@ using SelectedTypes = decltype(selected<kCondition, Excluded...>(kMessageTypes))
 std::string partition_of(RunId agent_run);  // "run-" and 16 hex digits
 constexpr const char* kAllRuns = "run-*";   // for readers: the partitions of all
 
-// Size of the serialized sample, encapsulation header included.
+// Size of the serialized sample, encapsulation header included. Message: one of the list.
 template <class Message>
-std::size_t sample_bytes(const Message& message) {
-  return Message::getCdrSerializedSize(message) + 4;
-}
+std::size_t sample_bytes(const Message& message);
 
 }  // namespace coslam

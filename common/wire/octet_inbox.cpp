@@ -99,7 +99,7 @@ OctetInbox::~OctetInbox() {
 
 std::optional<TimeNs> OctetInbox::take(OnOctets read) {
   dds::SampleInfo info;
-  while (impl_->reader->take_next_sample(&read, &info) == ReturnCode_t::RETCODE_OK) {
+  while (impl_->reader->take_next_sample(&read, &info) == kTaken) {
     impl_->count(info);
     if (info.valid_data) return info.reception_timestamp.to_ns();
   }

@@ -38,7 +38,7 @@ OctetWriter::~OctetWriter() {
   impl_->participant.participant->delete_publisher(impl_->publisher);
 }
 
-bool OctetWriter::write(std::span<const std::uint8_t> octets) { return impl_->writer->write(&octets); }
+bool OctetWriter::write(std::span<const std::uint8_t> octets) { return write_sample(*impl_->writer, &octets); }
 
 int OctetWriter::readers() const {
   dds::PublicationMatchedStatus status;
@@ -53,7 +53,7 @@ struct OctetReader::Impl : dds::DataReaderListener {
     std::vector<std::uint8_t> octets;
     OnOctets copy = [&](std::span<const std::uint8_t> sample) { octets.assign(sample.begin(), sample.end()); };
     dds::SampleInfo info;
-    while (from->take_next_sample(&copy, &info) == ReturnCode_t::RETCODE_OK) {
+    while (from->take_next_sample(&copy, &info) == kTaken) {
       if (info.valid_data) on_sample(octets);
     }
   }

@@ -10,37 +10,33 @@
 namespace coslam {
 namespace {
 
-using eprosima::fastrtps::rtps::SerializedPayload_t;
+using Octets = std::span<const std::uint8_t>;
 
-class OctetType : public dds::TopicDataType {
+class OctetType : public SampleType {
  public:
-  explicit OctetType(const std::string& name) {
-    setName(name.c_str());
-    m_typeSize = 4096;  // nominal: histories grow as samples need
-    m_isGetKeyDefined = false;
-    auto_fill_type_information(false);
-    auto_fill_type_object(false);
-  }
+  explicit OctetType(const std::string& name) : SampleType(name, kNominalBytes) {}
 
-  bool serialize(void* data, SerializedPayload_t* payload) override {
-    const auto& octets = *static_cast<std::span<const std::uint8_t>*>(data);
-    if (octets.size() > payload->max_size) return false;
-    std::memcpy(payload->data, octets.data(), octets.size());
-    payload->length = static_cast<std::uint32_t>(octets.size());
-    payload->encapsulation = CDR_LE;
+ private:
+  static constexpr std::uint32_t kNominalBytes = 4096;
+
+  std::uint32_t bytes_of(const void* sample) const override {
+    return static_cast<std::uint32_t>(static_cast<const Octets*>(sample)->size());
+  }
+  bool write(const void* sample, rtps::SerializedPayload_t& payload) const override {
+    const auto& octets = *static_cast<const Octets*>(sample);
+    if (octets.size() > payload.max_size) return false;
+    std::memcpy(payload.data, octets.data(), octets.size());
+    payload.length = static_cast<std::uint32_t>(octets.size());
+    payload.encapsulation = CDR_LE;
     return true;
   }
-  bool deserialize(SerializedPayload_t* payload, void* data) override {
-    const auto& read = *static_cast<OnOctets*>(data);
-    if (read) read({payload->data, payload->length});
+  bool read(const rtps::SerializedPayload_t& payload, void* sample) const override {
+    const auto& on_octets = *static_cast<OnOctets*>(sample);
+    if (on_octets) on_octets({payload.data, payload.length});
     return true;
   }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<std::span<const std::uint8_t>*>(data)->size()); };
-  }
-  void* createData() override { return new OnOctets; }
-  void deleteData(void* data) override { delete static_cast<OnOctets*>(data); }
-  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
+  void* make_sample() const override { return new OnOctets; }
+  void delete_sample(void* sample) const override { delete static_cast<OnOctets*>(sample); }
 };
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/wire/addresses.h"
-#include "common/wire/chained_transport.h"
 
 namespace coslam {
 namespace {
@@ -23,9 +22,9 @@ struct OwnHostDescriptor : ChainedDescriptor {
 class OwnAddresses {
  public:
   bool has(const rtps::Locator& locator) const {
-    constexpr octet kLoopback = 127;
-    if (IPLocator::getIPv4(locator)[0] == kLoopback) return true;
-    const std::string address = IPLocator::toIPv4string(locator);
+    constexpr rtps::octet kLoopback = 127;
+    if (rtps::IPLocator::getIPv4(locator)[0] == kLoopback) return true;
+    const std::string address = rtps::IPLocator::toIPv4string(locator);
     const std::lock_guard lock(mutex_);
     if (known_.contains(address)) return true;
     const auto now = Clock::now();
@@ -46,23 +45,22 @@ class OwnHostTransport : public ChainedTransport<OwnHostDescriptor> {
  public:
   explicit OwnHostTransport(const OwnHostDescriptor& descriptor) : ChainedTransport(descriptor) {}
 
-  bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
-            rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
-    return carrier->send(data, size, begin, end, timeout);
+  bool forward(const Outgoing& datagram, rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end) override {
+    return datagram.send(begin, end);
   }
   // On several threads of the middleware.
-  void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
+  void receive(rtps::TransportReceiverInterface* receiver, const rtps::octet* data, std::uint32_t size,
                const rtps::Locator& local, const rtps::Locator& remote) override {
     if (own_addresses_.has(remote)) receiver->OnDataReceived(data, size, local, remote);
   }
 
-  bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result) const override {
-    rtps::Locator near = remote;
-    if (own_addresses_.has(remote)) IPLocator::setIPv4(near, "127.0.0.1");
-    return ChainedTransport::transform_remote_locator(near, result);
+ private:
+  rtps::Locator reached_at(const rtps::Locator& announced) const override {
+    rtps::Locator near = announced;
+    if (own_addresses_.has(announced)) rtps::IPLocator::setIPv4(near, "127.0.0.1");
+    return near;
   }
 
- private:
   OwnAddresses own_addresses_;
 };
 

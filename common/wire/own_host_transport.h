@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
-
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <memory>
+
+#include "common/wire/middleware.h"
 
 // Internal header of this folder: it includes much of the middleware.
 namespace coslam {
@@ -13,7 +12,7 @@ namespace coslam {
 // A transport for participants of the loopback device alone. Others of this machine that name its other addresses, as
 // all do by default, are reached at 127.0.0.1: `carrier` takes them for hosts that it cannot reach. What other hosts
 // send is not read: a group that somebody on this machine has joined on a network is heard on the loopback device too.
-std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> own_host_transport(
-    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier);
+std::shared_ptr<rtps::TransportDescriptorInterface> own_host_transport(
+    std::shared_ptr<rtps::TransportDescriptorInterface> carrier);
 
 }  // namespace coslam

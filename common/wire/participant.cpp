@@ -9,8 +9,6 @@
 #include "common/wire/participant_impl.h"
 #include "common/wire/qos.h"
 
-#include <fastrtps/config.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -143,13 +141,6 @@ void ignore_environment() {
   }
 }
 
-// Participants of one process talk through the network like all others, so that tests within one process are true.
-void turn_off_intraprocess() {
-  eprosima::fastrtps::LibrarySettingsAttributes settings;
-  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
-}
-
 }  // namespace
 
 dds::Topic* Participant::Impl::topic(std::size_t index) {
@@ -163,7 +154,7 @@ dds::Topic* Participant::Impl::topic(std::size_t index) {
   return participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
 }
 
-const char* middleware_version() { return FASTRTPS_VERSION_STR; }
+const char* middleware_version() { return kMiddlewareVersion; }
 
 WireConfig loopback_config(int domain) {
   WireConfig config;
@@ -191,7 +182,7 @@ Participant::Participant(const WireConfig& config, const std::string& name, std:
   impl_->rejections = std::move(rejections);
   warn_when_open(config);
   capture_middleware_log();
-  turn_off_intraprocess();
+  turn_off_intraprocess();  // so that tests within one process are true
   ParticipantIds& ids = participant_ids();
   const std::lock_guard lock(ids.mutex);
   ignore_environment();

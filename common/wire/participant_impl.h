@@ -2,14 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
-
-#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <map>
 #include <memory>
@@ -17,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/wire/middleware.h"
 #include "common/wire/participant.h"
 #include "common/wire/peer_paths.h"
 #include "common/wire/single_path_transport.h"
@@ -24,17 +20,13 @@
 // Shared by the sources of this folder.
 namespace coslam {
 
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::Duration_t;
-using eprosima::fastrtps::types::ReturnCode_t;
-
-inline ParticipantKey participant_key(const eprosima::fastrtps::rtps::GUID_t& guid) {
+inline ParticipantKey participant_key(const rtps::GUID_t& guid) {
   ParticipantKey key;
   std::ranges::copy(guid.guidPrefix.value, key.begin());
   return key;
 }
 
-struct Participant::Impl : dds::DomainParticipantListener {
+struct Participant::Impl : DiscoveryListener {
   struct Counts {
     std::atomic<std::uint64_t> sent{0}, sent_bytes{0}, received{0}, received_bytes{0};
   };
@@ -53,49 +45,43 @@ struct Participant::Impl : dds::DomainParticipantListener {
     std::string name;
     std::vector<std::string> addresses;
   };
-  std::map<eprosima::fastrtps::rtps::GUID_t, Other> others;
-  std::map<eprosima::fastrtps::rtps::GUID_t, OfferedTopic> offered;  // keyed by writer
+  std::map<rtps::GUID_t, Other> others;
+  std::map<rtps::GUID_t, OfferedTopic> offered;  // keyed by writer
 
   // Callbacks on threads of the middleware that note who and what is there.
-  void on_participant_discovery(dds::DomainParticipant*,
-                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
-    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    note_paths(info);
+  void on_found(const FoundParticipant& found) override {
+    note_paths(found);
     const std::lock_guard lock(others_mutex);
-    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
-      others.erase(info.info.m_guid);
-      std::erase_if(offered,
-                    [&](const auto& writer) { return writer.first.guidPrefix == info.info.m_guid.guidPrefix; });
-    } else {
-      Other& other = others[info.info.m_guid] = {info.info.m_participantName.to_string(), {}};
-      for (const auto& locator : info.info.metatraffic_locators.unicast)
-        other.addresses.push_back(eprosima::fastrtps::rtps::IPLocator::toIPv4string(locator));
-    }
+    Other& other = others[found.guid] = {found.name, {}};
+    for (const auto& locator : found.announcements) other.addresses.push_back(rtps::IPLocator::toIPv4string(locator));
   }
 
-  void on_publisher_discovery(dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+  void on_participant_gone(const rtps::GUID_t& guid) override {
+    paths.forget(participant_key(guid));
     const std::lock_guard lock(others_mutex);
-    if (info.status == eprosima::fastrtps::rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-      offered.erase(info.info.guid());
-    } else {
-      offered[info.info.guid()] = {info.info.topicName().to_string(), info.info.typeName().to_string(),
-                                   info.info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS};
-    }
+    others.erase(guid);
+    std::erase_if(offered, [&](const auto& writer) { return writer.first.guidPrefix == guid.guidPrefix; });
+  }
+
+  void on_found(const FoundWriter& found) override {
+    const std::lock_guard lock(others_mutex);
+    offered[found.guid] = {found.topic, found.type, found.reliable};
+  }
+
+  void on_writer_gone(const rtps::GUID_t& guid) override {
+    const std::lock_guard lock(others_mutex);
+    offered.erase(guid);
   }
 
   // Addresses of the loopback device are nobody's in particular.
-  void note_paths(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info) {
-    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    const ParticipantKey key = participant_key(info.info.m_guid);
-    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) return paths.forget(key);
+  void note_paths(const FoundParticipant& found) {
     std::vector<Ipv4Endpoint> endpoints;
-    for (const auto* locators : {&info.info.default_locators.unicast, &info.info.metatraffic_locators.unicast}) {
+    for (const auto* locators : {&found.data, &found.announcements}) {
       for (const auto& locator : *locators) {
-        using eprosima::fastrtps::rtps::IPLocator;
-        if (!IPLocator::isLocal(locator)) endpoints.push_back(ipv4_endpoint(locator));
+        if (!rtps::IPLocator::isLocal(locator)) endpoints.push_back(ipv4_endpoint(locator));
       }
     }
-    paths.set_peer(key, endpoints);
+    paths.set_peer(participant_key(found.guid), endpoints);
   }
 
   // The topic kTopics[index], created at first use.

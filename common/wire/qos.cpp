@@ -2,10 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/qos.h"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastdds/rtps/flowcontrol/FlowControllerDescriptor.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -20,12 +16,6 @@
 namespace coslam {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::Duration_t;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::Locator_t;
-
 constexpr const char* kBulkFlow = "bulk";
 constexpr double kPacePeriodMs = 10;
 // How soon a reader learns that it missed the last sample; later where samples take their time.
@@ -35,10 +25,10 @@ constexpr int kSecureMessageBytes = 8192;
 
 Duration_t duration(double seconds) { return Duration_t(static_cast<long double>(seconds)); }
 
-Locator_t udp(const std::string& address, std::uint32_t port) {
-  Locator_t locator;
+rtps::Locator udp(const std::string& address, std::uint32_t port) {
+  rtps::Locator locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  IPLocator::setIPv4(locator, address);
+  rtps::IPLocator::setIPv4(locator, address);
   locator.port = port;
   return locator;
 }
@@ -121,7 +111,7 @@ void set_common(const Topic& topic, const WireConfig& c, Qos& qos) {
   qos.resource_limits().max_samples_per_instance = 0;
   qos.resource_limits().allocated_samples = 1;
   // Samples differ widely in size; preallocated memory refuses those above the type's nominal size.
-  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+  qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   // Shared memory fails silently between users and containers, and leaves files behind when a process is killed.
   qos.data_sharing().off();
   if (topic.sign_of_life) {
@@ -163,7 +153,8 @@ dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c, Repeat re
   qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   if (topic.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
   const double usual_s = topic.paced ? kPacedHeartbeat_s : kHeartbeat_s;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(repeat == Repeat::kSoon ? kSoonHeartbeat_s : usual_s);
+  set_heartbeat_period(qos, duration(repeat == Repeat::kSoon ? kSoonHeartbeat_s : usual_s));
+  set_plain_cdr(qos);
   if (topic.sign_of_life) qos.liveliness().announcement_period = duration(0.3 * c.silent_after_s);
   return qos;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <exception>
+#include <functional>
 #include <tuple>
 
 #include "idl/coslamPubSubTypes.h"
@@ -14,19 +15,21 @@ namespace {
 // The generated serialiser, safe against strangers: it catches one kind of exception of its decoder only, and the
 // others would end the process from a thread of the middleware.
 template <class Generated>
-struct Guarded : Generated {
-  explicit Guarded(RejectionCounts& counts) : rejections(counts) {}
+class Guarded : public ReadThrough<Generated> {
+ public:
+  explicit Guarded(RejectionCounts& counts) : rejections_(counts) {}
 
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+ private:
+  bool on_read(const std::function<bool()>& read) override {
     try {
-      if (Generated::deserialize(payload, data)) return true;
+      if (read()) return true;
     } catch (const std::exception&) {
     }
-    rejections.add(Rejection::kMalformed);
+    rejections_.add(Rejection::kMalformed);
     return false;
   }
 
-  RejectionCounts& rejections;
+  RejectionCounts& rejections_;
 };
 
 using MakeSerialiser = dds::TopicDataType* (*)(RejectionCounts&);

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "common/wire/addresses.h"
-#include "common/wire/chained_transport.h"
 
 namespace coslam {
 namespace {
@@ -58,7 +57,7 @@ class Sockets {
     }
   }
 
-  bool use(const SenderResource* socket, std::uint32_t destination) {
+  bool use(const rtps::SenderResource* socket, std::uint32_t destination) {
     if (addresses_.size() < 2) return true;
     const std::lock_guard lock(mutex_);
     auto at = std::ranges::find(sockets_, socket);
@@ -82,7 +81,7 @@ class Sockets {
 
   std::mutex mutex_;
   std::vector<std::uint32_t> addresses_;
-  std::vector<const SenderResource*> sockets_;
+  std::vector<const rtps::SenderResource*> sockets_;
   std::map<std::uint32_t, std::pair<std::uint32_t, Clock::time_point>> routes_;
 };
 
@@ -91,25 +90,24 @@ class SinglePathTransport : public ChainedTransport<SinglePathDescriptor> {
   explicit SinglePathTransport(const SinglePathDescriptor& descriptor)
       : ChainedTransport(descriptor), sockets_(descriptor.interfaces) {}
 
-  bool send(SenderResource* carrier, const octet* data, std::uint32_t size, rtps::LocatorsIterator* begin,
-            rtps::LocatorsIterator* end, const Clock::time_point& timeout) override {
+  bool forward(const Outgoing& datagram, rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end) override {
     thread_local std::vector<rtps::Locator> destinations;
     destinations.clear();
     const auto now = Clock::now();
     for (; *begin != *end; ++*begin) {
       const rtps::Locator& locator = **begin;
       const Ipv4Endpoint endpoint = ipv4_endpoint(locator);
-      const bool group = IPLocator::isMulticast(locator);
-      if (group || (descriptor_.paths.goes(endpoint, now) && sockets_.use(carrier, endpoint.address)))
+      const bool group = rtps::IPLocator::isMulticast(locator);
+      if (group || (descriptor_.paths.goes(endpoint, now) && sockets_.use(datagram.socket(), endpoint.address)))
         destinations.push_back(locator);
     }
     if (destinations.empty()) return true;
     rtps::Locators first(destinations.cbegin()), last(destinations.cend());
-    return carrier->send(data, size, &first, &last, timeout);
+    return datagram.send(&first, &last);
   }
 
   // On several threads of the middleware. A message of RTPS names its sender after 8 octets.
-  void receive(rtps::TransportReceiverInterface* receiver, const octet* data, std::uint32_t size,
+  void receive(rtps::TransportReceiverInterface* receiver, const rtps::octet* data, std::uint32_t size,
                const rtps::Locator& local, const rtps::Locator& remote) override {
     if (descriptor_.echo->take({data, size}, ipv4_endpoint(remote))) return;
     constexpr std::size_t kSender = 8;
@@ -130,9 +128,9 @@ rtps::TransportInterface* SinglePathDescriptor::create_transport() const { retur
 }  // namespace
 
 Ipv4Endpoint ipv4_endpoint(const rtps::Locator& locator) {
-  const octet* a = IPLocator::getIPv4(locator);
+  const rtps::octet* a = rtps::IPLocator::getIPv4(locator);
   return {std::uint32_t{a[0]} << 24 | std::uint32_t{a[1]} << 16 | std::uint32_t{a[2]} << 8 | a[3],
-          IPLocator::getPhysicalPort(locator)};
+          rtps::IPLocator::getPhysicalPort(locator)};
 }
 
 std::shared_ptr<rtps::TransportDescriptorInterface> single_path_transport(

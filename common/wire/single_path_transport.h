@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
-
-#include <fastdds/rtps/common/Locator.h>
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/wire/echo.h"
+#include "common/wire/middleware.h"
 #include "common/wire/peer_paths.h"
 
 // Internal header of this folder: it includes much of the middleware.
@@ -19,10 +16,10 @@ namespace coslam {
 // A transport that sends each datagram once to a peer that has several addresses, by `paths`, which outlives it, and
 // once where this host uses several `interfaces` (as in WireConfig). `carrier`, left alone, would send it from each
 // interface to each address. Questions that echo.h speaks of are answered by `echo`, and not passed on.
-std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> single_path_transport(
-    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
+std::shared_ptr<rtps::TransportDescriptorInterface> single_path_transport(
+    std::shared_ptr<rtps::TransportDescriptorInterface> carrier, PeerPaths& paths,
     const std::vector<std::string>& interfaces, std::shared_ptr<EchoAnswerer> echo);
 
-Ipv4Endpoint ipv4_endpoint(const eprosima::fastrtps::rtps::Locator_t& locator);
+Ipv4Endpoint ipv4_endpoint(const rtps::Locator& locator);
 
 }  // namespace coslam

@@ -53,8 +53,7 @@ TopicWriter::~TopicWriter() {
 }
 
 std::uint64_t TopicWriter::write(const void* message, std::size_t sample_bytes) {
-  // write() takes a non-const pointer and does not touch what it points at.
-  if (!impl_->writer->write(const_cast<void*>(message))) return 0;
+  if (!write_sample(*impl_->writer, message)) return 0;
   const std::uint64_t bytes = impl_->participant.cost(sample_bytes);
   auto& counts = impl_->participant.counts[impl_->topic];
   counts.sent.fetch_add(1, std::memory_order_relaxed);

@@ -31,6 +31,8 @@ set(CMAKE_UNITY_BUILD_BATCH_SIZE 12)
 add_library(coslam_options INTERFACE)
 target_include_directories(coslam_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/coslam>)
 target_compile_features(coslam_options INTERFACE cxx_std_20)
+# As Debian 13 builds its libraries: what is precompiled holds only for files that are compiled alike.
+target_compile_definitions(coslam_options INTERFACE $<BUILD_INTERFACE:_FILE_OFFSET_BITS=64>)
 set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi -Wno-missing-field-initializers)
 if(COSLAM_UNITY)
   list(APPEND warnings -Wno-subobject-linkage)  # GCC takes each file but the first for a header

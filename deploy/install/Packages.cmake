@@ -48,7 +48,7 @@ coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with C
 want to know where the cameras are and what moves around them.")
 # A robot has the agent alone, and the tools that look at it; `coslam run` says what it lacks.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, libfastrtps-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, ${COSLAM_MIDDLEWARE_DEB}")
 foreach(part agent server bridge)
   string(TOUPPER ${part} upper)
   file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${part}/conffiles "/etc/coslam/${part}.yaml\n")

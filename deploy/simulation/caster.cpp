@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/simulation/caster.h"
 
-#include <embree3/rtcore.h>
-
 #include <cstddef>
 #include <limits>
 
 #include "common/base/check.h"
+#include "deploy/simulation/embree.h"
 
 namespace coslam::sim {
 namespace {
@@ -44,9 +43,7 @@ std::optional<FacetHit> intersect(RTCScene scene, const Eigen::Vector3d& origin,
   query.ray = ray_along(origin, direction, kNearM, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context{};
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &query);
+  intersect_ray(scene, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return FacetHit{query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar, part_of(query.hit.instID[0])};
 }
@@ -71,10 +68,7 @@ std::array<FacetHit, Caster::kPacket> intersect_packet(RTCScene scene, const Eig
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context{};
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(kAll, scene, &context, &query);
+  intersect_rays(kAll, scene, query);
   std::array<FacetHit, Caster::kPacket> out;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const bool met = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
@@ -173,9 +167,7 @@ std::array<FacetHit, Caster::kPacket> Caster::cast_packet(const Eigen::Vector3f&
 
 bool Caster::blocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
   alignas(16) RTCRay ray = ray_along(from, to - from, 0, 0.9999F);
-  RTCIntersectContext context{};
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(handles_->scene, &context, &ray);
+  occlude_ray(handles_->scene, ray);
   return ray.tfar < 0;
 }
 

@@ -87,7 +87,7 @@ void fuzz::try_octets(Octets octets) {
 void fuzz::write_seeds(const WriteSeed& write_seed) {
   test::WireValues values(1);
   const auto write = [&](std::size_t topic, const Sample& octets) {
-    write_seed("topic" + std::to_string(topic), static_cast<char>(topic) + std::string(octets.data(), octets.size()));
+    write_seed("topic" + std::to_string(topic), static_cast<char>(topic) + std::string(octets.begin(), octets.end()));
   };
   for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>&) {
     write(topic_index<M>(), serialize(test::encoded(values.sample<V>())));

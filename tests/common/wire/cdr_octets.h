@@ -2,25 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fastcdr/Cdr.h>
-
+#include <exception>
 #include <optional>
 #include <vector>
 
 #include "common/wire/messages.h"
+#include "common/wire/middleware.h"
 
 // Samples as the octets that a reader gets, for tests that change them.
 namespace coslam::test {
 
-using Octets = std::vector<char>;
+using Octets = std::vector<std::uint8_t>;
 
 template <class Message>
 Octets serialize(const Message& message) {
   Octets octets(sample_bytes(message));
-  eprosima::fastcdr::FastBuffer buffer(octets.data(), octets.size());
-  eprosima::fastcdr::Cdr cdr(buffer);
-  message.serialize(cdr);
-  octets.resize(cdr.getSerializedDataLength());
+  octets.resize(write_cdr(message, octets));
   return octets;
 }
 
@@ -29,10 +26,8 @@ template <class Message>
 std::optional<Message> deserialize(Octets octets) {
   Message message;
   try {
-    eprosima::fastcdr::FastBuffer buffer(octets.data(), octets.size());
-    eprosima::fastcdr::Cdr cdr(buffer);
-    message.deserialize(cdr);
-  } catch (const eprosima::fastcdr::exception::Exception&) {
+    read_cdr(octets, message);
+  } catch (const std::exception&) {
     return std::nullopt;
   }
   return message;

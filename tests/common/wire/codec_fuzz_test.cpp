@@ -42,7 +42,8 @@ void fuzz(const Message& good, const Encode& encode_again, const Decode& decode_
   ASSERT_TRUE(survives<Message>(original, encode_again, decode_it));
   for (int i = 0; i < 3000; ++i) {  // a few octets changed
     Octets octets = original;
-    for (int flips = 1 + i % 4; flips > 0; --flips) octets[random() % octets.size()] = static_cast<char>(random());
+    for (int flips = 1 + i % 4; flips > 0; --flips)
+      octets[random() % octets.size()] = static_cast<std::uint8_t>(random());
     survives<Message>(octets, encode_again, decode_it);
   }
   for (std::size_t length = 0; length < std::min<std::size_t>(original.size(), 600); ++length) {  // cut short
@@ -50,7 +51,7 @@ void fuzz(const Message& good, const Encode& encode_again, const Decode& decode_
   }
   for (int i = 0; i < 2000; ++i) {  // noise
     Octets octets(random() % 2048);
-    for (char& c : octets) c = static_cast<char>(random());
+    for (std::uint8_t& c : octets) c = static_cast<std::uint8_t>(random());
     survives<Message>(octets, encode_again, decode_it);
   }
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The list of message types and its description for those who write foreign programs.
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+#include "common/wire/middleware.h"  // first: other orders are ambiguous in C++20
 
 #include "common/wire/messages.h"
 
@@ -44,7 +44,8 @@ std::string qos_of(const Topic& topic) {
 TEST(MessageTypes, AreDescribed) {
   std::map<std::string, std::string> rows = described_topics();
   for_each_message_type([&]<class M, class S, class V>(const MessageType<M, S, V>& type) {
-    const std::string full_name = S().getName();
+    S serialiser;
+    const std::string full_name = type_name(serialiser);
     EXPECT_THAT(full_name, StartsWith("coslam::idl::"));
     const std::string row = rows[type.topic.name];
     EXPECT_THAT(row, HasSubstr("| `" + full_name.substr(std::string("coslam::idl::").size()) + "` |"));

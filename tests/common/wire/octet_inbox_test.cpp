@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/wire/octet_inbox.h"
 
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+#include "common/wire/middleware.h"  // first: other orders are ambiguous in C++20
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -25,7 +24,6 @@ namespace coslam::octet_inbox_test {
 namespace {
 
 using namespace std::chrono_literals;
-namespace dds = eprosima::fastdds::dds;
 using Octets = std::vector<std::uint8_t>;
 using testing::IsEmpty;
 
@@ -145,7 +143,7 @@ class DefaultNode {
     publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     dds::DataWriterQos qos;
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
-    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+    qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
     writer_ = publisher_->create_datawriter(topic_, qos);
   }
   ~DefaultNode() {
@@ -155,29 +153,24 @@ class DefaultNode {
   DefaultNode(const DefaultNode&) = delete;
   DefaultNode& operator=(const DefaultNode&) = delete;
 
-  bool write(Octets octets) { return writer_->write(&octets); }
+  bool write(Octets octets) { return write_sample(*writer_, &octets); }
 
  private:
-  struct Type : dds::TopicDataType {
-    using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
-    Type() {
-      setName(kImages.type.c_str());
-      m_typeSize = 16;
+  struct Type : SampleType {
+    Type() : SampleType(kImages.type, 16) {}
+    std::uint32_t bytes_of(const void* sample) const override {
+      return static_cast<std::uint32_t>(static_cast<const Octets*>(sample)->size());
     }
-    bool serialize(void* data, Payload* payload) override {
-      const auto& octets = *static_cast<Octets*>(data);
-      std::memcpy(payload->data, octets.data(), octets.size());
-      payload->length = static_cast<std::uint32_t>(octets.size());
-      payload->encapsulation = CDR_LE;
+    bool write(const void* sample, rtps::SerializedPayload_t& payload) const override {
+      const auto& octets = *static_cast<const Octets*>(sample);
+      std::memcpy(payload.data, octets.data(), octets.size());
+      payload.length = static_cast<std::uint32_t>(octets.size());
+      payload.encapsulation = CDR_LE;
       return true;
     }
-    bool deserialize(Payload*, void*) override { return false; }
-    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-      return [data] { return static_cast<std::uint32_t>(static_cast<Octets*>(data)->size()); };
-    }
-    void* createData() override { return new Octets; }
-    void deleteData(void* data) override { delete static_cast<Octets*>(data); }
-    bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
+    bool read(const rtps::SerializedPayload_t&, void*) const override { return false; }
+    void* make_sample() const override { return new Octets; }
+    void delete_sample(void* sample) const override { delete static_cast<Octets*>(sample); }
   };
   dds::DomainParticipant* participant_ = nullptr;
   dds::Topic* topic_ = nullptr;

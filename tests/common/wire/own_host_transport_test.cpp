@@ -4,9 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -16,12 +13,8 @@
 namespace coslam::own_host_transport_test {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-
 struct Receiver : rtps::TransportReceiverInterface {
-  void OnDataReceived(const eprosima::fastrtps::rtps::octet*, std::uint32_t, const rtps::Locator&,
-                      const rtps::Locator&) override {
+  void OnDataReceived(const rtps::octet*, std::uint32_t, const rtps::Locator&, const rtps::Locator&) override {
     ++datagrams;
   }
   int datagrams = 0;
@@ -30,7 +23,7 @@ struct Receiver : rtps::TransportReceiverInterface {
 rtps::Locator at(const std::string& address) {
   rtps::Locator locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  IPLocator::setIPv4(locator, address);
+  rtps::IPLocator::setIPv4(locator, address);
   return locator;
 }
 
@@ -63,7 +56,7 @@ TEST_F(OwnHost, ItsAddressesAreReachedOnTheLoopbackDevice) {
   for (const std::string& address : local_addresses()) {
     rtps::Locator near;
     ASSERT_TRUE(transport_->transform_remote_locator(at(address), near)) << address;
-    EXPECT_EQ(IPLocator::toIPv4string(near), "127.0.0.1");
+    EXPECT_EQ(rtps::IPLocator::toIPv4string(near), "127.0.0.1");
   }
 }
 

@@ -4,12 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastdds/rtps/common/LocatorList.hpp>
-
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,39 +13,22 @@
 namespace coslam::single_path_transport_test {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::octet;
-using Clock = std::chrono::steady_clock;
-
 constexpr std::uint16_t kPort = 7411;
 const ParticipantKey kOwn{1}, kPeer{9};
 
 rtps::Locator at(const std::string& address, std::uint16_t port = kPort) {
   rtps::Locator locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  IPLocator::setIPv4(locator, address);
-  IPLocator::setPhysicalPort(locator, port);
+  rtps::IPLocator::setIPv4(locator, address);
+  rtps::IPLocator::setPhysicalPort(locator, port);
   return locator;
 }
 
 struct Receiver : rtps::TransportReceiverInterface {
-  void OnDataReceived(const octet*, std::uint32_t, const rtps::Locator&, const rtps::Locator&) override { ++datagrams; }
-  int datagrams = 0;
-};
-
-// Notes where datagrams go, and sends none.
-struct NotedSender : eprosima::fastrtps::rtps::SenderResource {
-  NotedSender() : SenderResource(LOCATOR_KIND_UDPv4) {
-    send_lambda_ = [this](const octet*, std::uint32_t, rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
-                          const Clock::time_point&) {
-      ++calls;
-      for (; *begin != *end; ++*begin) addresses.push_back(IPLocator::toIPv4string(**begin));
-      return true;
-    };
+  void OnDataReceived(const rtps::octet*, std::uint32_t, const rtps::Locator&, const rtps::Locator&) override {
+    ++datagrams;
   }
-  std::vector<std::string> addresses;
-  int calls = 0;
+  int datagrams = 0;
 };
 
 class SinglePath : public testing::Test {
@@ -69,23 +48,23 @@ class SinglePath : public testing::Test {
 
   // Addresses to which one datagram for all these goes.
   std::vector<std::string> sent_to(const std::vector<rtps::Locator>& destinations) {
-    const octet data[4] = {};
-    rtps::Locators begin(destinations.cbegin()), end(destinations.cend());
-    sender_.addresses.clear();
-    EXPECT_TRUE(chain().send(&sender_, data, sizeof data, &begin, &end, Clock::now()));
-    return sender_.addresses;
+    socket_.destinations.clear();
+    EXPECT_TRUE(send_by(chain(), socket_, std::array<rtps::octet, 4>{}, destinations));
+    std::vector<std::string> addresses;
+    for (const rtps::Locator& to : socket_.destinations) addresses.push_back(rtps::IPLocator::toIPv4string(to));
+    return addresses;
   }
 
   // Datagrams that are passed on.
-  int hear(const std::vector<octet>& data, const std::string& from) {
+  int hear(const std::vector<rtps::octet>& data, const std::string& from) {
     Receiver receiver;
     chain().receive(&receiver, data.data(), static_cast<std::uint32_t>(data.size()), at("127.0.0.1"), at(from));
     return receiver.datagrams;
   }
 
   // A message of RTPS names its sender after eight octets.
-  static std::vector<octet> message_of(const ParticipantKey& sender) {
-    std::vector<octet> out{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  static std::vector<rtps::octet> message_of(const ParticipantKey& sender) {
+    std::vector<rtps::octet> out{'R', 'T', 'P', 'S', 2, 3, 1, 15};
     out.insert(out.end(), sender.begin(), sender.end());
     return out;
   }
@@ -93,7 +72,7 @@ class SinglePath : public testing::Test {
   PeerPaths paths_;
   std::shared_ptr<rtps::TransportDescriptorInterface> descriptor_;
   std::unique_ptr<rtps::TransportInterface> transport_;
-  NotedSender sender_;
+  NotedSocket socket_;
 };
 
 TEST_F(SinglePath, APeerThatWasHeardOnOneWayIsWrittenToOnThatAlone) {
@@ -112,12 +91,12 @@ TEST_F(SinglePath, GroupsAndUnknownAddressesAreAlwaysWrittenTo) {
 TEST_F(SinglePath, WhereNoAddressIsLeftNothingIsSentAndThatIsNoFailure) {
   hear(message_of(kPeer), "198.51.100.1");
   EXPECT_TRUE(sent_to({at("192.0.2.1")}).empty());
-  EXPECT_EQ(sender_.calls, 0);
+  EXPECT_EQ(socket_.calls, 0);
 }
 
 TEST_F(SinglePath, ADatagramTooShortForASenderIsPassedOn) {
   EXPECT_EQ(hear({}, "192.0.2.1"), 1);
-  std::vector<octet> brief = message_of(kPeer);
+  std::vector<rtps::octet> brief = message_of(kPeer);
   brief.pop_back();
   EXPECT_EQ(hear(brief, "192.0.2.1"), 1);
   EXPECT_EQ(sent_to({at("192.0.2.1"), at("198.51.100.1")}).size(), 2U) << "its sender is not known";

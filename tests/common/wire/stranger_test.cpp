@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A foreign program in the domain that writes nonsense under our topic and type names.
-#include <fastcdr/Cdr.h>  // first: other orders are ambiguous in C++20
+#include "common/wire/middleware.h"  // first: other orders are ambiguous in C++20
 
 #include <gtest/gtest.h>
 
-#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -25,37 +24,30 @@
 namespace coslam::stranger_test {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::rtps::InstanceHandle_t;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 using Octets = std::vector<std::uint8_t>;
 
 // Says that it is the type of the tracks and writes any octets.
-class Forger : public dds::TopicDataType {
+class Forger : public SampleType {
  public:
-  Forger() {
-    setName("coslam::idl::TrackFrame");
-    m_typeSize = 70000;
-    m_isGetKeyDefined = true;
-    auto_fill_type_information(false);
-    auto_fill_type_object(false);
+  Forger() : SampleType("coslam::idl::TrackFrame", 70000, true) {}
+
+ private:
+  std::uint32_t bytes_of(const void* sample) const override {
+    return static_cast<std::uint32_t>(static_cast<const Octets*>(sample)->size());
   }
-  bool serialize(void* data, SerializedPayload_t* payload) override {
-    const auto& octets = *static_cast<const Octets*>(data);
-    std::ranges::copy(octets, payload->data);
-    payload->length = static_cast<std::uint32_t>(octets.size());
+  bool write(const void* sample, rtps::SerializedPayload_t& payload) const override {
+    const auto& octets = *static_cast<const Octets*>(sample);
+    std::ranges::copy(octets, payload.data);
+    payload.length = static_cast<std::uint32_t>(octets.size());
     return true;
   }
-  bool deserialize(SerializedPayload_t*, void*) override { return false; }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<const Octets*>(data)->size()); };
-  }
-  void* createData() override { return new Octets; }
-  void deleteData(void* data) override { delete static_cast<Octets*>(data); }
-  bool getKey(void*, InstanceHandle_t* handle, bool) override {
-    handle->value[0] = 1;
+  bool read(const rtps::SerializedPayload_t&, void*) const override { return false; }
+  bool get_key(dds::InstanceHandle_t& key) const override {
+    key.value[0] = 1;
     return true;
   }
+  void* make_sample() const override { return new Octets; }
+  void delete_sample(void* sample) const override { delete static_cast<Octets*>(sample); }
 };
 
 TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
@@ -90,7 +82,7 @@ TEST(Stranger, NonsenseIsSkippedAndTheRestGoesOn) {
     for (auto& octet : octets) octet = static_cast<std::uint8_t>(random());
     octets[0] = octets[2] = octets[3] = 0;  // a valid encapsulation header
     octets[1] = 1;
-    writer->write(&octets);
+    write_sample(*writer, &octets);
     honest.write(good);
     dds::PublicationMatchedStatus matched;
     writer->get_publication_matched_status(matched);
