@@ -42,24 +42,38 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   die "this system has no apt-get: install what deploy/packages.txt lists by other means and set COSLAM_SETUP=off"
 fi
 
-# The packages of one set, one a line.
+# The packages of one set, one a line; a|b where releases name it differently.
 packages_of() {
-  awk -v wanted="[$1]" '{ sub(/#.*/, "") } /^\[/ { inside = ($1 == wanted); next } inside && NF { print $1 }' \
-    "$root/deploy/packages.txt"
+  awk -v wanted="[$1]" '{ sub(/#.*/, ""); gsub(/ *\| */, "|") } /^\[/ { inside = ($1 == wanted); next }
+    inside && NF { print $1 }' "$root/deploy/packages.txt"
 }
 
 # missing_of ARRAY SET...: puts the packages of these sets that are not installed into the array.
 missing_of() {
   local -n out=$1
-  local wanted=() set installed package
+  local wanted=() names=() set installed package
   for set in "${@:2}"; do
     mapfile -t -O "${#wanted[@]}" wanted < <(packages_of "$set")
   done
   [[ ${#wanted[@]} -gt 0 ]] || return 0
-  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
+  IFS='|' read -r -a names <<<"$(IFS='|' && printf '%s' "${wanted[*]}")"
+  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${names[@]}" 2>/dev/null |
     awk '$2 == "installed" { print $1 }') || true
   for package in "${wanted[@]}"; do
-    grep -qxF -- "$package" <<<"$installed" || out+=("$package")
+    grep -qxF -f <(tr '|' '\n' <<<"$package") <<<"$installed" || out+=("$package")
+  done
+}
+
+# names_here PACKAGE...: how this release names them, one a line: of a|b the first that apt knows, else the first.
+names_here() {
+  local package name names
+  for package in "$@"; do
+    IFS='|' read -r -a names <<<"$package"
+    package=${names[0]}
+    for name in "${names[@]}"; do
+      if apt-cache show "$name" >/dev/null 2>&1; then package=$name && break; fi
+    done
+    printf '%s\n' "$package"
   done
 }
 
@@ -70,7 +84,7 @@ missing_of missing "${sets[@]}"
 missing_of extra "${optional[@]}"
 
 if [[ $list == yes ]]; then
-  [[ $((${#missing[@]} + ${#extra[@]})) -eq 0 ]] || printf '%s\n' "${missing[@]}" "${extra[@]}"
+  names_here "${missing[@]}" "${extra[@]}"
   exit 0
 fi
 if [[ $((${#missing[@]} + ${#extra[@]})) -eq 0 ]]; then
@@ -92,7 +106,9 @@ if ! "${apt[@]}" update; then
   warn "apt-get update failed: going on without ${extra[*]}"
   exit 0
 fi
+mapfile -t missing < <(names_here "${missing[@]}")
+mapfile -t extra < <(names_here "${extra[@]}")
 [[ ${#missing[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${missing[@]}" ||
-  die "apt-get could not install ${missing[*]} (Debian 12 has them all)"
+  die "apt-get could not install ${missing[*]} (Debian 12 and 13 have them all)"
 [[ ${#extra[@]} -eq 0 ]] || "${apt[@]}" install --yes --no-install-recommends "${extra[@]}" ||
   warn "going on without ${extra[*]}"
