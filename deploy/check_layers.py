@@ -93,7 +93,7 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
-    "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
+    "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|TypeObjectSupport|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
     "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "deploy/simulation", "deploy/coslam", "tests", "server/estimator/solve"]),
     "OpenCL": (r"CL/", ["agent/gpu"]),
     "cryptography": (r"openssl/", ["common/wire"]),

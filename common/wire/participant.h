@@ -27,9 +27,13 @@ struct TopicCounts {
 std::uint64_t link_bytes(std::size_t sample_bytes, int max_message_bytes, bool with_key = false);
 
 // Variables of the environment that steer the middleware, for the ROS 2 nodes beside; participants here ignore them.
-constexpr std::array<const char*, 5> kIgnoredVariables = {"ROS_DISCOVERY_SERVER", "FASTDDS_ENVIRONMENT_FILE",
+constexpr std::array<const char*, 7> kIgnoredVariables = {"ROS_DISCOVERY_SERVER",
+                                                          "ROS_SUPER_CLIENT",
+                                                          "FASTDDS_ENVIRONMENT_FILE",
+                                                          "FASTDDS_BUILTIN_TRANSPORTS",
                                                           "FASTDDS_DEFAULT_PROFILES_FILE",
-                                                          "FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_STATISTICS"};
+                                                          "FASTRTPS_DEFAULT_PROFILES_FILE",
+                                                          "FASTDDS_STATISTICS"};
 
 const char* middleware_version();
 

@@ -107,7 +107,8 @@ SharedMemoryFacts look_at_shared_memory(const std::string& folder) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with("fastrtps_") || !name.ends_with("_el")) continue;
+    const bool of_dds = name.starts_with("fastrtps_") || name.starts_with("fastdds_");  // up to Fast DDS 2, from 3 on
+    if (!of_dds || !name.ends_with("_el")) continue;
     ++facts.segments;
     if (is_stale(entry.path())) ++facts.stale;
   }

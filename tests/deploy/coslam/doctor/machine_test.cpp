@@ -46,11 +46,12 @@ TEST(DoctorMachine, SharedMemoryOfThisTest) {
   const test::TempFolder folder;
   folder.write("fastrtps_0123_el", "");  // nobody holds its lock
   folder.write("fastrtps_0123", "");
+  folder.write("fastdds_4567_el", "");
   const SharedMemoryFacts facts = look_at_shared_memory(folder.path().string());
   EXPECT_TRUE(facts.exists);
   EXPECT_TRUE(facts.writable);
-  EXPECT_EQ(facts.segments, 1);
-  EXPECT_EQ(facts.stale, 1);
+  EXPECT_EQ(facts.segments, 2);
+  EXPECT_EQ(facts.stale, 2);
   EXPECT_FALSE(look_at_shared_memory((folder / "none").string()).exists);
 }
 
