@@ -40,14 +40,16 @@ step "check: lintian"
 lintian --allow-root --fail-on error,warning --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog,initial-upload-closes-no-bugs \
   "$build/packages/"*.deb || die "lintian has found faults"
 
-step "check: a fresh Debian 12"
+# shellcheck disable=SC1091  # this system's own
+release=$(. /etc/os-release && printf '%s' "$VERSION_CODENAME")
+step "check: a fresh Debian $release"
 [[ $EUID -eq 0 ]] || die "installing in a fresh Debian needs root"
 fresh=$(mktemp -d)
 # shellcheck disable=SC2064  # the folder of now
 trap "umount '$fresh/proc' 2>/dev/null || true; rm -rf --one-file-system '$fresh'" EXIT
 mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources 2>/dev/null |
   grep -v '^#' | grep --only-matching -E 'https?://[^ ]+' | head -n 1) || true
-debootstrap --variant=minbase bookworm "$fresh" "${mirror:-http://deb.debian.org/debian}" >"$build/packages/debootstrap.log" ||
+debootstrap --variant=minbase "$release" "$fresh" "${mirror:-http://deb.debian.org/debian}" >"$build/packages/debootstrap.log" ||
   die "debootstrap failed: see $build/packages/debootstrap.log"
 cp /etc/resolv.conf "$fresh/etc/" 2>/dev/null || true
 for part in apt.conf apt.conf.d; do [[ ! -e /etc/apt/$part ]] || cp -r "/etc/apt/$part" "$fresh/etc/apt/"; done

@@ -10,6 +10,7 @@
 
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 
@@ -54,6 +55,24 @@ TEST(MessageTypes, AreDescribed) {
     rows.erase(type.topic.name);
   });
   for (const auto& [topic, row] : rows) ADD_FAILURE() << topic << " is no topic: " << row;
+}
+
+// Bounds are literals, since not every generator reads a constant there.
+TEST(MessageTypes, BoundsOfSequencesAreTheConstantsBesideThem) {
+  std::ifstream file(COSLAM_IDL);
+  const std::regex constant(R"(const unsigned long (\w+) = (\d+);.*)"),
+      bound(R"(\s*sequence<.*, (\w+)> \w+;\s*// (\w+).*)");
+  std::map<std::string, std::string> constants;
+  int bounds = 0;
+  std::smatch found;
+  for (std::string line; std::getline(file, line);) {
+    if (std::regex_match(line, found, constant)) constants[found[1]] = found[2];
+    if (!line.starts_with("  sequence<")) continue;
+    ASSERT_TRUE(std::regex_match(line, found, bound)) << line;
+    EXPECT_EQ(found[1], constants[found[2]]) << line;
+    ++bounds;
+  }
+  EXPECT_GE(bounds, 16);
 }
 
 TEST(MessageTypes, EachHasATopicOfItsOwn) {
