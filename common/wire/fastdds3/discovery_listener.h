@@ -33,7 +33,8 @@ class DiscoveryListener : public dds::DomainParticipantListener {
 
  private:
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
-                                const dds::ParticipantBuiltinTopicData& found, bool&) final {
+                                const dds::ParticipantBuiltinTopicData& found, bool& ignored) final {
+    ignored = false;
     using Status = rtps::ParticipantDiscoveryStatus;
     if (status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT)
       return on_participant_gone(found.guid);
@@ -42,7 +43,8 @@ class DiscoveryListener : public dds::DomainParticipantListener {
   }
 
   void on_data_writer_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
-                                const dds::PublicationBuiltinTopicData& found, bool&) final {
+                                const dds::PublicationBuiltinTopicData& found, bool& ignored) final {
+    ignored = false;
     if (status == rtps::WriterDiscoveryStatus::REMOVED_WRITER) return on_writer_gone(found.guid);
     on_found({found.guid, found.topic_name.to_string(), found.type_name.to_string(),
               found.reliability.kind == dds::RELIABLE_RELIABILITY_QOS});
