@@ -3,9 +3,9 @@
 #include "agent/thumbnail.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/image/image_file.h"
 #include "common/model/thumbnail.h"
 
 namespace coslam {
@@ -18,12 +18,11 @@ std::vector<std::uint8_t> thumbnail_jpeg(const cv::Mat& image) {
   if (scale < 1) cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
   // Noise takes most octets. Half the size has room for any of it.
   for (const int quality : {60, 40, 25, 12}) {
-    cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1});
+    jpeg = encode_jpeg(small, quality, true);
     if (jpeg.size() <= kMostThumbnailBytes) return jpeg;
   }
   cv::resize(cv::Mat(small), small, {}, 0.5, 0.5, cv::INTER_AREA);
-  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 12, cv::IMWRITE_JPEG_OPTIMIZE, 1});
-  return jpeg;
+  return encode_jpeg(small, 12, true);
 }
 
 }  // namespace coslam

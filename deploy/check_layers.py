@@ -37,11 +37,15 @@ MAY_INCLUDE = {
     "common/ros": GEOMETRY,
     "common/compression": BASE,
     "common/mcap": [*BASE, "common/compression"],
+    "common/video": BASE,
+    "common/video/ffmpeg": [*BASE, "common/video", "common/image"],
+    "common/image": [*BASE, "common/video"],
     "common/recording": [*MODEL, "common/config", "common/ros", "common/compression", "common/mcap"],
     "common/wire": [*MODEL, "common/flow", "idl"],
     "common/dataset": [*FILES, "common/ros", "common/recording"],
-    "agent/capture": [*FILES, "common/ros", "common/recording", "common/flow", "common/wire", "agent/track"],
-    "agent/track": [*MODEL, *AGENT_CORE],
+    "agent/capture": [*FILES, "common/ros", "common/recording", "common/flow", "common/wire", "common/video", "common/image",
+                      "agent/track"],
+    "agent/track": [*MODEL, "common/image", "common/video", *AGENT_CORE],
     "agent/gpu": [*MODEL, "agent/track"],
     "agent/pose": [*MODEL, *AGENT_CORE],
     "agent/correct": [*MODEL, *AGENT_CORE],
@@ -73,7 +77,7 @@ MAY_INCLUDE = {
     "server/show/bridge": [*MODEL, "common/config", "common/flow", "common/ros", "common/wire"],
     "server/show": [*FILES, "common/flow", "common/mcap", *SERVER_CORE, "server/estimator", *FLEET, *KEEP, "server/show"],
     "server/app": ["common", "server"],
-    "deploy/simulation": FILES,
+    "deploy/simulation": [*FILES, "common/image"],
     "deploy": ["common", "agent", "server", "deploy"],  # `coslam run --inline` holds both sides in one process
     "tests": ["common", "agent", "server", "deploy", "tests", "idl"],
     "docs/examples": [*MODEL, "common/flow", "common/wire", "idl"],  # what libcoslam-dev installs
@@ -94,7 +98,10 @@ IMPURE_OWN = {"clock": ["common/base/log.h", "common/base/metrics.h"]}
 # Libraries that live in few folders: the headers that tell them, and where they may be.
 LIBRARIES = {
     "DDS": (r"(fastdds|fastrtps|fastcdr|dds)/|.*(PubSubTypes|TypeObject|TypeObjectSupport|CdrAux)\.(h|hpp)$", ["common/wire", "tests/common/wire"]),
-    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "deploy/simulation", "deploy/coslam", "tests", "server/estimator/solve"]),
+    "OpenCV": (r"opencv2?/", ["agent/capture", "agent/track", "agent/gpu", "agent", "common/dataset", "common/image", "deploy/simulation", "deploy/coslam", "tests", "server/estimator/solve"]),
+    "FFmpeg": (r"lib(av|sw)[a-z]+/", ["common/video/ffmpeg", "tests"]),
+    "GStreamer": (r"gst/", ["common/video/gstreamer"]),
+    "image files": (r"(png|jpeglib)\.h$", ["common/image"]),
     "OpenCL": (r"CL/", ["agent/gpu"]),
     "cryptography": (r"openssl/", ["common/wire"]),
     "serialisation": (r"cereal/", ["server/estimator/map"]),

@@ -5,55 +5,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <string_view>
 #include <vector>
 
 #include "agent/capture/two_views.h"
 #include "common/base/error.h"
 #include "common/base/printed.h"
+#include "common/image/image_file.h"
 
 namespace coslam {
 namespace {
 
-using Bytes = std::vector<unsigned char>;
 constexpr double kMostLevel = 65535;
-
-Bytes read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-bool begins_but_does_not_end(std::string_view all, std::string_view start, std::string_view end) {
-  constexpr std::size_t kPadding = 1024;  // some cameras pad their files
-  return all.starts_with(start) && all.substr(all.size() - std::min(all.size(), kPadding)).find(end) == all.npos;
-}
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
 }  // namespace
 
-// libjpeg fills the missing rest with grey and reports success, libpng writes to standard error.
-bool is_cut_off(std::span<const std::uint8_t> octets) {
-  const std::string_view all(reinterpret_cast<const char*>(octets.data()), octets.size());
-  return begins_but_does_not_end(all, "\xff\xd8", "\xff\xd9") || begins_but_does_not_end(all, "\x89PNG", "IEND");
-}
+cv::Mat GreyReader::read(const std::filesystem::path& file) { return decode(read_octets(file)); }
 
-cv::Mat GreyReader::read(const std::filesystem::path& file) { return decode(read_bytes(file)); }
-
-cv::Mat GreyReader::decode(const Bytes& octets) {
-  if (octets.empty() || is_cut_off(octets)) return {};
-  try {
-    // The calibration is of the sensor's pixels, so a photo's orientation tag is not obeyed.
-    cv::Mat grey = cv::imdecode(octets, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-    return in_8_bits(grey);
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
+cv::Mat GreyReader::decode(std::span<const std::uint8_t> octets) { return in_8_bits(decode_grey(octets)); }
 
 cv::Mat GreyReader::decode(RawImage raw) {
   if (octet_order_.is_wrong_in(raw)) raw.big_endian = !raw.big_endian;
@@ -107,13 +78,11 @@ cv::Mat DeepLevels::spread(const cv::Mat& deep) {
 }
 
 cv::Mat read_color(const std::filesystem::path& file) {
-  try {
-    const cv::Mat image =
-        cv::imdecode(read_bytes(file), cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-    return image.type() == CV_8UC3 ? image : cv::Mat();
-  } catch (const cv::Exception&) {
-    return {};
-  }
+  const cv::Mat image = decode_unchanged(read_octets(file));
+  if (image.type() != CV_8UC4) return image.type() == CV_8UC3 ? image : cv::Mat();
+  cv::Mat colors;
+  cv::cvtColor(image, colors, cv::COLOR_BGRA2BGR);
+  return colors;
 }
 
 cv::Mat to_grey(const cv::Mat& frame) {

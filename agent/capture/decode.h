@@ -8,15 +8,11 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "agent/capture/encodings.h"
 #include "agent/capture/source.h"
 
 namespace coslam {
-
-// Whether a JPEG or PNG lacks its end.
-bool is_cut_off(std::span<const std::uint8_t> octets);
 
 // Brings images of more than 8 bits a pixel to 8. Of a sensor's levels a scene takes few, in a thermal camera some
 // hundred of 16384: those from the 0.5th to the 99.5th percentile, and some on either side, are spread over 8 bits. The
@@ -41,7 +37,7 @@ class GreyReader {
   // Reads an image file; empty when it is missing, truncated or no image.
   cv::Mat read(const std::filesystem::path& file);
   // Decodes the content of such a file.
-  cv::Mat decode(const std::vector<unsigned char>& octets);
+  cv::Mat decode(std::span<const std::uint8_t> octets);
   // Converts an image without a file format, of 8 or 16 bits, as grey_of() has it. Swapped octets of 16-bit values are
   // recognised and put right.
   cv::Mat decode(RawImage raw);

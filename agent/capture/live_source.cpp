@@ -1,34 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cmath>
-#include <cstring>
 #include <mutex>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/videoio.hpp>
-#include <opencv2/videoio/registry.hpp>
 #include <string_view>
 #include <thread>
 
 #include "agent/capture/camera_mode.h"
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
-#include "agent/capture/stream_decoder.h"
+#include "agent/capture/v4l2_camera.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
 #include "common/dataset/live_topic.h"
 #include "common/dataset/sequence.h"
 #include "common/flow/clock.h"
+#include "common/image/image_file.h"
+#include "common/video/pipeline.h"
+#include "common/video/stream_decoder.h"
 
 namespace coslam {
 namespace {
@@ -56,17 +48,41 @@ void sleep_until(std::chrono::steady_clock::time_point until, const std::atomic<
   }
 }
 
-class CapturedByOpenCv final : public Camera {
+class LocalCamera final : public Camera {
  public:
-  explicit CapturedByOpenCv(const cv::VideoCapture& capture) : capture_(capture) {}
+  explicit LocalCamera(std::unique_ptr<V4l2Camera> camera) : camera_(std::move(camera)) {}
   std::optional<Picture> read() override {
-    cv::Mat frame;
-    if (!capture_.read(frame)) return std::nullopt;
-    return Picture{to_grey(frame)};
+    auto grey = camera_->read(stopped_);
+    return grey ? std::optional(Picture{*grey}) : std::nullopt;
+  }
+  void stop() override { stopped_ = true; }
+
+ private:
+  std::unique_ptr<V4l2Camera> camera_;
+  std::atomic<bool> stopped_ = false;
+};
+
+class PlayedPipeline final : public Camera {
+ public:
+  explicit PlayedPipeline(std::unique_ptr<Pipeline> pipeline) : pipeline_(std::move(pipeline)) {}
+  std::optional<Picture> read() override {
+    Pipeline::Raw raw;
+    if (!pipeline_->read(&raw)) return std::nullopt;
+    const coslam::Picture& plane = raw.first_plane;
+    if (raw.encoding.empty() && log_.pass())
+      log_warn("the pipeline gives pictures in the format " + std::string(raw.format) + ", which is not read here");
+    return Picture{grey_.decode(RawImage{static_cast<std::size_t>(plane.width_px),
+                                         static_cast<std::size_t>(plane.height_px),
+                                         raw.encoding,
+                                         false,
+                                         plane.octets_per_row,
+                                         {plane.pixels, raw.octets}})};
   }
 
  private:
-  cv::VideoCapture capture_;
+  std::unique_ptr<Pipeline> pipeline_;
+  GreyReader grey_;
+  LogLimiter log_;
 };
 
 class Stream final : public Camera {
@@ -75,7 +91,7 @@ class Stream final : public Camera {
   std::optional<Picture> read() override {
     if (!decoder_->grab()) return std::nullopt;
     if (has_end()) wait_until_due();
-    return Picture{to_grey(decoder_->bgr()), decoder_->concealed()};
+    return Picture{to_grey(mat_of(decoder_->bgr())), decoder_->concealed()};
   }
   bool has_end() const override { return decoder_->has_end(); }
   void stop() override {
@@ -98,82 +114,28 @@ class Stream final : public Camera {
   std::optional<std::chrono::steady_clock::time_point> start_;
 };
 
-// As the end of a sentence.
-std::string why_not_v4l2(const std::string& device) {
-  const int descriptor = open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) return std::strerror(errno);
-  struct stat is {};
-  constexpr unsigned kVideo4Linux = 81;
-  const bool camera = fstat(descriptor, &is) == 0 && S_ISCHR(is.st_mode) && major(is.st_rdev) == kVideo4Linux;
-  close(descriptor);
-  return device + (camera ? " gives no video that is read here" : " is no camera");
-}
-
 // v4l2:DEVICE[?size=WxH][&fps=N][&format=FOURCC]. Null: it cannot be opened. Throws UserError for what the device does
 // not do.
 std::unique_ptr<Camera> open_v4l2(const std::string& uri, std::string* why) {
   const CameraMode mode = parse_camera_mode(uri);
-  const auto index = parse_integer(mode.device);
-  cv::VideoCapture capture;
-  const bool open =
-      index ? capture.open(static_cast<int>(*index), cv::CAP_V4L2) : capture.open(mode.device, cv::CAP_V4L2);
-  if (!open) {
-    *why = why_not_v4l2(index ? "/dev/video" + mode.device : mode.device);
-    return nullptr;
-  }
-  capture.set(cv::CAP_PROP_BUFFERSIZE, 1);  // an old image is worth less than none
-  const auto number = [&](int property) { return static_cast<int>(std::lround(capture.get(property))); };
-  if (!mode.format.empty()) {  // first: it decides which sizes and rates there are
-    const int code = cv::VideoWriter::fourcc(mode.format[0], mode.format[1], mode.format[2], mode.format[3]);
-    capture.set(cv::CAP_PROP_FOURCC, code);
-    if (number(cv::CAP_PROP_FOURCC) != code)
-      throw UserError(uri + ": the camera does not give the format " + mode.format);
-  }
-  if (mode.width_px > 0) {
-    capture.set(cv::CAP_PROP_FRAME_WIDTH, mode.width_px);
-    capture.set(cv::CAP_PROP_FRAME_HEIGHT, mode.height_px);
-    const int width = number(cv::CAP_PROP_FRAME_WIDTH), height = number(cv::CAP_PROP_FRAME_HEIGHT);
-    if (width != mode.width_px || height != mode.height_px) {
-      throw UserError(uri + ": the camera gives " + std::to_string(width) + "x" + std::to_string(height) + " instead");
-    }
-  }
-  if (mode.rate_hz > 0) {
-    capture.set(cv::CAP_PROP_FPS, mode.rate_hz);
-    const double rate = capture.get(cv::CAP_PROP_FPS);
-    if (std::abs(rate - mode.rate_hz) > 0.05 * mode.rate_hz) {
-      log_warn(uri + ": the camera gives " + format_double(rate) + " images a second instead");
-    }
-  }
-  return std::make_unique<CapturedByOpenCv>(capture);
+  auto driver = CameraDriver::open(parse_integer(mode.device) ? "/dev/video" + mode.device : mode.device, why);
+  auto camera = driver ? V4l2Camera::start(std::move(driver), mode, uri, why) : nullptr;
+  return camera ? std::make_unique<LocalCamera>(std::move(camera)) : nullptr;
 }
 
-std::unique_ptr<Camera> open_gst(std::string pipeline, std::string* why) {
-  *why = cv::videoio_registry::hasBackend(cv::CAP_GSTREAMER)
-             ? "GStreamer says why above; elements come with Debian's gstreamer1.0-plugins-base, -good, -bad, -ugly "
-               "and -libav"
-             : "OpenCV is built without GStreamer here";
-  if (pipeline.find("appsink") == std::string::npos) {
-    pipeline += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
+std::unique_ptr<Camera> open_gst(std::string words, const std::atomic<bool>& stopped, std::string* why) {
+  if (words.find("appsink") == std::string::npos) {
+    words += " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink drop=true max-buffers=1 sync=false";
   }
-  // OpenCV alone knows GStreamer's reason, and says it in its own log.
-  const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_WARNING);
-  cv::VideoCapture capture;
-  const bool open = capture.open(pipeline, cv::CAP_GSTREAMER);
-  cv::utils::logging::setLogLevel(level);
-  if (!open) return nullptr;
-  return std::make_unique<CapturedByOpenCv>(capture);
+  auto pipeline = pipelines().start(words, why, stopped);
+  return pipeline ? std::make_unique<PlayedPipeline>(std::move(pipeline)) : nullptr;
 }
 
 // Null: it cannot be opened, and why. Throws UserError for what it does not do. stopped: opening ends soon after that
 // is set.
 std::unique_ptr<Camera> open_camera(const std::string& uri, const std::atomic<bool>& stopped, std::string* why) {
-  try {
-    if (uri.starts_with(kV4l2)) return open_v4l2(uri, why);
-    if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()), why);
-  } catch (const cv::Exception& e) {
-    *why = e.err;
-    return nullptr;
-  }
+  if (uri.starts_with(kV4l2)) return open_v4l2(uri, why);
+  if (uri.starts_with(kGst)) return open_gst(uri.substr(kGst.size()), stopped, why);
   auto decoder = StreamDecoder::open(uri, true, why, &stopped);
   return decoder ? std::make_unique<Stream>(std::move(decoder)) : nullptr;
 }

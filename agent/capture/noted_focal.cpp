@@ -4,25 +4,17 @@
 
 #include <libexif/exif-data.h>
 #include <libexif/exif-utils.h>
-extern "C" {
-#include <libavformat/avformat.h>
-}
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
-#include <string>
-#include <string_view>
 
-#include "agent/capture/quiet_ffmpeg.h"
-#include "common/base/words.h"
+#include "common/video/video_codecs.h"
 
 namespace coslam {
 namespace {
 
 using Exif = std::unique_ptr<ExifData, decltype([](ExifData* data) { exif_data_unref(data); })>;
-using Container = std::unique_ptr<AVFormatContext, decltype([](AVFormatContext* c) { avformat_close_input(&c); })>;
 
 // Of a length in millimetres on 35 mm film, which goes by the diagonal.
 double focal_px_of_film(double focal_mm, int width_px, int height_px) {
@@ -68,27 +60,9 @@ std::optional<double> of_exif(ExifData* exif, int width_px, int height_px) {
   return focal_px > 0 ? std::optional(focal_px) : std::nullopt;
 }
 
-// com.apple.quicktime.camera.focal_length.35mm_equivalent, and what others call like it.
-std::optional<double> film_mm_of(const AVDictionary* noted) {
-  const AVDictionaryEntry* entry = nullptr;
-  while ((entry = av_dict_get(noted, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr) {
-    if (!lower(entry->key).ends_with("focal_length.35mm_equivalent")) continue;
-    const std::string_view value = entry->value;
-    double film_mm = 0;
-    const auto read = std::from_chars(value.data(), value.data() + value.size(), film_mm);
-    if (read.ec == std::errc() && film_mm > 0) return film_mm;
-  }
-  return std::nullopt;
-}
-
 std::optional<double> of_container(const std::filesystem::path& video, int width_px, int height_px) {
-  const QuietFfmpeg quiet;
-  AVFormatContext* opened = nullptr;
-  if (avformat_open_input(&opened, video.c_str(), nullptr, nullptr) != 0) return std::nullopt;
-  const Container container(opened);
-  std::optional<double> film_mm = film_mm_of(container->metadata);
-  for (unsigned i = 0; !film_mm && i < container->nb_streams; ++i)
-    film_mm = film_mm_of(container->streams[i]->metadata);
+  const VideoCodecs* codecs = video_codecs_if_any();
+  const auto film_mm = codecs == nullptr ? std::nullopt : codecs->noted_film_mm(video);
   return film_mm ? std::optional(focal_px_of_film(*film_mm, width_px, height_px)) : std::nullopt;
 }
 

@@ -12,11 +12,12 @@
 #include "agent/capture/encodings.h"
 #include "agent/capture/recorded_clock.h"
 #include "agent/capture/sources.h"
-#include "agent/capture/video_packets.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/dataset/recorded_topic.h"
+#include "common/image/image_file.h"
 #include "common/recording/message_reader.h"
+#include "common/video/video_packets.h"
 
 namespace coslam {
 namespace {
@@ -183,7 +184,7 @@ class RecordedSource final : public ImageSource {
 
   cv::Mat frame_of(const std::string& message) {
     const auto packet = reader_.compressed_image(message);
-    return packet ? grey_.in_8_bits(video_->decode(packet->data)) : cv::Mat();
+    return packet ? grey_.in_8_bits(mat_of(video_->decode(packet->data))) : cv::Mat();
   }
 
   const cv::Mat& decoded() {

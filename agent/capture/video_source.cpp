@@ -9,11 +9,12 @@
 
 #include "agent/capture/decode.h"
 #include "agent/capture/sources.h"
-#include "agent/capture/stream_decoder.h"
 #include "common/base/error.h"
 #include "common/base/file_kind.h"
 #include "common/base/log.h"
 #include "common/base/text.h"
+#include "common/image/image_file.h"
+#include "common/video/stream_decoder.h"
 
 namespace coslam {
 namespace {
@@ -119,7 +120,7 @@ class VideoSource final : public ImageSource {
     grab();
     while (grabbed_ns_ && span_.before(*grabbed_ns_)) grab();
     cv::Mat frame;
-    while (grabbed_ns_ && (frame = decoder_->bgr()).empty()) {
+    while (grabbed_ns_ && (frame = mat_of(decoder_->bgr())).empty()) {
       ++frame_;
       grab();
     }
@@ -137,7 +138,7 @@ class VideoSource final : public ImageSource {
 
   std::optional<Image> next() override {
     if (!grabbed_ns_) return std::nullopt;
-    const cv::Mat frame = turned(decoder_->bgr(), turn_deg_);
+    const cv::Mat frame = turned(mat_of(decoder_->bgr()), turn_deg_);
     Image image{FrameId(frame_++), span_.played_ns(*grabbed_ns_), to_grey(frame)};
     image.fault = size_fault(image.grey, size_);
     if (image.fault == ImageFault::kNone && decoder_->concealed()) image.fault = ImageFault::kConcealed;

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "common/base/error.h"
+#include "common/image/image_file.h"
 
 namespace coslam {
 namespace {
@@ -66,7 +66,7 @@ cv::Mat followed(const std::string& file, const cv::Mat& image) {
 }  // namespace
 
 cv::Mat read_mask(const std::string& file) {
-  const cv::Mat image = cv::imread(file, cv::IMREAD_UNCHANGED);
+  const cv::Mat image = decode_unchanged(read_octets(file));
   if (image.empty() || (image.channels() != 1 && image.channels() < 3))
     throw UserError("the mask " + file + " cannot be read");
   cv::Mat out = followed(file, image);

@@ -75,11 +75,25 @@ function(coslam_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS})
   target_precompile_headers(${name} REUSE_FROM coslam_often)
+  set_target_properties(${name} PROPERTIES COSLAM_IS_INSTALLED ON)
   set(component tools)
   if(name MATCHES "^coslam-(agent|server|bridge)$")
     set(component ${CMAKE_MATCH_1})
   endif()
   install(TARGETS ${name} RUNTIME DESTINATION bin COMPONENT ${component})
+endfunction()
+
+# coslam_plug_in(NAME COMPONENT component OF library SOURCES a.cpp ... DEPS ...): what the library loads while a program
+# runs. It brings what is large, in a package of its own.
+function(coslam_plug_in name)
+  cmake_parse_arguments(ARG "" "COMPONENT;OF" "SOURCES;DEPS" ${ARGN})
+  add_library(${name} MODULE ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS})
+  target_compile_definitions(${name} PRIVATE COSLAM_VERSION="${PROJECT_VERSION}")
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+                                           LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/coslam)
+  add_dependencies(${ARG_OF} ${name})
+  install(TARGETS ${name} LIBRARY DESTINATION lib/coslam COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 # coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -16,6 +15,7 @@
 #include "common/base/text.h"
 #include "common/dataset/calibration.h"
 #include "common/dataset/file.h"
+#include "common/image/image_file.h"
 #include "deploy/coslam/calibrate/dialects.h"
 #include "deploy/coslam/commands.h"
 
@@ -126,7 +126,7 @@ cv::Mat drawn(const CameraModel& c) {
 void save_drawing(const std::filesystem::path& file, const CameraModel& camera) {
   if (file.extension() != ".png") throw UsageError("--draw writes a PNG: " + file.string() + " has to end with .png");
   create_file(file);  // says why it cannot be there
-  if (!cv::imwrite(file.string(), drawn(camera))) throw UserError("cannot write " + file.string());
+  if (!write_image_file(file, drawn(camera))) throw UserError("cannot write " + file.string());
 }
 
 // What is read may hold more than what is written.

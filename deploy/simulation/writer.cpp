@@ -10,11 +10,11 @@
 #include <cstdio>
 #include <fstream>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
 #include <thread>
 
 #include "common/base/error.h"
 #include "common/dataset/calibration.h"
+#include "common/image/image_file.h"
 #include "deploy/simulation/marked_spots.h"
 #include "deploy/simulation/parallel.h"
 #include "deploy/simulation/renderer.h"
@@ -43,7 +43,7 @@ void write_text(const fs::path& file, const std::string& text) {
 }
 
 void write_image(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image)) {
+  if (!write_image_file(file, image)) {
     throw UserError("cannot write " + file.string());
   }
 }

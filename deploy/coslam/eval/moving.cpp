@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <fstream>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common/base/error.h"
 #include "common/base/text.h"
+#include "common/image/image_file.h"
 #include "deploy/coslam/eval/statistics.h"
 
 namespace coslam::eval {
@@ -40,7 +40,7 @@ std::optional<bool> Masks::moving_at(const std::string& agent, FrameId frame, co
   std::snprintf(name, sizeof name, "%06u.png", frame.value);
   if (const auto file = folder_ / agent / name; file != file_) {
     file_ = file;
-    mask_ = std::filesystem::exists(file) ? cv::imread(file.string(), cv::IMREAD_GRAYSCALE) : cv::Mat();
+    mask_ = decode_grey(read_octets(file));
   }
   const int x = static_cast<int>(std::lround(raw_px.x())), y = static_cast<int>(std::lround(raw_px.y()));
   if (mask_.empty() || x < 0 || y < 0 || x >= mask_.cols || y >= mask_.rows) return std::nullopt;

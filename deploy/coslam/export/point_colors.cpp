@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "common/base/error.h"
+#include "common/image/image_file.h"
 
 namespace coslam::exporting {
 namespace {
@@ -40,12 +40,7 @@ void PointColors::give(ColmapModel* model) const {
 void write_image(const std::filesystem::path& file, const cv::Mat& image) {
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
-  bool written = false;
-  try {
-    written = !error && cv::imwrite(file.string(), image);
-  } catch (const cv::Exception&) {  // the sentence below says it
-  }
-  if (!written) throw UserError(file.string() + ": the image cannot be written");
+  if (error || !write_image_file(file, image)) throw UserError(file.string() + ": the image cannot be written");
 }
 
 void see_images(const ColmapModel& model, std::size_t camera, const CameraModel& lens, double rate_hz,

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "common/base/error.h"
+#include "common/image/image_file.h"
 #include "deploy/coslam/plot/projection.h"
 
 namespace coslam::plot {
@@ -148,13 +148,7 @@ cv::Mat draw_top_view(const TopView& view, int width_px, int height_px) {
 }
 
 void save_picture(const std::filesystem::path& file, const cv::Mat& picture) {
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), picture);
-  } catch (const cv::Exception&) {
-    written = false;
-  }
-  if (!written) throw UserError(file.string() + ": cannot be written");
+  if (!write_image_file(file, picture)) throw UserError(file.string() + ": cannot be written");
 }
 
 }  // namespace coslam::plot

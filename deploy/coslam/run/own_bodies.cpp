@@ -3,7 +3,6 @@
 #include "deploy/coslam/run/own_bodies.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "agent/track/mask.h"
@@ -11,6 +10,7 @@
 #include "common/base/log.h"
 #include "common/dataset/result.h"
 #include "common/dataset/result_folder.h"
+#include "common/image/image_file.h"
 
 namespace coslam {
 namespace {
@@ -55,7 +55,7 @@ void OwnBodies::write(const std::filesystem::path& result) {
     if (found == masks_.end()) continue;
     const std::filesystem::path file = std::filesystem::absolute(ResultFolder(result).own_body(agent.name));
     std::filesystem::create_directories(file.parent_path());
-    if (!cv::imwrite(file.string(), found->second)) throw UserError("cannot write " + file.string());
+    if (!write_image_file(file, found->second)) throw UserError("cannot write " + file.string());
     agent.mask = file;
   }
 }

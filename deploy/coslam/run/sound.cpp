@@ -2,25 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deploy/coslam/run/sound.h"
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-#include <libavutil/channel_layout.h>
-#include <libswresample/swresample.h>
-}
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <memory>
 #include <opencv2/core.hpp>
 
-#include "agent/capture/quiet_ffmpeg.h"
+#include "common/video/video_codecs.h"
 
 namespace coslam {
 namespace {
 
-constexpr double kMost_s = 600;
 constexpr double kLeast_s = 1;
 // Speech, steps and clatter; below it wind and the hum of the mains, above it nothing that a small microphone hears
 // from afar.
@@ -33,91 +24,6 @@ constexpr double kFade_s = 1;
 // Clocks of recorders differ by tens of millionths: what lasts longer does not fit as a whole.
 constexpr double kBlock_s = 25;
 constexpr std::size_t kMostBlocks = 8;
-
-template <class T, void (*kFree)(T**)>
-struct Freed {
-  void operator()(T* p) const { kFree(&p); }
-};
-using Container = std::unique_ptr<AVFormatContext, Freed<AVFormatContext, avformat_close_input>>;
-using Decoder = std::unique_ptr<AVCodecContext, Freed<AVCodecContext, avcodec_free_context>>;
-using Resampler = std::unique_ptr<SwrContext, Freed<SwrContext, swr_free>>;
-using Packet = std::unique_ptr<AVPacket, Freed<AVPacket, av_packet_free>>;
-using Frame = std::unique_ptr<AVFrame, Freed<AVFrame, av_frame_free>>;
-
-class SoundReader {
- public:
-  explicit SoundReader(const std::filesystem::path& video) {
-    AVFormatContext* opened = nullptr;
-    if (avformat_open_input(&opened, video.c_str(), nullptr, nullptr) != 0) return;
-    container_.reset(opened);
-    if (avformat_find_stream_info(opened, nullptr) < 0) return;
-    const AVCodec* codec = nullptr;
-    stream_ = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);
-    if (stream_ < 0 || codec == nullptr) return;
-    decoder_.reset(avcodec_alloc_context3(codec));
-    if (avcodec_parameters_to_context(decoder_.get(), opened->streams[stream_]->codecpar) < 0 ||
-        avcodec_open2(decoder_.get(), codec, nullptr) < 0) {
-      decoder_.reset();
-    }
-  }
-
-  std::optional<Sound> read() {
-    if (!decoder_) return std::nullopt;
-    const Packet packet(av_packet_alloc());
-    const auto most = static_cast<std::size_t>(kMost_s * Sound::kRate_hz);
-    while (sound_.samples.size() < most && av_read_frame(container_.get(), packet.get()) >= 0) {
-      if (packet->stream_index == stream_ && avcodec_send_packet(decoder_.get(), packet.get()) >= 0) take_frames();
-      av_packet_unref(packet.get());
-    }
-    avcodec_send_packet(decoder_.get(), nullptr);
-    take_frames();
-    return begun_ && !sound_.samples.empty() ? std::optional(std::move(sound_)) : std::nullopt;
-  }
-
- private:
-  void take_frames() {
-    const Frame frame(av_frame_alloc());
-    while (avcodec_receive_frame(decoder_.get(), frame.get()) >= 0) {
-      if (!begun_) begin(*frame);
-      if (resampler_) append(*frame);
-    }
-  }
-  void begin(const AVFrame& frame) {
-    begun_ = true;
-    const auto seconds = [&](int stream, std::int64_t pts) {
-      return pts == AV_NOPTS_VALUE ? 0.0 : static_cast<double>(pts) * av_q2d(container_->streams[stream]->time_base);
-    };
-    sound_.begins_s = seconds(stream_, frame.best_effort_timestamp);
-    const int images = av_find_best_stream(container_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (images >= 0) sound_.begins_s -= seconds(images, container_->streams[images]->start_time);
-    AVChannelLayout one = AV_CHANNEL_LAYOUT_MONO, recorded = frame.ch_layout;
-    if (recorded.order == AV_CHANNEL_ORDER_UNSPEC) av_channel_layout_default(&recorded, recorded.nb_channels);
-    SwrContext* made = nullptr;
-    if (swr_alloc_set_opts2(&made, &one, AV_SAMPLE_FMT_FLT, Sound::kRate_hz, &recorded,
-                            static_cast<AVSampleFormat>(frame.format), frame.sample_rate, 0, nullptr) < 0) {
-      return;
-    }
-    resampler_.reset(made);
-    if (swr_init(made) < 0) resampler_.reset();
-  }
-  void append(const AVFrame& frame) {
-    const int room = swr_get_out_samples(resampler_.get(), frame.nb_samples);
-    if (room <= 0) return;
-    const std::size_t before = sound_.samples.size();
-    sound_.samples.resize(before + static_cast<std::size_t>(room));
-    auto* to = reinterpret_cast<std::uint8_t*>(sound_.samples.data() + before);
-    const int got = swr_convert(resampler_.get(), &to, room, const_cast<const std::uint8_t**>(frame.extended_data),
-                                frame.nb_samples);
-    sound_.samples.resize(before + static_cast<std::size_t>(std::max(got, 0)));
-  }
-
-  Container container_;
-  Decoder decoder_;
-  Resampler resampler_;
-  int stream_ = -1;
-  bool begun_ = false;
-  Sound sound_;
-};
 
 // The spectrum of what can be heard of a recording. Its ends fade: where it stops is no sound.
 cv::Mat in_band(std::span<const float> samples, int length, double rate_hz) {
@@ -203,8 +109,8 @@ std::optional<double> later_as_a_whole_s(std::span<const float> first, std::span
 }  // namespace
 
 std::optional<Sound> sound_of(const std::filesystem::path& video) {
-  const QuietFfmpeg quiet;
-  return SoundReader(video).read();
+  const VideoCodecs* codecs = video_codecs_if_any();
+  return codecs == nullptr ? std::nullopt : codecs->sound_of(video);
 }
 
 std::optional<double> began_later_s(std::span<const float> first, std::span<const float> second, double rate_hz) {

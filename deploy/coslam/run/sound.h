@@ -5,16 +5,10 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <vector>
+
+#include "common/video/sound.h"
 
 namespace coslam {
-
-// Sound track of a video, one channel.
-struct Sound {
-  static constexpr int kRate_hz = 8000;
-  double begins_s = 0;  // against the first image
-  std::vector<float> samples;
-};
 
 // The first ten minutes; empty: the file has no sound, or none that can be read.
 std::optional<Sound> sound_of(const std::filesystem::path& video);

@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <span>
 #include <string_view>
+
+#include "common/video/picture.h"
 
 namespace coslam {
 
@@ -15,19 +16,12 @@ namespace coslam {
 class VideoPackets {
  public:
   // Creates a parser by the name of a codec ("h264", "libx264", "h265", "hevc", "vp9", "av1"); null: unknown name.
+  // Throws UserError where videos cannot be decoded here.
   static std::unique_ptr<VideoPackets> for_codec(std::string_view codec);
-  ~VideoPackets();
-  VideoPackets(const VideoPackets&) = delete;
-  VideoPackets& operator=(const VideoPackets&) = delete;
+  virtual ~VideoPackets() = default;
 
-  // The luma of the packet's frame, CV_8UC1 or CV_16UC1; empty where the packet alone makes none, as before the first
-  // key frame.
-  cv::Mat decode(std::span<const std::uint8_t> packet);
-
- private:
-  struct Impl;
-  explicit VideoPackets(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  // The luma of the packet's frame; empty where the packet alone makes none, as before the first key frame.
+  virtual Picture decode(std::span<const std::uint8_t> packet) = 0;
 };
 
 }  // namespace coslam

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/capture/stream_decoder.h"
+#include "common/video/stream_decoder.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -18,9 +18,11 @@ extern "C" {
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
-#include "agent/capture/decode.h"
-#include "agent/capture/decoded_damage.h"
+#include "common/image/cut_off.h"
+#include "common/video/ffmpeg/decoded_damage.h"
+#include "common/video/ffmpeg/plug_in.h"
 
 namespace coslam {
 namespace {
@@ -80,23 +82,22 @@ class FfmpegDecoder final : public StreamDecoder {
     return false;
   }
 
-  cv::Mat bgr() override {
+  Picture bgr() override {
     if (!decoded_ || frame_->width <= 0 || frame_->height <= 0) return {};
     const auto format = static_cast<AVPixelFormat>(frame_->format);
     scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height, format, frame_->width,
                                        frame_->height, AV_PIX_FMT_BGR24, SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_) return {};
-    cv::Mat out(frame_->height, frame_->width, CV_8UC3);
     // The scaler writes in steps of its vectors, past the end of a row.
     constexpr int kSlack = 64;
-    cv::Mat rows(frame_->height, frame_->width + kSlack, CV_8UC3);
-    std::uint8_t* const to[4] = {rows.data, nullptr, nullptr, nullptr};
-    const int steps[4] = {static_cast<int>(rows.step), 0, 0, 0};
+    const int row = 3 * (frame_->width + kSlack);
+    rows_.resize(static_cast<std::size_t>(row) * static_cast<std::size_t>(frame_->height));
+    std::uint8_t* const to[4] = {rows_.data(), nullptr, nullptr, nullptr};
+    const int steps[4] = {row, 0, 0, 0};
     if (sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, to, steps) != frame_->height) {
       return {};
     }
-    rows.colRange(0, frame_->width).copyTo(out);
-    return out;
+    return {frame_->width, frame_->height, 3, 1, static_cast<std::size_t>(row), rows_.data()};
   }
 
   std::optional<double> time_s() const override {
@@ -253,6 +254,7 @@ class FfmpegDecoder final : public StreamDecoder {
   Packet packet_{av_packet_alloc()};
   Frame frame_{av_frame_alloc()};
   Scaler scaler_;
+  std::vector<std::uint8_t> rows_;  // of the newest picture
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
   bool has_end_ = true, decoded_ = false, cut_ = false, damaged_ = false;
   DecodedDamage damage_;
@@ -260,7 +262,7 @@ class FfmpegDecoder final : public StreamDecoder {
 
 }  // namespace
 
-std::unique_ptr<StreamDecoder> StreamDecoder::open(const std::string& url, bool live, std::string* why,
+std::unique_ptr<StreamDecoder> ffmpeg::open_stream(const std::string& url, bool live, std::string* why,
                                                    const std::atomic<bool>* stopped) {
   auto decoder = std::make_unique<FfmpegDecoder>(url, live, stopped);
   *why = decoder->open();

@@ -5,9 +5,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+
+#include "common/video/picture.h"
 
 namespace coslam {
 
@@ -17,15 +18,16 @@ class StreamDecoder {
   static constexpr const char* kNotAVideo = "what it gives is no video";  // reason that open() may give
   // live: from the network; what has been decoded of a stream that comes at its own pace is given at once, and who is
   // silent for 5 s has failed. Null: it cannot be opened, or there is no video in it; `why` says which, as the end of a
-  // sentence. stopped: where it is set, that ends soon, here as in grab().
+  // sentence. stopped: where it is set, that ends soon, here as in grab(). Throws UserError where videos cannot be
+  // decoded here.
   static std::unique_ptr<StreamDecoder> open(const std::string& url, bool live, std::string* why,
                                              const std::atomic<bool>* stopped = nullptr);
   virtual ~StreamDecoder() = default;
 
   // Decodes the next frame; false at the end, and when the stream has failed.
   virtual bool grab() = 0;
-  // Pixels of the frame that was grabbed last, CV_8UC3 as BGR. Empty: it could not be decoded.
-  virtual cv::Mat bgr() = 0;
+  // The frame that was grabbed last, in colours. Empty: it could not be decoded.
+  virtual Picture bgr() = 0;
   // Time when the frame is to be shown, from the start of the stream on; empty: the container does not say.
   virtual std::optional<double> time_s() const = 0;
   // Parts of it did not arrive, or of one that it was made from: they are made up.

@@ -1,17 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/capture/video_packets.h"
+#include "common/video/video_packets.h"
 
 #include <gmock/gmock.h>
 
 #include "agent/capture/source.h"
 #include "common/base/error.h"
+#include "common/image/image_file.h"
 #include "common/mcap/writer.h"
 #include "common/ros/cdr.h"
 #include "common/ros/convert.h"
 #include "common/ros/foxglove_messages.h"
 #include "common/ros/sensor_messages.h"
-#include "tests/agent/capture/encoded_video.h"
+#include "tests/common/video/encoded_video.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::video_packets_test {
@@ -39,7 +40,7 @@ TEST_P(VideoPacketsOf, FramesComeOnePacketEach) {
   const auto decoder = VideoPackets::for_codec(GetParam().name);
   ASSERT_TRUE(decoder);
   for (int i = 0; i < kFrames; ++i) {
-    const cv::Mat luma = decoder->decode(video[static_cast<std::size_t>(i)]);
+    const cv::Mat luma = mat_of(decoder->decode(video[static_cast<std::size_t>(i)]));
     ASSERT_EQ(luma.size(), cv::Size(kWidth, kHeight)) << i;
     EXPECT_EQ(luma.type(), CV_8UC1);
     EXPECT_NEAR(luma.at<std::uint8_t>(20, 20), 20 + 10 * i, 2);

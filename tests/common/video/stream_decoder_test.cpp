@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The CoSLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "agent/capture/stream_decoder.h"
+#include "common/video/stream_decoder.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "common/image/image_file.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::stream_decoder_test {
@@ -71,7 +72,7 @@ TEST_F(StreamDecoderTest, FramesAreThoseThatOthersDecode) {
     int i = 0;
     for (; other.read(expected); ++i) {
       ASSERT_TRUE(decoder->grab()) << i;
-      ASSERT_EQ(cv::norm(decoder->bgr(), expected, cv::NORM_INF), 0) << file << " " << i;
+      ASSERT_EQ(cv::norm(mat_of(decoder->bgr()), expected, cv::NORM_INF), 0) << file << " " << i;
       EXPECT_NEAR(decoder->time_s().value_or(-1), i / 20.0, 1e-9);
       EXPECT_FALSE(decoder->concealed());
     }
@@ -85,7 +86,7 @@ TEST_F(StreamDecoderTest, EachFrameHasItsOwnSize) {
   ASSERT_TRUE(decoder);
   for (int i = 0; i < 6; ++i) {
     ASSERT_TRUE(decoder->grab());
-    EXPECT_EQ(decoder->bgr().size(), i % 2 == 0 ? cv::Size(80, 60) : cv::Size(160, 120)) << i;
+    EXPECT_EQ(mat_of(decoder->bgr()).size(), i % 2 == 0 ? cv::Size(80, 60) : cv::Size(160, 120)) << i;
   }
 }
 
