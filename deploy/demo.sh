@@ -3,14 +3,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # deploy/demo.sh [--out DIR]
 #
-# From a fresh checkout to a map: installs what is missing, builds the programs, lets three simulated cameras map a room
-# together, measures the result against the simulation's truth and says where everything is.
+# From a fresh checkout to a map: installs what is missing, builds the programs, lets three cameras map a room together in
+# which a man walks (deploy/demo, recorded in a simulation), measures the result against the simulation's truth and says
+# where everything is.
 #   --out DIR   where the result goes (default: result/ at the top of the source tree)
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
 
-scene=sim:room
+scene=$root/deploy/demo
 out=$root/result
 while [[ $# -gt 0 ]]; do
   case $1 in
@@ -25,7 +26,7 @@ done
 
 start=$SECONDS
 "$root/deploy/setup.sh" || exit
-"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent || exit
+"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent --target coslam-video || exit
 coslam=$(build_dir release)/bin/coslam
 
 step "run: three agents and a server on $scene"

@@ -10,13 +10,12 @@ extern "C" {
 #include <string_view>
 
 #include "common/base/words.h"
+#include "common/video/ffmpeg/owned.h"
 #include "common/video/ffmpeg/plug_in.h"
 #include "common/video/ffmpeg/quiet_ffmpeg.h"
 
 namespace coslam {
 namespace {
-
-using Container = std::unique_ptr<AVFormatContext, decltype([](AVFormatContext* c) { avformat_close_input(&c); })>;
 
 // com.apple.quicktime.camera.focal_length.35mm_equivalent, and what others call like it.
 std::optional<double> film_mm_of(const AVDictionary* noted) {
@@ -37,7 +36,7 @@ std::optional<double> ffmpeg::noted_film_mm(const std::filesystem::path& video) 
   const QuietFfmpeg quiet;
   AVFormatContext* opened = nullptr;
   if (avformat_open_input(&opened, video.c_str(), nullptr, nullptr) != 0) return std::nullopt;
-  const Container container(opened);
+  const ffmpeg::Container container(opened);
   std::optional<double> film_mm = film_mm_of(container->metadata);
   for (unsigned i = 0; !film_mm && i < container->nb_streams; ++i)
     film_mm = film_mm_of(container->streams[i]->metadata);

@@ -11,6 +11,7 @@ extern "C" {
 #include <memory>
 #include <utility>
 
+#include "common/video/ffmpeg/owned.h"
 #include "common/video/ffmpeg/plug_in.h"
 #include "common/video/ffmpeg/quiet_ffmpeg.h"
 
@@ -18,16 +19,6 @@ namespace coslam {
 namespace {
 
 constexpr double kMost_s = 600;
-
-template <class T, void (*kFree)(T**)>
-struct Freed {
-  void operator()(T* p) const { kFree(&p); }
-};
-using Container = std::unique_ptr<AVFormatContext, Freed<AVFormatContext, avformat_close_input>>;
-using Decoder = std::unique_ptr<AVCodecContext, Freed<AVCodecContext, avcodec_free_context>>;
-using Resampler = std::unique_ptr<SwrContext, Freed<SwrContext, swr_free>>;
-using Packet = std::unique_ptr<AVPacket, Freed<AVPacket, av_packet_free>>;
-using Frame = std::unique_ptr<AVFrame, Freed<AVFrame, av_frame_free>>;
 
 class SoundReader {
  public:
@@ -48,7 +39,7 @@ class SoundReader {
 
   std::optional<Sound> read() {
     if (!decoder_) return std::nullopt;
-    const Packet packet(av_packet_alloc());
+    const ffmpeg::Packet packet(av_packet_alloc());
     const auto most = static_cast<std::size_t>(kMost_s * Sound::kRate_hz);
     while (sound_.samples.size() < most && av_read_frame(container_.get(), packet.get()) >= 0) {
       if (packet->stream_index == stream_ && avcodec_send_packet(decoder_.get(), packet.get()) >= 0) take_frames();
@@ -61,7 +52,7 @@ class SoundReader {
 
  private:
   void take_frames() {
-    const Frame frame(av_frame_alloc());
+    const ffmpeg::Frame frame(av_frame_alloc());
     while (avcodec_receive_frame(decoder_.get(), frame.get()) >= 0) {
       if (!begun_) begin(*frame);
       if (resampler_) append(*frame);
@@ -96,9 +87,9 @@ class SoundReader {
     sound_.samples.resize(before + static_cast<std::size_t>(std::max(got, 0)));
   }
 
-  Container container_;
-  Decoder decoder_;
-  Resampler resampler_;
+  ffmpeg::Container container_;
+  ffmpeg::Codec decoder_;
+  ffmpeg::Resampler resampler_;
   int stream_ = -1;
   bool begun_ = false;
   Sound sound_;

@@ -9,22 +9,18 @@ extern "C" {
 #include <cstring>
 #include <vector>
 
+#include "common/video/ffmpeg/owned.h"
 #include "common/video/ffmpeg/plug_in.h"
 #include "common/video/ffmpeg/quiet_ffmpeg.h"
 
 namespace coslam {
 namespace {
 
-using Decoder = std::unique_ptr<AVCodecContext, decltype([](AVCodecContext* c) { avcodec_free_context(&c); })>;
-using Packet = std::unique_ptr<AVPacket, decltype([](AVPacket* p) { av_packet_free(&p); })>;
-using Frame = std::unique_ptr<AVFrame, decltype([](AVFrame* f) { av_frame_free(&f); })>;
-using Scaler = std::unique_ptr<SwsContext, decltype([](SwsContext* s) { sws_freeContext(s); })>;
-
-Frame decoded(std::span<const std::uint8_t> octets, const char* name) {
+ffmpeg::Frame decoded(std::span<const std::uint8_t> octets, const char* name) {
   const AVCodec* codec = avcodec_find_decoder_by_name(name);
-  Decoder decoder(codec == nullptr ? nullptr : avcodec_alloc_context3(codec));
-  const Packet packet(av_packet_alloc());
-  Frame frame(av_frame_alloc());
+  ffmpeg::Codec decoder(codec == nullptr ? nullptr : avcodec_alloc_context3(codec));
+  const ffmpeg::Packet packet(av_packet_alloc());
+  ffmpeg::Frame frame(av_frame_alloc());
   if (!decoder || !packet || !frame) return nullptr;
   decoder->thread_count = 1;
   if (avcodec_open2(decoder.get(), codec, nullptr) < 0) return nullptr;
@@ -53,15 +49,15 @@ bool ffmpeg::decode_image(std::span<const std::uint8_t> octets, const ImageForm&
   constexpr std::size_t kMostOctets = 1U << 30U;
   if (octets.size() > kMostOctets) return false;
   const QuietFfmpeg quiet;
-  const Frame frame = decoded(octets, form.decoder);
+  const ffmpeg::Frame frame = decoded(octets, form.decoder);
   if (!frame || frame->width <= 0 || frame->height <= 0) return false;
   const AVPixelFormat plain = plain_form(*frame);
   if (plain == AV_PIX_FMT_NONE) return false;
   const bool deep = plain == AV_PIX_FMT_GRAY16 || plain == AV_PIX_FMT_BGR48;
   const int channels = plain == AV_PIX_FMT_GRAY16 || plain == AV_PIX_FMT_GRAY8 ? 1 : 3;
-  const Scaler scaler(sws_getContext(frame->width, frame->height, static_cast<AVPixelFormat>(frame->format),
-                                     frame->width, frame->height, plain, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr,
-                                     nullptr, nullptr));
+  const ffmpeg::Scaler scaler(sws_getContext(frame->width, frame->height, static_cast<AVPixelFormat>(frame->format),
+                                             frame->width, frame->height, plain, SWS_BICUBIC | SWS_ACCURATE_RND,
+                                             nullptr, nullptr, nullptr));
   if (!scaler) return false;
   constexpr int kSlack = 64;  // pixels; the scaler writes past the end of a row
   const int row = channels * (deep ? 2 : 1) * (frame->width + kSlack);

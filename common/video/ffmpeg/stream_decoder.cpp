@@ -22,6 +22,7 @@ extern "C" {
 
 #include "common/image/cut_off.h"
 #include "common/video/ffmpeg/decoded_damage.h"
+#include "common/video/ffmpeg/owned.h"
 #include "common/video/ffmpeg/plug_in.h"
 
 namespace coslam {
@@ -31,11 +32,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{5};
 constexpr double kHealed_s = 1;
 constexpr const char* kNoVideo = "there is no video in it";
-
-using Codec = std::unique_ptr<AVCodecContext, decltype([](AVCodecContext* c) { avcodec_free_context(&c); })>;
-using Packet = std::unique_ptr<AVPacket, decltype([](AVPacket* p) { av_packet_free(&p); })>;
-using Frame = std::unique_ptr<AVFrame, decltype([](AVFrame* f) { av_frame_free(&f); })>;
-using Scaler = std::unique_ptr<SwsContext, decltype([](SwsContext* s) { sws_freeContext(s); })>;
 
 class FfmpegDecoder final : public StreamDecoder {
  public:
@@ -250,10 +246,10 @@ class FfmpegDecoder final : public StreamDecoder {
   Clock::time_point deadline_;
   AVFormatContext* container_ = nullptr;
   int video_ = -1;
-  Codec codec_;
-  Packet packet_{av_packet_alloc()};
-  Frame frame_{av_frame_alloc()};
-  Scaler scaler_;
+  ffmpeg::Codec codec_;
+  ffmpeg::Packet packet_{av_packet_alloc()};
+  ffmpeg::Frame frame_{av_frame_alloc()};
+  ffmpeg::Scaler scaler_;
   std::vector<std::uint8_t> rows_;  // of the newest picture
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
   bool has_end_ = true, decoded_ = false, cut_ = false, damaged_ = false;
