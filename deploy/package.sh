@@ -4,9 +4,11 @@
 # deploy/package.sh [--check] [--maintainer 'NAME <MAIL>']
 #
 # Builds the programs and makes Debian packages of them, in build/packages: coslam-agent, coslam-server,
-# coslam-bridge, coslam (the tools), libcoslam-dev. Install them with `apt install ./FILE.deb ...`.
+# coslam-bridge, coslam (the tools), coslam-video, coslam-gstreamer, libcoslam-dev. Install them with
+# `apt install ./FILE.deb ...`.
 #   --maintainer   who hands them out, as it stands in the packages
-#   --check        also runs lintian on them, and installs and runs them in a fresh Debian (debootstrap; needs root)
+#   --check        also runs lintian on them, and installs and runs them in a fresh Debian (debootstrap; needs root),
+#                  first the agent alone, which may bring 150 MB at most with all that it needs
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
@@ -55,9 +57,22 @@ cp /etc/resolv.conf "$fresh/etc/" 2>/dev/null || true
 for part in apt.conf apt.conf.d; do [[ ! -e /etc/apt/$part ]] || cp -r "/etc/apt/$part" "$fresh/etc/apt/"; done
 mount -t proc proc "$fresh/proc"
 cp "$build/packages/"*.deb "$fresh/root/"
-chroot "$fresh" sh -c 'apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -q install --yes --no-install-recommends \
-  /root/coslam_*.deb /root/coslam-*.deb' >"$build/packages/install.log" 2>&1 ||
-  die "the packages cannot be installed: see $build/packages/install.log"
+# Installs packages, by what their files are called.
+install_in_fresh() {
+  chroot "$fresh" sh -c "DEBIAN_FRONTEND=noninteractive apt-get -q install --yes $*" >>"$build/packages/install.log" 2>&1 ||
+    die "the packages cannot be installed: see $build/packages/install.log"
+}
+megabytes() { du --summarize --one-file-system --block-size=1MB --exclude=var/cache --exclude=var/lib/apt --exclude=root "$fresh" | cut -f 1; }
+chroot "$fresh" apt-get -q update >"$build/packages/install.log" 2>&1 || die "there is no list of packages: see $build/packages/install.log"
+most_mb=150
+before_mb=$(megabytes)
+install_in_fresh '/root/coslam-agent_*.deb'
+agent_mb=$(($(megabytes) - before_mb))
+step "the agent with all that it needs takes $agent_mb MB"
+[[ $agent_mb -le $most_mb ]] || die "the agent with all that it needs takes $agent_mb MB, and $most_mb is the most"
+said=$(chroot "$fresh" coslam-agent --id a --source rtsp://127.0.0.1/x 2>&1) && die "the agent plays a stream without FFmpeg"
+[[ $said == *"the package coslam-video"* ]] || die "the agent does not say which package brings streams: $said"
+install_in_fresh --no-install-recommends '/root/coslam_*.deb' '/root/coslam-*.deb'
 chroot "$fresh" coslam render tag /root/tag --frames 60 || die "the installed coslam cannot render a scene"
 chroot "$fresh" coslam run /root/tag --out /root/result || die "the installed programs cannot make a map"
 chroot "$fresh" coslam eval /root/result /root/tag || die "the installed coslam cannot evaluate"

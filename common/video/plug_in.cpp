@@ -14,7 +14,7 @@ PlugIn load_plug_in(const std::string& name, const std::string& use) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path file = program.parent_path().parent_path() / "lib" / "coslam" / (name + ".so");
+  const fs::path file = program.parent_path().parent_path() / "lib" / "coslam" / "plugins" / (name + ".so");
   const std::string package = use + ", which comes with the package " + name;
   if (error || !fs::exists(file, error)) return {nullptr, package + ", and that is not installed here"};
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

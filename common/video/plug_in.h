@@ -6,7 +6,7 @@
 
 namespace coslam {
 
-// A part of CoSLAM that is loaded when it is first needed: lib/coslam/NAME.so beside the folder of the program. Each
+// A part of CoSLAM that is loaded when it is first needed: lib/coslam/plugins/NAME.so beside the folder of the program. Each
 // exports coslam_plug_in(version), which gives an object that lasts as long as the program; null: it is of another
 // version.
 struct PlugIn {

@@ -91,9 +91,9 @@ function(coslam_plug_in name)
   target_link_libraries(${name} PRIVATE coslam_options ${ARG_DEPS})
   target_compile_definitions(${name} PRIVATE COSLAM_VERSION="${PROJECT_VERSION}")
   set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
-                                           LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/coslam)
+                                           LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/coslam/plugins)
   add_dependencies(${ARG_OF} ${name})
-  install(TARGETS ${name} LIBRARY DESTINATION lib/coslam COMPONENT ${ARG_COMPONENT})
+  install(TARGETS ${name} LIBRARY DESTINATION lib/coslam/plugins COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 # coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Debian packages, one a component: coslam-agent, coslam-server, coslam-bridge, coslam (the tools), libcoslam-dev.
+# Debian packages, one a component: coslam-agent, coslam-server, coslam-bridge, coslam (the tools), coslam-video,
+# coslam-gstreamer, libcoslam-dev.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME coslam)
 set(COSLAM_MAINTAINER "The CoSLAM authors <coslam@localhost>" CACHE STRING "who hands out the packages: Name <mail>")
@@ -9,7 +10,10 @@ set(CPACK_PACKAGE_CONTACT ${COSLAM_MAINTAINER})
 set(CPACK_PACKAGE_VENDOR "The CoSLAM authors")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL agent server bridge tools dev)
+set(CPACK_COMPONENTS_ALL agent server bridge tools video dev)
+if(TARGET coslam-gstreamer)
+  list(APPEND CPACK_COMPONENTS_ALL gstreamer)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -43,11 +47,19 @@ and the poses of an agent to a PX4 autopilot.")
 coslam_package(tools coslam science "tools of CoSLAM, visual SLAM of several cameras"
 "Runs whole sequences on one machine, measures results, exports and explains
 them, looks after map files, calibrates cameras.")
+coslam_package(video coslam-video video "videos and streams for CoSLAM"
+"Lets agents and tools of CoSLAM read video files, streams from the network and
+images other than PNG and JPEG, by FFmpeg.")
+coslam_package(gstreamer coslam-gstreamer video "GStreamer pipelines for CoSLAM"
+"Lets agents of CoSLAM take their images from a pipeline of GStreamer.")
 coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with CoSLAM"
 "What crosses the wire between agents and map server, for programs in C++ that
 want to know where the cameras are and what moves around them.")
+# An agent with a camera of its own, or with images of ROS 2, needs neither of them, and FFmpeg is larger than all else.
+set(CPACK_DEBIAN_AGENT_PACKAGE_SUGGESTS "coslam-video (= ${PROJECT_VERSION}), coslam-gstreamer (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_GSTREAMER_PACKAGE_DEPENDS "gstreamer1.0-plugins-base")
 # A robot has the agent alone, and the tools that look at it; `coslam run` says what it lacks.
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION}), coslam-video (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, ${COSLAM_MIDDLEWARE_DEB}")
 foreach(part agent server bridge)
   string(TOUPPER ${part} upper)

@@ -10,13 +10,13 @@ trap 'rm -rf -- "$folder"' EXIT
 prefix=$folder/prefix
 fail() { printf 'install_test: %s\n' "$*" >&2; exit 1; }
 
-for component in agent server bridge tools dev; do
+for component in agent server bridge tools video dev; do
   "$cmake" --install "$build" --prefix "$prefix" --component "$component" >"$folder/log" || { cat "$folder/log"; fail "no $component"; }
 done
 for program in coslam coslam-agent coslam-server coslam-bridge; do
   [[ $("$prefix/bin/$program" --version) == "$version" ]] || fail "$program does not say its version"
 done
-for file in etc/coslam/server.yaml lib/systemd/system/coslam-agent.service share/bash-completion/completions/coslam \
+for file in etc/coslam/server.yaml lib/systemd/system/coslam-agent.service lib/coslam/plugins/coslam-video.so share/bash-completion/completions/coslam \
   share/doc/coslam/README.md share/doc/coslam/docs/field.md share/coslam/idl/coslam.idl; do
   [[ -s $prefix/$file ]] || fail "$file is missing"
 done
