@@ -26,7 +26,7 @@ done
 
 start=$SECONDS
 "$root/deploy/setup.sh" || exit
-"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent --target coslam-video || exit
+"$root/deploy/build.sh" --target coslam --target coslam-server --target coslam-agent || exit
 coslam=$(build_dir release)/bin/coslam
 
 step "run: three agents and a server on $scene"

@@ -4,6 +4,17 @@
 # Debian packages, one a component: coslam-agent, coslam-server, coslam-bridge, coslam (the tools), coslam-video,
 # coslam-gstreamer, libcoslam-dev.
 set(CPACK_GENERATOR DEB)
+# A package runs on the release that it was built on, so its version says which: 0.1.0+deb12.
+file(STRINGS "${CMAKE_SYSROOT}/etc/os-release" os_release)
+set(COSLAM_DEB_VERSION ${PROJECT_VERSION})
+set(COSLAM_DEB_RELEASE unstable)
+if(os_release MATCHES "VERSION_CODENAME=([a-z]+)")
+  set(COSLAM_DEB_RELEASE ${CMAKE_MATCH_1})
+endif()
+if(os_release MATCHES "VERSION_ID=\"([0-9]+)\"")
+  string(APPEND COSLAM_DEB_VERSION "+deb${CMAKE_MATCH_1}")
+endif()
+set(CPACK_DEBIAN_PACKAGE_VERSION ${COSLAM_DEB_VERSION})
 set(CPACK_PACKAGE_NAME coslam)
 set(COSLAM_MAINTAINER "The CoSLAM authors <coslam@localhost>" CACHE STRING "who hands out the packages: Name <mail>")
 set(CPACK_PACKAGE_CONTACT ${COSLAM_MAINTAINER})
@@ -56,10 +67,10 @@ coslam_package(dev libcoslam-dev libdevel "headers and libraries to speak with C
 "What crosses the wire between agents and map server, for programs in C++ that
 want to know where the cameras are and what moves around them.")
 # An agent with a camera of its own, or with images of ROS 2, needs neither of them, and FFmpeg is larger than all else.
-set(CPACK_DEBIAN_AGENT_PACKAGE_SUGGESTS "coslam-video (= ${PROJECT_VERSION}), coslam-gstreamer (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_AGENT_PACKAGE_SUGGESTS "coslam-video (= ${COSLAM_DEB_VERSION}), coslam-gstreamer (= ${COSLAM_DEB_VERSION})")
 set(CPACK_DEBIAN_GSTREAMER_PACKAGE_DEPENDS "gstreamer1.0-plugins-base")
 # A robot has the agent alone, and the tools that look at it; `coslam run` says what it lacks.
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${PROJECT_VERSION}), coslam-server (= ${PROJECT_VERSION}), coslam-video (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "coslam-agent (= ${COSLAM_DEB_VERSION}), coslam-server (= ${COSLAM_DEB_VERSION}), coslam-video (= ${COSLAM_DEB_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libspdlog-dev, nlohmann-json3-dev, libssl-dev, libfastcdr-dev, ${COSLAM_MIDDLEWARE_DEB}")
 foreach(part agent server bridge)
   string(TOUPPER ${part} upper)

@@ -38,7 +38,7 @@ std::string contents(const std::string& file) {
 }  // namespace
 
 Program::Program(const std::string& name, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::string(COSLAM_BIN) + "/" + name);
+  arguments.insert(arguments.begin(), std::string(COSLAM_BIN).append("/").append(name));
   std::vector<char*> argv;
   for (std::string& word : arguments) argv.push_back(word.data());
   argv.push_back(nullptr);
