@@ -75,8 +75,9 @@ class ChainedTransport : public rtps::ChainingTransport {
             rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end, const Clock::time_point& deadline) final {
     return forward(Outgoing(*carrier, parts, bytes, deadline), begin, end);
   }
+  // The middleware asks by the other one; transports of UDP do not answer this.
   bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result) const final {
-    return ChainingTransport::transform_remote_locator(reached_at(remote), result);
+    return transform_remote_locator(remote, result, true, true);
   }
   bool transform_remote_locator(const rtps::Locator& remote, rtps::Locator& result, bool remote_takes_loopback,
                                 bool loopback_is_used) const final {
