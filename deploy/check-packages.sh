@@ -54,10 +54,13 @@ recording=/usr/share/coslam/demo
 in_system "$fresh" "coslam run $recording --out /root/result" || die "the installed programs cannot make a map"
 in_system "$fresh" "coslam eval /root/result $recording" || die "the installed coslam cannot evaluate"
 
-# There is no systemd in it: what a unit starts, for a moment.
-for part in server bridge; do
-  start=$(sed -n 's/^ExecStart=//p' "$fresh/usr/lib/systemd/system/coslam-$part.service" | sed "s|%E|/etc|g; s|%S|/var/lib|g")
-  in_system "$fresh" "mkdir -p /var/lib/coslam-$part && timeout --preserve-status --signal INT 5 $start --set wire.interfaces=[127.0.0.1]" ||
-    die "what coslam-$part.service starts does not start"
-done
+# starts PART [OPTION]...: what its unit starts, for a moment, since there is no systemd in it.
+starts() {
+  local start
+  start=$(sed -n 's/^ExecStart=//p' "$fresh/usr/lib/systemd/system/coslam-$1.service" | sed 's|%E|/etc|g; s|%S|/var/lib|g')
+  in_system "$fresh" "mkdir -p /var/lib/coslam-$1 && timeout --preserve-status --signal INT 5 $start ${*:2}" ||
+    die "what coslam-$1.service starts does not start"
+}
+starts server --set 'wire.interfaces=[127.0.0.1]'
+starts bridge --domain 42  # beside that of the fleet
 step "the packages are sound: Debian $release, $arch, agent $agent_mb MB"
