@@ -6,8 +6,8 @@
 
 namespace coslam {
 
-// A part of CoSLAM that is loaded when it is first needed: lib/coslam/plugins/NAME.so beside the folder of the program. Each
-// exports coslam_plug_in(version), which gives an object that lasts as long as the program; null: it is of another
+// A part of CoSLAM that is loaded when it is first needed: lib/coslam/plugins/NAME.so beside the folder of the program.
+// Each exports coslam_plug_in(version), which gives an object that lasts as long as the program; null: it is of another
 // version.
 struct PlugIn {
   const void* object = nullptr;
