@@ -27,9 +27,9 @@ while [[ $# -gt 0 ]]; do
     --lint) sets+=(lint) ;;
     --test) optional+=(test) ;;
     --browser) command -v chromium >/dev/null || optional+=(browser) ;;
-    --package) sets+=(package) ;;
+    --package) sets+=(package systems) ;;
     --fuzz) optional+=(fuzz) ;;
-    --arm64) sets+=(arm64) ;;
+    --arm64) sets+=(arm64 systems) ;;
     --list) list=yes ;;
     -h | --help) show_help && exit 0 ;;
     *) die_usage "unknown option '$1'" ;;
