@@ -61,6 +61,7 @@ done
 ln --symbolic --force -- libblas.so.3 "$libraries/libblas.so"
 ln --symbolic --force -- liblapack.so.3 "$libraries/liblapack.so"
 # CMake files of packages that name libraries from the top of the file system.
+# shellcheck disable=SC2016  # CMake's own variable
 find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
   sed --in-place --regexp-extended 's:(["; ])/usr/(lib|include|share):\1${CMAKE_SYSROOT}/usr/\2:g' {} +
 printf '%s\n' "$wanted" >"$made/tree/coslam-packages"

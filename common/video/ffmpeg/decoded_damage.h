@@ -6,6 +6,8 @@ extern "C" {
 #include <libavutil/frame.h>
 }
 
+#include "common/video/ffmpeg/versions.h"
+
 namespace coslam {
 
 // Tells which frames of a video are made up, from the errors of FFmpeg's decoders: what is made from a damaged frame is
@@ -18,7 +20,7 @@ class DecodedDamage {
     if (cut || frame.decode_error_flags != 0 || (frame.flags & AV_FRAME_FLAG_CORRUPT) != 0) {
       left_ = heals_in;
     } else if (left_ > 0) {
-      left_ = frame.key_frame != 0 ? 0 : left_ - 1;
+      left_ = ffmpeg::is_key(frame) ? 0 : left_ - 1;
     }
     return left_ > 0;
   }

@@ -24,6 +24,7 @@ extern "C" {
 #include "common/video/ffmpeg/decoded_damage.h"
 #include "common/video/ffmpeg/owned.h"
 #include "common/video/ffmpeg/plug_in.h"
+#include "common/video/ffmpeg/versions.h"
 
 namespace coslam {
 namespace {
@@ -129,8 +130,7 @@ class FfmpegDecoder final : public StreamDecoder {
     return missing_s < kWorthAWord_s ? 0 : missing_s / (missing_s + end_s - start_s);
   }
   int turn_deg() const override {
-    const std::uint8_t* matrix =
-        av_stream_get_side_data(container_->streams[video_], AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+    const std::uint8_t* matrix = ffmpeg::display_matrix(stream());
     if (matrix == nullptr) return 0;
     const double turn = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(matrix));
     return std::isfinite(turn) ? static_cast<int>((std::lround(-turn) % 360 + 360) % 360) : 0;
