@@ -191,25 +191,24 @@ std::vector<std::string> tag_families() {
 TagFinder::TagFinder(const CameraModel& camera, const std::string& family) : camera_(camera) {
   const auto at = std::ranges::find_if(kFamilies, [&](const auto& f) { return family == f.first; });
   if (at == kFamilies.end()) throw UserError("there is no family of tags '" + family + "'");
-  dictionary_ = cv::aruco::getPredefinedDictionary(at->second);
+  dictionary_ = aruco::dictionary_of(at->second);
   // One size of window finds as many as OpenCV's three, in half the time.
-  parameters_ = cv::aruco::DetectorParameters::create();
   const int window = 2 * static_cast<int>(std::lround(4.0 * camera.width_px / 640)) + 1;
-  parameters_->adaptiveThreshWinSizeMin = parameters_->adaptiveThreshWinSizeMax = std::max(3, window);
-  parameters_->minMarkerDistanceRate = 0.01;  // else the edge of the paper takes the place of the tag on it
-  parameters_->perspectiveRemovePixelPerCell = 8;
-  parameters_->perspectiveRemoveIgnoredMarginPerCell = 0.3;  // corners are rough at this point
+  parameters_.adaptiveThreshWinSizeMin = parameters_.adaptiveThreshWinSizeMax = std::max(3, window);
+  parameters_.minMarkerDistanceRate = 0.01;  // else the edge of the paper takes the place of the tag on it
+  parameters_.perspectiveRemovePixelPerCell = 8;
+  parameters_.perspectiveRemoveIgnoredMarginPerCell = 0.3;  // corners are rough at this point
 }
 
 std::vector<FoundTag> TagFinder::find(const cv::Mat& grey) const {
-  std::vector<std::vector<cv::Point2f>> corners;
+  aruco::Corners corners;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, dictionary_, corners, ids, parameters_);
+  aruco::detect(grey, dictionary_, parameters_, &corners, &ids);
   std::vector<FoundTag> out;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     cv::Mat cells;
-    const int side = dictionary_->markerSize + 2;
-    cv::aruco::drawMarker(dictionary_, ids[i], side, cells);
+    const int side = aruco::cells_a_side(dictionary_) + 2;
+    aruco::draw(dictionary_, ids[i], &cells);
     const std::array<Vector2d, 4> printed{Vector2d(0, 0), Vector2d(side, 0), Vector2d(side, side), Vector2d(0, side)};
     std::array<Vector2d, 4> seen;
     bool usable = true;

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <opencv2/aruco.hpp>
 #include <string>
 #include <vector>
 
+#include "agent/track/aruco.h"
 #include "common/base/ids.h"
 #include "common/geometry/camera_model.h"
 
@@ -45,8 +45,8 @@ class TagFinder {
 
  private:
   CameraModel camera_;
-  cv::Ptr<cv::aruco::Dictionary> dictionary_;
-  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  aruco::Dictionary dictionary_;
+  aruco::Parameters parameters_;
 };
 
 }  // namespace coslam

@@ -4,15 +4,20 @@
 # OpenCV as targets coslam_opencv_core, coslam_opencv_imgproc and so on. Programs that are installed link its archives,
 # where there are any: the shared libraries of Debian bring OpenGL, X11 and LLVM along, 230 MB. Tests link the shared
 # ones, which link faster and go together with the modules that only tests use.
-set(modules aruco calib3d core features2d imgproc video)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS ${modules} imgcodecs videoio)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core)
+set(tags aruco)  # the module that finds printed tags, see agent/track/aruco.h
+if(OpenCV_VERSION VERSION_GREATER_EQUAL 4.7)
+  set(tags objdetect)
+endif()
+set(modules ${tags} calib3d core features2d imgproc video)
+find_package(OpenCV REQUIRED COMPONENTS ${modules} imgcodecs videoio)
 find_package(TBB REQUIRED)
 find_package(LAPACK REQUIRED)
 
 get_target_property(shared opencv_core IMPORTED_LOCATION_RELEASE)
 cmake_path(GET shared PARENT_PATH folder)
 set(archives)
-foreach(module aruco video calib3d features2d flann imgproc core)
+foreach(module ${tags} video calib3d features2d flann imgproc core)
   set(archive ${folder}/libopencv_${module}.a)
   if(NOT EXISTS ${archive})
     message(NOTICE "opencv: linked as shared libraries, because there is no ${archive}")
@@ -42,3 +47,4 @@ foreach(module ${modules})
     target_link_libraries(coslam_opencv_${module} INTERFACE opencv_${module})
   endif()
 endforeach()
+add_library(coslam_opencv_tags ALIAS coslam_opencv_${tags})

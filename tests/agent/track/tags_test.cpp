@@ -58,11 +58,11 @@ Rigid3 facing(double distance_m, double turn_rad, double roll_rad = 0, const Vec
 // Exact reflectance at 5 x 5 places a pixel, then lens, gamma and noise.
 cv::Mat photograph(const CameraModel& c, const std::vector<Print>& prints, const Picture& picture) {
   constexpr int kSub = 5;
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  const auto dictionary = aruco::dictionary_of(cv::aruco::DICT_APRILTAG_36h11);
   cv::Mat1f light(c.height_px, c.width_px, static_cast<float>(picture.wall));
   for (const Print& p : prints) {
     cv::Mat cells;
-    cv::aruco::drawMarker(dictionary, p.id, kCells, cells);
+    aruco::draw(dictionary, p.id, &cells);
     const Eigen::Matrix3d r = p.cam_from_print.rotation.toRotationMatrix();
     for (int y = 0; y < c.height_px; ++y) {
       for (int x = 0; x < c.width_px; ++x) {
