@@ -4,29 +4,27 @@
 // Map files that earlier versions wrote: two cameras in a room, 45 frames each.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
+#include <ostream>
 #include <string>
 
-#include "common/compression/compression.h"
 #include "server/estimator/map_server.h"
 #include "server/keep/store/map_file.h"
+#include "tests/support/kept_files.h"
 #include "tests/support/map_checks.h"
 #include "tests/support/temp_folder.h"
 
 namespace coslam::map_file_versions_test {
 namespace {
 
-class MapFileVersions : public testing::TestWithParam<int> {
+struct KeptMap {
+  int version;
+  std::size_t points, key_frames;
+};
+void PrintTo(const KeptMap& kept, std::ostream* out) { *out << kept.version; }
+
+class MapFileVersions : public testing::TestWithParam<KeptMap> {
  protected:
-  MapFileVersions() {
-    const std::string name = std::string(TEST_DATA) + "/map_version_" + std::to_string(GetParam()) + ".map.zst";
-    std::ifstream packed(name, std::ios::binary);
-    const std::string octets{std::istreambuf_iterator<char>(packed), {}};
-    const auto plain = zstd_decompressed_at_most(octets, 4 << 20);
-    if (!plain) throw std::runtime_error(name + " cannot be read");
-    std::ofstream(file_, std::ios::binary) << *plain;
-  }
+  MapFileVersions() { test::unpack_kept("map_version_" + std::to_string(GetParam().version) + ".map", file_); }
   MapServer read() const {
     const MapFile file(file_, MapFile::Access::kRead);
     MapServer server(RunId(1), {});
@@ -38,15 +36,15 @@ class MapFileVersions : public testing::TestWithParam<int> {
   const std::filesystem::path file_ = folder_ / "kept.map";
 };
 
-INSTANTIATE_TEST_SUITE_P(All, MapFileVersions, testing::Values(2));
+INSTANTIATE_TEST_SUITE_P(All, MapFileVersions, testing::Values(KeptMap{2, 168, 15}, KeptMap{3, 523, 7}));
 
 TEST_P(MapFileVersions, IsRead) {
-  EXPECT_EQ(MapFile(file_, MapFile::Access::kRead).version(), GetParam());
+  EXPECT_EQ(MapFile(file_, MapFile::Access::kRead).version(), GetParam().version);
   const MapServer server = read();
-  EXPECT_EQ(server.map().points().size(), 168U);
+  EXPECT_EQ(server.map().points().size(), GetParam().points);
   ASSERT_EQ(server.map().cameras().size(), 2U);
   for (const MapCamera& c : server.map().cameras()) EXPECT_EQ(c.frames.size(), 45U);
-  EXPECT_EQ(server.map().key_frames().size(), 15U);
+  EXPECT_EQ(server.map().key_frames().size(), GetParam().key_frames);
   test::expect_consistent(server.map());
 }
 
