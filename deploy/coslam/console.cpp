@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 namespace coslam {
@@ -43,7 +44,7 @@ void Progress::draw_bar(int percent) {
 void ProgressOfRun::bar(const char* label, int done, int total) {
   if (label_ != label) {
     bar_.reset();  // ends its line
-    bar_.emplace(label);
+    bar_ = std::make_unique<Progress>(label);
     label_ = label;
   }
   (*bar_)(done, total);

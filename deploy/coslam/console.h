@@ -3,7 +3,7 @@
 #pragma once
 
 #include <chrono>
-#include <optional>
+#include <memory>
 #include <string>
 
 namespace coslam {
@@ -38,7 +38,7 @@ class ProgressOfRun {
   void bar(const char* label, int done, int total);
 
   std::string label_;
-  std::optional<Progress> bar_;
+  std::unique_ptr<Progress> bar_;
 };
 
 }  // namespace coslam
