@@ -42,8 +42,8 @@ class OwnMap {
     Eigen::Vector2d undistorted_px;
   };
   struct Seen {
-    std::vector<Sight> sights;  // few, each from another direction than those before
-    Eigen::Vector3d ray;        // ray of the newest one, in the world
+    std::vector<Sight> sights;                      // few, each from another direction than those before
+    Eigen::Vector3d ray = Eigen::Vector3d::Zero();  // of the newest one, in the world
   };
 
   CameraModel camera_;

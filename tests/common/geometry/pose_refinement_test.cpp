@@ -150,8 +150,8 @@ TEST(RefinePose, CovarianceIsConsistentForAWideLens) {
       const auto noisy = camera.undistorted_from_raw(raw + 0.8 * Eigen::Vector2d(random.gauss(), random.gauss()));
       if (!seen || !noisy) continue;
       const Eigen::Vector3d ray = camera.normalized_from_pixel(*seen).homogeneous();
-      observations.push_back({kTruth.inverse() * (random.uniform(2, 6) * ray.normalized()), {}, *noisy});
-      observations.back().point_covariance.setZero();
+      const Eigen::Vector3d p_in_world = kTruth.inverse() * (random.uniform(2, 6) * ray.normalized());
+      observations.push_back({p_in_world, Eigen::Matrix3d::Zero(), *noisy});
     }
     const PoseResult r = refine_pose(camera, observations, off(0.02, 0.05, seed), {});
     ASSERT_EQ(r.status, PoseStatus::kOk);
