@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "agent/track/match_limits.h"
 
@@ -145,13 +146,15 @@ Eigen::Vector2f MotionField::near(const Eigen::Vector2f& px) {
   std::partial_sort(samples_.begin(), middle, samples_.end(), [&](const Sample& a, const Sample& b) {
     return (a.at_px - px).squaredNorm() < (b.at_px - px).squaredNorm();
   });
-  std::array<float, kMost> x{}, y{};
+  std::array<float, kMost> x, y;
+  x.fill(std::numeric_limits<float>::infinity());
+  y.fill(std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < count; ++i) {
     x[i] = samples_[i].motion_px.x();
     y[i] = samples_[i].motion_px.y();
   }
   const auto median = [count](std::array<float, kMost>& values) {
-    std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+    std::ranges::sort(values);
     return values[count / 2];
   };
   return {median(x), median(y)};
