@@ -16,17 +16,28 @@ namespace coslam {
 #ifdef COSLAM_HAS_LANES
 namespace {
 
-// Rows of 16 interpolated samples, from above to below.
+// Calls row(i) for the first value of each row of a window, four rows a turn.
+template <class Row>
+[[gnu::always_inline]] inline void each_row(Row&& row) {
+  for (int i = 0; i < kWindowArea; i += 4 * kWindowSide) {
+    row(i);
+    row(i + kWindowSide);
+    row(i + 2 * kWindowSide);
+    row(i + 3 * kWindowSide);
+  }
+}
+
+// Rows of interpolated samples, from above to below; Row: Pixels or WidePixels.
+template <class Row>
 class Rows {
  public:
-  Rows(const FirstSample& first, std::ptrdiff_t column)
-      : next_(first.pixel + column), stride_(first.stride), blend_(first), left_(next_), right_(next_ + 1) {}
-  Lanes next() {
+  explicit Rows(const FirstSample& first)
+      : next_(first.pixel), stride_(first.stride), blend_(first), upper_(first.pixel) {}
+  auto next() {
     next_ += stride_;
-    const Pixels left(next_), right(next_ + 1);
-    const Lanes out = blend_.samples(left_, right_, left, right);
-    left_ = left;
-    right_ = right;
+    const Row lower(next_);
+    const auto out = blend_.between(upper_, lower);
+    upper_ = lower;
     return out;
   }
 
@@ -34,25 +45,25 @@ class Rows {
   const std::uint8_t* next_;
   std::ptrdiff_t stride_;
   Blend blend_;
-  Pixels left_, right_;  // the row of pixels above the next samples
+  Row upper_;
 };
 
 TemplateSums cut(const FirstSample& first, std::int16_t* grey_out, std::int16_t* dx_out, std::int16_t* dy_out) {
-  alignas(32) std::int16_t samples[kTemplateCols * kTemplateRows];
-  Rows first_columns(first, 0), last_columns(first, 8);
-  for (int r = 0; r < kTemplateRows; ++r) {
-    store(samples + r * kTemplateCols, first_columns.next());
-    store(samples + r * kTemplateCols + 8, last_columns.next());
-  }
+  if (!blends(first)) return portable_kernels().cut(first, grey_out, dx_out, dy_out);
+  Rows<WidePixels> rows(first);
+  Lanes above = rows.next().middle;
+  WideLanes here = rows.next();
   Sum grey, dx, dy, grey_grey, dx_dx, dy_dy, dx_dy, dx_grey, dy_grey;
-  for (int r = 0; r < kWindowSide; ++r) {
-    const std::int16_t* row = samples + (r + 1) * kTemplateCols + 1;
-    const Lanes g = shifted_down<kTemplateShift>(load(row));
-    const Lanes x = shifted_down<kTemplateShift + 1>(load(row + 1) - load(row - 1));
-    const Lanes y = shifted_down<kTemplateShift + 1>(load(row + kTemplateCols) - load(row - kTemplateCols));
-    store(grey_out + r * kWindowSide, g);
-    store(dx_out + r * kWindowSide, x);
-    store(dy_out + r * kWindowSide, y);
+  each_row([&](int i) __attribute__((always_inline)) {
+    const WideLanes below = rows.next();
+    const Lanes g = shifted_down<kTemplateShift>(here.middle);
+    const Lanes x = shifted_down<kTemplateShift + 1>(here.after - here.before);
+    const Lanes y = shifted_down<kTemplateShift + 1>(below.middle - above);
+    above = here.middle;
+    here = below;
+    store(grey_out + i, g);
+    store(dx_out + i, x);
+    store(dy_out + i, y);
     grey.add(g);
     dx.add(x);
     dy.add(y);
@@ -62,34 +73,36 @@ TemplateSums cut(const FirstSample& first, std::int16_t* grey_out, std::int16_t*
     dx_dy.add(x, y);
     dx_grey.add(x, g);
     dy_grey.add(y, g);
-  }
+  });
   return {grey.get(),  dx.get(),    dy.get(),      grey_grey.get(), dx_dx.get(),
           dy_dy.get(), dx_dy.get(), dx_grey.get(), dy_grey.get()};
 }
 
 StepSums step(const FirstSample& first, const std::int16_t* grey, const std::int16_t* dx, const std::int16_t* dy) {
-  Rows rows(first, 0);
+  if (!blends(first)) return portable_kernels().step(first, grey, dx, dy);
+  Rows<Pixels> rows(first);
   Sum total, with_dx, with_dy, with_grey;
-  for (int i = 0; i < kWindowArea; i += kWindowSide) {
+  each_row([&](int i) __attribute__((always_inline)) {
     const Lanes s = rows.next();
     total.add(s);
     with_dx.add(s, load(dx + i));
     with_dy.add(s, load(dy + i));
     with_grey.add(s, load(grey + i));
-  }
+  });
   return {total.get(), with_dx.get(), with_dy.get(), with_grey.get()};
 }
 
 CorrelationSums correlate(const FirstSample& first, const std::int16_t* grey) {
-  Rows rows(first, 0);
+  if (!blends(first)) return portable_kernels().correlate(first, grey);
+  Rows<Pixels> rows(first);
   Sum total, with_grey, small_total, small_squares;
-  for (int i = 0; i < kWindowArea; i += kWindowSide) {
+  each_row([&](int i) __attribute__((always_inline)) {
     const Lanes s = rows.next(), small = shifted_down<kTemplateShift>(s);
     total.add(s);
     with_grey.add(s, load(grey + i));
     small_total.add(small);
     small_squares.add(small, small);
-  }
+  });
   return {total.get(), with_grey.get(), small_total.get(), small_squares.get()};
 }
 

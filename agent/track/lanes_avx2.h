@@ -4,6 +4,8 @@
 
 #include <immintrin.h>
 
+#include <cstdint>
+
 #include "agent/track/kernels.h"
 
 // Lanes of kernels_vector.cpp by AVX2. Everything is of that one file: the linker must not take it for another's.
@@ -44,14 +46,30 @@ class Sum {
   __m256i lanes_ = _mm256_setzero_si256();
 };
 
-// A row of 16 pixels.
+__m256i pixels(const std::uint8_t* p) {
+  return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
+}
+
+// A row of 16 pixels, and the same one pixel to the right.
 struct Pixels {
-  explicit Pixels(const std::uint8_t* p)
-      : v(_mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)))) {}
-  __m256i v;
+  explicit Pixels(const std::uint8_t* p) : here(pixels(p)), right(pixels(p + 1)) {}
+  __m256i here, right;
 };
 
-// Interpolates between rows of pixels and the same one pixel to the right.
+// 19 pixels.
+struct WidePixels {
+  explicit WidePixels(const std::uint8_t* p) : columns{pixels(p), pixels(p + 1), pixels(p + 2), pixels(p + 3)} {}
+  __m256i columns[4];
+};
+
+// A row of samples, one more on either side.
+struct WideLanes {
+  Lanes before, middle, after;
+};
+
+constexpr bool blends(const FirstSample& /*first*/) { return true; }
+
+// Interpolates between two rows.
 class Blend {
  public:
   explicit Blend(const FirstSample& first)
@@ -59,14 +77,25 @@ class Blend {
         w01_(_mm256_set1_epi16(static_cast<short>(first.w01))),
         w10_(_mm256_set1_epi16(static_cast<short>(first.w10))),
         w11_(_mm256_set1_epi16(static_cast<short>(first.w11))) {}
-  Lanes samples(Pixels upper, Pixels upper_right, Pixels lower, Pixels lower_right) const {
-    const __m256i above = _mm256_add_epi16(_mm256_mullo_epi16(upper.v, w00_), _mm256_mullo_epi16(upper_right.v, w01_));
-    const __m256i below = _mm256_add_epi16(_mm256_mullo_epi16(lower.v, w10_), _mm256_mullo_epi16(lower_right.v, w11_));
+
+  Lanes between(const Pixels& upper, const Pixels& lower) const {
+    return samples(upper.here, upper.right, lower.here, lower.right);
+  }
+  WideLanes between(const WidePixels& upper, const WidePixels& lower) const {
+    const auto from = [&](int i) {
+      return samples(upper.columns[i], upper.columns[i + 1], lower.columns[i], lower.columns[i + 1]);
+    };
+    return {from(0), from(1), from(2)};
+  }
+
+ private:
+  Lanes samples(__m256i p00, __m256i p01, __m256i p10, __m256i p11) const {
+    const __m256i above = _mm256_add_epi16(_mm256_mullo_epi16(p00, w00_), _mm256_mullo_epi16(p01, w01_));
+    const __m256i below = _mm256_add_epi16(_mm256_mullo_epi16(p10, w10_), _mm256_mullo_epi16(p11, w11_));
     return {_mm256_sub_epi16(_mm256_srli_epi16(_mm256_add_epi16(above, below), kWeightShift),
                              _mm256_set1_epi16(kSampleCentre))};
   }
 
- private:
   __m256i w00_, w01_, w10_, w11_;
 };
 
