@@ -4,7 +4,7 @@
 # deploy/sysroot.sh [--force]
 #
 # Makes the sysroot that deploy/build.sh --arch arm64 builds against: the libraries of deploy/packages.txt of Debian 12 for
-# arm64, unpacked into a folder of their own (1.4 GB). The packages of this machine stay as they are, and nothing of arm64
+# arm64, unpacked into a folder of their own (1.1 GB). The packages of this machine stay as they are, and nothing of arm64
 # is run. Does nothing when the sysroot has what is needed.
 #   --force   makes it again
 # COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
@@ -23,8 +23,8 @@ while [[ $# -gt 0 ]]; do
 done
 
 sysroot=$(sysroot_dir)
-# Libraries and headers of the sets that programs are built and run with.
-wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print $1 }' \
+# Libraries and headers of the sets that programs are built and run with; of names that differ the last is Debian 12's.
+wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print $NF }' \
   "$root/deploy/packages.txt" | sort | paste --serial --delimiters=,)
 note=$sysroot/coslam-packages
 if [[ $force == no && -f $note && $(<"$note") == "$wanted" ]]; then
@@ -38,12 +38,13 @@ mkdir -p -- "$(dirname -- "$sysroot")"
 made=$(mktemp -d -- "$sysroot.XXXXXX")
 # shellcheck disable=SC2064  # the folder of now
 trap "rm -rf --one-file-system -- '$made'" EXIT
-mmdebstrap --quiet --mode="$([[ $EUID -eq 0 ]] && echo root || echo unshare)" --variant=extract --architectures=arm64 \
-  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="$wanted" bookworm "$made/tree.tar" \
-  "${COSLAM_MIRROR:-http://deb.debian.org/debian}" || die "mmdebstrap could not get the packages: it says why above"
 mkdir -- "$made/tree"
-tar --extract --file="$made/tree.tar" --directory="$made/tree" --exclude='./dev/*' --no-same-owner
-rm -- "$made/tree.tar"
+mmdebstrap --quiet --mode="$([[ $EUID -eq 0 ]] && echo root || echo unshare)" --variant=extract --architectures=arm64 \
+  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="$wanted" bookworm - \
+  "${COSLAM_MIRROR:-http://deb.debian.org/debian}" |
+  tar --extract --directory="$made/tree" --no-same-owner --exclude='./dev/*' --exclude='./usr/share/doc' \
+    --exclude='./usr/share/locale' --exclude='./usr/share/man' --exclude='./usr/share/icons' --exclude='./usr/lib/llvm*' ||
+  die "mmdebstrap could not get the packages: it says why above"
 
 # Links that begin at the top would leave the sysroot.
 while IFS= read -r -d '' link; do
@@ -66,5 +67,5 @@ find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
   sed --in-place --regexp-extended 's:(["; ])/usr/(lib|include|share):\1${CMAKE_SYSROOT}/usr/\2:g' {} +
 printf '%s\n' "$wanted" >"$made/tree/coslam-packages"
 chmod 755 -- "$made/tree"
-rm -rf --one-file-system -- "$sysroot"
+[[ ! -e $sysroot ]] || mv -- "$sysroot" "$made/before"
 mv -- "$made/tree" "$sysroot"
