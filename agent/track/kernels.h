@@ -60,7 +60,8 @@ struct Kernels {  // templates: kWindowArea values each
 };
 
 const Kernels& portable_kernels();
-const Kernels* vector_kernels();  // by AVX2 or NEON; null where this processor has neither
+// The kernels by AVX2 or NEON; null where this processor has neither.
+const Kernels* vector_kernels();
 // The best that this processor can do.
 const Kernels& kernels();
 // Has kernels() give these, for comparisons: before anything is tracked.

@@ -129,8 +129,8 @@ struct Split {
 
 constexpr int kTableCols = 32;
 
-// Of a row that lies within two rows of pixels: those around it are a table to look up in. Reads kTableCols pixels from
-// the leftmost on.
+// Looks a row up that lies within two rows of pixels: those around it are a table. Reads kTableCols pixels from the
+// leftmost on.
 [[gnu::always_inline]] inline Corners look_up(const WarpedSample& first, int x, int y, int left, int top) {
   const Split xs = split(x - left * (1 << kFixedShift), first.x_u), ys = split(y - top * (1 << kFixedShift), first.y_u);
   const std::uint8_t* row = first.origin + top * first.stride + left;
@@ -143,7 +143,7 @@ constexpr int kTableCols = 32;
           ys.fractions};
 }
 
-// Of any row, sample by sample: NEON gathers nothing.
+// Fetches any row, sample by sample: NEON gathers nothing.
 [[gnu::noinline]] Corners gather(const WarpedSample& first, int x, int y) {
   alignas(16) std::array<std::uint16_t, kWindowSide> upper, lower;  // a pixel and its right neighbour. NOLINT
   const Split xs = split(x, first.x_u), ys = split(y, first.y_u);
@@ -158,8 +158,8 @@ constexpr int kTableCols = 32;
 }
 
 // Between eight pixels and their right neighbours, in 16 bits: fits, and what overflows on the way does not matter.
-uint16x8_t between_columns(uint8x8_t here, uint8x8_t right, uint8x8_t a) {
-  return vmlsl_u8(vmlal_u8(vshll_n_u8(here, 8), right, a), here, a);
+uint16x8_t between_columns(uint8x8_t left, uint8x8_t right, uint8x8_t a) {
+  return vmlsl_u8(vmlal_u8(vshll_n_u8(left, 8), right, a), left, a);
 }
 
 int16x8_t between_rows(uint16x8_t upper, uint16x8_t lower, uint8x8_t b) {

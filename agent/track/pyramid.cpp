@@ -21,7 +21,8 @@ int pyramid_levels(int cols, int rows, int most) {
 
 void PyramidLevel::resize(int cols, int rows) {
   if (cols == image_.cols && rows == image_.rows) return;
-  padded_.create(rows + 2 * kMargin, cols + 2 * kMargin, CV_8UC1);
+  // One row more than is ever used: kernels read a few pixels beyond the end of a row.
+  padded_.create(rows + 2 * kMargin + 1, cols + 2 * kMargin, CV_8UC1);
   image_ = padded_(cv::Rect(kMargin, kMargin, cols, rows));
 }
 
