@@ -19,7 +19,8 @@ template <class Message>
 bool read_octets(std::span<const std::uint8_t> octets, Message& message) {
   std::vector<std::uint8_t> copy(octets.begin(), octets.end());  // the reader's interface asks for what may be written
   try {
-    return read_cdr(copy, message) == octets.size();
+    // Fast CDR 2 takes a message that was cut off for one whose last members are empty.
+    return read_cdr(copy, message) == octets.size() && octets_of(message).size() == octets.size();
   } catch (const std::exception&) {  // of several kinds, see Guarded in serialisers.cpp
     return false;
   }

@@ -67,6 +67,8 @@ std::shared_ptr<rtps::FlowControllerDescriptor> pace_of(const WireConfig& c) {
   return flow;
 }
 
+bool paces(const WireConfig& c) { return kHasSoundFlowControllers && c.bulk_bytes_per_s > 0; }
+
 void set_discovery(const WireConfig& c, dds::DomainParticipantQos& qos) {
   auto& builtin = qos.wire_protocol().builtin;
   // Defaults of 20 s and 3 s: a dead agent would stay for 20 s, and one lost reply would cost a late joiner 3 s.
@@ -137,7 +139,7 @@ dds::DomainParticipantQos participant_qos(const WireConfig& c, const std::string
   qos.transport().listen_socket_buffer_size = c.receive_buffer_bytes;
   qos.transport().send_socket_buffer_size = c.send_buffer_bytes;
   set_discovery(c, qos);
-  if (c.bulk_bytes_per_s > 0) {
+  if (paces(c)) {
     // Without a pace, lost fragments on a slow link cause more repeats than the link can carry.
     qos.flow_controllers().push_back(pace_of(c));
   }
@@ -151,7 +153,7 @@ dds::DataWriterQos writer_qos(const Topic& topic, const WireConfig& c, Repeat re
   qos.history().depth = topic.writer_depth;
   // The caller of write() never waits for the network.
   qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
-  if (topic.paced && c.bulk_bytes_per_s > 0) qos.publish_mode().flow_controller_name = kBulkFlow;
+  if (topic.paced && paces(c)) qos.publish_mode().flow_controller_name = kBulkFlow;
   const double usual_s = topic.paced ? kPacedHeartbeat_s : kHeartbeat_s;
   set_heartbeat_period(qos, duration(repeat == Repeat::kSoon ? kSoonHeartbeat_s : usual_s));
   set_plain_cdr(qos);

@@ -62,7 +62,7 @@ void add_render_command(CLI::App& app, Command& chosen) {
   command->add_option("--cameras", options.cameras, "cameras; default: the scene's own")->check(CLI::Range(1, 16));
   command->add_option("--seed", options.seed, "seed of textures, motion and noise")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 4294967295.0).description(""));
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{4294967295}).description(""));
   command->add_option("--rate-hz", options.rate_hz, "images a second of the same motion; default: the scene's own")
       ->check(CLI::Range(0.5, 240.0));
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the images in pixels; default: the scene's own")

@@ -134,7 +134,7 @@ TEST_F(BadInput, WrongUsage) {
   expect_sentence(covered, kWrongUsage, {"--covered: the second time must be later than the first"});
   Program domain("coslam-server", {"--domain", "233"});
   EXPECT_EQ(domain.exit_code(), kWrongUsage);
-  EXPECT_THAT(domain.err(), HasSubstr("--domain: Value 233 not in range 0 to 232"));
+  EXPECT_THAT(domain.err(), AllOf(HasSubstr("--domain: Value 233 not in range"), HasSubstr("232")));
 }
 
 TEST_F(BadInput, DomainOfAnotherServer) {

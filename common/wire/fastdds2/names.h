@@ -47,6 +47,7 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 using eprosima::fastrtps::Duration_t;
 
 inline constexpr const char* kMiddlewareVersion = FASTRTPS_VERSION_STR;
+inline constexpr bool kHasSoundFlowControllers = true;
 // Result of take_next_sample() when there was one.
 inline constexpr auto kTaken = eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 
