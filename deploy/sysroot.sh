@@ -4,7 +4,7 @@
 # deploy/sysroot.sh [--force]
 #
 # Makes the sysroot that deploy/build.sh --arch arm64 builds against: the libraries of deploy/packages.txt of Debian 12 for
-# arm64, unpacked into a folder of their own (1.1 GB). The packages of this machine stay as they are, and nothing of arm64
+# arm64, unpacked into a folder of their own (1.4 GB). The packages of this machine stay as they are, and nothing of arm64
 # is run. Does nothing when the sysroot has what is needed.
 #   --force   makes it again
 # COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
@@ -40,7 +40,7 @@ made=$(mktemp -d -- "$sysroot.XXXXXX")
 trap "rm -rf --one-file-system -- '$made'" EXIT
 mkdir -- "$made/tree"
 mmdebstrap --quiet --mode="$([[ $EUID -eq 0 ]] && echo root || echo unshare)" --variant=extract --architectures=arm64 \
-  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="$wanted" bookworm - \
+  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="base-files,$wanted" bookworm - \
   "${COSLAM_MIRROR:-http://deb.debian.org/debian}" |
   tar --extract --directory="$made/tree" --no-same-owner --exclude='./dev/*' --exclude='./usr/share/doc' \
     --exclude='./usr/share/locale' --exclude='./usr/share/man' --exclude='./usr/share/icons' --exclude='./usr/lib/llvm*' ||

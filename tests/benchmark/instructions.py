@@ -6,9 +6,10 @@
     instructions.py --images FOLDER [--bin DIR] [--frames N] [--symbols] [--ceiling RATIO]
 
 --bin: where coslam_benchmark_frames is, built for amd64 or arm64 (default: build-arm64/bin). A count is the difference of
-two runs in QEMU, of 10 and of 10 + N frames (default: 40), and the same on every machine. --symbols also says which
-functions take most. Exit code 1 where vector over portable is above the ceiling, or the tracks differ. Needs gcc and Debian's
-package qemu-user (the static one loads no plugins); QEMU names its programs' folder, if it is another.
+two runs, of 10 and of 10 + N frames (default: 40), and the same on every machine: of arm64 in QEMU, of amd64 by callgrind,
+since QEMU 7.2 gets AVX2 wrong. --symbols also says which functions take most (arm64). Exit code 1 where vector over portable
+is above the ceiling, or the tracks differ. Needs gcc and Debian's packages qemu-user (the static one loads no plugins) or
+valgrind; QEMU names the folder of QEMU's programs, if it is another.
 """
 
 import argparse
@@ -22,27 +23,28 @@ HERE = pathlib.Path(__file__).resolve().parent
 FIRST = 10
 
 
-def architecture_of(program: pathlib.Path) -> str:
-    machine = program.read_bytes()[18:20]
-    return {b"\x3e\x00": "x86_64", b"\xb7\x00": "aarch64"}[machine]
+def is_amd64(program: pathlib.Path) -> bool:
+    return program.read_bytes()[18:20] == b"\x3e\x00"
 
 
-def emulator(program: pathlib.Path) -> list[str]:
-    name = "qemu-" + architecture_of(program)
-    command = [str(pathlib.Path(os.environ["QEMU"]) / name) if "QEMU" in os.environ else name]
-    if name == "qemu-aarch64":
-        cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache"))
-        command += ["-L", os.environ.get("COSLAM_SYSROOT", str(cache / "coslam-arm64"))]
-    return command
+def run(command: list, log: str) -> tuple[list[list[str]], str]:
+    """The words of the log's lines, and what the program says about its tracks."""
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, text=True, check=True)
+    return [line.split() for line in pathlib.Path(log).read_text().splitlines()], done.stdout.strip()
 
 
-def count(program: pathlib.Path, plugin: str, kernels: str, frames: int, images: str) -> tuple[dict[str, int], str]:
-    """Instructions by symbol, and what the program says about its tracks."""
+def count(program: pathlib.Path, plugin: str, *arguments: str) -> tuple[dict[str, int], str]:
+    """Instructions by symbol, those of all under `instructions`, and what the program says."""
     with tempfile.NamedTemporaryFile("r") as log:
-        run = subprocess.run([*emulator(program), "-plugin", f"{plugin},symbols=on", "-d", "plugin", "-D", log.name,
-                              program, kernels, str(frames), images], stdout=subprocess.PIPE, text=True, check=True)
-        lines = [line.split() for line in log.read().splitlines()]
-    return {name: int(number) for number, name in lines}, run.stdout.strip()
+        if is_amd64(program):
+            lines, said = run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--log-file={log.name}",
+                               program, *arguments], log.name)
+            return {"instructions": next(int(words[3]) for words in lines if words[1:3] == ["Collected", ":"])}, said
+        cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache"))
+        emulator = pathlib.Path(os.environ["QEMU"]) / "qemu-aarch64" if "QEMU" in os.environ else "qemu-aarch64"
+        lines, said = run([emulator, "-L", os.environ.get("COSLAM_SYSROOT", cache / "coslam-arm64"), "-plugin",
+                           f"{plugin},symbols=on", "-d", "plugin", "-D", log.name, program, *arguments], log.name)
+    return {name: int(number) for number, name in lines}, said
 
 
 def main() -> int:
@@ -59,11 +61,11 @@ def main() -> int:
         subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-o", plugin, HERE / "count_instructions.c"], check=True)
         totals, said = {}, {}
         for kernels in ("portable", "vector"):
-            few, _ = count(program, plugin, kernels, FIRST, arguments.images)
-            many, said[kernels] = count(program, plugin, kernels, FIRST + arguments.frames, arguments.images)
+            few, _ = count(program, plugin, kernels, str(FIRST), arguments.images)
+            many, said[kernels] = count(program, plugin, kernels, str(FIRST + arguments.frames), arguments.images)
             a_frame = {name: (many[name] - few.get(name, 0)) / arguments.frames for name in many}
             totals[kernels] = a_frame.pop("instructions")
-            print(f"{architecture_of(program)} {kernels:8} {totals[kernels] / 1e6:8.2f} million instructions a frame; {said[kernels]}", flush=True)
+            print(f"{kernels:8} {totals[kernels] / 1e6:8.2f} million instructions a frame; {said[kernels]}", flush=True)
             if arguments.symbols:
                 for name in sorted(a_frame, key=a_frame.get, reverse=True)[:16]:
                     print(f"    {a_frame[name] / 1e6:8.3f} {name}")
