@@ -22,6 +22,7 @@ namespace {
 using test::lines_with;
 using test::Program;
 using test::SmallScene;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 

@@ -44,8 +44,8 @@ inline void set_plain_cdr(dds::DataWriterQos& qos) {
   qos.representation().m_value = {dds::DataRepresentationId_t::XCDR_DATA_REPRESENTATION};
 }
 
-// A participant with a flow controller announces itself by way of one, and ends at an assert of the middleware (3.1.2, in
-// FlowControllerImpl.hpp) when it finds two others at once.
+// A participant with a flow controller announces itself by way of one, and ends at an assert of the middleware (3.1.2,
+// in FlowControllerImpl.hpp) when it finds two others at once.
 inline constexpr bool kHasSoundFlowControllers = false;
 
 // Participants of one process talk through the network like all others. In force for those made after the first call,

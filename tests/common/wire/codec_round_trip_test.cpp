@@ -225,7 +225,8 @@ TEST(CodecSize, ABoundPointCostsThirtyBytes) {
     patch.updated.back().point = PointId(20'000 + 7 * i);
   }
   EXPECT_LE(sample_bytes(encode(patch)) - empty, 3000u);
-  EXPECT_LE(empty, 104u) << "the answer to a frame that changed nothing";
+  // Fast CDR 2 counts on four octets more than it writes.
+  EXPECT_LE(empty, 108u) << "the answer to a frame that changed nothing";
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 namespace coslam::coslam_command_test {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -94,7 +95,8 @@ TEST_F(CoslamCommand, AWordThatIsUnknownIsNamedWithItsNeighbour) {
   EXPECT_THAT(says("run x --oot y"), HasSubstr("coslam run: there is no option '--oot', did you mean '--out'?"));
   EXPECT_THAT(says("export a b --fromat ply"), HasSubstr("did you mean '--format'?"));
   EXPECT_THAT(says("export a b"), HasSubstr("coslam export: --format is required (see coslam export --help)"));
-  EXPECT_THAT(says("render room x --frames -1"), AnyOf(HasSubstr("in range 1 to 1000000"), HasSubstr("in range [1 - 1000000]")));
+  EXPECT_THAT(says("render room x --frames -1"),
+              AnyOf(HasSubstr("in range 1 to 1000000"), HasSubstr("in range [1 - 1000000]")));
   EXPECT_EQ(says("render room x --seed -1").find("e+"), std::string::npos);
 }
 
