@@ -29,6 +29,7 @@ CHECKED = {
     "deploy/test-changed.sh": "builds with sanitizers",
     "deploy/test.sh": "runs this test",
     "tests/benchmark/accuracy.py": "takes hours, and recordings that are not here",
+    "tests/benchmark/instructions.py": "takes minutes in an emulator that is not installed for tests",
 }
 # Programs of others.
 OF_OTHERS = {
