@@ -29,8 +29,9 @@ class MovingTracks {
     std::erase_if(alive_, [&](const Alive& a) { return values_.below(50) == 0 || !inside(project(a)); });
     while (alive_.size() < count_) alive_.push_back(born());
     for (const Alive& a : alive_) {
-      const Eigen::Vector2d noise(values_.uniform(-0.52, 0.52), values_.uniform(-0.52, 0.52));
-      frame.tracks.push_back({a.track, quantised_px(project(a) + noise, pixel_scale(camera_))});
+      const double noise_y = values_.uniform(-0.52, 0.52), noise_x = values_.uniform(-0.52, 0.52);
+      frame.tracks.push_back(
+          {a.track, quantised_px(project(a) + Eigen::Vector2d(noise_x, noise_y), pixel_scale(camera_))});
     }
     return frame;
   }
@@ -57,8 +58,8 @@ class MovingTracks {
   }
   Alive born() {
     const double depth_m = values_.uniform(2, 10);
-    const Eigen::Vector3d ray((values_.uniform(0, camera_.width_px) - camera_.cx) / camera_.fx,
-                              (values_.uniform(0, camera_.height_px) - camera_.cy) / camera_.fy, 1);
+    const double y_px = values_.uniform(0, camera_.height_px), x_px = values_.uniform(0, camera_.width_px);
+    const Eigen::Vector3d ray((x_px - camera_.cx) / camera_.fx, (y_px - camera_.cy) / camera_.fy, 1);
     track_ += 1 + values_.below(3);  // some live for one frame only
     return {TrackId(track_), cam_from_world_.inverse() * Eigen::Vector3d(depth_m * ray)};
   }

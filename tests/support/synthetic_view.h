@@ -22,8 +22,10 @@ inline cv::Mat plane_texture(int cols, int rows, std::uint64_t seed, bool outlin
   const cv::Size size(cols * kTexelsPerPx, rows * kTexelsPerPx);
   cv::Mat sum(size, CV_32F, cv::Scalar(128));
   for (int i = 0; outlines && i < cols * rows / 3000; ++i) {
-    const cv::Point2f centre(rng.uniform(0.0F, 1.0F) * size.width, rng.uniform(0.0F, 1.0F) * size.height);
-    const cv::Size2f sides(rng.uniform(10.0F, 90.0F) * kTexelsPerPx, rng.uniform(10.0F, 90.0F) * kTexelsPerPx);
+    const float y = rng.uniform(0.0F, 1.0F), x = rng.uniform(0.0F, 1.0F);
+    const cv::Point2f centre(x * size.width, y * size.height);
+    const float high = rng.uniform(10.0F, 90.0F), wide = rng.uniform(10.0F, 90.0F);
+    const cv::Size2f sides(wide * kTexelsPerPx, high * kTexelsPerPx);
     std::vector<cv::Point2f> corners(4);
     cv::RotatedRect(centre, sides, rng.uniform(0.0F, 90.0F)).points(corners.data());
     const std::vector<cv::Point> outline(corners.begin(), corners.end());
