@@ -80,8 +80,8 @@ void add_print(WorldBuilder& b, const Placement& at, double width_m, double heig
   b.begin(at);
   const double thickness = kind == MaterialKind::kPicture ? 0.03 : 0.006;
   const std::size_t first = b.world().facets.size();
-  b.box({-width_m / 2, -thickness, 0}, {width_m / 2, 0, height_m}, b.material(MaterialKind::kPaint, 0.3),
-        b.material(kind, b.random().uniform(0.7, 0.9)));
+  const Material front = b.material(kind, b.random().uniform(0.7, 0.9));
+  b.box({-width_m / 2, -thickness, 0}, {width_m / 2, 0, height_m}, b.material(MaterialKind::kPaint, 0.3), front);
   b.world().facets[first].texel_m = kPrintTexelM;
 }
 
@@ -90,8 +90,8 @@ void add_tag(WorldBuilder& b, const Placement& at, double side_m) {
   b.begin(at);
   const double sheet_m = side_m * (kTagCells + 2) / kTagCells;
   const std::size_t first = b.world().facets.size();
-  b.box({-sheet_m / 2, -kThicknessM, 0}, {sheet_m / 2, 0, sheet_m}, b.material(MaterialKind::kPaint, 0.8),
-        b.material(MaterialKind::kTag, 0.85));
+  const Material front = b.material(MaterialKind::kTag, 0.85);
+  b.box({-sheet_m / 2, -kThicknessM, 0}, {sheet_m / 2, 0, sheet_m}, b.material(MaterialKind::kPaint, 0.8), front);
   b.world().facets[first].texel_m = kTagTexelM;
 }
 
@@ -115,8 +115,8 @@ void add_window(WorldBuilder& b, const Placement& at, double width_m, double hei
 
 void add_pinboard(WorldBuilder& b, const Placement& at, double width_m, double height_m) {
   b.begin(at);
-  b.box({-width_m / 2, -0.02, 0}, {width_m / 2, 0, height_m}, b.material(MaterialKind::kWood, 0.5),
-        b.material(MaterialKind::kCarton, 0.4));
+  const Material front = b.material(MaterialKind::kCarton, 0.4);
+  b.box({-width_m / 2, -0.02, 0}, {width_m / 2, 0, height_m}, b.material(MaterialKind::kWood, 0.5), front);
   Random& random = b.random();
   const MaterialKind kinds[] = {MaterialKind::kNewspaper, MaterialKind::kPoster, MaterialKind::kPicture};
   const int columns = std::max(1, static_cast<int>(width_m / 0.27)),

@@ -27,8 +27,9 @@ void fill_board(WorldBuilder& b, double x0, double x1, double z, double clear_m,
     const double thickness = random.uniform(0.018, 0.06), height = clear_m * random.uniform(0.62, 0.95);
     const double set_back = random.uniform(0.02, 0.07);
     const double tone = random.uniform(0.05, 0.85);
+    const Material spine = b.material(MaterialKind::kBookSpine, tone);
     b.box({x, -depth_m + set_back, z}, {x + thickness, -0.03, z + height}, b.material(MaterialKind::kPages, 0.6),
-          b.material(MaterialKind::kBookSpine, tone));
+          spine);
     const std::size_t pages = b.world().facets.size() - 5;  // all but the spine, and mostly hidden
     for (std::size_t i = pages; i < pages + 5; ++i) b.world().facets[i].texel_m = 0.005;
     x += thickness + 0.001;
@@ -137,8 +138,8 @@ void add_plant(WorldBuilder& b, const Placement& at, double height_m) {
     const double angle = random.uniform(0, 2 * std::numbers::pi), lift = random.uniform(-0.9, 0.9);
     const double reach = 0.62 * crown * std::sqrt(random.uniform(0.02, 1.0)) * std::sqrt(1 - lift * lift);
     const Vector3d out(std::cos(angle), std::sin(angle), random.uniform(-0.5, 0.6));
-    const Vector3d side =
-        out.cross(Vector3d::UnitZ() + 0.4 * Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), 0));
+    const double tilt_y = random.uniform(-1, 1), tilt_x = random.uniform(-1, 1);
+    const Vector3d side = out.cross(Vector3d::UnitZ() + 0.4 * Vector3d(tilt_x, tilt_y, 0));
     const double length = random.uniform(0.07, 0.16);
     const Vector3d stem(reach * std::cos(angle), -pot + reach * std::sin(angle), middle + lift * crown);
     Facet& leaf = b.rect(stem, length * out.normalized(), 0.42 * length * side.normalized(),
@@ -164,9 +165,9 @@ void add_book_stack(WorldBuilder& b, const Placement& at, int books) {
     const double width = random.uniform(0.2, 0.32), depth = random.uniform(0.15, 0.22),
                  thick = random.uniform(0.02, 0.05);
     const double x = random.uniform(-0.02, 0.02);
-    b.box({x - width / 2, -depth, z}, {x + width / 2, 0, z + thick},
-          b.material(MaterialKind::kPoster, random.uniform(0.4, 0.9)),
-          b.material(MaterialKind::kCarton, random.uniform(0.1, 0.8)));
+    const Material pages = b.material(MaterialKind::kCarton, random.uniform(0.1, 0.8));
+    const Material cover = b.material(MaterialKind::kPoster, random.uniform(0.4, 0.9));
+    b.box({x - width / 2, -depth, z}, {x + width / 2, 0, z + thick}, cover, pages);
     z += thick;
   }
 }

@@ -122,8 +122,9 @@ void add_tree(WorldBuilder& b, double x_m, double y_m, double radius_m) {
   b.cylinder({0, 0, 0}, radius_m, height + 0.5, 12, b.material(MaterialKind::kWood, b.random().uniform(0.22, 0.4)));
   for (int i = 0; i < 16; ++i) {
     const double size = b.random().uniform(0.2, 0.55);
-    const Vector3d middle(b.random().uniform(-0.9, 0.9), b.random().uniform(-0.9, 0.9),
-                          height + b.random().uniform(0.2, 1.6));
+    const double up = b.random().uniform(0.2, 1.6), y = b.random().uniform(-0.9, 0.9),
+                 x = b.random().uniform(-0.9, 0.9);
+    const Vector3d middle(x, y, height + up);
     b.box(middle - Vector3d::Constant(size), middle + Vector3d::Constant(size),
           b.material(MaterialKind::kFoliage, b.random().uniform(0.4, 0.6)));
   }
@@ -138,8 +139,9 @@ void add_sign_board(WorldBuilder& b, const Placement& at, double width_m, double
   for (const double x : {-half, half - kPostM}) {
     b.box({x, -kPostM, 0}, {x + kPostM, 0, kFootM + height_m}, b.material(MaterialKind::kWood, 0.3));
   }
+  const Material front = b.material(MaterialKind::kPoster, 0.85);
   b.box({-half, -kPostM - 0.03, kFootM}, {half, -kPostM, kFootM + height_m}, b.material(MaterialKind::kPaint, 0.4),
-        b.material(MaterialKind::kPoster, 0.85));
+        front);
   coarsen(b, first, kStreetPrintTexelM, 0.06);
 }
 

@@ -88,12 +88,14 @@ void add_houses(WorldBuilder& b, const WallFront& wall, double half_m) {
     const double to = std::min(half_m, from + random.uniform(8, 14)), high_m = random.uniform(5.5, 11);
     const Placement back = wall.at(0, 0, -random.uniform(0, 0.7));
     const WallFront front{back.x_m, back.y_m, wall.turn_deg};
-    add_coarse_block(b, front.at(0.5 * (from + to), 0, -kDepthM), {to - from, kDepthM, high_m}, kKinds[random.index(3)],
-                     random.uniform(0.34, 0.6));
+    const double tone = random.uniform(0.34, 0.6);
+    const MaterialKind kind = kKinds[random.index(3)];
+    add_coarse_block(b, front.at(0.5 * (from + to), 0, -kDepthM), {to - from, kDepthM, high_m}, kind, tone);
     furnish_front(b, front, from, to);
     for (double z = 1 + kFloorM; z + 1.6 < high_m; z += kFloorM) {
       for (double along = from + 1.2; along < to - 0.9; along += random.uniform(1.9, 2.6)) {
-        add_house_window(b, front.at(along, z), random.uniform(0.8, 1.2), random.uniform(1.1, 1.5));
+        const double window_high_m = random.uniform(1.1, 1.5), window_wide_m = random.uniform(0.8, 1.2);
+        add_house_window(b, front.at(along, z), window_wide_m, window_high_m);
       }
     }
     from = to;
