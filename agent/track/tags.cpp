@@ -195,7 +195,7 @@ TagFinder::TagFinder(const CameraModel& camera, const std::string& family) : cam
   // One size of window finds as many as OpenCV's three, in half the time.
   const int window = 2 * static_cast<int>(std::lround(4.0 * camera.width_px / 640)) + 1;
   parameters_.adaptiveThreshWinSizeMin = parameters_.adaptiveThreshWinSizeMax = std::max(3, window);
-  parameters_.minMarkerDistanceRate = 0.01;  // else the edge of the paper takes the place of the tag on it
+  parameters_.minMarkerDistanceRate = aruco::kCloseOutlines;
   parameters_.perspectiveRemovePixelPerCell = 8;
   parameters_.perspectiveRemoveIgnoredMarginPerCell = 0.3;  // corners are rough at this point
 }
