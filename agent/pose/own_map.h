@@ -43,7 +43,7 @@ class OwnMap {
   };
   struct Seen {
     std::vector<Sight> sights;                      // few, each from another direction than those before
-    Eigen::Vector3d ray = Eigen::Vector3d::Zero();  // of the newest one, in the world
+    Eigen::Vector3d ray = Eigen::Vector3d::Zero();  // the newest sight's ray, in the world
   };
 
   CameraModel camera_;

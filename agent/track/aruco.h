@@ -20,7 +20,7 @@ using Parameters = cv::aruco::DetectorParameters;
 
 #if COSLAM_OPENCV_SINCE(7)
 
-// Of outlines that lie this close to each other, as a share of their length, it looks at all, the largest first.
+// OpenCV looks at all outlines that lie this close to each other, as a share of their length, the largest first.
 inline constexpr double kCloseOutlines = 0.125;
 using Dictionary = cv::aruco::Dictionary;
 
@@ -37,7 +37,7 @@ inline void draw(const Dictionary& dictionary, int id, cv::Mat* out) {
 
 #else
 
-// Of outlines that lie this close to each other it keeps the largest: the edge of the paper, not the tag on it.
+// OpenCV keeps the largest of outlines that lie this close to each other: the edge of the paper, not the tag on it.
 inline constexpr double kCloseOutlines = 0.01;
 using Dictionary = cv::Ptr<cv::aruco::Dictionary>;
 
