@@ -26,13 +26,13 @@ std::size_t write_cdr(const Message& message, std::span<std::uint8_t> octets) {
   return cdr.getSerializedDataLength();
 }
 
-// Reads one from the front; returns how many octets it has. Throws exceptions of several kinds.
+// Reads a message; false: the octets are not one as a whole. Throws exceptions of several kinds.
 template <class Message>
-std::size_t read_cdr(std::span<std::uint8_t> octets, Message& message) {
+bool read_cdr(std::span<std::uint8_t> octets, Message& message) {
   eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(octets.data()), octets.size());
   eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS);
   message.deserialize(cdr);
-  return cdr.getSerializedDataLength();
+  return cdr.getSerializedDataLength() == octets.size();
 }
 
 }  // namespace coslam
