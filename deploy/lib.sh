@@ -42,6 +42,14 @@ build_dir() {
 # The sysroot of arm64 that deploy/sysroot.sh makes.
 sysroot_dir() { printf '%s\n' "${COSLAM_SYSROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/coslam-arm64}"; }
 
+# Where Debian's packages come from: COSLAM_MIRROR, else what this machine uses.
+debian_mirror() {
+  local mirror
+  mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources 2>/dev/null |
+    grep -v '^#' | grep --only-matching -E 'https?://[^ ]+' | head -n 1) || true
+  printf '%s\n' "${COSLAM_MIRROR:-${mirror:-http://deb.debian.org/debian}}"
+}
+
 # Parallel compilers: one a core, but no more than the free memory feeds (1.5 GiB each).
 build_jobs() {
   local jobs free_kib

@@ -36,7 +36,14 @@ build=$(build_dir "$preset")
 cmake --preset "$preset" --log-level=NOTICE "${maintainer[@]}" || die "configuring failed: CMake says why above"
 step "package"
 rm -rf -- "$build/packages"
-(cd -- "$build" && cpack -G DEB -B "$build/packages") || die "the packages could not be made: CPack says why above"
+(
+  cd -- "$build"
+  if [[ $preset == arm64 ]]; then  # what they depend on is looked up in the sysroot
+    DPKG_ADMINDIR=$(sysroot_dir)/var/lib/dpkg
+    export DPKG_ADMINDIR DEB_HOST_ARCH=arm64
+  fi
+  cpack -G DEB -B "$build/packages"
+) || die "the packages could not be made: CPack says why above"
 rm -rf -- "$build/packages/_CPack_Packages"
 ls -l -- "$build/packages"
 [[ $check == yes ]] || exit 0

@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # deploy/sysroot.sh [--force]
 #
-# Makes the sysroot that deploy/build.sh --arch arm64 builds against: the libraries of deploy/packages.txt of Debian 12 for
-# arm64, unpacked into a folder of their own (1.4 GB). The packages of this machine stay as they are, and nothing of arm64
-# is run. Does nothing when the sysroot has what is needed.
+# Makes the sysroot that deploy/build.sh --arch arm64 builds against: the libraries of deploy/packages.txt for arm64, of the
+# Debian that this machine runs, unpacked into a folder of their own (1.4 GB). The packages of this machine stay as they
+# are, and nothing of arm64 is run. Does nothing when the sysroot has what is needed.
 #   --force   makes it again
 # COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
 set -euo pipefail
@@ -23,25 +23,34 @@ while [[ $# -gt 0 ]]; do
 done
 
 sysroot=$(sysroot_dir)
-# Libraries and headers of the sets that programs are built and run with; of names that differ the last is Debian 12's.
-wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print $NF }' \
+# shellcheck disable=SC1091  # this system's own
+release=$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")
+# Where releases name a package differently, the newest stands first.
+case $release in
+  bookworm) name='$NF' ;;
+  trixie) name='$1' ;;
+  *) die "the sysroot is that of this machine's Debian, 12 or 13, and this is neither" ;;
+esac
+# Libraries and headers of the sets that programs are built and run with.
+wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print '"$name"' }' \
   "$root/deploy/packages.txt" | sort | paste --serial --delimiters=,)
+wanted="base-files,$wanted"
 note=$sysroot/coslam-packages
-if [[ $force == no && -f $note && $(<"$note") == "$wanted" ]]; then
+if [[ $force == no && -f $note && $(<"$note") == "$release: $wanted" ]]; then
   step "sysroot: all packages are there"
   exit 0
 fi
 command -v mmdebstrap >/dev/null || die "there is no mmdebstrap: deploy/setup.sh --arm64 installs it"
 
-step "sysroot: Debian 12 for arm64, in $sysroot"
+step "sysroot: Debian $release for arm64, in $sysroot"
 mkdir -p -- "$(dirname -- "$sysroot")"
 made=$(mktemp -d -- "$sysroot.XXXXXX")
 # shellcheck disable=SC2064  # the folder of now
 trap "rm -rf --one-file-system -- '$made'" EXIT
 mkdir -- "$made/tree"
 mmdebstrap --quiet --mode="$([[ $EUID -eq 0 ]] && echo root || echo unshare)" --variant=extract --architectures=arm64 \
-  --skip=check/qemu --aptopt='APT::Install-Recommends "false"' --include="base-files,$wanted" bookworm - \
-  "${COSLAM_MIRROR:-http://deb.debian.org/debian}" |
+  --skip=check/qemu --skip=cleanup/apt/cache --aptopt='APT::Install-Recommends "false"' --include="$wanted" "$release" - \
+  "$(debian_mirror)" |
   tar --extract --directory="$made/tree" --no-same-owner --exclude='./dev/*' --exclude='./usr/share/doc' \
     --exclude='./usr/share/locale' --exclude='./usr/share/man' --exclude='./usr/share/icons' --exclude='./usr/lib/llvm*' ||
   die "mmdebstrap could not get the packages: it says why above"
@@ -65,7 +74,27 @@ ln --symbolic --force -- liblapack.so.3 "$libraries/liblapack.so"
 # shellcheck disable=SC2016  # CMake's own variable
 find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
   sed --in-place --regexp-extended 's:(["; ])/usr/(lib|include|share):\1${CMAKE_SYSROOT}/usr/\2:g' {} +
-printf '%s\n' "$wanted" >"$made/tree/coslam-packages"
+
+# What dpkg would have noted, with paths in the sysroot: dpkg-shlibdeps finds in it what packages for arm64 depend on.
+notes=$made/tree/var/lib/dpkg
+rm -rf -- "$notes"
+mkdir -p -- "$notes/info" "$notes/updates"
+printf '1\n' >"$notes/info/format"
+printf '%s\narm64\n' "$(dpkg --print-architecture)" >"$notes/arch"
+for deb in "$made/tree/var/cache/apt/archives/"*.deb; do
+  rm -rf -- "$made/control"
+  dpkg-deb --control "$deb" "$made/control"
+  name=$(dpkg-deb --show --showformat='${Package}' "$deb")
+  [[ $(dpkg-deb --show --showformat='${Multi-Arch}' "$deb") != same ]] || name+=:arm64
+  name=$notes/info/$name
+  { sed '1a Status: install ok installed' "$made/control/control" && printf '\n'; } >>"$notes/status"
+  for kind in symbols shlibs; do
+    [[ ! -e $made/control/$kind ]] || mv -- "$made/control/$kind" "$name.$kind"
+  done
+  dpkg-deb --fsys-tarfile "$deb" | tar --list | sed "s:/$::; s:^\./lib/:./usr/lib/:; s:^\.:$sysroot:" >"$name.list"
+done
+rm -rf -- "$made/tree/var/cache/apt"
+printf '%s\n' "$release: $wanted" >"$made/tree/coslam-packages"
 chmod 755 -- "$made/tree"
 [[ ! -e $sysroot ]] || mv -- "$sysroot" "$made/before"
 mv -- "$made/tree" "$sysroot"

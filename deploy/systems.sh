@@ -18,16 +18,13 @@ let_run() {
 # fresh_system RELEASE ARCH DIR: a Debian that has what every Debian has, and no more. The first of its kind is kept in
 # COSLAM_SYSTEMS (~/.cache/coslam-systems), as an archive.
 fresh_system() {
-  local release=$1 arch=$2 to=$3 kept mirror
+  local release=$1 arch=$2 to=$3 kept
   kept=${COSLAM_SYSTEMS:-${XDG_CACHE_HOME:-$HOME/.cache}/coslam-systems}/$release-$arch.tar
   [[ $EUID -eq 0 ]] || die "a system of its own needs root"
   let_run "$arch"
   if [[ ! -e $kept ]]; then
     mkdir -p -- "$(dirname -- "$kept")"
-    mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources 2>/dev/null |
-      grep -v '^#' | grep --only-matching -E 'https?://[^ ]+' | head -n 1) || true
-    mmdebstrap --quiet --variant=minbase --architectures="$arch" "$release" "$kept.new.tar" \
-      "${COSLAM_MIRROR:-${mirror:-http://deb.debian.org/debian}}" || die "mmdebstrap could not make Debian $release for $arch"
+    mmdebstrap --quiet --variant=minbase --architectures="$arch" "$release" "$kept.new.tar" "$(debian_mirror)" || die "mmdebstrap could not make Debian $release for $arch"
     mv -- "$kept.new.tar" "$kept"
   fi
   mkdir -p -- "$to"
@@ -36,8 +33,11 @@ fresh_system() {
 }
 
 # in_system DIR COMMAND: a shell command as root there. Whatever it started has ended when this returns. COSLAM_HOST names
-# the network namespace in which it runs, as on a machine of its own.
+# the network namespace in which it runs, as on a machine of its own. npm asks where it asks on this machine.
 in_system() {
+  local registry
+  registry=$(npm config get registry 2>/dev/null) || true
+  cp -- /etc/ssl/certs/ca-certificates.crt "$1/root/certificates.crt" 2>/dev/null || true
   # shellcheck disable=SC2016  # the inner shell's own
   ${COSLAM_HOST:+ip netns exec "$COSLAM_HOST"} unshare --mount --pid --fork --kill-child bash -c '
     set -e
@@ -45,7 +45,8 @@ in_system() {
     mount --rbind /dev "$0/dev"
     mount -t tmpfs tmpfs "$0/dev/shm"
     exec chroot "$0" /usr/bin/env -i HOME=/root TERM=dumb LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
-      PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin bash -c "$1"' "$1" "$2"
+      ${2:+npm_config_registry="$2" npm_config_cafile=/root/certificates.crt} \
+      PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin bash -c "$1"' "$1" "$2" "$registry"
 }
 
 # Megabytes that a system takes, without what apt keeps.

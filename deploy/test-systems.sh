@@ -78,7 +78,7 @@ builder() {
 
 # timed SYSTEM COMMAND: its output goes to a log; sets elapsed_s, cpu_min and code.
 timed() {
-  local times log=$work/${FUNCNAME[1]}.log
+  local times log=$work/${FUNCNAME[1]}-$release.log
   code=0
   TIMEFORMAT='%0R %0U %0S'
   times=$({ time in_system "$1" "cd /root/coslam && $2" >>"$log" 2>&1; } 2>&1) || code=$?
@@ -101,7 +101,7 @@ part_tests() {
   local system
   system=$(builder "$1")
   timed "$system" 'deploy/test.sh --werror'
-  row "Debian $1, amd64" '`deploy/test.sh --werror`' "$elapsed_s s, $cpu_min CPU minutes; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_tests.log" | tail -n 1)" "$code"
+  row "Debian $1, amd64" '`deploy/test.sh --werror`' "$elapsed_s s, $cpu_min CPU minutes; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_tests-$1.log" | tail -n 1)" "$code"
 }
 
 # packages_of RELEASE ARCH: makes them, installs and runs them in a clean system, which the fleet uses.
@@ -129,7 +129,7 @@ part_arm64() {
   timed "$system" 'deploy/build.sh --arch arm64'
   row "Debian $1, arm64" '`deploy/build.sh --arch arm64`' "$elapsed_s s, $cpu_min CPU minutes" "$code"
   timed "$system" 'ctest --test-dir build-arm64 --label-regex unit --parallel 2'
-  row "Debian $1, arm64 in QEMU" 'unit tests' "$elapsed_s s; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_arm64.log" | tail -n 1)" "$code"
+  row "Debian $1, arm64 in QEMU" 'unit tests' "$elapsed_s s; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_arm64-$1.log" | tail -n 1)" "$code"
   for folder in build build-arm64; do
     timed "$system" "QEMU_LD_PREFIX=\$HOME/.cache/coslam-arm64 $folder/bin/coslam run deploy/demo --inline --out /root/$folder --force"
   done
@@ -185,7 +185,7 @@ part_fleet() {
 for part in "${parts[@]}"; do
   for release in "${releases[@]}"; do
     step "$part: Debian $release"
-    rm -f -- "$work/part_$part.log"
+    rm -f -- "$work/part_$part-$release.log"
     "part_$part" "$release"
   done
 done

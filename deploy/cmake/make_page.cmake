@@ -18,7 +18,9 @@ endif()
 set(installed ${TO}/node_modules/.package-lock.json)
 if(NOT EXISTS ${installed} OR ${TO}/package-lock.json IS_NEWER_THAN ${installed})
   message(NOTICE "page: npm ci")
-  execute_process(COMMAND ${NPM} ci ${omit} --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${TO} TIMEOUT 300
+  # Where there is no network, that is known after seconds.
+  set(retries --fetch-retries=2 --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=4000)
+  execute_process(COMMAND ${NPM} ci ${omit} ${retries} --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${TO} TIMEOUT 300
                   RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(failed)
     string(REGEX MATCH "npm (ERR!|error) code [A-Z0-9_]+" code "${said}")

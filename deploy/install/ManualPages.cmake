@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The CoSLAM authors
 # SPDX-License-Identifier: Apache-2.0
 
+# Programs of another processor run in its emulator.
+list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+
 # manual_page(COMPONENT PROGRAM [SUBCOMMAND]): the page PROGRAM(1) or PROGRAM-SUBCOMMAND(1).
 function(manual_page component program)
   set(words ${program} ${ARGN})
@@ -9,7 +12,7 @@ function(manual_page component program)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${page}.1.gz)
   add_custom_command(
     OUTPUT ${file}
-    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/manual_page.sh ${COSLAM_HELP2MAN} $<TARGET_FILE_DIR:${program}> ${PROJECT_VERSION} ${file} ${words}
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/manual_page.sh ${COSLAM_HELP2MAN} "${emulator}" $<TARGET_FILE_DIR:${program}> ${PROJECT_VERSION} ${file} ${words}
     DEPENDS ${program} ${CMAKE_CURRENT_SOURCE_DIR}/manual_page.sh
     COMMENT "Writing the manual page of ${command}"
     VERBATIM)
