@@ -59,6 +59,9 @@ build_jobs() {
   printf '%d\n' $((jobs > 1 ? jobs : 1))
 }
 
+# What CTest may run at a time, in halves of a core: each test says how many it takes (deploy/cmake/CoslamTargets.cmake).
+test_shares() { printf '%d\n' $((2 * $(nproc))); }
+
 # True in a git checkout of this tree (false in an unpacked archive).
 in_git() { [[ $(git -C "$root" rev-parse --show-toplevel 2>/dev/null) == "$root" ]]; }
 

@@ -8,6 +8,7 @@
 # are, and nothing of arm64 is run. Does nothing when the sysroot has what is needed.
 #   --force   makes it again
 # COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
+# shellcheck disable=SC2016  # variables of awk and of dpkg
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"

@@ -128,7 +128,7 @@ part_arm64() {
   system=$(builder "$1")
   timed "$system" 'deploy/build.sh --arch arm64'
   row "Debian $1, arm64" '`deploy/build.sh --arch arm64`' "$elapsed_s s, $cpu_min CPU minutes" "$code"
-  timed "$system" 'ctest --test-dir build-arm64 --label-regex unit --parallel 2'
+  timed "$system" 'ctest --test-dir build-arm64 --label-regex unit --parallel $((2 * $(nproc)))'
   row "Debian $1, arm64 in QEMU" 'unit tests' "$elapsed_s s; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_arm64-$1.log" | tail -n 1)" "$code"
   for folder in build build-arm64; do
     timed "$system" "QEMU_LD_PREFIX=\$HOME/.cache/coslam-arm64 $folder/bin/coslam run deploy/demo --inline --out /root/$folder --force"

@@ -51,8 +51,8 @@ check() {
 
 # shellcheck disable=SC2317  # called through check
 run_tests() {
-  step "test: two at a time"
-  ctest --test-dir "$(build_dir "$preset")" --parallel 2 --output-on-failure --no-tests=error 2>&1 | tee "$log"
+  step "test"
+  ctest --test-dir "$(build_dir "$preset")" --parallel "$(test_shares)" --output-on-failure --no-tests=error 2>&1 | tee "$log"
 }
 
 # sanitized PRESET TARGET: builds and runs the tests that the preset is for.
@@ -60,7 +60,7 @@ run_tests() {
 sanitized() {
   "$root/deploy/build.sh" --preset "$1" --target "$2" || return
   step "test: preset $1"
-  ctest --preset "$1" --parallel 2 --no-tests=error
+  ctest --preset "$1" --parallel "$(test_shares)" --no-tests=error
 }
 
 cd -- "$root"

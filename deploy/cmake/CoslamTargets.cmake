@@ -96,19 +96,22 @@ function(coslam_plug_in name)
   install(TARGETS ${name} LIBRARY DESTINATION lib/coslam/plugins COMPONENT ${ARG_COMPONENT})
 endfunction()
 
-# coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit]): one GoogleTest program, its cases found by CTest. The
-# target unit_tests builds all programs with the label unit, and so on. ALONE: CTest runs nothing beside it.
+# coslam_test(NAME SOURCES x_test.cpp ... DEPS ... [LABELS unit] [SHARE n]): one GoogleTest program, its cases found by CTest.
+# The target unit_tests builds all programs with the label unit, and so on. SHARE: how many halves of a core a case takes. A
+# unit test computes all the time, so 2; another waits for most of it, so 1.
 function(coslam_test name)
-  cmake_parse_arguments(ARG "ALONE" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
-  set(alone OFF)
-  if(ARG_ALONE)
-    set(alone ON)
-  endif()
+  cmake_parse_arguments(ARG "" "TIMEOUT;SHARE" "SOURCES;DEPS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
+  endif()
+  if(NOT ARG_SHARE)
+    set(ARG_SHARE 1)
+    if(ARG_LABELS STREQUAL unit)
+      set(ARG_SHARE 2)
+    endif()
   endif()
   add_executable(${name} ${ARG_SOURCES})
   foreach(label ${ARG_LABELS})
@@ -122,5 +125,5 @@ function(coslam_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
-                                          RUN_SERIAL ${alone})
+                                          PROCESSORS ${ARG_SHARE})
 endfunction()

@@ -50,18 +50,19 @@ expect() { [[ "$code $calls" == "$1 $2" ]] || fail "test.sh $3 ends with $code, 
 # without PATTERN: its input but for these lines.
 without() { grep -v -- "$1"; }
 
+shares=$((2 * $(nproc)))
 checks='setup.sh --lint --test --browser
 lint.sh --format
 python3 TREE/deploy/check_layers.py
 python3 TREE/deploy/check_words.py
 python3 TREE/deploy/count_numbers.py'
-run='build.sh --preset release
-ctest --test-dir TREE/build --parallel 2 --output-on-failure --no-tests=error'
-more='build.sh --preset asan --target unit_tests
-ctest --preset asan --parallel 2 --no-tests=error
+run="build.sh --preset release
+ctest --test-dir TREE/build --parallel $shares --output-on-failure --no-tests=error"
+more="build.sh --preset asan --target unit_tests
+ctest --preset asan --parallel $shares --no-tests=error
 build.sh --preset tsan --target threads_tests
-ctest --preset tsan --parallel 2 --no-tests=error
-lint.sh --tidy --all'
+ctest --preset tsan --parallel $shares --no-tests=error
+lint.sh --tidy --all"
 full=$checks$'\n'$run$'\n'$more
 calls_of none
 expect 0 "$checks"$'\n'"$run" 'alone'
