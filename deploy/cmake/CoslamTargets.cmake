@@ -18,8 +18,9 @@ endif()
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 find_program(COSLAM_CCACHE ccache)
 if(COSLAM_CCACHE)
-  # As its manual asks for with precompiled headers.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${COSLAM_CCACHE})
+  # As its manual asks for with precompiled headers; a second checkout finds what the first has compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${COSLAM_CCACHE})
 endif()
 
 # The files of a folder are compiled together, since what they include costs more than what they say. Names in anonymous
