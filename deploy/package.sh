@@ -32,7 +32,7 @@ done
 "$root/deploy/setup.sh" --package || exit
 cd -- "$root"
 build=$(build_dir "$preset")
-"$root/deploy/build.sh" "${for_arch[@]}" --target coslam --target coslam-server --target coslam-agent --target coslam-bridge || exit
+"$root/deploy/build.sh" "${for_arch[@]}" --target coslam --target coslam-server --target coslam-agent --target coslam-bridge --target manual_pages || exit
 cmake --preset "$preset" --log-level=NOTICE "${maintainer[@]}" || die "configuring failed: CMake says why above"
 step "package"
 rm -rf -- "$build/packages"

@@ -92,7 +92,7 @@ for deb in "$made/tree/var/cache/apt/archives/"*.deb; do
   for kind in symbols shlibs; do
     [[ ! -e $made/control/$kind ]] || mv -- "$made/control/$kind" "$name.$kind"
   done
-  dpkg-deb --fsys-tarfile "$deb" | tar --list | sed "s:/$::; s:^\./lib/:./usr/lib/:; s:^\.:$sysroot:" >"$name.list"
+  dpkg-deb --fsys-tarfile "$deb" | tar --list | sed "s:/$::; s:^\.:$sysroot:" >"$name.list"
 done
 rm -rf -- "$made/tree/var/cache/apt"
 printf '%s\n' "$release: $wanted" >"$made/tree/coslam-packages"

@@ -6,12 +6,12 @@
 # Tries everything on clean systems, and prints a table. Needs root and the network, and takes hours on two cores; all of
 # it uses 30 GB.
 #   demo       deploy/demo.sh from a checkout, and a second time
-#   tests      deploy/test.sh --werror there
 #   packages   deploy/package.sh there; what it made is installed and run in a clean system
 #   arm64      deploy/build.sh --arch arm64 there; unit tests in QEMU, and whether a run gives the same bits as on amd64
 #   packages-arm64   packages for arm64, installed and run in a clean system in QEMU
 #   fleet      server and agents of different releases and processors, from those packages, make one map
-# Without PART all of them, in this order; each needs what stands before it, but for `tests`.
+#   tests      deploy/test.sh --werror from nothing, but for Debian's packages
+# Without PART all of them, in this order; each needs what stands before it.
 #   --release   of Debian; both when it is not given
 #   --work      where the systems are made (default: /var/tmp/coslam-systems); what is there already is used again
 #   --write     also writes the table into docs/systems.md
@@ -26,7 +26,7 @@ releases=()
 parts=()
 work=/var/tmp/coslam-systems
 write=no
-all_parts=(demo tests packages arm64 packages-arm64 fleet)
+all_parts=(demo packages arm64 packages-arm64 fleet tests)
 while [[ $# -gt 0 ]]; do
   case $1 in
     --release) need_value "$1" $# && releases+=("$2") && shift ;;
@@ -73,6 +73,8 @@ builder() {
     fresh_system "$(codename "$1")" amd64 "$dir"
     git clone --quiet -- "$root" "$dir/root/coslam"
   fi
+  git -C "$dir/root/coslam" fetch --quiet -- "$root" HEAD
+  git -C "$dir/root/coslam" reset --quiet --hard FETCH_HEAD
   printf '%s\n' "$dir"
 }
 
@@ -100,7 +102,8 @@ part_demo() {
 part_tests() {
   local system
   system=$(builder "$1")
-  timed "$system" 'deploy/test.sh --werror'
+  in_system "$system" 'cd /root/coslam && deploy/setup.sh --lint --test --browser' >"$work/part_tests-$1.log" 2>&1 || true
+  timed "$system" 'rm -rf build && CCACHE_DISABLE=1 deploy/test.sh --werror'
   row "Debian $1, amd64" '`deploy/test.sh --werror`' "$elapsed_s s, $cpu_min CPU minutes; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_tests-$1.log" | tail -n 1)" "$code"
 }
 
