@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,8 @@ struct SourceFacts {
   double track_s = 0;     // usual time of one tracking step
   int tracks = 0, most_tracks = 0;
 };
-SourceFacts look_at_source(const AgentOptions& settings);
+// most: how long its images are looked at.
+SourceFacts look_at_source(const AgentOptions& settings, std::chrono::milliseconds most = std::chrono::seconds(2));
 Findings judge(const SourceFacts& facts);
 
 }  // namespace coslam::doctor

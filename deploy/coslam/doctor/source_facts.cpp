@@ -22,8 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLook{2000};
-
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -61,10 +59,10 @@ class Look {
     feed_ = facts.live ? real_time_feed(std::move(images), 1, utc_now_ns()) : prefetching_feed(std::move(images));
   }
 
-  void run() {
+  void run(std::chrono::milliseconds most) {
     std::atomic<bool> stop{false};
     const Instant start = Clock::now();
-    while (Clock::now() - start < kLook) {
+    while (Clock::now() - start < most) {
       const auto image = feed_->next(stop);
       if (!image) break;
       take(*image);
@@ -126,13 +124,13 @@ std::string problem_of_calibration(const std::string& calibration) {
 
 }  // namespace
 
-SourceFacts look_at_source(const AgentOptions& settings) {
+SourceFacts look_at_source(const AgentOptions& settings, std::chrono::milliseconds most) {
   SourceFacts facts{.name = settings.source, .live = is_live_uri(settings.source), .nominal_hz = settings.play.rate_hz};
   facts.calibration_problem = problem_of_calibration(settings.calibration);
   AgentOptions readable = settings;
   if (!facts.calibration_problem.empty()) readable.calibration.clear();
   try {
-    Look(readable, facts).run();
+    Look(readable, facts).run(most);
   } catch (const UserError& error) {
     facts.problem = error.what();
   }

@@ -42,6 +42,9 @@ class LookAtSource : public ::testing::Test {
     }
   }
 
+  // All of it, however slow the machine is.
+  SourceFacts look() const { return look_at_source(settings_, std::chrono::minutes(1)); }
+
   const LogPause quiet_;
   const coslam::test::TempFolder folder_;
   AgentOptions settings_;
@@ -49,7 +52,7 @@ class LookAtSource : public ::testing::Test {
 
 TEST_F(LookAtSource, ImagesAreCountedAndTracked) {
   write_images(5);
-  const SourceFacts facts = look_at_source(settings_);
+  const SourceFacts facts = look();
   EXPECT_EQ(facts.problem, "");
   EXPECT_EQ(facts.calibration_problem, "");
   EXPECT_FALSE(facts.live);
@@ -68,22 +71,22 @@ TEST_F(LookAtSource, ImagesAreCountedAndTracked) {
 
 TEST_F(LookAtSource, LightAndFocusAreThoseOfTheImages) {
   write_images(3);
-  const SourceFacts fine = look_at_source(settings_);
+  const SourceFacts fine = look();
   write_images(3, [](cv::Mat& image) { cv::GaussianBlur(image, image, cv::Size(), 4); });
-  const SourceFacts soft = look_at_source(settings_);
+  const SourceFacts soft = look();
   EXPECT_LT(soft.sharpness, 0.2 * fine.sharpness);
   EXPECT_NEAR(soft.light, fine.light, 3);
   write_images(3, [](cv::Mat& image) { image.convertTo(image, -1, 0.5, 0); });
-  const SourceFacts dim = look_at_source(settings_);
+  const SourceFacts dim = look();
   EXPECT_NEAR(dim.light, fine.light / 2, 1);
   EXPECT_GT(dim.sharpness, 0.9 * fine.sharpness) << "less light is no less sharp";
   write_images(3, [](cv::Mat& image) { image.convertTo(image, -1, 4, -200); });
-  EXPECT_GT(look_at_source(settings_).clipped, fine.clipped + 0.2);
+  EXPECT_GT(look().clipped, fine.clipped + 0.2);
 }
 
 TEST_F(LookAtSource, ASourceThatIsNotThereIsAProblem) {
   settings_.source = (folder_ / "nowhere").string();
-  const SourceFacts facts = look_at_source(settings_);
+  const SourceFacts facts = look();
   EXPECT_THAT(facts.problem, HasSubstr("nowhere"));
   EXPECT_EQ(facts.images, 0);
   EXPECT_EQ(facts.name, settings_.source);
@@ -92,7 +95,7 @@ TEST_F(LookAtSource, ASourceThatIsNotThereIsAProblem) {
 TEST_F(LookAtSource, ACalibrationThatCannotBeReadLeavesTheRest) {
   write_images(3);
   settings_.calibration = folder_.write("calib.yaml", "hello: world\n").string();
-  const SourceFacts facts = look_at_source(settings_);
+  const SourceFacts facts = look();
   EXPECT_THAT(facts.calibration_problem, HasSubstr("not a calibration"));
   EXPECT_EQ(facts.problem, "");
   EXPECT_EQ(facts.images, 3);
@@ -102,16 +105,16 @@ TEST_F(LookAtSource, ALensThatIsUnlikelyIsDoubted) {
   write_images(3);
   const std::string lens = "width: 320\nheight: 240\nfx: 250\nfy: 250\ncy: 119.5\n";
   settings_.calibration = folder_.write("calib.yaml", lens + "cx: 159.5\n").string();
-  EXPECT_EQ(look_at_source(settings_).doubt, "");
+  EXPECT_EQ(look().doubt, "");
   settings_.calibration = folder_.write("calib.yaml", lens + "cx: 300\n").string();
-  const SourceFacts facts = look_at_source(settings_);
+  const SourceFacts facts = look();
   EXPECT_EQ(facts.calibration_problem, "");
   EXPECT_THAT(facts.doubt, HasSubstr("principal point"));
 }
 
 TEST_F(LookAtSource, OneImageHasNoPace) {
   write_images(1);
-  const SourceFacts facts = look_at_source(settings_);
+  const SourceFacts facts = look();
   EXPECT_EQ(facts.images, 1);
   EXPECT_EQ(facts.period_s, 0);
   EXPECT_EQ(facts.longest_s, 0);
