@@ -5,14 +5,22 @@
 # Clean Debian systems in folders, in which packages and the source are tried. Source it after lib.sh; needs root, and
 # mmdebstrap (deploy/setup.sh --package).
 
-# A system of another processor runs in QEMU's user mode; the kernel is told so once.
+# A system of another processor runs in QEMU's user mode; the kernel is told so once. COSLAM_QEMU is the emulator, where it
+# is not the system's.
 let_run() {
-  local arch=$1 emulators=/proc/sys/fs/binfmt_misc
+  local arch=$1 emulators=/proc/sys/fs/binfmt_misc emulator version
   [[ $arch != "$(dpkg --print-architecture)" ]] || return 0
   [[ $arch == arm64 ]] || die "systems of $arch cannot be run here"
   [[ -e $emulators/register ]] || mount -t binfmt_misc none "$emulators" || die "this kernel runs no programs of other processors"
-  [[ -e $emulators/qemu-aarch64 ]] || tr -d '\n' </usr/lib/binfmt.d/qemu-aarch64.conf >"$emulators/register" ||
-    die "qemu-aarch64 cannot be registered (deploy/setup.sh --arm64 installs it)"
+  [[ ! -e $emulators/coslam-arm64 ]] || return 0
+  emulator=${COSLAM_QEMU:-$(command -v qemu-aarch64-static || command -v qemu-aarch64)} || die "there is no QEMU: deploy/setup.sh --arm64 installs it"
+  version=$("$emulator" --version | grep -oE 'version [0-9]+' | head -n 1)
+  [[ ${version#version } -ge 10 ]] ||
+    die "$emulator is of ${version:-an unknown version}: QEMU 7 does not choose the interface of multicasts, which DDS asks for, 10 does; COSLAM_QEMU names another"
+  # An ELF program for arm64.
+  printf ':coslam-arm64:M::%s:%s:%s:F' '\x7fELF\x02\x01\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x02\x00\xb7\x00' \
+    '\xff\xff\xff\xff\xff\xff\xff\x00\xff\xff\xff\xff\xff\xff\xff\xff\xfe\xff\xff\xff' "$emulator" >"$emulators/register" ||
+    die "$emulator cannot be registered"
 }
 
 # fresh_system RELEASE ARCH DIR: a Debian that has what every Debian has, and no more. The first of its kind is kept in
