@@ -74,7 +74,7 @@ ln --symbolic --force -- liblapack.so.3 "$libraries/liblapack.so"
 # CMake files of packages that name libraries from the top of the file system.
 # shellcheck disable=SC2016  # CMake's own variable
 find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
-  sed --in-place --regexp-extended 's:(["; ])/usr/(lib|include|share):\1${CMAKE_SYSROOT}/usr/\2:g' {} +
+  sed --in-place --regexp-extended 's:(["; ])/usr(/lib|/include|/share|"):\1${CMAKE_SYSROOT}/usr\2:g' {} +
 
 # What dpkg would have noted, with paths in the sysroot: dpkg-shlibdeps finds in it what packages for arm64 depend on.
 notes=$made/tree/var/lib/dpkg

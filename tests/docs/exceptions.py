@@ -27,6 +27,7 @@ CHECKED = {
     "deploy/package.sh": "builds everything anew",
     "deploy/test-field.sh": "makes network namespaces; with --list it is run",
     "deploy/test-changed.sh": "builds with sanitizers",
+    "deploy/test-systems.sh": "takes hours",
     "deploy/test.sh": "runs this test",
     "tests/benchmark/accuracy.py": "takes hours, and recordings that are not here",
     "tests/benchmark/instructions.py": "takes minutes in an emulator that is not installed for tests",
