@@ -51,6 +51,7 @@ in_system() {
     set -e
     mount -t proc proc "$0/proc"
     mount --rbind /dev "$0/dev"
+    mount --rbind /sys "$0/sys"
     mount -t tmpfs tmpfs "$0/dev/shm"
     exec chroot "$0" /usr/bin/env -i HOME=/root TERM=dumb LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
       ${2:+npm_config_registry="$2" npm_config_cafile=/root/certificates.crt} \
