@@ -42,6 +42,12 @@ build_dir() {
 # The sysroot of arm64 that deploy/sysroot.sh makes.
 sysroot_dir() { printf '%s\n' "${COSLAM_SYSROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/coslam-arm64}"; }
 
+# The code name of the Debian that this machine runs; empty where it is none.
+debian_release() {
+  # shellcheck disable=SC1091  # this system's own
+  (. /etc/os-release && printf '%s\n' "${VERSION_CODENAME:-}")
+}
+
 # Where Debian's packages come from: COSLAM_MIRROR, else what this machine uses.
 debian_mirror() {
   local mirror

@@ -53,6 +53,4 @@ step "check: lintian"
 lintian --allow-root --fail-on error,warning --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog,initial-upload-closes-no-bugs \
   "$build/packages/"*.deb || die "lintian has found faults"
 
-# shellcheck disable=SC1091  # this system's own
-release=$(. /etc/os-release && printf '%s' "$VERSION_CODENAME")
-exec "$root/deploy/check-packages.sh" "$release" "$arch" "$build/packages"
+exec "$root/deploy/check-packages.sh" "$(debian_release)" "$arch" "$build/packages"

@@ -8,7 +8,7 @@
 # are, and nothing of arm64 is run. Does nothing when the sysroot has what is needed.
 #   --force   makes it again
 # COSLAM_SYSROOT says where it lies (default: ~/.cache/coslam-arm64), COSLAM_MIRROR where Debian's packages come from.
-# shellcheck disable=SC2016  # variables of awk and of dpkg
+# shellcheck disable=SC2016  # variables of awk, dpkg and CMake
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR source=lib.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/lib.sh"
@@ -24,16 +24,15 @@ while [[ $# -gt 0 ]]; do
 done
 
 sysroot=$(sysroot_dir)
-# shellcheck disable=SC1091  # this system's own
-release=$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")
+release=$(debian_release)
 # Where releases name a package differently, the newest stands first.
 case $release in
-  bookworm) name='$NF' ;;
-  trixie) name='$1' ;;
+  bookworm) newest=0 ;;
+  trixie) newest=1 ;;
   *) die "the sysroot is that of this machine's Debian, 12 or 13, and this is neither" ;;
 esac
 # Libraries and headers of the sets that programs are built and run with.
-wanted=$(awk '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print '"$name"' }' \
+wanted=$(awk -v newest="$newest" '{ sub(/#.*/, "") } /^\[/ { inside = /^\[(build|speed)\]/; next } inside && $1 ~ /^lib|-dev$/ { print newest ? $1 : $NF }' \
   "$root/deploy/packages.txt" | sort | paste --serial --delimiters=,)
 wanted="base-files,$wanted"
 note=$sysroot/coslam-packages
@@ -72,7 +71,6 @@ done
 ln --symbolic --force -- libblas.so.3 "$libraries/libblas.so"
 ln --symbolic --force -- liblapack.so.3 "$libraries/liblapack.so"
 # CMake files of packages that name libraries from the top of the file system.
-# shellcheck disable=SC2016  # CMake's own variable
 find "$libraries/cmake" "$made/tree/usr/share" -name '*.cmake' -type f -exec \
   sed --in-place --regexp-extended 's:(["; ])/usr(/lib|/include|/share|"):\1${CMAKE_SYSROOT}/usr\2:g' {} +
 

@@ -41,11 +41,8 @@ fresh_system() {
 }
 
 # in_system DIR COMMAND: a shell command as root there. Whatever it started has ended when this returns. COSLAM_HOST names
-# the network namespace in which it runs, as on a machine of its own. npm asks where it asks on this machine.
+# the network namespace in which it runs, as on a machine of its own.
 in_system() {
-  local registry
-  registry=$(npm config get registry 2>/dev/null) || true
-  cp -- /etc/ssl/certs/ca-certificates.crt "$1/root/certificates.crt" 2>/dev/null || true
   # shellcheck disable=SC2016  # the inner shell's own
   ${COSLAM_HOST:+ip netns exec "$COSLAM_HOST"} unshare --mount --pid --fork --kill-child bash -c '
     set -e
@@ -54,8 +51,7 @@ in_system() {
     mount --rbind /sys "$0/sys"
     mount -t tmpfs tmpfs "$0/dev/shm"
     exec chroot "$0" /usr/bin/env -i HOME=/root TERM=dumb LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
-      ${2:+npm_config_registry="$2" npm_config_cafile=/root/certificates.crt} \
-      PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin bash -c "$1"' "$1" "$2" "$registry"
+      PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin bash -c "$1"' "$1" "$2"
 }
 
 # Megabytes that a system takes, without what apt keeps.

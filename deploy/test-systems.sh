@@ -66,12 +66,17 @@ row() {
   printf '%s\n' "${rows[-1]}"
 }
 
-# The system in which a release builds, with a checkout of what is committed here in /root/coslam.
+# The system in which a release builds, with a checkout of what is committed here in /root/coslam. npm asks there where it
+# asks on this machine.
 builder() {
   local dir=$work/build-$1
   if [[ ! -d $dir/root/coslam ]]; then
     fresh_system "$(codename "$1")" amd64 "$dir"
     git clone --quiet -- "$root" "$dir/root/coslam"
+    if command -v npm >/dev/null; then
+      cp -- /etc/ssl/certs/ca-certificates.crt "$dir/root/certificates.crt"
+      printf 'registry=%s\ncafile=/root/certificates.crt\n' "$(npm config get registry)" >"$dir/root/.npmrc"
+    fi
   fi
   git -C "$dir/root/coslam" fetch --quiet -- "$root" HEAD
   git -C "$dir/root/coslam" reset --quiet --hard FETCH_HEAD
@@ -131,7 +136,7 @@ part_arm64() {
   system=$(builder "$1")
   timed "$system" 'deploy/build.sh --arch arm64'
   row "Debian $1, arm64" '`deploy/build.sh --arch arm64`' "$elapsed_s s, $cpu_min CPU minutes" "$code"
-  timed "$system" 'ctest --test-dir build-arm64 --label-regex unit --parallel $((2 * $(nproc)))'
+  timed "$system" "ctest --test-dir build-arm64 --label-regex unit --parallel $(test_shares)"
   row "Debian $1, arm64 in QEMU" 'unit tests' "$elapsed_s s; $(grep -oE '[0-9]+ tests failed out of [0-9]+' "$work/part_arm64-$1.log" | tail -n 1)" "$code"
   for folder in build build-arm64; do
     timed "$system" "QEMU_LD_PREFIX=\$HOME/.cache/coslam-arm64 $folder/bin/coslam run deploy/demo --inline --out /root/$folder --force"
