@@ -24,7 +24,8 @@ class PointsByPlaceTest : public testing::Test {
     std::mt19937_64 random(4);
     std::uniform_real_distribution<double> place(-15, 15), sigma(0.001, 0.2);
     for (int i = 0; i < 2000; ++i) {
-      sim_.create(Eigen::Vector3d(place(random), place(random), place(random)), sigma(random));
+      const double sigma_m = sigma(random), z = place(random), y = place(random), x = place(random);
+      sim_.create(Eigen::Vector3d(x, y, z), sigma_m);
     }
   }
   const MapCamera& camera(CameraId id) const { return sim_.map.camera(id); }
